@@ -4,7 +4,7 @@
 //! T. J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18, 1971. The square root takes
 //! one Newton step from the square root of the double.
 
-use hardpoint_engine::number::{Real, Scalar};
+use hardpoint_engine::number::{Real, Scalar, Valued};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The sum of two doubles, the second at most half a unit in the last place of the first.
@@ -162,6 +162,19 @@ impl Real for DoubleDouble {
     }
     fn sign(self) -> Self {
         self.constant(self.high.sign())
+    }
+}
+
+impl Valued for DoubleDouble {
+    type Plain = f64;
+    fn plain_value(self) -> f64 {
+        self.value()
+    }
+    fn of_plain(self, value: f64) -> Self {
+        self.constant(value)
+    }
+    fn choose(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
     }
 }
 

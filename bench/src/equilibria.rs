@@ -1,13 +1,13 @@
 //! Equilibria per second of a wheel or an axle with elastic parts, and time of a whole sheet of tests with derivatives.
 
 use super::{Clock, Job, JobTime, Unmeasurable};
-use hardpoint_engine::bench_hooks::wheel_figures;
+use hardpoint_engine::bench_hooks::{equilibria_in_lanes, wheel_figures};
 use hardpoint_engine::compliance::{
     AxialStiffness, AxleKcRun, Compliance, ElasticAxle, ElasticWheel, Equilibrium, HeldQuantity,
     KcRun, KcValue, Parameter, Shape, WheelLoads, quantities,
 };
 use hardpoint_engine::model::{Axis, PointId, Suspension};
-use hardpoint_engine::number::{Tape, Vector3};
+use hardpoint_engine::number::{Tape, Vector3, Width};
 use hardpoint_engine::study::{AxleStudy, Study, WheelStudy};
 use std::hint::black_box;
 
@@ -132,7 +132,48 @@ impl Equilibria {
         ];
         let works: [Box<dyn FnMut()>; 3] =
             [Box::new(from_design), Box::new(levels), Box::new(sheet)];
-        Ok(Equilibria::timed(names, works, clock))
+        let mut found = Equilibria::timed(names, works, clock);
+        for width in Width::ALL {
+            found.add_lanes(&own, width, clock);
+        }
+        Ok(found)
+    }
+
+    /// Adds times of equilibria in lanes, if the processor has this width and lanes support the wheel.
+    fn add_lanes(&mut self, own: &ElasticWheel, width: Width, clock: &Clock) {
+        if !width.is_available() {
+            return;
+        }
+        let names = match width {
+            Width::Scalar => [
+                "equilibrium from the design, scalar form of the lanes",
+                "equilibrium from the level before, scalar form of the lanes",
+            ],
+            Width::Avx2 => [
+                "equilibrium from the design, avx2 lanes",
+                "equilibrium from the level before, avx2 lanes",
+            ],
+            Width::Avx512 => [
+                "equilibrium from the design, avx512 lanes",
+                "equilibrium from the level before, avx512 lanes",
+            ],
+        };
+        let levels: Vec<WheelLoads> = side_forces().collect();
+        let items = [LOADS, LOADS * width.lanes()];
+        equilibria_in_lanes(width, own, &loads(), &levels, &mut |work| {
+            for (number, job) in names.into_iter().enumerate() {
+                // A job is counted only if every equilibrium was found.
+                let mut found = 0;
+                work(&mut |_| found += 1, number);
+                if found != items[number] {
+                    continue;
+                }
+                let timing = clock.time(items[number], || {
+                    work(&mut |figures| _ = black_box(figures), number);
+                });
+                self.measurements.push(JobTime { job, timing });
+            }
+        });
     }
 
     fn of_axle(both: &AxleStudy, clock: &Clock) -> Result<Self, Unmeasurable> {

@@ -1,6 +1,6 @@
 //! Numbers of single precision. They show how many digits single precision loses.
 
-use hardpoint_engine::number::{Real, Scalar};
+use hardpoint_engine::number::{Real, Scalar, Valued};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// A number of single precision.
@@ -74,6 +74,19 @@ impl Real for Single {
     #[inline]
     fn sign(self) -> Self {
         Single(1.0_f32.copysign(self.0))
+    }
+}
+
+impl Valued for Single {
+    type Plain = f64;
+    fn plain_value(self) -> f64 {
+        self.value()
+    }
+    fn of_plain(self, value: f64) -> Self {
+        self.constant(value)
+    }
+    fn choose(mask: bool, yes: Self, no: Self) -> Self {
+        if mask { yes } else { no }
     }
 }
 

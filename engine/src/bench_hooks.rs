@@ -5,10 +5,112 @@ pub use crate::linear::lu::{Lu, Lu6};
 pub use crate::mechanism::{Closure, Driver};
 pub use crate::solve::closed_form::{ArmState, ClosedForm, Roles};
 
-use crate::compliance::{ElasticWheel, Equilibrium, WheelFigures};
+use crate::compliance::{
+    ElasticWheel, EquilibriaInLanes, Equilibrium, HeldQuantity, LaneMemory, WheelFigures,
+    WheelLoads, WheelsInLanes,
+};
+use crate::number::{MOST_LANES, SimdReal, SimdTask, Width};
 
 /// Angles and positions of a wheel in equilibrium. The function is compiled here, and not again in the crate that measures
 /// it.
 pub fn wheel_figures(wheel: &ElasticWheel, at: &Equilibrium) -> WheelFigures {
     wheel.figures(at)
+}
+
+/// Prepares equilibria of one wheel in lanes of a width, and passes two pieces of work to `measure`. The first one solves all
+/// loads from the equilibrium at the design height. The second one solves one load after the other in every lane, each from the
+/// equilibrium under the previous load. Both read the figures of the wheels. Returns false, and does not call `measure`, if
+/// lanes do not support the wheel.
+pub fn equilibria_in_lanes(
+    width: Width,
+    wheel: &ElasticWheel,
+    from_design: &[WheelLoads],
+    levels: &[WheelLoads],
+    measure: &mut dyn FnMut(&mut dyn FnMut(&mut dyn FnMut(WheelFigures), usize)),
+) -> bool {
+    if wheel.fits_lanes() {
+        width.run(LaneEquilibria {
+            wheel,
+            from_design,
+            levels,
+            measure,
+        });
+    }
+    wheel.fits_lanes()
+}
+
+struct LaneEquilibria<'w> {
+    wheel: &'w ElasticWheel,
+    from_design: &'w [WheelLoads],
+    levels: &'w [WheelLoads],
+    measure: &'w mut dyn FnMut(&mut dyn FnMut(&mut dyn FnMut(WheelFigures), usize)),
+}
+
+impl SimdTask for LaneEquilibria<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<B: SimdReal>(self, like: B) {
+        let LaneEquilibria {
+            wheel,
+            from_design,
+            levels,
+            measure,
+        } = self;
+        let memory = LaneMemory::default();
+        let same = [wheel; MOST_LANES];
+        let wheels = same[..B::LANES].iter().copied();
+        let Some(wheels) = WheelsInLanes::of(like, &memory, wheels) else {
+            return;
+        };
+        let station = wheels.at(0.0, 0.0);
+        let mut found = [const { None }; MOST_LANES];
+        let mut read = |at: &EquilibriaInLanes<B>, receive: &mut dyn FnMut(WheelFigures)| {
+            at.write(&mut found[..B::LANES]);
+            for at in found.iter().flatten() {
+                receive(wheel.figures(at));
+            }
+        };
+        measure(&mut |receive, job| {
+            let mut at = station;
+            if job == 0 {
+                for loads in from_design.chunks_exact(B::LANES) {
+                    let loads = side_by_side(like, loads);
+                    let held = HeldQuantity::WheelHeight;
+                    read(&wheels.loaded_about(&station, &station, &loads, held), receive);
+                }
+            } else {
+                for load in levels {
+                    let load = load.map(|c| like.constant(c));
+                    at = wheels.loaded_about(&station, &at, &load, HeldQuantity::WheelHeight);
+                    read(&at, receive);
+                }
+            }
+        });
+    }
+}
+
+/// Loads in lanes, one after the other.
+#[inline(always)]
+fn side_by_side<B: SimdReal>(like: B, loads: &[WheelLoads]) -> WheelLoads<B> {
+    let of = |part: fn(&WheelLoads) -> f64| {
+        let mut parts = [0.0; MOST_LANES];
+        for (part_of, load) in parts.iter_mut().zip(loads) {
+            *part_of = part(load);
+        }
+        like.load(&parts)
+    };
+    let mut all = WheelLoads::none(like);
+    all.contact.x = of(|load| load.contact.x);
+    all.contact.y = of(|load| load.contact.y);
+    all.contact.z = of(|load| load.contact.z);
+    all.side = of(|load| load.side);
+    all.trail = of(|load| load.trail);
+    all.centre.x = of(|load| load.centre.x);
+    all.centre.y = of(|load| load.centre.y);
+    all.centre.z = of(|load| load.centre.z);
+    all.moment.x = of(|load| load.moment.x);
+    all.moment.y = of(|load| load.moment.y);
+    all.moment.z = of(|load| load.moment.z);
+    all
 }

@@ -1,6 +1,6 @@
 //! Force of a spring with its stops.
 
-use crate::number::{Jet, Scalar};
+use crate::number::{Jet, MOST_LANES, Scalar, SimdReal, Valued};
 
 /// Force as a function of the length, positive in compression.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,19 +58,19 @@ impl<T: Copy> SpringLaw<T> {
 
     /// Length from which deflections count. `design` is the length in the design position.
     #[inline(always)]
-    fn reference<U: Scalar>(&self, design: U) -> U {
+    fn reference<U: Valued>(&self, design: U) -> U {
         self.own_length.map_or(design, |own| design.constant(own))
     }
 
     /// Deflection of the spring at a length, positive in compression. `design` is the length in the design position.
     #[inline(always)]
-    pub(crate) fn shortened<U: Scalar>(&self, length: U, design: U) -> U {
+    pub(crate) fn shortened<U: Valued>(&self, length: U, design: U) -> U {
         self.reference(design) - length
     }
 
     /// Force at a length, without the stops. `over` converts the numbers of the law to the type of the length.
     #[inline(always)]
-    fn without_stops<U: Scalar>(&self, length: U, design: U, over: &impl Fn(T) -> U) -> U {
+    fn without_stops<U: Valued>(&self, length: U, design: U, over: &impl Fn(T) -> U) -> U {
         match &self.spring {
             Law::Linear { force, rate } => {
                 over(*force) + over(*rate) * self.shortened(length, design)
@@ -81,25 +81,34 @@ impl<T: Copy> SpringLaw<T> {
 
     /// Force at a length. `over` converts the numbers of the law to the type of the length.
     #[inline(always)]
-    fn force_over<U: Scalar>(&self, length: U, design: U, over: impl Fn(T) -> U) -> U {
+    fn force_over<U: Valued>(&self, length: U, design: U, over: impl Fn(T) -> U) -> U {
         let shortened = self.shortened(length, design);
         let spring = self.without_stops(length, design, &over);
-        let pressed = match &self.bump_stop {
-            Some(stop) if shortened.value() > stop.gap => {
-                spring + stop.curve.at(shortened - length.constant(stop.gap))
-            }
-            _ => spring,
-        };
-        match &self.rebound_stop {
-            Some(stop) if -shortened.value() > stop.gap => {
-                pressed - stop.curve.at(-shortened - length.constant(stop.gap))
-            }
-            _ => pressed,
-        }
+        let pressed = with_stop(&self.bump_stop, spring, shortened, |force, more| force + more);
+        with_stop(&self.rebound_stop, pressed, -shortened, |force, more| force - more)
     }
 }
 
-impl<T: Scalar> SpringLaw<T> {
+/// Adds the force of a stop to a force, where the spring's change of length exceeds the gap.
+#[inline(always)]
+fn with_stop<U: Valued>(
+    stop: &Option<BumpStop>,
+    force: U,
+    change: U,
+    add: impl Fn(U, U) -> U + Copy,
+) -> U {
+    let Some(stop) = stop else {
+        return force;
+    };
+    let touches = change.is_above(stop.gap);
+    if !U::Plain::any(touches) {
+        return force;
+    }
+    let pressed = stop.curve.at(change - change.constant(stop.gap));
+    U::choose(touches, add(force, pressed), force)
+}
+
+impl<T: Valued> SpringLaw<T> {
     /// Force and rate (force per shortening) at a length. `design` is the length in the design position.
     #[inline(always)]
     pub(crate) fn at(&self, length: T, design: T) -> (T, T) {
@@ -108,6 +117,9 @@ impl<T: Scalar> SpringLaw<T> {
         (force[0], force[1])
     }
 
+}
+
+impl<T: Scalar> SpringLaw<T> {
     /// Returns true if a stop is in contact at a length.
     pub(crate) fn meets_stop(&self, length: T, design: T) -> bool {
         let shortened = self.shortened(length, design).value();
@@ -226,29 +238,58 @@ impl ForceCurve {
         &self.points
     }
 
-    /// The value at `x`.
-    pub fn at<T: Scalar>(&self, x: T) -> T {
+    /// Polynomial at an abscissa: its start a, the inverse 1/h of its length, and its coefficients in powers of (x - a)/h. A
+    /// straight end has the length 1.
+    fn piece(&self, here: f64) -> [f64; 6] {
         let points = &self.points;
-        let here = x.value();
         let end = points.len() - 1;
-        let straight = |i: usize| {
-            x.constant(points[i][1]) + (x - x.constant(points[i][0])) * x.constant(self.slopes[i])
-        };
+        let straight = |i: usize| [points[i][0], 1.0, points[i][1], self.slopes[i], 0.0, 0.0];
         if here <= points[0][0] {
             return straight(0);
         }
-        if here >= points[end][0] {
+        // NaN fails this comparison.
+        let is_inside = here < points[end][0];
+        if !is_inside {
             return straight(end);
         }
         let i = points.partition_point(|p| p[0] <= here) - 1;
         let [[a, left], [b, right]] = [points[i], points[i + 1]];
         let h = b - a;
-        let t = (x - x.constant(a)) * x.constant(1.0 / h);
         let secant = right - left;
         let (m, n) = (self.slopes[i] * h, self.slopes[i + 1] * h);
-        // Hermite cubic in powers of t.
+        // Hermite cubic.
         let (quadratic, cubic) = (3.0 * secant - 2.0 * m - n, m + n - 2.0 * secant);
-        x.constant(left) + t * (x.constant(m) + t * (x.constant(quadratic) + t * x.constant(cubic)))
+        [a, 1.0 / h, left, m, quadratic, cubic]
+    }
+
+    /// The value at `x`.
+    pub fn at<T: Valued>(&self, x: T) -> T {
+        let [a, inverse, left, m, quadratic, cubic] = if T::IN_REGISTERS {
+            self.pieces(x)
+        } else {
+            self.piece(x.plain_value().in_lane(0)).map(|c| x.constant(c))
+        };
+        let t = (x - a) * inverse;
+        left + t * (m + t * (quadratic + t * cubic))
+    }
+
+    /// Polynomials of all lanes, as [`ForceCurve::piece`] has them.
+    #[inline(always)]
+    fn pieces<T: Valued>(&self, x: T) -> [T; 6] {
+        let mut values = [0.0; MOST_LANES];
+        x.plain_value().store(&mut values);
+        let mut parts = [[0.0; MOST_LANES]; 6];
+        for lane in 0..T::Plain::LANES {
+            let piece = self.piece(values[lane]);
+            for k in 0..6 {
+                parts[k][lane] = piece[k];
+            }
+        }
+        let mut pieces = [x; 6];
+        for k in 0..6 {
+            pieces[k] = x.of_plain(x.plain_value().load(&parts[k]));
+        }
+        pieces
     }
 
     /// Integral from the first point to `x`.

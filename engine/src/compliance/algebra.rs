@@ -15,14 +15,14 @@
 //! ```
 
 use crate::mechanism::Pose;
-use crate::number::{Dual, Matrix3, Real, Scalar, Vector3};
+use crate::number::{Dual, Matrix3, Outlined, Real, SimdReal, Valued, Vector3, outlined};
 
 /// Squared sine below which a power series gives the ratio of angle and sine. The series has a derivative at 0, and its last
 /// term is below 1e-17.
 const SMALL_SINE_SQUARED: f64 = 1e-3;
 
 /// Cross products v x e_k with the three unit vectors, as columns.
-#[inline]
+#[inline(always)]
 pub(super) fn cross_matrix<T: Real>(v: Vector3<T>) -> Matrix3<T> {
     let zero = v.x.zero();
     Matrix3 {
@@ -37,7 +37,7 @@ pub(super) fn cross_matrix<T: Real>(v: Vector3<T>) -> Matrix3<T> {
 /// Arithmetic of general matrices.
 impl<T: Real> Matrix3<T> {
     /// Null matrix, with the number type of `like`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn null(like: T) -> Self {
         let zero = like.zero();
         Matrix3 {
@@ -45,7 +45,7 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn plus(&self, other: &Self) -> Self {
         let ([a, b, c], [d, e, f]) = (self.columns, other.columns);
         Matrix3 {
@@ -53,15 +53,19 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn times(&self, other: &Self) -> Self {
-        let [a, b, c] = other.columns;
-        Matrix3 {
-            columns: [self.apply(a), self.apply(b), self.apply(c)],
-        }
+        outlined!(
+            small [T: Real] other.columns[0].x; own: &'p Matrix3<T> = self, other: &'p Matrix3<T> = other => Matrix3<T> {
+                let [a, b, c] = other.columns;
+                Matrix3 {
+                    columns: [own.apply(a), own.apply(b), own.apply(c)],
+                }
+            }
+        )
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn transposed(&self) -> Self {
         let [a, b, c] = self.columns;
         Matrix3 {
@@ -74,13 +78,13 @@ impl<T: Real> Matrix3<T> {
     }
 
     /// Product M v^ of the matrix and the cross-product matrix of a vector.
-    #[inline]
+    #[inline(always)]
     pub(super) fn times_cross(&self, v: Vector3<T>) -> Self {
         self.times(&cross_matrix(v))
     }
 
     /// Product v^ M of the cross-product matrix of a vector and the matrix.
-    #[inline]
+    #[inline(always)]
     pub(super) fn crossed_by(&self, v: Vector3<T>) -> Self {
         let [a, b, c] = self.columns;
         Matrix3 {
@@ -88,7 +92,7 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn negated(&self) -> Self {
         let [a, b, c] = self.columns;
         Matrix3 {
@@ -97,7 +101,7 @@ impl<T: Real> Matrix3<T> {
     }
 
     /// Adds a b' times a factor.
-    #[inline]
+    #[inline(always)]
     pub(super) fn add_product(&mut self, a: Vector3<T>, b: Vector3<T>, factor: T) {
         let [x, y, z] = (b * factor).to_array();
         let columns = &mut self.columns;
@@ -107,7 +111,7 @@ impl<T: Real> Matrix3<T> {
     }
 
     /// Adds a multiple of the identity.
-    #[inline]
+    #[inline(always)]
     pub(super) fn add_identity(&mut self, factor: T) {
         let [x, y, z] = &mut self.columns;
         x.x = x.x + factor;
@@ -116,7 +120,7 @@ impl<T: Real> Matrix3<T> {
     }
 
     /// Entry in a row and a column.
-    #[inline]
+    #[inline(always)]
     pub(super) fn entry(&self, row: usize, column: usize) -> T {
         self.columns[column].to_array()[row]
     }
@@ -133,7 +137,7 @@ pub(super) struct Placed<T> {
 
 impl<T: Real> Placed<T> {
     /// Returns the design position.
-    #[inline]
+    #[inline(always)]
     pub(super) fn design(like: T) -> Self {
         let turn = Matrix3::null(like);
         Placed {
@@ -143,19 +147,19 @@ impl<T: Real> Placed<T> {
     }
 
     /// Displacement of a point by equation (1). `lever` goes from the reference point to that point in the design position.
-    #[inline]
+    #[inline(always)]
     pub(super) fn displacement(&self, lever: Vector3<T>) -> Vector3<T> {
         self.shift + self.turn.apply(lever)
     }
 
     /// Present vector from the reference point to a point, from that vector in the design position.
-    #[inline]
+    #[inline(always)]
     pub(super) fn lever(&self, lever: Vector3<T>) -> Vector3<T> {
         lever + self.turn.apply(lever)
     }
 
     /// Moves the body by a shift of its reference point and a small rotation.
-    #[inline]
+    #[inline(always)]
     pub(super) fn moved(&self, shift: Vector3<T>, turn: Vector3<T>) -> Self {
         Placed {
             shift: self.shift + shift,
@@ -164,7 +168,7 @@ impl<T: Real> Placed<T> {
     }
 
     /// Rotation R.
-    #[inline]
+    #[inline(always)]
     pub(super) fn rotation(&self) -> Matrix3<T> {
         let mut rotation = self.turn;
         rotation.add_identity(rotation.columns[0].x.one());
@@ -181,7 +185,7 @@ impl<T: Real> Placed<T> {
     }
 
     /// Converts the position to another kind of number.
-    #[inline]
+    #[inline(always)]
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Placed<U> {
         Placed {
             shift: self.shift.map(f),
@@ -191,25 +195,32 @@ impl<T: Real> Placed<T> {
 }
 
 /// Adds a small rotation by equation (2).
-#[inline]
+#[inline(always)]
 fn turned<T: Real>(difference: &Matrix3<T>, turn: Vector3<T>) -> Matrix3<T> {
+    outlined!(
+        small [T: Real] turn.x; difference: &'p Matrix3<T> = difference, turn: Vector3<T> = turn => Matrix3<T> {
+            turned_inline(difference, turn)
+        }
+    )
+}
+
+#[inline(always)]
+fn turned_inline<T: Real>(difference: &Matrix3<T>, turn: Vector3<T>) -> Matrix3<T> {
     let half = turn * turn.x.constant(0.5);
     let one = turn.x.one();
     let factor = (one + one) / (one + half.norm_squared());
-    let [a, b, c] = difference.columns;
     let zero = one.zero();
-    let unit = [
+    let units = [
         Vector3::new(one, zero, zero),
         Vector3::new(zero, one, zero),
         Vector3::new(zero, zero, one),
     ];
-    let by = |column: Vector3<T>, unit: Vector3<T>| {
-        let across = half.cross(column + unit);
-        column + (across + half.cross(across)) * factor
-    };
-    Matrix3 {
-        columns: [by(a, unit[0]), by(b, unit[1]), by(c, unit[2])],
+    let mut columns = difference.columns;
+    for k in 0..3 {
+        let across = half.cross(columns[k] + units[k]);
+        columns[k] = columns[k] + (across + half.cross(across)) * factor;
     }
+    Matrix3 { columns }
 }
 
 /// Sine, cosine and rotation vector of a rotation, from its difference from the identity by equation (3).
@@ -220,8 +231,8 @@ pub(super) struct Logarithm<T> {
     pub(super) cosine: T,
 }
 
-impl<T: Scalar> Logarithm<T> {
-    #[inline]
+impl<T: Valued> Logarithm<T> {
+    #[inline(always)]
     pub(super) fn of(difference: &Matrix3<T>) -> Self {
         let [a, b, c] = difference.columns;
         let half = a.x.constant(0.5);
@@ -236,29 +247,53 @@ impl<T: Scalar> Logarithm<T> {
 }
 
 /// Ratio t/sin t, from the square of the sine and the cosine.
-#[inline]
-pub(super) fn angle_by_sine<T: Scalar>(squared: T, cosine: T) -> T {
-    if squared.value() < SMALL_SINE_SQUARED && cosine.value() > 0.0 {
-        // Series of asin(s)/s.
-        let coefficients = [
-            63.0 / 2816.0,
-            35.0 / 1152.0,
-            5.0 / 112.0,
-            3.0 / 40.0,
-            1.0 / 6.0,
-        ];
-        let mut sum = squared.constant(231.0 / 13312.0);
-        for coefficient in coefficients {
-            sum = sum * squared + squared.constant(coefficient);
-        }
-        return sum * squared + squared.one();
+#[inline(always)]
+pub(super) fn angle_by_sine<T: Valued>(squared: T, cosine: T) -> T {
+    let is_small = squared.is_below(SMALL_SINE_SQUARED) & cosine.is_above(0.0);
+    if T::Plain::all(is_small) {
+        return angle_by_small_sine(squared);
     }
-    let sine = squared.sqrt();
-    sine.atan2(cosine) / sine
+    let ratio = squared.outlined(AngleBySine { squared, cosine });
+    if T::Plain::any(is_small) {
+        return T::choose(is_small, angle_by_small_sine(squared), ratio);
+    }
+    ratio
+}
+
+/// Series of asin(s)/s.
+#[inline(always)]
+fn angle_by_small_sine<T: Valued>(squared: T) -> T {
+    let coefficients = [
+        63.0 / 2816.0,
+        35.0 / 1152.0,
+        5.0 / 112.0,
+        3.0 / 40.0,
+        1.0 / 6.0,
+    ];
+    let mut sum = squared.constant(231.0 / 13312.0);
+    for coefficient in coefficients {
+        sum = sum * squared + squared.constant(coefficient);
+    }
+    sum * squared + squared.one()
+}
+
+/// Ratio t/sin t of any angle. It is a piece of its own, because few angles are large.
+struct AngleBySine<T> {
+    squared: T,
+    cosine: T,
+}
+
+impl<T: Valued> Outlined for AngleBySine<T> {
+    type Output = T;
+    #[inline(always)]
+    fn work(self) -> T {
+        let sine = self.squared.sqrt();
+        sine.atan2(self.cosine) / sine
+    }
 }
 
 /// Value, gradient and second derivatives of a function of `N` numbers.
-#[inline]
+#[inline(always)]
 pub(super) fn second_order<T: Real, const N: usize>(
     at: [T; N],
     f: impl Fn([Dual<Dual<T, N>, N>; N]) -> Dual<Dual<T, N>, N>,

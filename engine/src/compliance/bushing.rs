@@ -24,7 +24,7 @@
 
 use super::algebra::Logarithm;
 use super::law::Law;
-use crate::number::{Matrix3, Scalar, Vector3};
+use crate::number::{Matrix3, Outlined, SimdReal, Valued, Vector3, outlined};
 
 /// Squared angle below which power series give c and its slope.
 const SMALL_ANGLE_SQUARED: f64 = 0.25;
@@ -69,31 +69,92 @@ pub(super) struct BushingForce<T> {
 }
 
 /// Coefficient c of equation (4), and its derivative by t divided by t.
-#[inline]
-fn coefficient<T: Scalar>(rotation: &Logarithm<T>) -> (T, T) {
+#[inline(always)]
+fn coefficient<T: Valued>(rotation: &Logarithm<T>) -> (T, T) {
     let square = rotation.vector.norm_squared();
-    let one = square.one();
-    if square.value() < SMALL_ANGLE_SQUARED {
-        let (mut value, mut slope) = (square.constant(SERIES[0]), square.zero());
-        for coefficient in &SERIES[1..] {
-            slope = slope * square + value;
-            value = value * square + square.constant(*coefficient);
-        }
-        return (value, slope + slope);
+    let is_small = square.is_below(SMALL_ANGLE_SQUARED);
+    if T::Plain::all(is_small) {
+        return small_coefficient(square);
     }
-    let inverse = one / square;
-    // This is cot(t/2)/(2t), because the sine vector and the rotation vector are parallel.
-    let sine_by_angle = rotation.sine.dot(rotation.vector);
-    let cotangent = (one + rotation.cosine) / (sine_by_angle + sine_by_angle);
-    let half = one.constant(0.5);
-    let value = inverse - cotangent;
-    let slope = (cotangent + half / (one - rotation.cosine) - (inverse + inverse)) * inverse;
-    (value, slope)
+    let large = square.outlined(LargeCoefficient(*rotation));
+    if T::Plain::any(is_small) {
+        let small = small_coefficient(square);
+        return (
+            T::choose(is_small, small.0, large.0),
+            T::choose(is_small, small.1, large.1),
+        );
+    }
+    large
 }
 
-impl<T: Scalar> Bushing<T> {
+/// Power series of the coefficient.
+#[inline(always)]
+fn small_coefficient<T: Valued>(square: T) -> (T, T) {
+    let (mut value, mut slope) = (square.constant(SERIES[0]), square.zero());
+    for k in 1..SERIES.len() {
+        slope = slope * square + value;
+        value = value * square + square.constant(SERIES[k]);
+    }
+    (value, slope + slope)
+}
+
+/// Coefficient of a large angle. It is a piece of its own, because few angles are large.
+struct LargeCoefficient<T>(Logarithm<T>);
+
+impl<T: Valued> Outlined for LargeCoefficient<T> {
+    type Output = (T, T);
+    #[inline(always)]
+    fn work(self) -> (T, T) {
+        let rotation = self.0;
+        let square = rotation.vector.norm_squared();
+        let one = square.one();
+        let inverse = one / square;
+        // This is cot(t/2)/(2t), because the sine vector and the rotation vector are parallel.
+        let sine_by_angle = rotation.sine.dot(rotation.vector);
+        let cotangent = (one + rotation.cosine) / (sine_by_angle + sine_by_angle);
+        let half = one.constant(0.5);
+        let value = inverse - cotangent;
+        let slope = (cotangent + half / (one - rotation.cosine) - (inverse + inverse)) * inverse;
+        (value, slope)
+    }
+}
+
+/// Terms of the matrix N of equation (6).
+struct TorqueTangent<T> {
+    phi: Vector3<T>,
+    g: Vector3<T>,
+    /// phi x g and phi x (phi x g).
+    once: Vector3<T>,
+    twice: Vector3<T>,
+    rates: Vector3<T>,
+    /// 1/2, c, and the derivative of c by t divided by t.
+    coefficients: [T; 3],
+}
+
+impl<T: Valued> TorqueTangent<T> {
+    /// Column of N for a rotation about a unit vector.
+    #[inline(always)]
+    fn column(&self, unit: Vector3<T>) -> Vector3<T> {
+        let TorqueTangent {
+            phi,
+            g,
+            once,
+            twice,
+            rates,
+            coefficients: [half, c, slope],
+        } = *self;
+        let across = phi.cross(unit);
+        let by = unit - across * half + phi.cross(across) * c;
+        let dg = Vector3::new(rates.x * by.x, rates.y * by.y, rates.z * by.z);
+        let first = by.cross(g) + phi.cross(dg);
+        let second = by.cross(once) + phi.cross(first);
+        dg + first * half + second * c + twice * (slope * phi.dot(by))
+    }
+}
+
+impl<T: Valued> Bushing<T> {
     /// Deflection and force, from e in the axes of body i and from R_i' R_j - I.
-    #[inline]
+    #[inline(always)]
     pub(super) fn state(&self, e: Vector3<T>, turn: &Matrix3<T>) -> BushingState<T> {
         let rotation = Logarithm::of(turn);
         let (c, _) = coefficient(&rotation);
@@ -110,7 +171,7 @@ impl<T: Scalar> Bushing<T> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn forces(&self, d: Vector3<T>) -> (Vector3<T>, Vector3<T>) {
         let [x, y, z] = [
             self.laws[0].at(d.x),
@@ -120,7 +181,7 @@ impl<T: Scalar> Bushing<T> {
         (Vector3::new(x.0, y.0, z.0), Vector3::new(x.1, y.1, z.1))
     }
 
-    #[inline]
+    #[inline(always)]
     fn torques(&self, phi: Vector3<T>) -> (Vector3<T>, Vector3<T>) {
         let [x, y, z] = [
             self.laws[3].at(phi.x),
@@ -131,8 +192,24 @@ impl<T: Scalar> Bushing<T> {
     }
 
     /// Forces and tangents. `e` is in the axes of the vehicle. `body` is R_i, and `None` for a body at rest.
-    #[inline]
+    #[inline(always)]
     pub(super) fn force(
+        &self,
+        e: Vector3<T>,
+        turn: &Matrix3<T>,
+        body: Option<&Matrix3<T>>,
+    ) -> BushingForce<T> {
+        outlined!(
+            [T: Valued] e.x;
+            own: &'p Bushing<T> = self, e: Vector3<T> = e, turn: &'p Matrix3<T> = turn,
+            body: Option<&'p Matrix3<T>> = body => BushingForce<T> {
+                own.force_inline(e, turn, body)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn force_inline(
         &self,
         e: Vector3<T>,
         turn: &Matrix3<T>,
@@ -147,30 +224,30 @@ impl<T: Scalar> Bushing<T> {
         let phi = self.axes.apply_transposed(rotation.vector);
         let (force, rate) = self.forces(axes.apply_transposed(e));
         let mut by_shift = Matrix3::null(c);
-        for (axis, rate) in axes.columns.into_iter().zip(rate.to_array()) {
-            by_shift.add_product(axis, axis, rate);
-        }
+        let [x, y, z] = axes.columns;
+        by_shift.add_product(x, x, rate.x);
+        by_shift.add_product(y, y, rate.y);
+        by_shift.add_product(z, z, rate.z);
         let (g, rates) = self.torques(phi);
         let (once, half) = (phi.cross(g), c.constant(0.5));
         let twice = phi.cross(once);
         // Columns of N in equation (6), one for each rotation about an axis of the bushing.
         let one = c.one();
         let zero = c.zero();
-        let units = [
-            Vector3::new(one, zero, zero),
-            Vector3::new(zero, one, zero),
-            Vector3::new(zero, zero, one),
-        ];
-        let column = |unit: Vector3<T>| {
-            let across = phi.cross(unit);
-            let by = unit - across * half + phi.cross(across) * c;
-            let dg = Vector3::new(rates.x * by.x, rates.y * by.y, rates.z * by.z);
-            let first = by.cross(g) + phi.cross(dg);
-            let second = by.cross(once) + phi.cross(first);
-            dg + first * half + second * c + twice * (slope * phi.dot(by))
+        let tangent = TorqueTangent {
+            phi,
+            g,
+            once,
+            twice,
+            rates,
+            coefficients: [half, c, slope],
         };
         let local = Matrix3 {
-            columns: [column(units[0]), column(units[1]), column(units[2])],
+            columns: [
+                tangent.column(Vector3::new(one, zero, zero)),
+                tangent.column(Vector3::new(zero, one, zero)),
+                tangent.column(Vector3::new(zero, zero, one)),
+            ],
         };
         BushingForce {
             force: axes.apply(force),
@@ -202,7 +279,7 @@ mod tests {
     use super::super::algebra::Placed;
     use super::super::law::Shape;
     use super::*;
-    use crate::number::{Dual, Real};
+    use crate::number::{Dual, Real, Scalar};
 
     fn bushing<T: Scalar>(like: T) -> Bushing<T> {
         let unit = Vector3::new(1.0, 2.0, -2.0) * (1.0 / 3.0);

@@ -17,11 +17,11 @@ use super::solve::Solution;
 use super::system::{Equations, Hold, Limb, State, Step, System, Task};
 use super::wheel::{Change, ElasticWheel, Equilibrium, HeldQuantity};
 use crate::linear::square::{MOST, SquareLu};
-use crate::number::{Dual, Each, Jet, Scalar, Vector3};
+use crate::number::{Dual, Each, Jet, Scalar, Valued, Vector3};
 
 /// Equations in an equilibrium and their factors, with one quantity held. All derivatives by loads use them.
 #[derive(Clone, Debug)]
-pub struct Tangent<T = f64> {
+pub struct Tangent<T: Valued = f64> {
     pub(super) state: State<T>,
     pub(super) task: Task<T>,
     equations: Equations<T>,
@@ -159,8 +159,9 @@ impl<T: Scalar> ElasticWheel<T> {
     }
 }
 
-impl<T: Scalar> System<T> {
+impl<T: Valued> System<T> {
     /// This state, with another quantity held.
+    #[inline(always)]
     pub(super) fn held_as(
         &self,
         state: &State<T>,

@@ -1,12 +1,17 @@
 //! Links with a bushing at the carrier. They have six inner unknowns, or three with a ball joint at the body.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "rows and columns of matrices are named by their numbers"
+)]
+
 use super::algebra::{Placed, cross_matrix};
 use super::bushing::{Bushing, BushingState};
 use super::limb::{
     Conditions, Eliminated, Evaluated, Followers, LimbState, Sum, eliminated, is_positive,
     tangent_of,
 };
-use crate::number::{Matrix3, Scalar, Vector3, array_of};
+use crate::number::{Matrix3, Real, Valued, Vector3, outlined};
 
 /// Link with a bushing at the carrier. Its reference point is its inner end.
 #[derive(Clone, Debug)]
@@ -24,8 +29,9 @@ pub(super) struct Floating<T> {
     pub(super) spin: Vector3<T>,
 }
 
-impl<T: Scalar> Floating<T> {
+impl<T: Valued> Floating<T> {
     /// Position of the link, with the shift of its inner end.
+    #[inline(always)]
     fn placed(&self, at: &Conditions<T>, state: &LimbState<T>) -> Placed<T> {
         let shift = match self.inner {
             Some(_) => state.placed.shift,
@@ -38,6 +44,7 @@ impl<T: Scalar> Floating<T> {
     }
 
     /// Vector e of the outer bushing, and the rotation R_i' R_j - I between carrier and link.
+    #[inline(always)]
     fn at_carrier(&self, at: &Conditions<T>, own: &Placed<T>) -> (Vector3<T>, Matrix3<T>) {
         let e = own.displacement(self.along) - at.carrier.displacement(self.joint);
         let back = at.carrier.turn.transposed();
@@ -61,8 +68,25 @@ impl<T: Scalar> Floating<T> {
         [inner, Some(self.outer.state(in_carrier, &turn))]
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn evaluate(
+        &self,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+        held: &[T; 7],
+        sum: &mut Sum<T>,
+    ) -> Option<Evaluated<T>> {
+        outlined!(
+            [T: Valued] at.rack;
+            own: &'p Floating<T> = self, at: &'p Conditions<T> = at, state: &'p LimbState<T> = state,
+            held: &'p [T; 7] = held, sum: &'p mut Sum<T> = sum => Option<Evaluated<T>> {
+                own.evaluate_inline(at, state, held, sum)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn evaluate_inline(
         &self,
         at: &Conditions<T>,
         state: &LimbState<T>,
@@ -133,7 +157,7 @@ impl<T: Scalar> Floating<T> {
             forces,
             by_carrier,
             carrier_by_link,
-            length: self.along.norm().value(),
+            length: self.along.norm().plain_value(),
             is_correction: at.is_correction,
         };
         match self.inner {
@@ -144,20 +168,20 @@ impl<T: Scalar> Floating<T> {
 }
 
 /// Blocks of a link's equations by its own shift and rotation, and by the carrier's.
-struct LinkBlocks<T> {
+struct LinkBlocks<T: Valued> {
     own: [[Matrix3<T>; 2]; 2],
     forces: [Vector3<T>; 2],
     by_carrier: [[Matrix3<T>; 2]; 2],
     carrier_by_link: [[Matrix3<T>; 2]; 2],
     /// Length of the link.
-    length: f64,
+    length: T::Plain,
     /// True as in [`Conditions::is_correction`].
     is_correction: bool,
 }
 
-impl<T: Scalar> LinkBlocks<T> {
+impl<T: Valued> LinkBlocks<T> {
     /// Eliminates `N` unknowns, starting with index `first`.
-    #[inline]
+    #[inline(always)]
     fn eliminate<const N: usize>(
         &self,
         first: usize,
@@ -165,34 +189,43 @@ impl<T: Scalar> LinkBlocks<T> {
         sum: &mut Sum<T>,
     ) -> Option<Evaluated<T>> {
         let like = self.forces[0].x;
-        let entry = |blocks: &[[Matrix3<T>; 2]; 2], i: usize, j: usize| {
-            blocks[i / 3][j / 3].entry(i % 3, j % 3)
-        };
-        let own: [[T; N]; N] = array_of(|i| array_of(|j| entry(&self.own, first + i, first + j)));
-        let by: [[T; 6]; N] = array_of(|i| array_of(|j| entry(&self.by_carrier, first + i, j)));
+        let (all_own, all_by) = (by_rows(&self.own), by_rows(&self.by_carrier));
+        let [f, m] = self.forces;
+        let forces = [f.x, f.y, f.z, m.x, m.y, m.z];
+        let mut own = [[like; N]; N];
+        let mut by = [[like; 6]; N];
+        let mut force = [like; N];
         let mut inner = [like.zero(); 7];
-        let force: [T; N] = array_of(|i| {
-            let k = first + i;
-            self.forces[k / 3].to_array()[k % 3] - held[i]
-        });
-        inner[..N].copy_from_slice(&force);
-        let units = array_of(|k| if first + k < 3 { 1.0 } else { self.length });
+        let mut units = [self.length; N];
+        for i in 0..N {
+            for j in 0..N {
+                own[i][j] = all_own[first + i][first + j];
+            }
+            by[i] = all_by[first + i];
+            force[i] = forces[first + i] - held[i];
+            inner[i] = force[i];
+            if first + i < 3 {
+                units[i] = self.length.one();
+            }
+        }
         let found = eliminated(own, force, &by, units, self.is_correction)?;
         let Eliminated { rest, by, .. } = found;
+        let carrier_by = by_rows(&self.carrier_by_link);
         for i in 0..6 {
             for k in 0..N {
-                let factor = entry(&self.carrier_by_link, i, first + k);
-                let factor = tangent_of(factor, self.is_correction);
-                sum.force[i] = sum.force[i] - factor * rest[k];
-                for (total, by) in sum.tangent[i].iter_mut().zip(by[k]) {
-                    *total = *total - factor * by;
+                let factor = tangent_of(carrier_by[i][first + k], self.is_correction);
+                sum.force[i] = sum.force[i].minus_product(factor, rest[k]);
+                for j in 0..6 {
+                    sum.tangent[i][j] = sum.tangent[i][j].minus_product(factor, by[k][j]);
                 }
             }
         }
         let mut followers = Followers::none(like);
         followers.count = N;
-        followers.by[..N].copy_from_slice(&by);
-        followers.rest[..N].copy_from_slice(&rest);
+        for k in 0..N {
+            followers.by[k] = by[k];
+            followers.rest[k] = rest[k];
+        }
         Some(Evaluated {
             followers,
             inner,
@@ -200,4 +233,21 @@ impl<T: Scalar> LinkBlocks<T> {
             least_pivot: found.least_pivot,
         })
     }
+}
+
+/// Entries of four blocks by rows.
+#[inline(always)]
+fn by_rows<T: Valued>(blocks: &[[Matrix3<T>; 2]; 2]) -> [[T; 6]; 6] {
+    let mut rows = [[blocks[0][0].columns[0].x; 6]; 6];
+    for i in 0..2 {
+        for j in 0..2 {
+            for k in 0..3 {
+                let Vector3 { x, y, z } = blocks[i][j].columns[k];
+                rows[3 * i][3 * j + k] = x;
+                rows[3 * i + 1][3 * j + k] = y;
+                rows[3 * i + 2][3 * j + k] = z;
+            }
+        }
+    }
+    rows
 }

@@ -1,10 +1,15 @@
 //! Sums of the forces and tangents of a wheel's parts.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "rows and columns of matrices are named by their numbers"
+)]
+
 use super::ground::{Frames, Holder};
 use super::limb::{Beside, Sum};
 use super::point::PointForce;
 use super::system::{Equations, Held, MOST_JOINTS, MOST_LIMBS, Singular, State, System};
-use crate::number::Scalar;
+use crate::number::Valued;
 
 /// Forces and tangents of a wheel's parts, summed for each body that holds them.
 #[derive(Clone, Debug)]
@@ -18,11 +23,11 @@ pub(super) struct Gathered<T> {
     pub(super) beside: Vec<(usize, Holder, Beside<T>)>,
 }
 
-impl<T: Scalar> System<T> {
+impl<T: Valued> System<T> {
     /// Sums forces and tangents of elastic parts and joints, each as seen from the body that holds it. With `is_apart`, body,
     /// subframe and rack have separate sums. Otherwise the first sum contains all of them. The responses of parts are written to
     /// `equations`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn gather(
         &self,
         frames: &Frames<T>,
@@ -93,12 +98,14 @@ impl<T: Scalar> System<T> {
     }
 
     /// Adds elastic parts and joints of a single wheel.
-    #[inline]
+    #[inline(always)]
     pub(super) fn add_alone(&self, found: &Gathered<T>, equations: &mut Equations<T>) {
         let sum = &found.sums[0];
         for i in 0..6 {
             equations.residual[i] = equations.residual[i] + sum.force[i];
-            equations.matrix[i][..6].copy_from_slice(&sum.tangent[i]);
+            for j in 0..6 {
+                equations.matrix[i][j] = sum.tangent[i][j];
+            }
         }
         for (k, (miss, row)) in found.joints[..self.joints.len()].iter().enumerate() {
             equations.set_joint(k, *miss, *row);

@@ -21,7 +21,7 @@ use super::limb::{BESIDE, Conditions, Sum, TWIST_BESIDE, joined, tangent_of};
 use super::point::PointForce;
 use super::system::{CarrierBushing, Equations, System};
 use crate::linear::square::MOST;
-use crate::number::{Each, Matrix3, Scalar, Vector3};
+use crate::number::{Each, Matrix3, Scalar, Valued, Vector3};
 
 /// Number of unknowns that both wheels share: shift and rotation of the subframe, shift of the rack, and twist of the
 /// anti-roll bar's middle.
@@ -87,8 +87,9 @@ pub(super) struct Surroundings<T> {
     pub(super) twist: T,
 }
 
-impl<T: Scalar> Surroundings<T> {
+impl<T: Valued> Surroundings<T> {
     /// Positions with only the rack displaced.
+    #[inline(always)]
     pub(super) fn of_rack(rack: T) -> Self {
         Surroundings {
             subframe: Placed::design(rack),
@@ -128,16 +129,16 @@ pub(super) struct Frames<T> {
     pub(super) subframe: Conditions<T>,
 }
 
-impl<T: Scalar> Frames<T> {
+impl<T: Valued> Frames<T> {
     /// These conditions, for the step that [`Conditions::is_correction`] describes.
-    #[inline]
+    #[inline(always)]
     pub(super) fn for_correction(mut self) -> Self {
         self.body.is_correction = true;
         self.subframe.is_correction = true;
         self
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn of(&self, holder: Holder) -> &Conditions<T> {
         match holder {
             Holder::Body => &self.body,
@@ -157,7 +158,7 @@ pub(super) struct Coupling<T> {
     pub(super) beside: Vec<(usize, [[T; BESIDE]; 6])>,
 }
 
-impl<T: Scalar> Coupling<T> {
+impl<T: Valued> Coupling<T> {
     /// Removes the derivatives of the tangents, for the step of [`Conditions::is_correction`].
     pub(super) fn fix_tangents(&mut self) {
         let fixed = |c: T| tangent_of(c, true);
@@ -170,8 +171,8 @@ impl<T: Scalar> Coupling<T> {
     }
 }
 
-impl<T: Scalar> System<T> {
-    #[inline]
+impl<T: Valued> System<T> {
+    #[inline(always)]
     pub(super) fn frames(
         &self,
         carrier: &Placed<T>,
@@ -193,7 +194,9 @@ impl<T: Scalar> System<T> {
         };
         Frames { body, subframe }
     }
+}
 
+impl<T: Scalar> System<T> {
     /// Adds elastic parts and joints of a wheel on shared bodies. Returns their forces on these bodies.
     pub(super) fn add_coupled(
         &self,
@@ -321,7 +324,7 @@ pub(super) struct Pose<T> {
     balance_only: bool,
 }
 
-impl<T: Scalar> Pose<T> {
+impl<T: Valued> Pose<T> {
     /// Cross-product matrix of a force, which gives its change by a rotation or by its lever.
     pub(super) fn turning(&self, force: Vector3<T>) -> Matrix3<T> {
         if self.balance_only {
@@ -332,7 +335,7 @@ impl<T: Scalar> Pose<T> {
     }
 }
 
-impl<T: Scalar> SubframePart<T> {
+impl<T: Valued> SubframePart<T> {
     /// Conditions as seen from the subframe.
     fn seen(&self, body: &Conditions<T>, subframe: &Placed<T>) -> Conditions<T> {
         let back = subframe.turn.transposed();

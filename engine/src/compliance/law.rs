@@ -12,7 +12,7 @@
 //! ```
 
 use crate::axle::ForceCurve;
-use crate::number::{Jet, Scalar};
+use crate::number::{Jet, Scalar, Valued};
 
 /// Largest number of Newton steps to invert a law. A monotone cubic takes a few; bisection is the safeguard.
 const MOST_STEPS: usize = 200;
@@ -59,9 +59,9 @@ impl<T: Copy> Shape<T> {
     }
 }
 
-impl<T: Scalar> Shape<T> {
+impl<T: Valued> Shape<T> {
     /// Force and its slope at a deflection.
-    #[inline]
+    #[inline(always)]
     pub(super) fn at(&self, deflection: T) -> (T, T) {
         match self {
             Shape::Cubic { rate, cubic } => {
@@ -81,6 +81,9 @@ impl<T: Scalar> Shape<T> {
         self.at(like.zero()).1
     }
 
+}
+
+impl<T: Scalar> Shape<T> {
     /// Deflection at which a rising law has this force; `None` if the law does not reach the force.
     fn deflection(&self, force: T) -> Option<T> {
         let mut low = -1.0;
@@ -132,7 +135,7 @@ pub(super) struct Law<T> {
     pub(super) offset: T,
 }
 
-impl<T: Scalar> Law<T> {
+impl<T: Valued> Law<T> {
     pub(super) fn new(shape: Shape<T>, offset: T) -> Self {
         Law {
             shape,
@@ -152,28 +155,8 @@ impl<T: Scalar> Law<T> {
         }
     }
 
-    /// Sets the force at the design load. Returns false if the law does not reach that force.
-    #[must_use]
-    pub(super) fn preloaded(&mut self, force: T) -> bool {
-        self.preload = force;
-        let deflection = match &self.shape {
-            Shape::Cubic { rate, cubic } if cubic.value() == 0.0 && rate.value() != 0.0 => {
-                Some(force / *rate)
-            }
-            shape => shape.deflection(force),
-        };
-        self.deflection = deflection.unwrap_or(force.zero());
-        deflection.is_some()
-    }
-
-    /// Deflection d0, from the unloaded part to the design position.
-    #[cfg(test)]
-    fn preload_deflection(&self) -> T {
-        self.deflection
-    }
-
     /// Force and slope at a deflection from the design position, by equation (1).
-    #[inline]
+    #[inline(always)]
     pub(super) fn at(&self, deflection: T) -> (T, T) {
         match &self.shape {
             // This form makes the force at the design load exact.
@@ -192,6 +175,28 @@ impl<T: Scalar> Law<T> {
                 (force + self.offset, slope)
             }
         }
+    }
+}
+
+impl<T: Scalar> Law<T> {
+    /// Sets the force at the design load. Returns false if the law does not reach that force.
+    #[must_use]
+    pub(super) fn preloaded(&mut self, force: T) -> bool {
+        self.preload = force;
+        let deflection = match &self.shape {
+            Shape::Cubic { rate, cubic } if cubic.value() == 0.0 && rate.value() != 0.0 => {
+                Some(force / *rate)
+            }
+            shape => shape.deflection(force),
+        };
+        self.deflection = deflection.unwrap_or(force.zero());
+        deflection.is_some()
+    }
+
+    /// Deflection d0, from the unloaded part to the design position.
+    #[cfg(test)]
+    fn preload_deflection(&self) -> T {
+        self.deflection
     }
 
     /// Returns true if this deflection lies beyond the points of a curve.

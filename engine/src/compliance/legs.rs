@@ -16,7 +16,7 @@
 use super::algebra::Placed;
 use super::limb::{Beside, Conditions, Evaluated, Followers, LimbState, Sum, TWIST_BESIDE};
 use super::point::{BarSeat, PointForce, Seat, SeatForce, Stretched};
-use crate::number::{Matrix3, Scalar, Vector3};
+use crate::number::{Matrix3, Real, Valued, Vector3, outlined};
 
 /// Point of an arm with rigid or stretching legs.
 #[derive(Clone, Copy, Debug)]
@@ -51,8 +51,9 @@ struct LegFrame<T> {
     place: [T; 2],
 }
 
-impl<T: Scalar> LegFrame<T> {
+impl<T: Valued> LegFrame<T> {
     /// Force at the joint from a force at the point, by equation (1).
+    #[inline(always)]
     fn at_joint(&self, point: &PointForce<T>, balance_only: bool) -> PointForce<T> {
         let (r, n, [b, c]) = (self.radial, self.normal, self.place);
         let at_joint = |force: Vector3<T>| self.along * self.arm.dot(force);
@@ -75,7 +76,8 @@ impl<T: Scalar> LegFrame<T> {
     }
 }
 
-impl<T: Scalar> LegPoint<T> {
+impl<T: Valued> LegPoint<T> {
+    #[inline(always)]
     fn frame(&self, carrier: &Placed<T>) -> LegFrame<T> {
         let moved = carrier.displacement(self.joint).across(self.axis);
         let line = Stretched::of(self.radius, moved);
@@ -104,13 +106,15 @@ impl<T: Scalar> LegPoint<T> {
     }
 
     /// Displacement of the seat.
+    #[inline(always)]
     pub(super) fn displacement(&self, carrier: &Placed<T>) -> Vector3<T> {
         self.frame(carrier).moved
     }
 }
 
-impl<T: Scalar> LegSeat<T> {
+impl<T: Valued> LegSeat<T> {
     /// Displacement of the seat, relative to the upper end if that is on another body.
+    #[inline(always)]
     pub(super) fn displacement(&self, at: &Conditions<T>) -> Vector3<T> {
         let moved = self.leg.displacement(&at.carrier);
         if self.seat.is_across {
@@ -120,7 +124,27 @@ impl<T: Scalar> LegSeat<T> {
         }
     }
 
+    #[inline(always)]
     pub(super) fn evaluate(
+        &self,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+        held: &[T; 7],
+        sum: &mut Sum<T>,
+        beside: Option<&mut Beside<T>>,
+    ) -> Evaluated<T> {
+        outlined!(
+            [T: Valued] at.rack;
+            own: &'p LegSeat<T> = self, at: &'p Conditions<T> = at, state: &'p LimbState<T> = state,
+            held: &'p [T; 7] = held, sum: &'p mut Sum<T> = sum,
+            beside: Option<&'p mut Beside<T>> = beside => Evaluated<T> {
+                own.evaluate_inline(at, state, held, sum, beside)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn evaluate_inline(
         &self,
         at: &Conditions<T>,
         state: &LimbState<T>,
@@ -151,14 +175,17 @@ impl<T: Scalar> LegSeat<T> {
         }
         let at_joint = frame.at_joint(&point, at.balance_only);
         sum.add_point(lever, &at_joint.leverless_if(at.balance_only));
-        let slide = slide.map(|slide| (frame.along * frame.arm.dot(slide.by), slide.rest));
+        let slide = match slide {
+            None => None,
+            Some(slide) => Some((frame.along * frame.arm.dot(slide.by), slide.rest)),
+        };
         let mut inner = [at.rack.zero(); 7];
         inner[6] = moment;
         Evaluated {
             followers: Followers::of_joint(lever, slide),
             inner,
             is_stable,
-            least_pivot: 1.0,
+            least_pivot: at.rack.plain_value().one(),
         }
     }
 }
@@ -179,7 +206,7 @@ pub(super) enum BarFoot<T> {
     Leg(LegPoint<T>),
 }
 
-impl<T: Scalar> BarPart<T> {
+impl<T: Valued> BarPart<T> {
     /// Displacement of the drop link's outer end.
     fn displacement(&self, carrier: &Placed<T>) -> Vector3<T> {
         match &self.foot {

@@ -17,11 +17,16 @@
 //!
 //! The term F^ r^ uses the force before inner unknowns are eliminated.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "rows and columns of matrices are named by their numbers"
+)]
+
 use super::algebra::Placed;
 use super::bushing::{Bushing, BushingForce};
 use super::point::PointForce;
-use crate::linear::lu::Lu;
-use crate::number::{Each, Matrix3, Scalar, Vector3, array_of};
+use crate::linear::elimination::eliminate;
+use crate::number::{Each, MaskOf, Matrix3, Outlined, Real, SimdReal, Valued, Vector3, outlined};
 
 /// Sum of forces and moments on the carrier about its reference point, with its tangent.
 #[derive(Clone, Copy, Debug)]
@@ -30,7 +35,8 @@ pub(super) struct Sum<T> {
     pub(super) tangent: [[T; 6]; 6],
 }
 
-impl<T: Scalar> Sum<T> {
+impl<T: Valued> Sum<T> {
+    #[inline(always)]
     pub(super) fn zero(like: T) -> Self {
         Sum {
             force: [like.zero(); 6],
@@ -38,47 +44,52 @@ impl<T: Scalar> Sum<T> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn add_block(&mut self, row: usize, column: usize, block: &Matrix3<T>) {
-        for (j, column_of) in block.columns.iter().enumerate() {
-            for (i, entry) in column_of.to_array().into_iter().enumerate() {
-                let at = &mut self.tangent[row + i][column + j];
-                *at = *at + entry;
-            }
+        for j in 0..3 {
+            let Vector3 { x, y, z } = block.columns[j];
+            self.tangent[row][column + j] = self.tangent[row][column + j] + x;
+            self.tangent[row + 1][column + j] = self.tangent[row + 1][column + j] + y;
+            self.tangent[row + 2][column + j] = self.tangent[row + 2][column + j] + z;
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn add_force(&mut self, force: Vector3<T>, moment: Vector3<T>) {
         let sum = [force.x, force.y, force.z, moment.x, moment.y, moment.z];
-        for (total, part) in self.force.iter_mut().zip(sum) {
-            *total = *total + part;
+        for i in 0..6 {
+            self.force[i] = self.force[i] + sum[i];
         }
     }
 
     /// Adds a torque and its tangent by small rotations.
-    #[inline]
+    #[inline(always)]
     pub(super) fn add_moment(&mut self, moment: Vector3<T>, by_turn: &Matrix3<T>) {
         self.add_force(moment.zero(), moment);
         self.add_block(3, 3, by_turn);
     }
 
     /// Adds a force at a point, by equation (3).
-    #[inline]
+    #[inline(always)]
     pub(super) fn add_point(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
-        self.add_force(point.condensed, lever.cross(point.condensed));
-        let [[shift, by_turn], [moment, twist]] = &point.tangents(lever);
-        self.add_blocks([[shift, by_turn], [moment, twist]]);
+        outlined!(
+            [T: Valued] lever.x;
+            sum: &'p mut Sum<T> = self, lever: Vector3<T> = lever, point: &'p PointForce<T> = point => () {
+                sum.add_force(point.condensed, lever.cross(point.condensed));
+                let [[shift, by_turn], [moment, twist]] = &point.tangents(lever);
+                sum.add_blocks([[shift, by_turn], [moment, twist]]);
+            }
+        );
     }
 
     /// Adds tangents of force and moment by the carrier's shift and rotation.
-    #[inline]
+    #[inline(always)]
     pub(super) fn add_blocks(&mut self, blocks: [[&Matrix3<T>; 2]; 2]) {
-        for (i, row) in blocks.into_iter().enumerate() {
-            for (j, block) in row.into_iter().enumerate() {
-                self.add_block(3 * i, 3 * j, block);
-            }
-        }
+        let [[a, b], [c, d]] = blocks;
+        self.add_block(0, 0, a);
+        self.add_block(0, 3, b);
+        self.add_block(3, 0, c);
+        self.add_block(3, 3, d);
     }
 }
 
@@ -99,9 +110,9 @@ pub(super) struct Conditions<T> {
     pub(super) is_correction: bool,
 }
 
-impl<T: Scalar> Conditions<T> {
+impl<T: Valued> Conditions<T> {
     /// Displacement of a point on the body or the rack.
-    #[inline]
+    #[inline(always)]
     pub(super) fn ground(&self, on_rack: bool) -> Vector3<T> {
         let zero = self.rack.zero();
         let along = if on_rack { self.rack } else { zero };
@@ -109,7 +120,7 @@ impl<T: Scalar> Conditions<T> {
     }
 
     /// Forces and tangents of a bushing.
-    #[inline]
+    #[inline(always)]
     pub(super) fn force(
         &self,
         bushing: &Bushing<T>,
@@ -145,7 +156,7 @@ pub(super) struct Beside<T> {
     pub(super) inner_by: [[T; BESIDE]; 6],
 }
 
-impl<T: Scalar> Beside<T> {
+impl<T: Valued> Beside<T> {
     pub(super) fn zero(like: T) -> Self {
         let zero = like.zero();
         Beside {
@@ -168,7 +179,7 @@ impl<T: Scalar> Beside<T> {
 }
 
 /// Joins two vectors to one of six components.
-#[inline]
+#[inline(always)]
 pub(super) fn joined<T: Copy>(first: Vector3<T>, second: Vector3<T>) -> [T; 6] {
     let (f, s) = (first, second);
     [f.x, f.y, f.z, s.x, s.y, s.z]
@@ -185,7 +196,7 @@ pub(super) struct LimbState<T> {
     pub(super) slide: T,
 }
 
-impl<T: Scalar> LimbState<T> {
+impl<T: Valued> LimbState<T> {
     pub(super) fn design(like: T) -> Self {
         LimbState {
             placed: Placed::design(like),
@@ -194,6 +205,7 @@ impl<T: Scalar> LimbState<T> {
         }
     }
 
+    #[inline(always)]
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> LimbState<U> {
         LimbState {
             placed: self.placed.map(f),
@@ -223,7 +235,8 @@ pub(super) struct LimbStep<T> {
     pub(super) slide: T,
 }
 
-impl<T: Scalar> Followers<T> {
+impl<T: Valued> Followers<T> {
+    #[inline(always)]
     pub(super) fn none(like: T) -> Self {
         Followers {
             count: 0,
@@ -262,7 +275,7 @@ impl<T: Scalar> Followers<T> {
 
     /// Step of the inner unknowns after a step of the carrier. With `is_rate` it is the rate along a motion in balance,
     /// which has no rest. `beside` has the responses to the coordinates of [`Beside`], and their step.
-    #[inline]
+    #[inline(always)]
     pub(super) fn step(
         &self,
         carrier: &[T; 6],
@@ -275,120 +288,184 @@ impl<T: Scalar> Followers<T> {
         let mut joint = Vector3::new(x, y, z);
         if let Some(lever) = self.joint {
             joint = joint + Vector3::new(a, b, c).cross(lever);
-            outer[..3].copy_from_slice(&joint.to_array());
+            outer = [joint.x, joint.y, joint.z, a, b, c];
             dimensions = 3;
         }
-        let mut inner = [x.zero(); 6];
-        for (k, inner) in inner.iter_mut().enumerate().take(self.count) {
-            let mut sum = if is_rate { x.zero() } else { self.rest[k] };
-            for (by, outer) in self.by[k].iter().zip(&outer).take(dimensions) {
-                sum = sum + *by * *outer;
+        let zero = x.zero();
+        let mut inner = [zero; 6];
+        for k in 0..self.count {
+            let mut sum = if is_rate { zero } else { self.rest[k] };
+            for i in 0..dimensions {
+                sum = sum + self.by[k][i] * outer[i];
             }
             if let Some((by, moved)) = beside {
-                for (by, moved) in by[k].iter().zip(moved) {
-                    sum = sum + *by * *moved;
+                for i in 0..BESIDE {
+                    sum = sum + by[k][i] * moved[i];
                 }
             }
-            *inner = -sum;
+            inner[k] = -sum;
         }
-        let slide = self.slide.map_or(x.zero(), |(lever, by, rest)| {
-            let turn = match self.count {
-                0 => Vector3::new(a, b, c),
-                _ => Vector3::new(inner[0], inner[1], inner[2]),
-            };
-            let at = joint + turn.cross(lever);
-            let rest = if is_rate { x.zero() } else { rest };
-            -(rest + by.dot(at))
-        });
+        let slide = match self.slide {
+            None => zero,
+            Some((lever, by, rest)) => {
+                let turn = match self.count {
+                    0 => Vector3::new(a, b, c),
+                    _ => Vector3::new(inner[0], inner[1], inner[2]),
+                };
+                let at = joint + turn.cross(lever);
+                let rest = if is_rate { zero } else { rest };
+                -(rest + by.dot(at))
+            }
+        };
         LimbStep { inner, slide }
     }
 }
 
 /// Evaluation of a part.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Evaluated<T> {
+pub(super) struct Evaluated<T: Valued> {
     pub(super) followers: Followers<T>,
     /// Residual forces on the inner unknowns, and the residual moment about a rocker's axis.
     pub(super) inner: [T; 7],
-    /// False if the inner unknowns are unstable by themselves.
-    pub(super) is_stable: bool,
+    /// Lanes in which the inner unknowns are stable by themselves.
+    pub(super) is_stable: MaskOf<T>,
     /// Ratio of the smallest and the largest pivot of the inner equations, 0 if a motion has no stiffness. Rotations compare with
     /// shifts at the part's length.
-    pub(super) least_pivot: f64,
+    pub(super) least_pivot: T::Plain,
 }
 
 /// Solved inner equations: m_y^-1 m, m_y^-1 m_x, and the ratio of the smallest to the largest pivot.
-pub(super) struct Eliminated<T, const N: usize, const C: usize> {
+pub(super) struct Eliminated<T: Valued, const N: usize, const C: usize> {
     pub(super) rest: [T; N],
     pub(super) by: [[T; C]; N],
-    pub(super) least_pivot: f64,
+    pub(super) least_pivot: T::Plain,
 }
 
 /// Entry of a tangent. It is a constant in a correction (see [`Conditions::is_correction`]).
-#[inline]
-pub(super) fn tangent_of<T: Scalar>(entry: T, is_correction: bool) -> T {
+#[inline(always)]
+pub(super) fn tangent_of<T: Valued>(entry: T, is_correction: bool) -> T {
     if is_correction {
-        entry.constant(entry.value())
+        entry.of_plain(entry.plain_value())
     } else {
         entry
     }
 }
 
 /// Solves the inner equations. The square of `units`, which are lengths, divides the pivots. `None` if a direction has no
-/// stiffness.
-#[inline]
-pub(super) fn eliminated<T: Scalar, const N: usize, const C: usize>(
+/// stiffness in any lane.
+#[inline(always)]
+pub(super) fn eliminated<T: Valued, const N: usize, const C: usize>(
     own: [[T; N]; N],
     force: [T; N],
     by: &[[T; C]; N],
-    units: [f64; N],
+    units: [T::Plain; N],
     is_correction: bool,
 ) -> Option<Eliminated<T, N, C>> {
-    let own = own.each(|row| row.each(|c| tangent_of(c, is_correction)));
-    let factors = Lu::of(own, 1.0)?;
-    let rest = factors.solve(force);
-    let mut followers = by.each(|row| row.each(|c| tangent_of(c, is_correction)));
-    for k in 0..C {
-        let column: [T; N] = array_of(|i| followers[i][k]);
-        for (row, value) in followers.iter_mut().zip(factors.solve(column)) {
-            row[k] = value;
-        }
-    }
-    let (mut least, mut largest) = (f64::INFINITY, 0.0);
-    for (pivot, unit) in factors.pivots().into_iter().zip(units) {
-        let size = pivot.value().abs() / (unit * unit);
-        least = if size < least { size } else { least };
-        largest = if size > largest { size } else { largest };
-    }
-    Some(Eliminated {
-        rest,
-        by: followers,
-        least_pivot: least / largest,
+    force[0].outlined(Elimination {
+        own,
+        force,
+        by: *by,
+        units,
+        is_correction,
     })
 }
 
-/// Returns true if the symmetric part of a matrix is positive definite. All pivots of LDL' must exceed this fraction of the
-/// largest pivot before them.
-#[inline]
-pub(super) fn is_positive<T: Scalar, const N: usize>(
-    matrix: &[[T; N]; N],
-    least_share: f64,
-) -> bool {
-    let mut a: [[f64; N]; N] =
-        array_of(|i| array_of(|j| 0.5 * (matrix[i][j].value() + matrix[j][i].value())));
-    let mut largest = 0.0;
-    for k in 0..N {
-        if a[k][k].is_nan() || a[k][k] <= least_share * largest {
-            return false;
-        }
-        largest = if a[k][k] > largest { a[k][k] } else { largest };
-        for i in k + 1..N {
-            let factor = a[i][k] / a[k][k];
-            let pivot = a[k];
-            for (entry, of_pivot) in a[i].iter_mut().zip(pivot).skip(k + 1) {
-                *entry -= factor * of_pivot;
+/// Piece that solves the inner equations.
+struct Elimination<T: Valued, const N: usize, const C: usize> {
+    own: [[T; N]; N],
+    force: [T; N],
+    by: [[T; C]; N],
+    units: [T::Plain; N],
+    is_correction: bool,
+}
+
+impl<T: Valued, const N: usize, const C: usize> Outlined for Elimination<T, N, C> {
+    type Output = Option<Eliminated<T, N, C>>;
+
+    #[inline(always)]
+    fn work(self) -> Self::Output {
+        let Elimination {
+            mut own,
+            force: mut rest,
+            mut by,
+            units,
+            is_correction,
+        } = self;
+        if is_correction {
+            for k in 0..N {
+                own[k] = own[k].each(|c| tangent_of(c, true));
+                by[k] = by[k].each(|c| tangent_of(c, true));
             }
         }
+        let is_regular = eliminate(&mut own, &mut by, &mut rest, N);
+        if !T::Plain::any(is_regular) {
+            return None;
+        }
+        let mut least = units[0].constant(f64::INFINITY);
+        let mut largest = units[0].zero();
+        for k in 0..N {
+            let size = own[k][k].plain_value().abs() / (units[k] * units[k]);
+            least = <T::Plain as SimdReal>::select(size.less(least), size, least);
+            largest = <T::Plain as SimdReal>::select(largest.less(size), size, largest);
+        }
+        Some(Eliminated {
+            rest,
+            by,
+            least_pivot: least / largest,
+        })
     }
-    true
+}
+
+/// Lanes in which the symmetric part of a matrix is positive definite. All pivots of LDL' must exceed this fraction of the
+/// largest pivot before them.
+#[inline(always)]
+pub(super) fn is_positive<T: Valued, const N: usize>(
+    matrix: &[[T; N]; N],
+    least_share: f64,
+) -> MaskOf<T> {
+    matrix[0][0].outlined(Definiteness {
+        matrix,
+        least_share,
+    })
+}
+
+/// Piece that checks whether a matrix is positive definite.
+struct Definiteness<'m, T, const N: usize> {
+    matrix: &'m [[T; N]; N],
+    least_share: f64,
+}
+
+impl<T: Valued, const N: usize> Outlined for Definiteness<'_, T, N> {
+    type Output = MaskOf<T>;
+
+    #[inline(always)]
+    fn work(self) -> MaskOf<T> {
+        let first = self.matrix[0][0].plain_value();
+        let half = first.constant(0.5);
+        let mut a = [[first; N]; N];
+        for i in 0..N {
+            for j in 0..N {
+                let sum = self.matrix[i][j].plain_value() + self.matrix[j][i].plain_value();
+                a[i][j] = half * sum;
+            }
+        }
+        let mut is_positive = first.everywhere();
+        let mut largest = first.zero();
+        for k in 0..N {
+            // NaN fails this comparison.
+            let least = first.constant(self.least_share) * largest;
+            is_positive = is_positive & least.less(a[k][k]);
+            if !T::Plain::any(is_positive) {
+                return is_positive;
+            }
+            largest = <T::Plain as SimdReal>::select(largest.less(a[k][k]), a[k][k], largest);
+            for i in k + 1..N {
+                let factor = a[i][k] / a[k][k];
+                for j in k + 1..N {
+                    a[i][j] = a[i][j] - factor * a[k][j];
+                }
+            }
+        }
+        is_positive
+    }
 }

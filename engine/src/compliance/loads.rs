@@ -8,7 +8,7 @@ use super::algebra::Placed;
 use super::limb::Sum;
 use crate::characteristics::Wheel;
 use crate::mechanism::Ground;
-use crate::number::{Dual, Each, Matrix3, Real, Scalar, Vector3};
+use crate::number::{Dual, Matrix3, Real, Valued, Vector3, outlined};
 
 /// Loads on the wheel, in the kernel's frame of a left wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -27,6 +27,7 @@ pub struct WheelLoads<T = f64> {
 
 impl<T: Real> WheelLoads<T> {
     /// Zero load, with the number type of `like`.
+    #[inline(always)]
     pub fn none(like: T) -> Self {
         let zero = like.zero();
         let none = Vector3::new(zero, zero, zero);
@@ -40,6 +41,7 @@ impl<T: Real> WheelLoads<T> {
     }
 
     /// Converts the load to another kind of number.
+    #[inline(always)]
     pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> WheelLoads<U> {
         WheelLoads {
             contact: self.contact.map(f),
@@ -64,6 +66,7 @@ impl<T: Real> WheelLoads<T> {
     }
 
     /// Sum of this load and a multiple of another with the same trail.
+    #[inline(always)]
     pub fn plus(&self, other: &Self, factor: T) -> Self {
         WheelLoads {
             contact: self.contact + other.contact * factor,
@@ -92,16 +95,24 @@ pub(super) struct LoadWrench<T> {
     pub(super) moment: Vector3<T>,
 }
 
-impl<T: Scalar> LoadWrench<T> {
+impl<T: Valued> LoadWrench<T> {
     /// Components of force and moment.
+    #[inline(always)]
     pub(super) fn to_array(self) -> [T; 6] {
         let (f, m) = (self.force, self.moment);
         [f.x, f.y, f.z, m.x, m.y, m.z]
     }
 }
 
+/// Vector that turns with the carrier, with its derivatives by a small rotation.
+#[inline(always)]
+fn following<T: Real>(turn: Vector3<Dual<T, 3>>, v: Vector3<T>) -> Vector3<Dual<T, 3>> {
+    let v = v.map(Dual::constant);
+    v + turn.cross(v)
+}
+
 /// Force and moment of a load, for a given spin axis and lever of the wheel centre.
-#[inline]
+#[inline(always)]
 fn wrench<T: Real>(
     loads: &WheelLoads<T>,
     axis: Vector3<T>,
@@ -122,36 +133,41 @@ fn wrench<T: Real>(
     }
 }
 
-impl<T: Scalar> WheelPart<T> {
+impl<T: Valued> WheelPart<T> {
     /// Force and moment of a load.
+    #[inline(always)]
     pub(super) fn wrench(&self, carrier: &Placed<T>, loads: &WheelLoads<T>) -> LoadWrench<T> {
         let axis = carrier.lever(self.spin_axis);
         wrench(loads, axis, carrier.lever(self.centre), self.radius)
     }
 
     /// Subtracts a load from the sum, with its tangent.
-    #[inline]
+    #[inline(always)]
     pub(super) fn subtract(&self, carrier: &Placed<T>, loads: &WheelLoads<T>, sum: &mut Sum<T>) {
-        let turn = Dual::inputs(carrier.shift.zero());
-        let follows = |v: Vector3<T>| {
-            let v = v.map(Dual::constant);
-            v + turn.cross(v)
-        };
-        let loads = loads.map(Dual::constant);
-        let axis = follows(carrier.lever(self.spin_axis));
-        let found = wrench(
-            &loads,
-            axis,
-            follows(carrier.lever(self.centre)),
-            self.radius,
+        outlined!(
+            [T: Valued] loads.side;
+            wheel: &'p WheelPart<T> = self, carrier: &'p Placed<T> = carrier, loads: &'p WheelLoads<T> = loads,
+            sum: &'p mut Sum<T> = sum => () {
+                wheel.subtract_inline(carrier, loads, sum);
+            }
         );
+    }
+
+    #[inline(always)]
+    fn subtract_inline(&self, carrier: &Placed<T>, loads: &WheelLoads<T>, sum: &mut Sum<T>) {
+        let turn = Dual::inputs(carrier.shift.zero());
+        let loads = loads.map(Dual::constant);
+        let axis = following(turn, carrier.lever(self.spin_axis));
+        let centre = following(turn, carrier.lever(self.centre));
+        let found = wrench(&loads, axis, centre, self.radius);
         let force = found.force.map(|c| -c.value);
-        let moment = found.moment.to_array();
-        let by_turn = |k: usize| Vector3::from(moment.each(|c| -c.partials[k]));
+        let Vector3 { x, y, z } = found.moment;
         sum.add_force(force, force.zero());
-        let tangent = Matrix3 {
-            columns: [by_turn(0), by_turn(1), by_turn(2)],
-        };
-        sum.add_moment(Vector3::from(moment.each(|c| -c.value)), &tangent);
+        let mut columns = [force; 3];
+        for k in 0..3 {
+            columns[k] = Vector3::new(-x.partials[k], -y.partials[k], -z.partials[k]);
+        }
+        let tangent = Matrix3 { columns };
+        sum.add_moment(Vector3::new(-x.value, -y.value, -z.value), &tangent);
     }
 }

@@ -11,16 +11,16 @@ use super::point::{BarSeat, RockerSeat, Seat};
 use super::reading::WheelFigures;
 use super::swinging::{End, Swinging};
 use super::system::{CarrierBushing, Limb, System};
-use crate::number::{Each, Scalar};
+use crate::number::{Each, Valued};
 
-impl<T: Scalar> Law<T> {
-    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Law<U> {
+impl<T: Valued> Law<T> {
+    fn map<U: Valued>(&self, f: impl Fn(T) -> U + Copy) -> Law<U> {
         self.with(self.shape.map(f), f)
     }
 }
 
-impl<T: Scalar> Bushing<T> {
-    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Bushing<U> {
+impl<T: Valued> Bushing<T> {
+    fn map<U: Valued>(&self, f: impl Fn(T) -> U + Copy) -> Bushing<U> {
         Bushing {
             axes: self.axes.map(f),
             laws: self.laws.each_ref().map(|law| law.map(f)),
@@ -28,8 +28,8 @@ impl<T: Scalar> Bushing<T> {
     }
 }
 
-impl<T: Scalar> Seat<T> {
-    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Seat<U> {
+impl<T: Valued> Seat<T> {
+    fn map<U: Valued>(&self, f: impl Fn(T) -> U + Copy) -> Seat<U> {
         Seat {
             point: self.point.map(f),
             upper: self.upper.map(f),
@@ -40,8 +40,8 @@ impl<T: Scalar> Seat<T> {
     }
 }
 
-impl<T: Scalar> RockerSeat<T> {
-    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> RockerSeat<U> {
+impl<T: Valued> RockerSeat<T> {
+    fn map<U: Valued>(&self, f: impl Fn(T) -> U + Copy) -> RockerSeat<U> {
         RockerSeat {
             axis: self.axis.each(|point| point.map(f)),
             inner: self.inner.map(f),
@@ -51,8 +51,8 @@ impl<T: Scalar> RockerSeat<T> {
     }
 }
 
-impl<T: Scalar> BarSeat<T> {
-    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> BarSeat<U> {
+impl<T: Valued> BarSeat<T> {
+    fn map<U: Valued>(&self, f: impl Fn(T) -> U + Copy) -> BarSeat<U> {
         let rocker = self.rocker.as_ref();
         BarSeat {
             point: self.point.map(f),
@@ -64,8 +64,8 @@ impl<T: Scalar> BarSeat<T> {
     }
 }
 
-impl<T: Scalar> LegPoint<T> {
-    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> LegPoint<U> {
+impl<T: Valued> LegPoint<T> {
+    fn map<U: Valued>(&self, f: impl Fn(T) -> U + Copy) -> LegPoint<U> {
         LegPoint {
             joint: self.joint.map(f),
             axis: self.axis.map(f),
@@ -75,8 +75,8 @@ impl<T: Scalar> LegPoint<T> {
     }
 }
 
-impl<T: Scalar> BarPart<T> {
-    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> BarPart<U> {
+impl<T: Valued> BarPart<T> {
+    fn map<U: Valued>(&self, f: impl Fn(T) -> U + Copy) -> BarPart<U> {
         BarPart {
             foot: match &self.foot {
                 BarFoot::Carrier(lever) => BarFoot::Carrier(lever.map(f)),
@@ -87,8 +87,8 @@ impl<T: Scalar> BarPart<T> {
     }
 }
 
-impl<T: Scalar> RodPart<T> {
-    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> RodPart<U> {
+impl<T: Valued> RodPart<T> {
+    fn map<U: Valued>(&self, f: impl Fn(T) -> U + Copy) -> RodPart<U> {
         RodPart {
             joint: self.joint.map(f),
             along: self.along.map(f),
@@ -98,8 +98,8 @@ impl<T: Scalar> RodPart<T> {
     }
 }
 
-impl<T: Scalar> Limb<T> {
-    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Limb<U> {
+impl<T: Valued> Limb<T> {
+    fn map<U: Valued>(&self, f: impl Fn(T) -> U + Copy) -> Limb<U> {
         match self {
             Limb::Swinging(arm) => Limb::Swinging(Swinging {
                 joint: arm.joint.map(f),
@@ -150,8 +150,8 @@ impl<T: Scalar> Limb<T> {
     }
 }
 
-impl<T: Scalar> Joint<T> {
-    fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Joint<U> {
+impl<T: Valued> Joint<T> {
+    fn map<U: Valued>(&self, f: impl Fn(T) -> U + Copy) -> Joint<U> {
         match self {
             Joint::Rod(rod) => Joint::Rod(rod.map(f)),
             Joint::Line { normal, top } => Joint::Line {
@@ -166,9 +166,9 @@ impl<T: Scalar> Joint<T> {
     }
 }
 
-impl<T: Scalar> System<T> {
+impl<T: Valued> System<T> {
     /// Converts the system to another kind of number.
-    pub(super) fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> System<U> {
+    pub(super) fn map<U: Valued>(&self, f: impl Fn(T) -> U + Copy) -> System<U> {
         let bushing = |part: &CarrierBushing<T>| CarrierBushing {
             lever: part.lever.map(f),
             bushing: part.bushing.map(f),

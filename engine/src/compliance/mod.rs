@@ -23,6 +23,7 @@ mod gather;
 mod ground;
 mod inputs;
 mod kc;
+mod lanes;
 mod law;
 mod legs;
 mod limb;
@@ -59,6 +60,7 @@ pub use kc::{
     KcLevel, KcOutcome, KcRun, KcState, KcStation, KcSubject, KcTest, KcValue, KcWheelState,
     TestLoad, TestMode, TestPlace, follows_y_axis, quantities, sign_of_figure,
 };
+pub(crate) use lanes::{EquilibriaInLanes, LaneMemory, WheelsInLanes};
 pub use law::Shape;
 pub use loads::WheelLoads;
 pub use reading::WheelFigures;

@@ -21,7 +21,7 @@ use super::bushing::Bushing;
 use super::limb::{Conditions, Evaluated, Followers, LimbState, Sum, joined, tangent_of};
 use super::point::{PointForce, Seat, Stretched};
 use crate::axle::SpringLaw;
-use crate::number::{Dual, Each, Matrix3, Real, Scalar, Vector3};
+use crate::number::{Dual, Each, Matrix3, Real, SimdReal, Valued, Vector3, outlined};
 
 /// Top mount of a strut with its spring.
 #[derive(Clone, Debug)]
@@ -50,7 +50,7 @@ pub(super) struct MountState<T> {
     pub(super) spring_force: T,
 }
 
-impl<T: Scalar> Mount<T> {
+impl<T: Valued> Mount<T> {
     fn displacement(&self, at: &Conditions<T>, slide: T) -> Vector3<T> {
         let along = at.carrier.lever(self.along);
         at.carrier.displacement(self.top) + along * slide
@@ -179,11 +179,12 @@ impl<T: Scalar> Mount<T> {
         followers.rest[0] = moment * inverse;
         let mut inner = [like.zero(); 7];
         inner[0] = moment;
-        own.value().is_finite().then_some(Evaluated {
+        let (size, is_stable) = (own.plain_value(), own.is_above(0.0));
+        T::Plain::any(size.abs().is_below(f64::INFINITY)).then_some(Evaluated {
             followers,
             inner,
-            is_stable: own.value() > 0.0,
-            least_pivot: if own.value() > 0.0 { 1.0 } else { 0.0 },
+            is_stable,
+            least_pivot: <T::Plain as SimdReal>::select(is_stable, size.one(), size.zero()),
         })
     }
 }
@@ -196,8 +197,26 @@ pub(super) struct CarrierSeat<T> {
     pub(super) seat: Seat<T>,
 }
 
-impl<T: Scalar> CarrierSeat<T> {
+impl<T: Valued> CarrierSeat<T> {
+    #[inline(always)]
     pub(super) fn evaluate(
+        &self,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+        held: &[T; 7],
+        sum: &mut Sum<T>,
+    ) -> Evaluated<T> {
+        outlined!(
+            [T: Valued] at.rack;
+            own: &'p CarrierSeat<T> = self, at: &'p Conditions<T> = at, state: &'p LimbState<T> = state,
+            held: &'p [T; 7] = held, sum: &'p mut Sum<T> = sum => Evaluated<T> {
+                own.evaluate_inline(at, state, held, sum)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn evaluate_inline(
         &self,
         at: &Conditions<T>,
         state: &LimbState<T>,
@@ -219,7 +238,7 @@ impl<T: Scalar> CarrierSeat<T> {
             ),
             inner,
             is_stable: force.is_stable,
-            least_pivot: 1.0,
+            least_pivot: at.rack.plain_value().one(),
         }
     }
 }
@@ -236,14 +255,26 @@ pub(super) struct RodPart<T> {
     pub(super) elastic: Option<[T; 2]>,
 }
 
-impl<T: Scalar> RodPart<T> {
+impl<T: Valued> RodPart<T> {
+    #[inline(always)]
     pub(super) fn line(&self, at: &Conditions<T>) -> Stretched<T> {
         let moved = at.carrier.displacement(self.joint) - at.ground(self.on_rack);
         Stretched::of(self.along, moved)
     }
 
     /// Adds a rod with axial stiffness.
-    pub(super) fn add(&self, at: &Conditions<T>, [rate, tension]: [T; 2], sum: &mut Sum<T>) {
+    pub(super) fn add(&self, at: &Conditions<T>, elastic: [T; 2], sum: &mut Sum<T>) {
+        outlined!(
+            [T: Valued] at.rack;
+            rod: &'p RodPart<T> = self, at: &'p Conditions<T> = at, elastic: [T; 2] = elastic,
+            sum: &'p mut Sum<T> = sum => () {
+                rod.add_inline(at, elastic, sum);
+            }
+        );
+    }
+
+    #[inline(always)]
+    fn add_inline(&self, at: &Conditions<T>, [rate, tension]: [T; 2], sum: &mut Sum<T>) {
         let line = self.line(at);
         let pull = if at.balance_only {
             rate.zero()
@@ -276,15 +307,26 @@ pub(super) enum Joint<T> {
     },
 }
 
-impl<T: Scalar> Joint<T> {
+impl<T: Valued> Joint<T> {
     /// Returns true if the rack holds the joint.
     pub(super) fn is_on_rack(&self) -> bool {
         matches!(self, Joint::Rod(rod) if rod.on_rack)
     }
 
     /// Residual, and its derivatives by the carrier's motion. Adds the joint's force and its tangent.
-    #[inline]
+    #[inline(always)]
     pub(super) fn evaluate(&self, at: &Conditions<T>, force: T, sum: &mut Sum<T>) -> (T, [T; 6]) {
+        outlined!(
+            [T: Valued] force;
+            joint: &'p Joint<T> = self, at: &'p Conditions<T> = at, force: T = force,
+            sum: &'p mut Sum<T> = sum => (T, [T; 6]) {
+                joint.evaluate_inline(at, force, sum)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn evaluate_inline(&self, at: &Conditions<T>, force: T, sum: &mut Sum<T>) -> (T, [T; 6]) {
         match self {
             Joint::Rod(rod) => {
                 let line = rod.line(at);

@@ -32,7 +32,7 @@ use super::algebra::cross_matrix;
 use super::rod_turn::RodTurn;
 use crate::axle::SpringLaw;
 use crate::mechanism::Turn;
-use crate::number::{Matrix3, Scalar, Vector3};
+use crate::number::{MaskOf, Matrix3, SimdReal, Valued, Vector3, outlined};
 
 /// Force at a moving point, the derivative of an energy by the point's position, with its tangent.
 #[derive(Clone, Copy, Debug)]
@@ -45,8 +45,9 @@ pub(super) struct PointForce<T> {
     pub(super) stiffness: Matrix3<T>,
 }
 
-impl<T: Scalar> PointForce<T> {
+impl<T: Valued> PointForce<T> {
     /// Returns a zero force.
+    #[inline(always)]
     pub(super) fn none(like: T) -> Self {
         let stiffness = Matrix3::null(like);
         let force = stiffness.columns[0];
@@ -59,7 +60,7 @@ impl<T: Scalar> PointForce<T> {
 
     /// Removes the part of the tangent by which the moment changes with the lever. It is not needed for the forces at the design
     /// load.
-    #[inline]
+    #[inline(always)]
     pub(super) fn leverless_if(mut self, balance_only: bool) -> Self {
         if balance_only {
             self.force = self.force.zero();
@@ -67,7 +68,7 @@ impl<T: Scalar> PointForce<T> {
         self
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn of(force: Vector3<T>, stiffness: Matrix3<T>) -> Self {
         PointForce {
             force,
@@ -78,7 +79,7 @@ impl<T: Scalar> PointForce<T> {
 
     /// Tangents of force and moment on a body by its shift and rotation, with the point at this lever. Equation (3) of
     /// `limb.rs`.
-    #[inline]
+    #[inline(always)]
     pub(super) fn tangents(&self, lever: Vector3<T>) -> [[Matrix3<T>; 2]; 2] {
         let across = cross_matrix(lever);
         let moment = self.stiffness.crossed_by(lever);
@@ -90,7 +91,7 @@ impl<T: Scalar> PointForce<T> {
     }
 
     /// Pull along the unit vector from the fixed point, by equation (1).
-    #[inline]
+    #[inline(always)]
     pub(super) fn along(u: Vector3<T>, pull: T, rate: T, inverse_length: T) -> Self {
         let across = pull * inverse_length;
         let mut stiffness = Matrix3::null(pull);
@@ -108,10 +109,10 @@ pub(super) struct Stretched<T> {
     pub(super) direction: Vector3<T>,
 }
 
-impl<T: Scalar> Stretched<T> {
+impl<T: Valued> Stretched<T> {
     /// Computes the line. `designed` is the vector between the points in the design position, and `displacement` is its
     /// change.
-    #[inline]
+    #[inline(always)]
     pub(super) fn of(designed: Vector3<T>, displacement: Vector3<T>) -> Self {
         let now = designed + displacement;
         let (before, length) = (designed.norm(), now.norm());
@@ -177,7 +178,7 @@ pub(super) struct BarForce<T> {
     pub(super) angle: T,
 }
 
-impl<T: Scalar> BarSeat<T> {
+impl<T: Valued> BarSeat<T> {
     /// Force for a displacement of the drop link's outer end and a twist of the middle.
     pub(super) fn force(&self, displacement: Vector3<T>, twist: T) -> BarForce<T> {
         let now = self.point + displacement;
@@ -220,13 +221,27 @@ pub(super) struct Slide<T> {
 
 /// Force at a seat.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct SeatForce<T> {
+pub(super) struct SeatForce<T: Valued> {
     pub(super) point: PointForce<T>,
     pub(super) slide: Option<Slide<T>>,
     /// Unbalanced moment about the rocker's axis.
     pub(super) moment: T,
     /// False if the rocker is unstable by itself.
-    pub(super) is_stable: bool,
+    pub(super) is_stable: MaskOf<T>,
+}
+
+impl<T: Valued> SeatForce<T> {
+    /// Force without a rocker on an elastic rod.
+    #[inline(always)]
+    fn plain(point: PointForce<T>) -> Self {
+        let like = point.force.x;
+        SeatForce {
+            point,
+            slide: None,
+            moment: like.zero(),
+            is_stable: like.plain_value().everywhere(),
+        }
+    }
 }
 
 /// Lengths and forces at a seat.
@@ -239,10 +254,10 @@ pub(super) struct SeatState<T> {
     pub(super) rod_tension: Option<T>,
 }
 
-impl<T: Scalar> RockerSeat<T> {
+impl<T: Valued> RockerSeat<T> {
     /// Displacement of a point of the rocker at the rotation theta, with its first and second derivative by theta. `half` is
     /// tan(theta/2).
-    #[inline]
+    #[inline(always)]
     fn turned(&self, point: Vector3<T>, half: T) -> [Vector3<T>; 3] {
         let [first, second] = self.axis;
         let axis = (second - first).normalised();
@@ -256,8 +271,9 @@ impl<T: Scalar> RockerSeat<T> {
     }
 }
 
-impl<T: Scalar> Seat<T> {
+impl<T: Valued> Seat<T> {
     /// Length of the spring in the design position.
+    #[inline(always)]
     pub(super) fn design_length(&self) -> T {
         let lower = match &self.rocker {
             Some(rocker) => rocker.spring,
@@ -269,6 +285,7 @@ impl<T: Scalar> Seat<T> {
     /// Force for a displacement of the point. For the forces at the design load, `balance_only` leaves out the terms that
     /// depend on deflection. `slide` is tan(theta/2) of a rocker with an elastic rod. `held` is an external moment about its
     /// axis.
+    #[inline(always)]
     pub(super) fn force(
         &self,
         displacement: Vector3<T>,
@@ -276,13 +293,24 @@ impl<T: Scalar> Seat<T> {
         held: T,
         balance_only: bool,
     ) -> SeatForce<T> {
+        outlined!(
+            [T: Valued] slide;
+            seat: &'p Seat<T> = self, displacement: Vector3<T> = displacement, slide: T = slide, held: T = held,
+            balance_only: bool = balance_only => SeatForce<T> {
+                seat.force_inline(displacement, slide, held, balance_only)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn force_inline(
+        &self,
+        displacement: Vector3<T>,
+        slide: T,
+        held: T,
+        balance_only: bool,
+    ) -> SeatForce<T> {
         let like = slide;
-        let plain = |point| SeatForce {
-            point,
-            slide: None,
-            moment: like.zero(),
-            is_stable: true,
-        };
         match &self.rocker {
             None => {
                 let designed = self.point - self.upper;
@@ -291,9 +319,9 @@ impl<T: Scalar> Seat<T> {
                 let (force, rate) = self.law.at(design + line.stretch, design);
                 if balance_only {
                     let force = -(line.direction * force);
-                    return plain(PointForce::of(force, Matrix3::null(like)));
+                    return SeatForce::plain(PointForce::of(force, Matrix3::null(like)));
                 }
-                plain(PointForce::along(
+                SeatForce::plain(PointForce::along(
                     line.direction,
                     -force,
                     rate,
@@ -301,12 +329,13 @@ impl<T: Scalar> Seat<T> {
                 ))
             }
             Some(rocker) => match rocker.rod {
-                None => plain(self.through_rigid_rod(rocker, displacement, balance_only)),
+                None => SeatForce::plain(self.through_rigid_rod(rocker, displacement, balance_only)),
                 Some(rod) => self.through_rod(rocker, rod, displacement, slide, held, balance_only),
             },
         }
     }
 
+    #[inline(always)]
     fn through_rigid_rod(
         &self,
         rocker: &RockerSeat<T>,
@@ -337,6 +366,7 @@ impl<T: Scalar> Seat<T> {
         PointForce::of(-(gradient * force), stiffness)
     }
 
+    #[inline(always)]
     fn through_rod(
         &self,
         rocker: &RockerSeat<T>,
@@ -382,15 +412,17 @@ impl<T: Scalar> Seat<T> {
                 rest: moment * inverse,
             }),
             moment,
-            is_stable: slope.value() > 0.0,
+            is_stable: slope.is_above(0.0),
         }
     }
 
     /// Vector from the spring's upper to its lower end on a rocker.
+    #[inline(always)]
     fn spring_vector(&self, rocker: &RockerSeat<T>, slide: T) -> Vector3<T> {
         rocker.spring - self.upper + rocker.turned(rocker.spring, slide)[0]
     }
 
+    #[inline(always)]
     fn spring_on(&self, rocker: &RockerSeat<T>, slide: T) -> (T, T, T) {
         let designed = rocker.spring - self.upper;
         let moved = rocker.turned(rocker.spring, slide)[0];

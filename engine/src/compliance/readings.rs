@@ -12,7 +12,7 @@ use super::swinging::Swinging;
 use super::system::{Limb, State, System};
 use super::wheel::{BushingReading, ElasticWheel, Equilibrium, SpringReading};
 use crate::mechanism::Pose;
-use crate::number::{Each, Scalar, Vector3};
+use crate::number::{Each, Scalar, Valued, Vector3};
 
 /// Rotation of a bushing above which its law is doubtful, radians.
 const LARGEST_ROTATION: f64 = std::f64::consts::FRAC_PI_3;
@@ -278,8 +278,9 @@ fn reading<T: Scalar>(state: &BushingState<T>, bushing: &Bushing<T>) -> BushingR
     }
 }
 
-impl<T: Scalar> Limb<T> {
+impl<T: Valued> Limb<T> {
     /// Rotation of a part in a step.
+    #[inline(always)]
     pub(super) fn turn_vector(&self, step: &LimbStep<T>) -> Vector3<T> {
         let [a, b, c, d, e, f] = step.inner;
         match self {
@@ -294,6 +295,7 @@ impl<T: Scalar> Limb<T> {
     }
 
     /// Rotation of a part in a step, without that of a link about its own line.
+    #[inline(always)]
     pub(super) fn turn_across(&self, step: &LimbStep<T>) -> Vector3<T> {
         let turn = self.turn_vector(step);
         match self {

@@ -15,7 +15,7 @@
 
 use crate::mechanism::Turn;
 use crate::model::Rod;
-use crate::number::{Each, Matrix3, Scalar, Vector3};
+use crate::number::{Each, Matrix3, Valued, Vector3};
 
 /// Rotation of a rocker or lever by a rigid rod, with its derivatives by the rod's outer end. Equation (1).
 pub(super) struct RodTurn<T> {
@@ -28,8 +28,9 @@ pub(super) struct RodTurn<T> {
     pub(super) second: Matrix3<T>,
 }
 
-impl<T: Scalar> RodTurn<T> {
+impl<T: Valued> RodTurn<T> {
     /// Rotation about an axis through two points. The rod's outer end moves from `outer` to `now`.
+    #[inline(always)]
     pub(super) fn of(
         [first, second]: [Vector3<T>; 2],
         inner: Vector3<T>,
@@ -62,11 +63,13 @@ impl<T: Scalar> RodTurn<T> {
     }
 
     /// Angle, positive if the rod has pushed.
+    #[inline(always)]
     pub(super) fn angle(&self) -> T {
         self.turn.angle(Rod::DropLink)
     }
 
     /// Present position of a point, with its first and second derivative by the angle about the axis.
+    #[inline(always)]
     fn moved_about(&self, point: Vector3<T>) -> [Vector3<T>; 3] {
         let now = self.turn.moved(point);
         let lever = (now - self.first).across(self.axis);
@@ -74,12 +77,14 @@ impl<T: Scalar> RodTurn<T> {
     }
 
     /// Present position of a point, with its first and second derivative by the angle.
+    #[inline(always)]
     pub(super) fn moved(&self, point: Vector3<T>) -> [Vector3<T>; 3] {
         let [now, along, bend] = self.moved_about(point);
         [now, along * self.turn.sense(Rod::DropLink), bend]
     }
 
     /// Derivatives by the rod's outer end of a value with these first and second derivatives by the angle. Equation (2).
+    #[inline(always)]
     pub(super) fn chained(&self, first: T, second: T) -> (Vector3<T>, Matrix3<T>) {
         let columns = self.second.columns.each(|column| column * first);
         let mut twice = Matrix3 { columns };

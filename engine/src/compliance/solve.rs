@@ -16,11 +16,16 @@
 //! held height restrict these motions. This is checked first in every eliminated part, then in the remaining equations of
 //! the carrier. The fraction that is reached is accurate to 1e-6.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "rows and columns of matrices are named by their numbers"
+)]
+
 use super::limb::is_positive;
-use super::system::{Equations, Held, Hold, Singular, State, System, Task, larger};
+use super::system::{Equations, Held, Hold, Singular, State, Step, System, Task};
 use super::wheel::TURN_LEVER;
 use crate::linear::square::MOST;
-use crate::number::{Each, Scalar};
+use crate::number::{Each, Scalar, Valued, array_of, larger};
 use crate::threads::checkpoint;
 
 /// Largest first correction in shift, mm.
@@ -109,6 +114,25 @@ impl Equations<f64> {
     }
 }
 
+impl<T: Valued> System<T> {
+    /// Newton step in a state. The equations there replace those of an earlier state.
+    #[inline(always)]
+    pub(super) fn newton_step(
+        &self,
+        state: &State<T>,
+        task: &Task<T>,
+        held: Option<&Held<T>>,
+        equations: &mut Equations<T>,
+    ) -> Result<Step<T>, Obstacle> {
+        self.renew_equations(state, task, held, equations)
+            .map_err(Obstacle::Singular)?;
+        let solution = equations
+            .solution()
+            .ok_or(Obstacle::Singular(Singular::Carrier))?;
+        Ok(equations.step(&solution, false))
+    }
+}
+
 impl System<f64> {
     /// Newton's method from a state.
     #[inline]
@@ -121,16 +145,10 @@ impl System<f64> {
     ) -> Result<Solution<f64>, Obstacle> {
         let mut state = *start;
         let mut judge = Judge::new(bounds);
+        let mut equations = Equations::empty(task.rack, self.joints.len(), held);
         loop {
             checkpoint();
-            let equations = self
-                .equations(&state, task, held)
-                .map_err(Obstacle::Singular)?;
-            let factors = equations
-                .factors()
-                .ok_or(Obstacle::Singular(Singular::Carrier))?;
-            let solution = factors.solve(&equations.residual.each(|c| -c));
-            let step = equations.step(&solution, false);
+            let step = self.newton_step(&state, task, held, &mut equations)?;
             let verdict = judge.judge(self.size_of(&step))?;
             state = self.stepped(&state, &step);
             if verdict == Verdict::Settled {
@@ -314,30 +332,46 @@ pub(super) fn is_definite<T: Scalar>(
     bounds: Bounds,
     least_share: f64,
 ) -> bool {
-    let lever = TURN_LEVER * bounds.millimetre;
-    let scale = |i: usize| if i < 3 { 1.0 } else { 1.0 / lever };
-    let tangent = equations.tangent();
     let mut rows = [[0.0; 6]; MOST - 6];
     let mut count = 0;
     for row in equations.rows() {
-        for (j, entry) in row.into_iter().enumerate() {
-            rows[count][j] = entry * scale(j);
-        }
+        rows[count] = row;
         count += 1;
     }
-    let Some((motions, free)) = null_space(&mut rows[..count]) else {
+    is_definite_on(&equations.tangent(), &mut rows[..count], bounds, least_share)
+}
+
+/// Returns true if a tangent of the carrier is definite on the motions that keep these rows at zero, like [`is_definite`].
+pub(super) fn is_definite_on(
+    tangent: &[[f64; 6]; 6],
+    rows: &mut [[f64; 6]],
+    bounds: Bounds,
+    least_share: f64,
+) -> bool {
+    let lever = TURN_LEVER * bounds.millimetre;
+    let scale = |i: usize| if i < 3 { 1.0 } else { 1.0 / lever };
+    for row in &mut *rows {
+        for (j, entry) in row.iter_mut().enumerate() {
+            *entry *= scale(j);
+        }
+    }
+    let Some((motions, free)) = null_space(rows) else {
         return false;
     };
     let mut projected = [[0.0; 6]; 6];
-    for a in 0..free {
-        for b in 0..free {
-            let mut sum = 0.0;
-            for i in 0..6 {
-                for j in 0..6 {
-                    sum += motions[a][i] * tangent[i][j] * scale(i) * scale(j) * motions[b][j];
-                }
+    for b in 0..free {
+        let motion: [f64; 6] = array_of(|j| scale(j) * motions[b][j]);
+        let mut moved = [0.0; 6];
+        for i in 0..6 {
+            for j in 0..6 {
+                moved[i] += tangent[i][j] * motion[j];
             }
-            projected[a][b] = sum;
+            moved[i] *= scale(i);
+        }
+        for a in 0..free {
+            for i in 0..6 {
+                projected[a][b] += motions[a][i] * moved[i];
+            }
         }
     }
     // With fewer than six motions, copies of the largest diagonal entry fill the matrix.

@@ -12,7 +12,7 @@ use super::limb::{
     eliminated, is_positive, tangent_of,
 };
 use super::point::{BarSeat, PointForce, Seat};
-use crate::number::{Each, Matrix3, Scalar, Vector3, array_of};
+use crate::number::{MaskOf, Matrix3, Real, SimdReal, Valued, Vector3, array_of, outlined};
 
 /// End of an arm or a link at the body or the rack.
 #[derive(Clone, Debug)]
@@ -43,8 +43,9 @@ pub(super) struct Swinging<T> {
     pub(super) spin: Option<Vector3<T>>,
 }
 
-impl<T: Scalar> Swinging<T> {
+impl<T: Valued> Swinging<T> {
     /// Displacement of an end relative to its holder.
+    #[inline(always)]
     pub(super) fn deflection(
         &self,
         end: &End<T>,
@@ -67,6 +68,7 @@ impl<T: Scalar> Swinging<T> {
     }
 
     /// Displacement of a point of the arm, at this lever from the outer joint.
+    #[inline(always)]
     pub(super) fn displacement(
         &self,
         lever: Vector3<T>,
@@ -77,6 +79,7 @@ impl<T: Scalar> Swinging<T> {
     }
 
     /// Displacement of the spring's seat, relative to the upper end if that is on another body.
+    #[inline(always)]
     pub(super) fn seat_displacement(
         &self,
         (lever, seat): &(Vector3<T>, Seat<T>),
@@ -97,7 +100,7 @@ impl<T: Scalar> Swinging<T> {
     }
 
     /// Adds the forces of bushings and ball joints at the ends.
-    #[inline]
+    #[inline(always)]
     fn add_ends(&self, at: &Conditions<T>, state: &LimbState<T>, own: &mut OwnSum<T>) {
         for end in &self.ends {
             let lever = state.placed.lever(end.lever);
@@ -118,8 +121,27 @@ impl<T: Scalar> Swinging<T> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn evaluate(
+        &self,
+        at: &Conditions<T>,
+        state: &LimbState<T>,
+        held: &[T; 7],
+        sum: &mut Sum<T>,
+        beside: Option<&mut Beside<T>>,
+    ) -> Option<Evaluated<T>> {
+        outlined!(
+            [T: Valued] at.rack;
+            own: &'p Swinging<T> = self, at: &'p Conditions<T> = at, state: &'p LimbState<T> = state,
+            held: &'p [T; 7] = held, sum: &'p mut Sum<T> = sum,
+            beside: Option<&'p mut Beside<T>> = beside => Option<Evaluated<T>> {
+                own.evaluate_inline(at, state, held, sum, beside)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn evaluate_inline(
         &self,
         at: &Conditions<T>,
         state: &LimbState<T>,
@@ -135,7 +157,7 @@ impl<T: Scalar> Swinging<T> {
         let lever = at.carrier.lever(self.joint);
         followers.joint = Some(lever);
         let mut inner = [like.zero(); 7];
-        let mut is_stable = true;
+        let mut is_stable = like.plain_value().everywhere();
         if let Some(place) = &self.seat {
             let (seat_lever, seat) = place;
             let moved = self.seat_displacement(place, at, state);
@@ -167,7 +189,7 @@ impl<T: Scalar> Swinging<T> {
             own.by_turn.add_product(spin, spin, like.one());
         }
         own.moment = own.moment - Vector3::new(held[0], held[1], held[2]);
-        inner[..3].copy_from_slice(&own.moment.to_array());
+        (inner[0], inner[1], inner[2]) = (own.moment.x, own.moment.y, own.moment.z);
         let pivot = self.ends.iter().find(|end| end.bushing.is_none());
         let found = match pivot {
             None => {
@@ -178,8 +200,8 @@ impl<T: Scalar> Swinging<T> {
             }
             Some(end) => {
                 let miss = self.deflection(end, at, state);
-                let open = end.normals.each(|normal| normal.dot(miss));
-                inner[3..5].copy_from_slice(&open);
+                let open = [end.normals[0].dot(miss), end.normals[1].dot(miss)];
+                (inner[3], inner[4]) = (open[0], open[1]);
                 let pivot = Pivot {
                     lever: state.placed.lever(end.lever),
                     normals: end.normals,
@@ -195,7 +217,7 @@ impl<T: Scalar> Swinging<T> {
         Some(Evaluated {
             followers,
             inner,
-            is_stable: is_stable && found.is_stable,
+            is_stable: is_stable & found.is_stable,
             least_pivot: found.least_pivot,
         })
     }
@@ -226,12 +248,13 @@ struct Pivot<T> {
 type InnerEquations<T, const N: usize> = ([[T; N]; N], [T; N], [[T; 3]; N], [[T; N]; 3]);
 
 /// Stability of the inner equations.
-struct Firmness {
-    is_stable: bool,
-    least_pivot: f64,
+struct Firmness<T: Valued> {
+    is_stable: MaskOf<T>,
+    least_pivot: T::Plain,
 }
 
-impl<T: Scalar> OwnSum<T> {
+impl<T: Valued> OwnSum<T> {
+    #[inline(always)]
     fn zero(at: &Conditions<T>) -> Self {
         let at_joint = PointForce::none(at.rack.zero());
         let nothing = at_joint.stiffness;
@@ -246,8 +269,18 @@ impl<T: Scalar> OwnSum<T> {
     }
 
     /// Adds a force at a point of the part, by equation (3) of `limb.rs`. The joint's displacement is the shift there.
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
+        outlined!(
+            [T: Valued] lever.x;
+            own: &'p mut OwnSum<T> = self, lever: Vector3<T> = lever, point: &'p PointForce<T> = point => () {
+                own.add_inline(lever, point);
+            }
+        );
+    }
+
+    #[inline(always)]
+    fn add_inline(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
         let all = &mut self.at_joint;
         all.force = all.force + point.force;
         all.condensed = all.condensed + point.condensed;
@@ -260,21 +293,23 @@ impl<T: Scalar> OwnSum<T> {
     }
 
     /// Eliminates the three rotations.
-    #[inline]
-    fn eliminate_turns(&mut self, followers: &mut Followers<T>) -> Option<Firmness> {
+    #[inline(always)]
+    fn eliminate_turns(&mut self, followers: &mut Followers<T>) -> Option<Firmness<T>> {
         let rows: [[T; 3]; 3] = entries(&self.by_turn);
         let by_joint: [[T; 3]; 3] = entries(&self.moment_by_joint);
         let found = eliminated(
             rows,
             self.moment.to_array(),
             &by_joint,
-            [1.0; 3],
+            [self.moment.x.plain_value().one(); 3],
             self.is_correction,
         )?;
         let mut turn = self.by_turn;
         for k in 0..3 {
             turn.columns[k] = Vector3::new(found.by[0][k], found.by[1][k], found.by[2][k]);
-            followers.by[k][..3].copy_from_slice(&found.by[k]);
+            for j in 0..3 {
+                followers.by[k][j] = found.by[k][j];
+            }
             followers.rest[k] = found.rest[k];
         }
         followers.count = 3;
@@ -283,9 +318,7 @@ impl<T: Scalar> OwnSum<T> {
         all.stiffness = all
             .stiffness
             .plus(&self.joint_by_turn.times(&turn).negated());
-        let joint_by_turn = self
-            .joint_by_turn
-            .map(|c| tangent_of(c, self.is_correction));
+        let joint_by_turn = self.joint_by_turn.map(|c| tangent_of(c, self.is_correction));
         all.condensed = all.condensed - joint_by_turn.apply(rest);
         Some(Firmness {
             is_stable: is_positive(&rows, 0.0),
@@ -295,9 +328,12 @@ impl<T: Scalar> OwnSum<T> {
 
     /// Equations of the three rotations and of two forces in a ball joint. The results are the matrix, the residuals, their
     /// tangents by the joint's displacement, and tangents of the joint's force.
-    #[inline]
+    #[inline(always)]
     fn with_pivot(&self, pivot: &Pivot<T>) -> InnerEquations<T, 5> {
         let zero = self.moment.x.zero();
+        let own: [[T; 3]; 3] = entries(&self.by_turn);
+        let moment_by: [[T; 3]; 3] = entries(&self.moment_by_joint);
+        let force_by: [[T; 3]; 3] = entries(&self.joint_by_turn);
         let mut rows = [[zero; 5]; 5];
         let mut by_joint = [[zero; 3]; 5];
         let mut joint_by = [[zero; 5]; 3];
@@ -305,12 +341,13 @@ impl<T: Scalar> OwnSum<T> {
         let force = [x, y, z, pivot.open[0], pivot.open[1]];
         for i in 0..3 {
             for j in 0..3 {
-                rows[i][j] = self.by_turn.entry(i, j);
-                by_joint[i][j] = self.moment_by_joint.entry(i, j);
-                joint_by[i][j] = self.joint_by_turn.entry(i, j);
+                rows[i][j] = own[i][j];
+                by_joint[i][j] = moment_by[i][j];
+                joint_by[i][j] = force_by[i][j];
             }
         }
-        for (k, normal) in pivot.normals.into_iter().enumerate() {
+        for k in 0..2 {
+            let normal = pivot.normals[k];
             let turning = pivot.lever.cross(normal).to_array();
             let along = normal.to_array();
             for i in 0..3 {
@@ -325,27 +362,32 @@ impl<T: Scalar> OwnSum<T> {
 
     /// Eliminates the three rotations and the two forces in a ball joint, which are normal to its lever. The part can then
     /// only rotate about the lever.
+    #[inline(always)]
     fn eliminate_with_pivot(
         &mut self,
         pivot: &Pivot<T>,
         followers: &mut Followers<T>,
-    ) -> Option<Firmness> {
+    ) -> Option<Firmness<T>> {
         let zero = self.moment.x.zero();
         let (rows, force, by_joint, joint_by) = self.with_pivot(pivot);
+        let unit = zero.plain_value().one();
         let Eliminated { rest, by, .. } =
-            eliminated(rows, force, &by_joint, [1.0; 5], self.is_correction)?;
+            eliminated(rows, force, &by_joint, [unit; 5], self.is_correction)?;
         let mut less = [zero; 3];
         let mut change = [[zero; 3]; 3];
         for i in 0..3 {
-            for (k, factor) in joint_by[i].into_iter().enumerate() {
+            for k in 0..5 {
+                let factor = joint_by[i][k];
                 less[i] = less[i] + tangent_of(factor, self.is_correction) * rest[k];
-                for (column, by) in change.iter_mut().zip(by[k]) {
-                    column[i] = column[i] - factor * by;
+                for j in 0..3 {
+                    change[j][i] = change[j][i] - factor * by[k][j];
                 }
             }
         }
         for k in 0..5 {
-            followers.by[k][..3].copy_from_slice(&by[k]);
+            for j in 0..3 {
+                followers.by[k][j] = by[k][j];
+            }
             followers.rest[k] = rest[k];
         }
         followers.count = 5;
@@ -355,11 +397,16 @@ impl<T: Scalar> OwnSum<T> {
         all.stiffness = all.stiffness.plus(&Matrix3 { columns });
         all.condensed = all.condensed - Vector3::from(less);
         let along = pivot.lever.normalised();
-        let about = along.dot(self.by_turn.apply(along)).value();
-        let diagonal = (0..3).map(|k| self.by_turn.entry(k, k).value().abs());
+        let about = along.dot(self.by_turn.apply(along)).plain_value();
+        let [x, y, z] = self.by_turn.columns;
+        let mut largest = about.zero();
+        for entry in [x.x, y.y, z.z] {
+            let size = entry.plain_value().abs();
+            largest = <T::Plain as SimdReal>::select(largest.less(size), size, largest);
+        }
         Some(Firmness {
-            is_stable: about > 0.0,
-            least_pivot: about.abs() / diagonal.fold(0.0, f64::max),
+            is_stable: about.is_above(0.0),
+            least_pivot: about.abs() / largest,
         })
     }
 }
@@ -373,7 +420,7 @@ struct OwnBeside<T> {
     by_turn: [Vector3<T>; BESIDE],
 }
 
-impl<T: Scalar> OwnBeside<T> {
+impl<T: Valued> OwnBeside<T> {
     fn zero(like: T) -> Self {
         let zero = like.zero();
         let nothing = Vector3::new(zero, zero, zero);
@@ -430,8 +477,9 @@ impl<T: Scalar> OwnBeside<T> {
         let turning: [[T; 3]; BESIDE] = array_of(|k| self.by_turn[k].to_array());
         let by: [[T; BESIDE]; N] =
             array_of(|i| array_of(|k| if i < 3 { turning[k][i] } else { zero }));
-        let own = eliminated(rows, force, &by, [1.0; N], is_correction)?;
-        let outer = eliminated(rows, force, &by_joint, [1.0; N], is_correction)?;
+        let units = [zero.plain_value().one(); N];
+        let own = eliminated(rows, force, &by, units, is_correction)?;
+        let outer = eliminated(rows, force, &by_joint, units, is_correction)?;
         for k in 0..BESIDE {
             let mut row = self.by_joint[k].to_array();
             let mut column = row;
@@ -464,7 +512,8 @@ impl<T: Scalar> OwnBeside<T> {
 }
 
 /// Entries of a matrix by rows.
-#[inline]
-fn entries<T: Scalar, const N: usize, const C: usize>(matrix: &Matrix3<T>) -> [[T; C]; N] {
-    array_of(|i| array_of(|j| matrix.entry(i, j)))
+#[inline(always)]
+fn entries<T: Valued>(matrix: &Matrix3<T>) -> [[T; 3]; 3] {
+    let [a, b, c] = matrix.columns;
+    [[a.x, b.x, c.x], [a.y, b.y, c.y], [a.z, b.z, c.z]]
 }

@@ -29,14 +29,9 @@ use super::loads::{WheelLoads, WheelPart};
 use super::parts::{CarrierSeat, Joint, Mount, MountState, RodPart};
 use super::point::SeatState;
 use super::swinging::Swinging;
-use crate::number::{Each, Scalar, Vector3};
+use crate::number::{Each, Real, Scalar, SimdReal, Valued, Vector3, larger, outlined};
 pub(super) use equations::{Equations, Singular};
 pub(super) use state::{State, Step};
-
-/// Larger of two numbers; NaN if either is NaN, so that no correction with NaN counts as small.
-pub(super) fn larger(a: f64, b: f64) -> f64 {
-    if a >= b || a.is_nan() { a } else { b }
-}
 
 /// Largest number of parts with inner unknowns: five links and a spring's seat.
 pub(super) const MOST_LIMBS: usize = 6;
@@ -98,14 +93,23 @@ pub(super) struct Task<T> {
     pub(super) loads: WheelLoads<T>,
 }
 
-impl<T: Scalar> Task<T> {
-    pub(super) fn map<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> Task<U> {
+impl<T: Copy> Hold<T> {
+    /// Converts the held height to another kind of number.
+    #[inline(always)]
+    pub(super) fn map<U>(self, f: impl Fn(T) -> U) -> Hold<U> {
+        match self {
+            Hold::Height(travel) => Hold::Height(f(travel)),
+            Hold::Load => Hold::Load,
+        }
+    }
+}
+
+impl<T: Valued> Task<T> {
+    #[inline(always)]
+    pub(super) fn map<U: Valued>(&self, f: impl Fn(T) -> U + Copy) -> Task<U> {
         Task {
             rack: f(self.rack),
-            hold: match self.hold {
-                Hold::Height(travel) => Hold::Height(f(travel)),
-                Hold::Load => Hold::Load,
-            },
+            hold: self.hold.map(f),
             loads: self.loads.map(f),
         }
     }
@@ -118,7 +122,7 @@ pub(super) struct Held<T> {
     pub(super) limbs: [[T; 7]; MOST_LIMBS],
 }
 
-impl<T: Scalar> Held<T> {
+impl<T: Valued> Held<T> {
     /// Fraction of these forces.
     pub(super) fn share(&self, share: T) -> Self {
         Held {
@@ -128,7 +132,7 @@ impl<T: Scalar> Held<T> {
     }
 }
 
-impl<T: Scalar> Limb<T> {
+impl<T: Valued> Limb<T> {
     pub(super) fn evaluate(
         &self,
         at: &Conditions<T>,
@@ -140,6 +144,8 @@ impl<T: Scalar> Limb<T> {
         match self {
             Limb::Swinging(arm) => arm.evaluate(at, state, held, sum, beside),
             Limb::Floating(link) => link.evaluate(at, state, held, sum),
+            // Not compiled for lanes, which refuse such systems (`fits_lanes`).
+            Limb::Mount(_) if T::IN_REGISTERS => None,
             Limb::Mount(mount) => mount.evaluate(at, state, held, sum),
             Limb::LegSeat(seat) => Some(seat.evaluate(at, state, held, sum, beside)),
             Limb::CarrierSeat(seat) => Some(seat.evaluate(at, state, held, sum)),
@@ -165,7 +171,7 @@ impl<T: Scalar> Limb<T> {
     }
 
     /// Returns the state after a step.
-    #[inline]
+    #[inline(always)]
     fn stepped(&self, state: &LimbState<T>, step: &LimbStep<T>) -> LimbState<T> {
         let [a, b, c, d, e, f] = step.inner;
         let (first, second) = (Vector3::new(a, b, c), Vector3::new(d, e, f));
@@ -192,13 +198,20 @@ impl<T: Scalar> Limb<T> {
     }
 }
 
-impl<T: Scalar> System<T> {
+impl<T: Valued> System<T> {
+    /// Returns true if the system can be solved in lanes: one wheel without the elastic mount of a strut.
+    pub(super) fn fits_lanes(&self) -> bool {
+        let is_mount = |limb: &Limb<T>| matches!(limb, Limb::Mount(_));
+        self.subframe.is_none() && self.bar.is_none() && !self.limbs.iter().any(is_mount)
+    }
+
+    #[inline(always)]
     pub(super) fn like(&self) -> T {
         self.wheel.centre.x.zero()
     }
 
     /// Forms the equations (1) of a single wheel in a state.
-    #[inline]
+    #[inline(always)]
     pub(super) fn equations(
         &self,
         state: &State<T>,
@@ -224,7 +237,7 @@ impl<T: Scalar> System<T> {
         Ok(equations)
     }
 
-    #[inline]
+    #[inline(always)]
     fn equations_in(
         &self,
         frames: &Frames<T>,
@@ -233,14 +246,51 @@ impl<T: Scalar> System<T> {
         held: Option<&Held<T>>,
     ) -> Result<Equations<T>, Singular> {
         let mut equations = Equations::empty(task.rack, self.joints.len(), held);
-        let gathered = self.gather(frames, state, held, false, &mut equations)?;
-        self.add_alone(&gathered, &mut equations);
-        self.add_loads(&mut equations, state, task);
+        self.fill(frames, state, task, held, &mut equations)?;
         Ok(equations)
     }
 
+    /// Forms the equations (1) like `equations`, in the memory of those of an earlier state.
+    #[inline(always)]
+    pub(super) fn renew_equations(
+        &self,
+        state: &State<T>,
+        task: &Task<T>,
+        held: Option<&Held<T>>,
+        equations: &mut Equations<T>,
+    ) -> Result<(), Singular> {
+        let around = Surroundings::of_rack(task.rack);
+        let frames = self.frames(&state.carrier, &around, false);
+        equations.clear();
+        equations.hold(held);
+        self.fill(&frames, state, task, held, equations)
+    }
+
+    /// Adds all forces to empty equations.
+    #[inline(always)]
+    fn fill(
+        &self,
+        frames: &Frames<T>,
+        state: &State<T>,
+        task: &Task<T>,
+        held: Option<&Held<T>>,
+        equations: &mut Equations<T>,
+    ) -> Result<(), Singular> {
+        outlined!(
+            [T: Valued] task.rack;
+            system: &'p System<T> = self, frames: &'p Frames<T> = frames, state: &'p State<T> = state,
+            task: &'p Task<T> = task, held: Option<&'p Held<T>> = held,
+            equations: &'p mut Equations<T> = equations => Result<(), Singular> {
+                let gathered = system.gather(frames, state, held, false, equations)?;
+                system.add_alone(&gathered, equations);
+                system.add_loads(equations, state, task);
+                Ok(())
+            }
+        )
+    }
+
     /// Adds loads and, if the height is held, the vertical force with its row.
-    #[inline]
+    #[inline(always)]
     pub(super) fn add_loads(&self, equations: &mut Equations<T>, state: &State<T>, task: &Task<T>) {
         let mut loads = task.loads;
         if let Hold::Height(_) = task.hold {
@@ -261,6 +311,7 @@ impl<T: Scalar> System<T> {
     }
 
     /// Height of the wheel centre above its design position, with its derivative by the carrier's motion.
+    #[inline(always)]
     fn height(&self, carrier: &Placed<T>) -> ([T; 6], T) {
         let lever = carrier.lever(self.wheel.centre);
         let zero = lever.x.zero();
@@ -270,6 +321,7 @@ impl<T: Scalar> System<T> {
     }
 
     /// Adds the vertical force at the contact point as an unknown, with its row.
+    #[inline(always)]
     pub(super) fn border(
         &self,
         equations: &mut Equations<T>,
@@ -288,6 +340,7 @@ impl<T: Scalar> System<T> {
     }
 
     /// Wrench of a vertical unit force at the contact point.
+    #[inline(always)]
     pub(super) fn vertical_force(&self, carrier: &Placed<T>) -> [T; 6] {
         let mut unit = WheelLoads::none(carrier.shift.x);
         unit.contact.z = unit.contact.z.one();
@@ -295,17 +348,27 @@ impl<T: Scalar> System<T> {
     }
 
     /// Returns the state after a step.
-    #[inline]
+    #[inline(always)]
     pub(super) fn stepped(&self, state: &State<T>, step: &Step<T>) -> State<T> {
+        outlined!(
+            [T: Valued] state.vertical;
+            system: &'p System<T> = self, state: &'p State<T> = state, step: &'p Step<T> = step => State<T> {
+                system.stepped_inline(state, step)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn stepped_inline(&self, state: &State<T>, step: &Step<T>) -> State<T> {
         let [x, y, z, a, b, c] = step.carrier;
         let mut next = *state;
         let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
         next.carrier = state.carrier.moved(shift, turn);
-        for (k, limb) in self.limbs.iter().enumerate() {
-            next.limbs[k] = limb.stepped(&state.limbs[k], &step.limbs[k]);
+        for k in 0..self.limbs.len() {
+            next.limbs[k] = self.limbs[k].stepped(&state.limbs[k], &step.limbs[k]);
         }
-        for (joint, step) in next.joints.iter_mut().zip(step.joints) {
-            *joint = *joint + step;
+        for k in 0..MOST_JOINTS {
+            next.joints[k] = state.joints[k] + step.joints[k];
         }
         next.vertical = state.vertical + step.vertical;
         next
@@ -313,27 +376,48 @@ impl<T: Scalar> System<T> {
 
     /// Largest translation and largest rotation of a step. Forces of ball joints do not count. Neither does the rotation of a
     /// link about its own line: it moves nothing, and is inaccurate where torsion is soft.
-    pub(super) fn size_of(&self, step: &Step<T>) -> [f64; 2] {
-        let largest = |parts: &[T]| {
-            let size = |c: &T| c.value().abs();
-            parts.iter().map(size).fold(0.0, larger)
-        };
-        let mut shift = largest(&step.carrier[..3]);
-        let mut turn = largest(&step.carrier[3..]);
-        for (limb, step) in self.limbs.iter().zip(&step.limbs) {
-            let own_shift: &[T] = match limb {
-                Limb::Floating(Floating { inner: Some(_), .. }) => &step.inner[..3],
-                Limb::Mount(_) => &step.inner[..1],
-                _ => &[],
-            };
-            let own_turn = limb.turn_across(step).to_array();
-            shift = larger(shift, largest(own_shift));
-            turn = larger(turn, largest(&own_turn));
-            turn = larger(turn, step.slide.value().abs());
+    #[inline(always)]
+    pub(super) fn size_of(&self, step: &Step<T>) -> [T::Plain; 2] {
+        outlined!(
+            [T: Valued] step.vertical;
+            system: &'p System<T> = self, step: &'p Step<T> = step => [T::Plain; 2] { system.size_inline(step) }
+        )
+    }
+
+    #[inline(always)]
+    fn size_inline(&self, step: &Step<T>) -> [T::Plain; 2] {
+        let [x, y, z, a, b, c] = step.carrier;
+        let zero = step.vertical.plain_value().zero();
+        let mut shift = largest_of(zero, [x, y, z]);
+        let mut turn = largest_of(zero, [a, b, c]);
+        for k in 0..self.limbs.len() {
+            let (limb, step) = (&self.limbs[k], &step.limbs[k]);
+            let [d, e, f, ..] = step.inner;
+            match limb {
+                Limb::Floating(Floating { inner: Some(_), .. }) => {
+                    shift = largest_of(shift, [d, e, f]);
+                }
+                Limb::Mount(_) => shift = largest_of(shift, [d]),
+                _ => {}
+            }
+            turn = largest_of(turn, limb.turn_across(step).to_array());
+            turn = largest_of(turn, [step.slide]);
         }
         [shift, turn]
     }
+}
 
+/// Largest of a size and the magnitudes of numbers.
+#[inline(always)]
+fn largest_of<T: Valued, const N: usize>(known: T::Plain, numbers: [T; N]) -> T::Plain {
+    let mut largest = known;
+    for k in 0..N {
+        largest = larger(largest, numbers[k].plain_value().abs());
+    }
+    largest
+}
+
+impl<T: Scalar> System<T> {
     /// States of the bushings of a part with inner unknowns, in the order of its ends.
     pub(super) fn limb_bushings(
         &self,

@@ -8,11 +8,11 @@ use super::loads::WheelLoads;
 use super::preload::NoPreload;
 use super::reading::WheelGeometry;
 use super::solve::{Bounds, Obstacle, Solution, Stuck};
-use super::system::{Equations, Held, Hold, Limb, Singular, State, Task, larger};
+use super::system::{Equations, Held, Hold, Limb, Singular, State, Task};
 use crate::characteristics::Constants;
 use crate::linear::square::MOST;
 use crate::model::{Axis, Suspension};
-use crate::number::{Scalar, Vector3, array_of};
+use crate::number::{Scalar, Valued, Vector3, array_of, larger};
 
 /// Lever, mm, by which a rotation is converted to a movement for comparison with a shift.
 pub(super) const TURN_LEVER: f64 = 300.0;
@@ -105,7 +105,8 @@ pub struct ElasticWheel<T = f64> {
 }
 
 /// Task with a held height, and without loads except the vertical force that holds it.
-pub(super) fn level_task<T: Scalar>(travel: T, rack: T) -> Task<T> {
+#[inline(always)]
+pub(super) fn level_task<T: Valued>(travel: T, rack: T) -> Task<T> {
     Task {
         rack,
         hold: Hold::Height(travel),

@@ -1,10 +1,12 @@
-//! Wheels with elastic parts, one design at a time: values in equilibrium and test figures.
+//! Wheels with elastic parts: values in equilibrium and test figures, one design at a time.
 
+use super::elastic_lanes::ElasticLanes;
 use super::evaluator::{Evaluator, Pairs, SolvesOneByOne};
 use super::{Block, NotInLanes, Stations};
 use crate::compliance::{ElasticWheel, KcRun, KcValue, Parameter};
 use crate::mechanism::DesignFault;
-use crate::model::{Axis, Suspension};
+use crate::model::Suspension;
+use crate::number::{Vector3, Width};
 use crate::study::{ComplianceStudy, WheelStudy};
 
 /// A value that a sweep or a tolerance reads.
@@ -67,106 +69,160 @@ impl ElasticQuantities {
     pub(super) fn evaluator<'a>(
         &'a self,
         stations: &'a Stations,
+        width: Option<Width>,
     ) -> Result<Evaluator<'a>, DesignFault> {
         let (suspension, parts) = (&self.suspension, &self.elastic.parts);
         let own = ElasticWheel::new(suspension, parts);
-        own.map_err(|fault| fault.of_design(parts, suspension))?;
-        let one_by_one = ElasticOneByOne {
-            of: self,
-            elastic: self.elastic.clone(),
-            stations,
-            rates: Vec::new(),
-            wanted: Vec::new(),
-        };
+        let own = own.map_err(|fault| fault.of_design(parts, suspension))?;
+        let one_by_one = ElasticOneByOne(ElasticDesigns::new(self, stations));
         let mut evaluator = Evaluator::of(suspension.design.len(), Box::new(one_by_one));
-        evaluator.lanes = Err(NotInLanes::Elastic);
+        if let Some(width) = width {
+            evaluator.lanes = if own.fits_lanes() {
+                Ok(Box::new(ElasticLanes::new(self, stations, width)))
+            } else {
+                Err(NotInLanes::Elastic)
+            };
+        }
         Ok(evaluator)
     }
 }
 
-/// Evaluates one design at a time.
-struct ElasticOneByOne<'a> {
+/// Reader of designs with their rates.
+pub(super) struct ElasticDesigns<'a> {
     of: &'a ElasticQuantities,
     elastic: ComplianceStudy,
     stations: &'a Stations,
     /// Rates of the block's designs. Empty if none varies.
     rates: Vec<f64>,
+    /// Values that are read at a station, and derivatives by wheel travel.
     wanted: Vec<KcValue>,
 }
 
+impl<'a> ElasticDesigns<'a> {
+    pub(super) fn new(of: &'a ElasticQuantities, stations: &'a Stations) -> Self {
+        ElasticDesigns {
+            of,
+            elastic: of.elastic.clone(),
+            stations,
+            rates: Vec::new(),
+            wanted: Vec::new(),
+        }
+    }
+
+    /// Number of points of a design.
+    pub(super) fn points(&self) -> usize {
+        self.of.suspension.design.len()
+    }
+
+    pub(super) fn stations(&self) -> &'a Stations {
+        self.stations
+    }
+
+    pub(super) fn take_rates(&mut self, rates: &[f64]) {
+        self.rates.clear();
+        self.rates.extend_from_slice(rates);
+    }
+
+    /// Elastic wheel of a design of the block, with its tests.
+    pub(super) fn run(
+        &mut self,
+        designs: &[Vector3<f64>],
+        number: usize,
+    ) -> Result<KcRun<'a>, DesignFault> {
+        let points = self.points();
+        let design = &designs[number * points..(number + 1) * points];
+        let width = self.of.rates.len();
+        let own = &self.rates[(number * width).min(self.rates.len())..];
+        if own.iter().take(width).any(|rate| *rate <= 0.0) {
+            let reason = "the rate of an elastic part is not above 0".to_owned();
+            return Err(DesignFault::Elastic(reason));
+        }
+        for (parameter, value) in self.of.rates.iter().zip(own) {
+            self.elastic.parts.set_rate(*parameter, *value);
+        }
+        let (suspension, parts) = (&self.of.suspension, &self.elastic.parts);
+        KcRun::of(suspension, design, parts, self.elastic.tyre_rate)
+            .map_err(|fault| fault.of_design(parts, suspension))
+    }
+
+    /// Travel and rack displacement of a station, along the kernel's axes.
+    pub(super) fn place(&self, station: usize) -> [f64; 2] {
+        let stations = self.stations;
+        let travel = stations.values()[stations.value_of(station)];
+        [travel, stations.racks[stations.rack_of(station)]]
+    }
+
+    /// Values with derivatives by wheel travel at a station.
+    fn slopes(&self, station: usize) -> impl Iterator<Item = (usize, KcValue)> + '_ {
+        let is_design = station == self.stations.design();
+        let reads = self.of.reads.iter().enumerate();
+        reads.filter_map(move |(k, read)| Some((k, read.slope.filter(|_| is_design)?)))
+    }
+
+    /// Sets the values that are read at a station.
+    pub(super) fn want(&mut self, station: usize) {
+        let mut wanted = std::mem::take(&mut self.wanted);
+        wanted.clear();
+        let numbers = self.of.at_stations[station].iter();
+        wanted.extend(numbers.map(|k| self.of.reads[*k].value));
+        wanted.extend(self.slopes(station).map(|(_, slope)| slope));
+        self.wanted = wanted;
+    }
+
+    /// Values that are read at the station.
+    pub(super) fn wanted(&self) -> &[KcValue] {
+        &self.wanted
+    }
+
+    /// Writes the values that are read at a station.
+    pub(super) fn put(
+        &self,
+        found: &[Option<f64>],
+        design: usize,
+        station: usize,
+        block: &mut Block,
+    ) {
+        let numbers = &self.of.at_stations[station];
+        let (values, of_slopes) = found.split_at(numbers.len());
+        for (number, value) in numbers.iter().zip(values) {
+            block.put(design, *number, station, value.unwrap_or(f64::NAN));
+        }
+        for ((number, _), slope) in self.slopes(station).zip(of_slopes) {
+            block.put_slope(design, number, slope.unwrap_or(f64::NAN));
+        }
+    }
+}
+
+/// Evaluates one design at a time.
+struct ElasticOneByOne<'a>(ElasticDesigns<'a>);
+
 impl SolvesOneByOne for ElasticOneByOne<'_> {
     fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block) {
-        let points = self.of.suspension.design.len();
+        let own = &mut self.0;
         for &number in numbers {
-            let design = &designs[0][number * points..(number + 1) * points];
             block.forget(number);
-            let width = self.of.rates.len();
-            let own = &self.rates[(number * width).min(self.rates.len())..];
-            if own.iter().take(width).any(|rate| *rate <= 0.0) {
-                let reason = "the rate of an elastic part is not above 0".to_owned();
-                block.faults.push((number, DesignFault::Elastic(reason)));
-                continue;
-            }
-            for (parameter, value) in self.of.rates.iter().zip(own) {
-                self.elastic.parts.set_rate(*parameter, *value);
-            }
-            let (suspension, parts) = (&self.of.suspension, &self.elastic.parts);
-            match KcRun::of(suspension, design, parts, self.elastic.tyre_rate) {
-                Ok(run) => read(
-                    self.of,
-                    self.stations,
-                    &run,
-                    number,
-                    &mut self.wanted,
-                    block,
-                ),
-                Err(fault) => block
-                    .faults
-                    .push((number, fault.of_design(parts, suspension))),
+            let run = match own.run(designs[0], number) {
+                Ok(run) => run,
+                Err(fault) => {
+                    block.faults.push((number, fault));
+                    continue;
+                }
+            };
+            for station in 0..own.stations.count() {
+                own.want(station);
+                let [travel, rack] = own.place(station);
+                match run.wheel().at(travel, rack) {
+                    Err(why) => block.fail(number, station, why.into()),
+                    Ok(at) => {
+                        let values = run.values_at(&at, &own.wanted, |_, _| None);
+                        own.put(&values, number, station, block);
+                    }
+                }
             }
         }
     }
 
     fn take_rates(&mut self, rates: &[f64]) {
-        self.rates.clear();
-        self.rates.extend_from_slice(rates);
-    }
-}
-
-/// Reads all values of a design.
-fn read(
-    of: &ElasticQuantities,
-    stations: &Stations,
-    run: &KcRun<'_>,
-    design: usize,
-    wanted: &mut Vec<KcValue>,
-    block: &mut Block,
-) {
-    let sign = of.suspension.frame.sign(Axis::Y);
-    for (station, numbers) in of.at_stations.iter().enumerate() {
-        let travel = stations.values()[stations.value_of(station)];
-        let rack = stations.racks[stations.rack_of(station)] * sign;
-        let slopes: Vec<usize> = if station == stations.design() {
-            (0..of.reads.len())
-                .filter(|k| of.reads[*k].slope.is_some())
-                .collect()
-        } else {
-            Vec::new()
-        };
-        wanted.clear();
-        wanted.extend(numbers.iter().map(|k| of.reads[*k].value));
-        wanted.extend(slopes.iter().filter_map(|k| of.reads[*k].slope));
-        match run.values([travel, rack], wanted) {
-            Err(why) => block.fail(design, station, why.into()),
-            Ok(found) => {
-                let (values, of_slopes) = found.split_at(numbers.len());
-                for (number, value) in numbers.iter().zip(values) {
-                    block.put(design, *number, station, value.unwrap_or(f64::NAN));
-                }
-                for (number, slope) in slopes.iter().zip(of_slopes) {
-                    block.put_slope(design, *number, slope.unwrap_or(f64::NAN));
-                }
-            }
-        }
+        self.0.take_rates(rates);
     }
 }

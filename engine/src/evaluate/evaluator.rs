@@ -30,6 +30,8 @@ pub(super) trait SolvesInLanes: Send {
         block: &mut Block,
         fallback: &mut Vec<usize>,
     );
+    /// Receives the varying rates of all designs of the next block, design after design.
+    fn take_rates(&mut self, _rates: &[f64]) {}
 }
 
 /// Solver of designs one at a time.
@@ -161,6 +163,9 @@ impl<'a> Evaluator<'a> {
 
     /// Sets the varying rates of elastic parts for the next designs, design after design.
     pub(crate) fn set_rates(&mut self, rates: &[f64]) {
+        if let Ok(lanes) = &mut self.lanes {
+            lanes.take_rates(rates);
+        }
         self.one_by_one.take_rates(rates);
         if let Some(slopes) = &mut self.slopes {
             slopes.take_rates(rates);

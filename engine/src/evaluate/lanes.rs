@@ -23,7 +23,7 @@ pub enum NotInLanes {
     Reading,
     /// Each wheel of an axle has its own travel, or their mean travel follows from a load.
     Travels,
-    /// The solver of equilibria of elastic parts solves one design after the other.
+    /// Lanes do not support the elastic parts: the elastic mount of a strut, or an axle.
     Elastic,
 }
 
@@ -36,7 +36,9 @@ impl NotInLanes {
                 "the tracker does not support this drive or this design (a linkage driven by its arm's angle, a design \
                  close to a singularity or far from the origin)"
             }
-            NotInLanes::Elastic => "equilibria of elastic parts are computed one by one",
+            NotInLanes::Elastic => {
+                "lanes do not support the elastic mount of a strut, or elastic parts of an axle"
+            }
             NotInLanes::Stations => "two stations coincide, or one is far out of reach",
             NotInLanes::Reading => "lanes do not support a requested output",
             NotInLanes::Travels => {

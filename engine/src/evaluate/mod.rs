@@ -12,6 +12,7 @@ mod axle_lanes;
 mod block;
 mod elastic;
 mod elastic_axle;
+mod elastic_lanes;
 mod evaluator;
 mod gradient_evaluator;
 mod gradients_one_by_one;

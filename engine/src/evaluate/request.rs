@@ -149,7 +149,7 @@ impl<'s> Request<'s> {
                 Ok(evaluator)
             }
             Requested::Axle(stations) => stations.evaluator(width),
-            Requested::Elastic(quantities) => quantities.evaluator(&self.stations),
+            Requested::Elastic(quantities) => quantities.evaluator(&self.stations, width),
         }
     }
 

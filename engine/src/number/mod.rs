@@ -13,6 +13,7 @@ mod lanes;
 mod registers;
 mod simd_real;
 mod tape;
+mod valued;
 mod vector;
 #[cfg(target_arch = "x86_64")]
 mod x86;
@@ -23,6 +24,8 @@ pub use jet::Jet;
 pub use lanes::{LaneMask, Lanes, SimdTask, Width};
 pub use simd_real::{MOST_LANES, SimdReal};
 pub use tape::{Tape, Tracked};
+pub(crate) use valued::larger;
+pub use valued::{MaskOf, Valued};
 pub use vector::{Matrix3, Vector3};
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -216,8 +219,8 @@ macro_rules! outlined {
 }
 pub(crate) use outlined;
 
-/// A real number, possibly with derivatives, whose value can be compared.
-pub trait Scalar: Real {
+/// A real number of one lane, possibly with derivatives, whose value can be compared.
+pub trait Scalar: Valued<Plain = f64> {
     /// The value without its derivatives.
     fn value(self) -> f64;
 }

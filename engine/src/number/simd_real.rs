@@ -1,6 +1,6 @@
 //! Independent numbers side by side, as in SIMD registers.
 
-use super::Local;
+use super::{Local, Valued};
 use std::ops::{BitAnd, BitOr, Not};
 
 /// Largest number of lanes. No processor has more.
@@ -10,11 +10,12 @@ pub const MOST_LANES: usize = 16;
 ///
 /// Every operation is the IEEE operation, lane by lane. A lane's bits depend neither on its neighbours nor on the number of
 /// lanes. Code that depends on the values must use [`SimdReal::select`].
-pub trait SimdReal: Local {
+pub trait SimdReal: Local + Valued<Plain = Self> {
     /// Number of numbers in the bundle.
     const LANES: usize;
     /// A truth value for each lane.
     type Mask: Copy
+        + std::fmt::Debug
         + BitAnd<Output = Self::Mask>
         + BitOr<Output = Self::Mask>
         + Not<Output = Self::Mask>;

@@ -5,6 +5,7 @@ mod command;
 mod curves;
 mod derivatives;
 mod ends;
+mod lanes;
 mod mechanics;
 mod member_forces;
 mod random;

@@ -30,7 +30,12 @@ variables = [
 ]
 "#;
 
-/// Rows of a sweep equal the results of each design alone.
+/// Returns true if two numbers differ by no more than the last corrections of an equilibrium.
+fn is_same(a: f64, b: f64) -> bool {
+    (a - b).abs() < 1e-11 * b.abs().max(1e-2)
+}
+
+/// Rows of a sweep, which lanes compute, equal the results of each design alone, up to rounding errors.
 #[test]
 fn rows_of_a_sweep_are_those_of_single_designs() {
     let study = elastic(&with(NAME, SWEEP));
@@ -77,7 +82,7 @@ fn rows_of_a_sweep_are_those_of_single_designs() {
         let row = rows.outputs(number);
         let toe = values("toe_deg");
         let least = toe.iter().copied().fold(f64::INFINITY, f64::min);
-        assert_eq!(row[column("toe_min_deg")], least);
+        assert!(is_same(row[column("toe_min_deg")], least));
         // Travel 0 is the third station.
         for name in [
             "toe",
@@ -89,10 +94,9 @@ fn rows_of_a_sweep_are_those_of_single_designs() {
                 .iter()
                 .find_map(|o| o.strip_prefix(&format!("{name}_design")))
                 .unwrap();
-            assert_eq!(
-                row[column(&format!("{name}_design{unit}"))],
-                values(&format!("{name}{unit}"))[2]
-            );
+            let found = row[column(&format!("{name}_design{unit}"))];
+            let expected = values(&format!("{name}{unit}"))[2];
+            assert!(is_same(found, expected), "{name}: {found} {expected}");
         }
         // The gain of toe is the bump steer.
         let (gain, steer) = (

@@ -21,7 +21,7 @@ use crate::compliance::{
 };
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Side};
-use crate::number::{Each, Jet, Real, Scalar, Tape, Tracked, Vector3};
+use crate::number::{Each, Jet, Real, Scalar, Valued, Tape, Tracked, Vector3};
 use crate::study::AxleComplianceStudy;
 
 /// The reason why an equilibrium of an axle of this kind does not have a quantity, and the alternatives; `None` if it has
@@ -106,7 +106,7 @@ struct Moving<T> {
 }
 
 /// Reads quantities at one station, under the conditions of one kind of test.
-struct Reader<'h, T> {
+struct Reader<'h, T: Valued> {
     here: &'h mut Here<T>,
     known: Vec<(Motion, Option<Moving<T>>)>,
 }

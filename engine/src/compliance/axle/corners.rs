@@ -21,11 +21,11 @@ use super::super::system::{Equations, LOOSE};
 use super::equations::{AxleSingular, SideEquations, sign};
 use crate::compliance::system::Singular;
 use crate::linear::square::{MOST, SquareLu};
-use crate::number::{Each, Scalar};
+use crate::number::{Each, Scalar, Valued};
 
 /// Equations of both wheels, factorised.
 #[derive(Clone, Debug)]
-pub(super) enum Corners<T> {
+pub(super) enum Corners<T: Valued> {
     /// Two independently suspended wheels.
     Apart([SquareLu<T>; 2]),
     /// One body that carries both wheels.
@@ -34,7 +34,7 @@ pub(super) enum Corners<T> {
 
 /// The equations of a body that carries both wheels.
 #[derive(Clone, Debug)]
-pub(super) struct Joined<T> {
+pub(super) struct Joined<T: Valued> {
     places: Places,
     equations: Equations<T>,
     factors: SquareLu<T>,

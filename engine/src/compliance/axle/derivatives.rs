@@ -9,7 +9,7 @@ use crate::compliance::reading::WheelFigures;
 use crate::compliance::wheel::HeldQuantity;
 use crate::linear::square::MOST;
 use crate::model::Side;
-use crate::number::{Each, Jet, Scalar, Vector3};
+use crate::number::{Each, Jet, Scalar, Valued, Vector3};
 
 /// Input along which an equilibrium changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub enum AxleChange<T = f64> {
 
 /// Solved equations in an equilibrium, with one quantity held.
 #[derive(Clone, Debug)]
-pub struct AxleTangent<T = f64> {
+pub struct AxleTangent<T: Valued = f64> {
     pub(super) state: AxleState<T>,
     task: AxleTask<T>,
     equations: AxleEquations<T>,

@@ -14,11 +14,11 @@ use super::super::ground::{Coupling, Frames, MIRROR, RACK, SHARED, Surroundings,
 use super::super::limb::tangent_of;
 use super::super::preload::NoPreload;
 use super::super::solve::{Bounds, Obstacle};
-use super::super::system::{Equations, Held, Limb, Singular, State, Step, Task, larger};
+use super::super::system::{Equations, Held, Limb, Singular, State, Step, Task};
 use super::super::wheel::ElasticWheel;
 use super::corners::Corners;
 use crate::linear::square::{MOST, SquareLu};
-use crate::number::{Each, Scalar, Vector3, array_of};
+use crate::number::{Each, Scalar, Valued, Vector3, array_of, larger};
 
 /// Parts between the body and both wheels, except the subframe's mounts.
 #[derive(Clone, Copy, Debug)]
@@ -93,7 +93,7 @@ pub(in super::super) enum AxleSingular {
 
 /// Equations of one wheel.
 #[derive(Clone, Debug)]
-pub(in super::super) struct SideEquations<T> {
+pub(in super::super) struct SideEquations<T: Valued> {
     pub(in super::super) equations: Equations<T>,
     coupling: Coupling<T>,
     frames: Frames<T>,
@@ -102,7 +102,7 @@ pub(in super::super) struct SideEquations<T> {
 
 /// Equations in a state, solved as far as equation (1) needs them.
 #[derive(Clone, Debug)]
-pub(in super::super) struct AxleEquations<T> {
+pub(in super::super) struct AxleEquations<T: Valued> {
     pub(in super::super) sides: [SideEquations<T>; 2],
     corners: Corners<T>,
     /// A_c^-1 B_c of both wheels, for each shared unknown that moves.

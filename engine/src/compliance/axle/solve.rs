@@ -7,11 +7,11 @@ use crate::compliance::fault::{Motion, NoEquilibrium};
 use crate::compliance::ground::{RACK, SHARED, TWIST};
 use crate::compliance::loads::WheelLoads;
 use crate::compliance::solve::{Judge, Obstacle, Unraised, Verdict, between, raised};
-use crate::compliance::system::{Held, Singular, larger};
+use crate::compliance::system::{Held, Singular};
 use crate::compliance::wheel::{CARRIER, HeldQuantity, TURN_LEVER, largest_axis};
 use crate::linear::square::MOST;
 use crate::model::{Axis, Side};
-use crate::number::{Each, Vector3, array_of};
+use crate::number::{Each, Vector3, array_of, larger};
 
 /// Number of inverse iterations that find the softest motion.
 const SOFT_STEPS: usize = 8;

@@ -32,7 +32,7 @@ use crate::compliance::{
     NoEquilibrium, WheelFigures, WheelLoads,
 };
 use crate::model::{Axis, Side, Suspension};
-use crate::number::{Each, Scalar, Vector3};
+use crate::number::{Each, Scalar, Valued, Vector3};
 
 /// Suspensions and data of an axle under test.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +56,7 @@ pub struct AxleKcRun<'a> {
 pub(crate) type Conditions = (bool, bool);
 
 /// State of a station under some conditions.
-pub(crate) struct Here<T = f64> {
+pub(crate) struct Here<T: Valued = f64> {
     pub(crate) axle: ElasticAxle<T>,
     pub(crate) at: AxleEquilibrium<T>,
     tangents: [Option<Option<AxleTangent<T>>>; 2],

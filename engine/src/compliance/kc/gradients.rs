@@ -9,7 +9,7 @@ use crate::compliance::{
     WheelFigures, WheelLoads,
 };
 use crate::model::Axis;
-use crate::number::{Jet, Scalar, Tape, Tracked};
+use crate::number::{Each, Jet, Scalar, Tape, Tracked, Valued};
 
 /// Value that a station can give.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,7 +30,7 @@ pub enum KcValue {
 }
 
 /// Reader for the values of one state. It forms each tangent once.
-pub(super) struct Station<'s, T> {
+pub(super) struct Station<'s, T: Valued> {
     pub(super) wheel: &'s ElasticWheel<T>,
     pub(super) sheet: Sheet<'s>,
     pub(super) at: Equilibrium<T>,
@@ -219,22 +219,44 @@ impl KcRun<'_> {
     ) -> Result<Vec<Option<f64>>, NoEquilibrium> {
         let along = self.suspension.frame.sign(Axis::Y);
         let at = self.wheel.at(travel, along * rack)?;
-        let mut station = Station::new(&self.wheel, self.sheet(&at), at);
-        Ok(station.values(wanted, |test| self.window_secant(&at, test)))
+        Ok(self.values_at(&at, wanted, |_, _| None))
+    }
+
+    /// Values in an equilibrium without horizontal loads. `known` gives equilibria at the ends of a test's window, if they are
+    /// known: for its negative (0) and its positive end (1).
+    pub(crate) fn values_at(
+        &self,
+        at: &Equilibrium,
+        wanted: &[KcValue],
+        known: impl Fn(&KcTest, usize) -> Option<Equilibrium>,
+    ) -> Vec<Option<f64>> {
+        let mut station = Station::new(&self.wheel, self.sheet(at), *at);
+        station.values(wanted, |test| self.window_secant(at, test, &known))
+    }
+
+    /// Loads at the ends of a test's window, added to those of the station.
+    pub(crate) fn window_loads(&self, test: &KcTest) -> [WheelLoads; 2] {
+        let (unit, _) = test.unit_load(&self.suspension.vehicle);
+        [-1.0, 1.0].each(|sign: f64| end_loads(&unit, sign * test.window))
     }
 
     /// Secant over the window of a test.
-    fn window_secant(&self, at: &Equilibrium, test: &KcTest) -> Option<WheelFigures> {
-        let (unit, _) = test.unit_load(&self.suspension.vehicle);
-        let end = |sign: f64| {
-            let loads = end_loads(&unit, sign * test.window);
-            let end = self.wheel.loaded_about(at, at, &loads, test.held).ok()?;
+    fn window_secant(
+        &self,
+        at: &Equilibrium,
+        test: &KcTest,
+        known: &impl Fn(&KcTest, usize) -> Option<Equilibrium>,
+    ) -> Option<WheelFigures> {
+        let loads = self.window_loads(test);
+        let end = |k: usize| {
+            let solved = || self.wheel.loaded_about(at, at, &loads[k], test.held).ok();
+            let end = known(test, k).or_else(solved)?;
             let mut figures = self.wheel.figures(&end);
             figures.vertical = self.wheel.wheel_load(&end);
             Some(figures)
         };
         let inverse = 1.0 / (2.0 * test.window);
-        Some(super::quotient(&end(-1.0)?, &end(1.0)?, inverse))
+        Some(super::quotient(&end(0)?, &end(1)?, inverse))
     }
 
     /// Secant over the window of a test, with the derivatives of the window's ends.

@@ -1,23 +1,31 @@
 //! Residuals of a system, and their derivatives.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "rows and columns of matrices are named by their numbers"
+)]
+
 use super::super::limb::{Evaluated, Followers, LimbStep, tangent_of};
 use super::state::Step;
 use super::{Held, LOOSE, MOST_JOINTS, MOST_LIMBS};
+use crate::linear::elimination::eliminate;
 use crate::linear::square::{MOST, SquareLu};
-use crate::number::{Each, Scalar, array_of};
+use crate::number::{Each, MaskOf, Scalar, SimdReal, Valued, array_of, outlined};
 
 /// Equations in a state.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::compliance) struct Equations<T> {
+pub(in crate::compliance) struct Equations<T: Valued> {
     pub(in crate::compliance) size: usize,
     pub(in crate::compliance) residual: [T; MOST],
     pub(in crate::compliance) matrix: [[T; MOST]; MOST],
     pub(in crate::compliance) followers: [Followers<T>; MOST_LIMBS],
     /// Unbalanced forces on inner unknowns.
     pub(in crate::compliance) inner: [[T; 7]; MOST_LIMBS],
-    /// First part that is unstable by itself.
+    /// First part that is unstable by itself, in any lane.
     pub(in crate::compliance) unstable: Option<usize>,
-    /// First part with a motion without stiffness.
+    /// Lanes in which every part is stable by itself.
+    pub(in crate::compliance) is_stable: MaskOf<T>,
+    /// First part with a motion without stiffness, in any lane.
     pub(in crate::compliance) loose: Option<usize>,
     joints: usize,
 }
@@ -31,57 +39,69 @@ pub(in crate::compliance) enum Singular {
     Carrier,
 }
 
-impl<T: Scalar> Equations<T> {
+impl<T: Valued> Equations<T> {
     /// Makes equations for this many rigid joints, without forces and rows. External forces that hold the carrier are
     /// included.
-    #[inline]
+    #[inline(always)]
     pub(in crate::compliance) fn empty(like: T, joints: usize, held: Option<&Held<T>>) -> Self {
         let zero = like.zero();
-        let mut residual = [zero; MOST];
-        if let Some(held) = held {
-            for (residual, held) in residual.iter_mut().zip(held.carrier) {
-                *residual = -held;
-            }
-        }
-        Equations {
+        let mut equations = Equations {
             size: 6 + joints,
-            residual,
+            residual: [zero; MOST],
             matrix: [[zero; MOST]; MOST],
             followers: [Followers::none(zero); MOST_LIMBS],
             inner: [[zero; 7]; MOST_LIMBS],
             unstable: None,
+            is_stable: zero.plain_value().everywhere(),
             loose: None,
             joints,
+        };
+        equations.hold(held);
+        equations
+    }
+
+    /// Prepares the same equations for another state.
+    #[inline(always)]
+    pub(super) fn clear(&mut self) {
+        let zero = self.residual[0].zero();
+        for i in 0..self.size {
+            self.residual[i] = zero;
+            for j in 0..self.size {
+                self.matrix[i][j] = zero;
+            }
+        }
+        self.size = 6 + self.joints;
+        self.is_stable = zero.plain_value().everywhere();
+        (self.unstable, self.loose) = (None, None);
+    }
+
+    /// Adds external forces that hold the carrier.
+    #[inline(always)]
+    pub(super) fn hold(&mut self, held: Option<&Held<T>>) {
+        if let Some(held) = held {
+            for k in 0..6 {
+                self.residual[k] = -held.carrier[k];
+            }
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(in crate::compliance) fn note(&mut self, limb: usize, of: &Evaluated<T>) {
-        if !of.is_stable {
+        self.is_stable = self.is_stable & of.is_stable;
+        if !T::Plain::all(of.is_stable) {
             self.unstable = self.unstable.or(Some(limb));
         }
         // NaN fails this comparison.
-        let is_held = of.least_pivot > LOOSE;
-        if !is_held {
+        let is_held = of.least_pivot.is_above(LOOSE);
+        if !T::Plain::all(is_held) {
             self.loose = self.loose.or(Some(limb));
         }
         self.followers[limb] = of.followers;
         self.inner[limb] = of.inner;
     }
 
-    /// Tangent of the carrier.
-    pub(in crate::compliance) fn tangent(&self) -> [[f64; 6]; 6] {
-        array_of(|i| array_of(|j| self.matrix[i][j].value()))
-    }
-
-    /// Rows of the carrier that every motion must keep at zero.
-    pub(in crate::compliance) fn rows(&self) -> impl Iterator<Item = [f64; 6]> + '_ {
-        let row = |i: usize| array_of(|j| self.matrix[i][j].value());
-        (6..self.size).map(row)
-    }
-
     /// Sets the row and the column of a rigid joint.
-    #[inline]
+    #[inline(always)]
     pub(in crate::compliance) fn set_joint(&mut self, number: usize, miss: T, row: [T; 6]) {
         let k = 6 + number;
         self.residual[k] = miss;
@@ -99,20 +119,33 @@ impl<T: Scalar> Equations<T> {
         }
     }
 
-    pub(in crate::compliance) fn factors(&self) -> Option<SquareLu<T>> {
-        SquareLu::of(self.matrix, self.size)
+    /// Unknowns of a Newton step by equation (1). `None` if the equations are singular in every lane.
+    #[inline(always)]
+    pub(in crate::compliance) fn solution(&self) -> Option<[T; MOST]> {
+        outlined!(
+            [T: Valued] self.residual[0]; own: &'p Equations<T> = self => Option<[T; MOST]> {
+                let mut matrix = own.matrix;
+                let mut solution = own.residual;
+                for k in 0..own.size {
+                    solution[k] = -solution[k];
+                }
+                let mut none = [[]; MOST];
+                let is_regular = eliminate(&mut matrix, &mut none, &mut solution, own.size);
+                T::Plain::any(is_regular).then_some(solution)
+            }
+        )
     }
 
     /// Computes all unknowns from those of equation (1). With `is_rate`, they are rates along a motion in which forces stay in
     /// balance.
-    #[inline]
+    #[inline(always)]
     pub(in crate::compliance) fn step(&self, solution: &[T; MOST], is_rate: bool) -> Step<T> {
         let carrier: [T; 6] = array_of(|i| solution[i]);
         self.step_seen(solution, |_, limb| limb.step(&carrier, None, is_rate))
     }
 
     /// Like `step`, but `of_limb` gives the step of each part with inner unknowns, by its index.
-    #[inline]
+    #[inline(always)]
     pub(in crate::compliance) fn step_seen(
         &self,
         solution: &[T; MOST],
@@ -121,7 +154,9 @@ impl<T: Scalar> Equations<T> {
         let carrier: [T; 6] = array_of(|i| solution[i]);
         let zero = carrier[0].zero();
         let mut joints = [zero; MOST_JOINTS];
-        joints[..self.joints].copy_from_slice(&solution[6..6 + self.joints]);
+        for k in 0..self.joints {
+            joints[k] = solution[6 + k];
+        }
         Step {
             carrier,
             limbs: array_of(|k| of_limb(k, &self.followers[k])),
@@ -132,5 +167,22 @@ impl<T: Scalar> Equations<T> {
                 zero
             },
         }
+    }
+}
+
+impl<T: Scalar> Equations<T> {
+    /// Tangent of the carrier.
+    pub(in crate::compliance) fn tangent(&self) -> [[f64; 6]; 6] {
+        array_of(|i| array_of(|j| self.matrix[i][j].value()))
+    }
+
+    /// Rows of the carrier that every motion must keep at zero.
+    pub(in crate::compliance) fn rows(&self) -> impl Iterator<Item = [f64; 6]> + '_ {
+        let row = |i: usize| array_of(|j| self.matrix[i][j].value());
+        (6..self.size).map(row)
+    }
+
+    pub(in crate::compliance) fn factors(&self) -> Option<SquareLu<T>> {
+        SquareLu::of(self.matrix, self.size)
     }
 }

@@ -3,7 +3,7 @@
 use super::super::algebra::Placed;
 use super::super::limb::{LimbState, LimbStep};
 use super::{MOST_JOINTS, MOST_LIMBS};
-use crate::number::{Each, Scalar};
+use crate::number::{Each, MaskOf, Matrix3, Valued, Vector3};
 
 /// State of all unknowns.
 #[derive(Clone, Copy, Debug)]
@@ -15,8 +15,8 @@ pub(in crate::compliance) struct State<T> {
     pub(in crate::compliance) vertical: T,
 }
 
-impl<T: Scalar> State<T> {
-    #[inline]
+impl<T: Valued> State<T> {
+    #[inline(always)]
     pub(in crate::compliance) fn design(like: T) -> Self {
         State {
             carrier: Placed::design(like),
@@ -26,7 +26,7 @@ impl<T: Scalar> State<T> {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     pub(in crate::compliance) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> State<U> {
         State {
             carrier: self.carrier.map(f),
@@ -34,6 +34,48 @@ impl<T: Scalar> State<T> {
             joints: self.joints.each(f),
             vertical: f(self.vertical),
         }
+    }
+}
+
+impl<T: Valued> State<T> {
+    /// Selects `yes` in the lanes of a mask, else `no`.
+    #[inline(always)]
+    pub(in crate::compliance) fn choose(mask: MaskOf<T>, yes: &Self, no: &Self) -> Self {
+        let mut chosen = *no;
+        let one = |yes: T, no: T| T::choose(mask, yes, no);
+        chosen.carrier = placed(mask, &yes.carrier, &no.carrier);
+        for k in 0..MOST_LIMBS {
+            let (yes, no) = (&yes.limbs[k], &no.limbs[k]);
+            chosen.limbs[k] = LimbState {
+                placed: placed(mask, &yes.placed, &no.placed),
+                pivot: [one(yes.pivot[0], no.pivot[0]), one(yes.pivot[1], no.pivot[1])],
+                slide: one(yes.slide, no.slide),
+            };
+        }
+        for k in 0..MOST_JOINTS {
+            chosen.joints[k] = one(yes.joints[k], no.joints[k]);
+        }
+        chosen.vertical = one(yes.vertical, no.vertical);
+        chosen
+    }
+}
+
+/// Selects a position lane by lane.
+#[inline(always)]
+fn placed<T: Valued>(mask: MaskOf<T>, yes: &Placed<T>, no: &Placed<T>) -> Placed<T> {
+    let vector = |yes: Vector3<T>, no: Vector3<T>| {
+        Vector3::new(
+            T::choose(mask, yes.x, no.x),
+            T::choose(mask, yes.y, no.y),
+            T::choose(mask, yes.z, no.z),
+        )
+    };
+    let ([a, b, c], [d, e, f]) = (yes.turn.columns, no.turn.columns);
+    Placed {
+        shift: vector(yes.shift, no.shift),
+        turn: Matrix3 {
+            columns: [vector(a, d), vector(b, e), vector(c, f)],
+        },
     }
 }
 
@@ -46,8 +88,8 @@ pub(in crate::compliance) struct Step<T> {
     pub(in crate::compliance) vertical: T,
 }
 
-impl<T: Scalar> Step<T> {
-    #[inline]
+impl<T: Valued> Step<T> {
+    #[inline(always)]
     pub(in crate::compliance) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Step<U> {
         Step {
             carrier: self.carrier.each(f),

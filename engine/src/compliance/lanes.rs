@@ -1,0 +1,342 @@
+//! Equilibria of several wheels at a time, one in each SIMD lane.
+//!
+//! The equations are those of one wheel (`system.rs`), and each lane has its own convergence check, that of `solve.rs`. A lane
+//! that has converged keeps its state while others go on. So the bits of a lane depend neither on its neighbours nor on the
+//! number of lanes. Products with sums are rounded once, so lanes and the solver for one wheel differ by rounding errors.
+//!
+//! Lanes attempt the whole change of loads at once. A lane that would need smaller steps, or whose equilibrium is not stable,
+//! has no result. The solver for one wheel then starts anew and decides.
+
+use super::algebra::Placed;
+use super::loads::WheelLoads;
+use super::solve::{Bounds, Judge, Solution, Verdict, is_definite_on};
+use super::system::{Equations, Hold, MOST_JOINTS, MOST_LIMBS, State, System, Task};
+use super::wheel::{ElasticWheel, Equilibrium, HeldQuantity, level_task};
+use crate::linear::square::MOST;
+use crate::number::{MOST_LANES, SimdReal, Vector3, outlined};
+use crate::threads::checkpoint;
+use std::cell::{Cell, RefCell};
+
+/// Working memory that collects the numbers of several wheels.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LaneMemory {
+    /// Numbers in the order in which conversions visit them, with their lanes.
+    numbers: RefCell<Vec<[f64; MOST_LANES]>>,
+    /// Index of the next number.
+    next: Cell<usize>,
+}
+
+impl LaneMemory {
+    fn begin(&self) {
+        self.next.set(0);
+    }
+
+    /// Index of the next number. Its memory exists afterwards.
+    fn advance(&self) -> usize {
+        let number = self.next.get();
+        self.next.set(number + 1);
+        let mut numbers = self.numbers.borrow_mut();
+        if numbers.len() <= number {
+            numbers.resize(number + 1, [0.0; MOST_LANES]);
+        }
+        number
+    }
+
+    /// Writes the next number in one lane.
+    fn put(&self, lane: usize, value: f64) -> f64 {
+        let number = self.advance();
+        self.numbers.borrow_mut()[number][lane] = value;
+        value
+    }
+
+    /// Reads the next number in all lanes.
+    fn load<B: SimdReal>(&self, like: B) -> B {
+        let number = self.advance();
+        like.load(&self.numbers.borrow()[number])
+    }
+}
+
+/// Elastic wheels side by side. They have the same parts, with different numbers.
+pub(crate) struct WheelsInLanes<B> {
+    system: System<B>,
+    start: State<B>,
+    bounds: Bounds,
+    /// Number of wheels. Lanes beyond repeat the last wheel.
+    count: usize,
+}
+
+/// Equilibria side by side.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EquilibriaInLanes<B> {
+    state: State<B>,
+    task: Task<B>,
+    /// Number of Newton steps in each lane; `None` without a result.
+    steps: [Option<usize>; MOST_LANES],
+    /// Number of parts with inner unknowns.
+    limbs: usize,
+}
+
+impl ElasticWheel {
+    /// Returns true if lanes support the parts of this wheel.
+    pub(crate) fn fits_lanes(&self) -> bool {
+        self.built.system.fits_lanes()
+    }
+}
+
+impl<B: SimdReal> WheelsInLanes<B> {
+    /// Puts wheels side by side: one or more, at most as many as there are lanes.
+    pub(crate) fn of<'w>(
+        like: B,
+        memory: &LaneMemory,
+        wheels: impl ExactSizeIterator<Item = &'w ElasticWheel>,
+    ) -> Option<Self> {
+        let count = wheels.len();
+        let mut last = None;
+        for (lane, wheel) in wheels.enumerate() {
+            // Lanes beyond the last wheel repeat it.
+            let end = if lane + 1 == count { B::LANES } else { lane + 1 };
+            for lane in lane..end {
+                memory.begin();
+                wheel.built.system.map(|c| memory.put(lane, c));
+                wheel.start.map(|c| memory.put(lane, c));
+            }
+            last = Some(wheel);
+        }
+        let wheel = last?;
+        memory.begin();
+        Some(WheelsInLanes {
+            system: wheel.built.system.map(|_| memory.load(like)),
+            start: wheel.start.map(|_| memory.load(like)),
+            bounds: wheel.bounds,
+            count,
+        })
+    }
+
+    fn all(&self) -> [bool; MOST_LANES] {
+        let mut all = [false; MOST_LANES];
+        all[..self.count].fill(true);
+        all
+    }
+
+    /// Equilibria with the wheel centres at a height, without horizontal loads, like [`ElasticWheel::at`].
+    #[inline(always)]
+    pub(crate) fn at(&self, travel: f64, rack: f64) -> EquilibriaInLanes<B> {
+        let like = self.start.vertical;
+        let task = level_task(like.constant(travel), like.constant(rack));
+        self.solved(&self.start, &task, self.all())
+    }
+
+    /// Equilibria under loads in addition to those of a station, from neighbouring equilibria, like
+    /// [`ElasticWheel::loaded_about`].
+    #[inline(always)]
+    pub(crate) fn loaded_about(
+        &self,
+        station: &EquilibriaInLanes<B>,
+        from: &EquilibriaInLanes<B>,
+        loads: &WheelLoads<B>,
+        held: HeldQuantity,
+    ) -> EquilibriaInLanes<B> {
+        let system = &self.system;
+        let (_, mut task) = system.held_as(&station.state, &station.task, held);
+        let (state, _) = system.held_as(&from.state, &from.task, held);
+        task.loads = task.loads.plus(loads, task.rack.one());
+        task.loads.trail = loads.trail;
+        let mut open = self.all();
+        for lane in 0..MOST_LANES {
+            open[lane] &= station.steps[lane].is_some() && from.steps[lane].is_some();
+        }
+        self.solved(&state, &task, open)
+    }
+
+    /// Newton's method in the lanes that are open.
+    #[inline(always)]
+    fn solved(
+        &self,
+        start: &State<B>,
+        task: &Task<B>,
+        open: [bool; MOST_LANES],
+    ) -> EquilibriaInLanes<B> {
+        outlined!(
+            [B: SimdReal] task.rack;
+            wheels: &'p WheelsInLanes<B> = self, start: &'p State<B> = start, task: &'p Task<B> = task,
+            open: [bool; MOST_LANES] = open => EquilibriaInLanes<B> {
+                wheels.newton(start, task, open)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn newton(
+        &self,
+        start: &State<B>,
+        task: &Task<B>,
+        mut open: [bool; MOST_LANES],
+    ) -> EquilibriaInLanes<B> {
+        let mut found = EquilibriaInLanes {
+            state: *start,
+            task: *task,
+            steps: [None; MOST_LANES],
+            limbs: self.system.limbs.len(),
+        };
+        let mut judges = [Judge::new(self.bounds); MOST_LANES];
+        let mut equations = Equations::empty(task.rack, self.system.joints.len(), None);
+        while open.contains(&true) {
+            checkpoint();
+            let step = self
+                .system
+                .newton_step(&found.state, task, None, &mut equations);
+            let Ok(step) = step else {
+                break;
+            };
+            let next = self.system.stepped(&found.state, &step);
+            let [shift, turn] = self.system.size_of(&step);
+            let mut sizes = [[0.0; MOST_LANES]; 2];
+            shift.store(&mut sizes[0]);
+            turn.store(&mut sizes[1]);
+            let mut moves = [0.0; MOST_LANES];
+            let mut settled = [false; MOST_LANES];
+            for lane in 0..B::LANES {
+                if open[lane] {
+                    let verdict = judges[lane].judge([sizes[0][lane], sizes[1][lane]]);
+                    settled[lane] = verdict == Ok(Verdict::Settled);
+                    open[lane] = verdict == Ok(Verdict::GoesOn);
+                    moves[lane] = if verdict.is_ok() { 1.0 } else { 0.0 };
+                }
+            }
+            let moving = shift.zero().less(shift.load(&moves));
+            found.state = State::choose(moving, &next, &found.state);
+            if settled.contains(&true) {
+                let is_stable = stable_lanes(&equations, self.bounds, &settled);
+                for lane in 0..B::LANES {
+                    if is_stable[lane] {
+                        found.steps[lane] = Some(judges[lane].steps());
+                    }
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Lanes among the settled ones whose equations belong to a stable state, by the check of `solve.rs`.
+#[inline(always)]
+fn stable_lanes<B: SimdReal>(
+    equations: &Equations<B>,
+    bounds: Bounds,
+    settled: &[bool; MOST_LANES],
+) -> [bool; MOST_LANES] {
+    let mut entries = [[[0.0; MOST_LANES]; 6]; MOST];
+    for row in 0..equations.size {
+        for column in 0..6 {
+            equations.matrix[row][column].store(&mut entries[row][column]);
+        }
+    }
+    let mut is_stable = [false; MOST_LANES];
+    for lane in 0..B::LANES {
+        if settled[lane] && B::lane(equations.is_stable, lane) {
+            is_stable[lane] = is_stable_lane(&entries[..equations.size], bounds, lane);
+        }
+    }
+    is_stable
+}
+
+/// Returns true if the equations of a lane belong to a stable state.
+fn is_stable_lane(entries: &[[[f64; MOST_LANES]; 6]], bounds: Bounds, lane: usize) -> bool {
+    let mut rows = [[0.0; 6]; MOST];
+    for (row, entries) in rows.iter_mut().zip(entries) {
+        for (entry, lanes) in row.iter_mut().zip(entries) {
+            *entry = lanes[lane];
+        }
+    }
+    let [a, b, c, d, e, f, ..] = rows;
+    is_definite_on(&[a, b, c, d, e, f], &mut rows[6..entries.len()], bounds, 0.0)
+}
+
+impl<B: SimdReal> EquilibriaInLanes<B> {
+    /// Writes the equilibria of the first wheels, one after the other; `None` without a result. The list has an entry for
+    /// each of these wheels.
+    #[inline(always)]
+    pub(crate) fn write(&self, to: &mut [Option<Equilibrium>]) {
+        let mut numbers = [[0.0; MOST_LANES]; NUMBERS];
+        let (mut state, mut task) = (self.state, self.task);
+        let mut next = 0;
+        visit(&mut state, &mut task, self.limbs, |c| {
+            c.store(&mut numbers[next]);
+            next += 1;
+        });
+        for (lane, to) in to.iter_mut().enumerate() {
+            *to = self.steps[lane].map(|steps| in_lane(&numbers, lane, self, steps));
+        }
+    }
+}
+
+/// Equilibrium in a lane, from the numbers in the order of `visit`.
+fn in_lane<B>(
+    numbers: &[[f64; MOST_LANES]; NUMBERS],
+    lane: usize,
+    of: &EquilibriaInLanes<B>,
+    steps: usize,
+) -> Equilibrium {
+    let mut state = State::design(0.0);
+    let mut task = level_task(0.0, 0.0);
+    if let Hold::Load = of.task.hold {
+        task.hold = Hold::Load;
+    }
+    let mut next = 0;
+    visit(&mut state, &mut task, of.limbs, |c| {
+        *c = numbers[next][lane];
+        next += 1;
+    });
+    Equilibrium {
+        solution: Solution { state, task, steps },
+    }
+}
+
+/// Largest count of numbers that `visit` visits.
+const NUMBERS: usize = 12 + 15 * MOST_LIMBS + MOST_JOINTS + 1 + 11 + 2;
+
+/// Visits the numbers of an equilibrium of a system with this many parts with inner unknowns.
+#[inline(always)]
+fn visit<T>(
+    state: &mut State<T>,
+    task: &mut Task<T>,
+    limbs: usize,
+    mut f: impl FnMut(&mut T),
+) {
+    visit_placed(&mut state.carrier, &mut f);
+    for limb in &mut state.limbs[..limbs] {
+        visit_placed(&mut limb.placed, &mut f);
+        f(&mut limb.pivot[0]);
+        f(&mut limb.pivot[1]);
+        f(&mut limb.slide);
+    }
+    for k in 0..MOST_JOINTS {
+        f(&mut state.joints[k]);
+    }
+    f(&mut state.vertical);
+    f(&mut task.rack);
+    if let Hold::Height(travel) = &mut task.hold {
+        f(travel);
+    }
+    let loads = &mut task.loads;
+    for v in [&mut loads.contact, &mut loads.centre, &mut loads.moment] {
+        visit_vector(v, &mut f);
+    }
+    f(&mut loads.side);
+    f(&mut loads.trail);
+}
+
+#[inline(always)]
+fn visit_placed<T>(placed: &mut Placed<T>, f: &mut impl FnMut(&mut T)) {
+    visit_vector(&mut placed.shift, f);
+    for k in 0..3 {
+        visit_vector(&mut placed.turn.columns[k], f);
+    }
+}
+
+#[inline(always)]
+fn visit_vector<T>(v: &mut Vector3<T>, f: &mut impl FnMut(&mut T)) {
+    f(&mut v.x);
+    f(&mut v.y);
+    f(&mut v.z);
+}

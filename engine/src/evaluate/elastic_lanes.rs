@@ -1,0 +1,190 @@
+//! Wheels with elastic parts, with a design in each SIMD lane.
+//!
+//! Each design becomes an elastic wheel of its own. The equilibria at the stations, and those at the ends of the tests'
+//! windows, are solved side by side. A design in which a lane has no equilibrium remains for one-by-one solution.
+
+use super::elastic::{ElasticDesigns, ElasticQuantities};
+use super::evaluator::{Pairs, SolvesInLanes};
+use super::{Block, Stations};
+use crate::compliance::{
+    EquilibriaInLanes, Equilibrium, KcRun, KcTest, KcValue, LaneMemory, WheelLoads, WheelsInLanes,
+};
+use crate::number::{Each, SimdReal, SimdTask, Vector3, Width};
+use crate::threads::Interrupt;
+
+/// Solver of as many elastic wheels at a time as the processor has lanes.
+pub(super) struct ElasticLanes<'a> {
+    width: Width,
+    designs: ElasticDesigns<'a>,
+    memory: LaneMemory,
+}
+
+impl<'a> ElasticLanes<'a> {
+    pub(super) fn new(of: &'a ElasticQuantities, stations: &'a Stations, width: Width) -> Self {
+        ElasticLanes {
+            width,
+            designs: ElasticDesigns::new(of, stations),
+            memory: LaneMemory::default(),
+        }
+    }
+}
+
+impl SolvesInLanes for ElasticLanes<'_> {
+    fn evaluate(
+        &mut self,
+        [designs, _]: Pairs<'_>,
+        interrupt: Interrupt<'_>,
+        block: &mut Block,
+        fallback: &mut Vec<usize>,
+    ) {
+        self.width.run(ElasticTask {
+            solver: self,
+            designs,
+            interrupt,
+            block,
+            fallback,
+        });
+    }
+
+    fn take_rates(&mut self, rates: &[f64]) {
+        self.designs.take_rates(rates);
+    }
+}
+
+struct ElasticTask<'s, 'a> {
+    solver: &'s mut ElasticLanes<'a>,
+    designs: &'s [Vector3<f64>],
+    interrupt: Interrupt<'s>,
+    block: &'s mut Block,
+    fallback: &'s mut Vec<usize>,
+}
+
+impl SimdTask for ElasticTask<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<B: SimdReal>(self, like: B) {
+        let count = self.designs.len() / self.solver.designs.points();
+        let mut first = 0;
+        while first < count && !self.interrupt.is_raised() {
+            let end = (first + B::LANES).min(count);
+            let mut group = Group::<B> {
+                like,
+                solver: &mut *self.solver,
+                runs: Vec::new(),
+                block: &mut *self.block,
+            };
+            for number in first..end {
+                match group.solver.designs.run(self.designs, number) {
+                    Ok(run) => group.runs.push(Member {
+                        number,
+                        run,
+                        is_solved: true,
+                    }),
+                    Err(_) => self.fallback.push(number),
+                }
+            }
+            group.solve();
+            let unsolved = group.runs.iter().filter(|member| !member.is_solved);
+            self.fallback.extend(unsolved.map(|member| member.number));
+            first = end;
+        }
+        self.fallback.sort_unstable();
+    }
+}
+
+/// Design in a lane.
+struct Member<'a> {
+    /// Index in the block.
+    number: usize,
+    run: KcRun<'a>,
+    /// True while every equilibrium was found.
+    is_solved: bool,
+}
+
+/// Designs that are solved side by side.
+struct Group<'s, 'a, B> {
+    like: B,
+    solver: &'s mut ElasticLanes<'a>,
+    runs: Vec<Member<'a>>,
+    block: &'s mut Block,
+}
+
+impl<B: SimdReal> Group<'_, '_, B> {
+    /// Solves all stations and writes the values to the block.
+    fn solve(&mut self) {
+        let wheels = self.runs.iter().map(|member| member.run.wheel());
+        let Some(wheels) = WheelsInLanes::of(self.like, &self.solver.memory, wheels) else {
+            return;
+        };
+        let stations = self.solver.designs.stations();
+        for station in 0..stations.count() {
+            let [travel, rack] = self.solver.designs.place(station);
+            self.solver.designs.want(station);
+            let equilibria = wheels.at(travel, rack);
+            let found = self.written(&equilibria);
+            let ends = self.window_ends(&wheels, &equilibria);
+            for (lane, at) in found.iter().enumerate() {
+                let Some(at) = at else {
+                    self.runs[lane].is_solved = false;
+                    continue;
+                };
+                let Member { number, run, .. } = &self.runs[lane];
+                let known = |test: &KcTest, end: usize| {
+                    let own = ends.iter().find(|own| own.test == *test)?;
+                    own.found[end][lane]
+                };
+                let values = run.values_at(at, self.solver.designs.wanted(), known);
+                let designs = &self.solver.designs;
+                designs.put(&values, *number, station, self.block);
+            }
+        }
+    }
+
+    fn written(&self, equilibria: &EquilibriaInLanes<B>) -> Vec<Option<Equilibrium>> {
+        let mut found = vec![None; self.runs.len()];
+        equilibria.write(&mut found);
+        found
+    }
+
+    /// Equilibria at the ends of the windows of all tests whose secants are wanted at this station.
+    fn window_ends(
+        &self,
+        wheels: &WheelsInLanes<B>,
+        at: &EquilibriaInLanes<B>,
+    ) -> Vec<TestEnds> {
+        let mut ends: Vec<TestEnds> = Vec::new();
+        let Some(member) = self.runs.first() else {
+            return ends;
+        };
+        for value in self.solver.designs.wanted() {
+            let KcValue::Figure {
+                test,
+                is_secant: true,
+                ..
+            } = value
+            else {
+                continue;
+            };
+            if ends.iter().any(|own| own.test == *test) {
+                continue;
+            }
+            let loads = member.run.window_loads(test);
+            let found = loads.each(|loads: WheelLoads| {
+                let loads = loads.map(|c| self.like.constant(c));
+                wheels.loaded_about(at, at, &loads, test.held)
+            });
+            ends.push(TestEnds {
+                test: *test,
+                found: [self.written(&found[0]), self.written(&found[1])],
+            });
+        }
+        ends
+    }
+}
+
+/// Equilibria at both ends of a test's window, one for each design of a group.
+struct TestEnds {
+    test: KcTest,
+    found: [Vec<Option<Equilibrium>>; 2],
+}

@@ -1,0 +1,147 @@
+//! Equilibria in SIMD lanes against those of single wheels: same values, same refusals, the same bits at every width.
+
+use super::support::{elastic, with};
+use hardpoint::evaluate::NotInLanes;
+use hardpoint::number::Width;
+use hardpoint::study::Study;
+use hardpoint::sweep::{SweepPlan, Worker};
+
+/// More designs than the widest registers have lanes, and no multiple of any number of lanes.
+const DESIGNS: usize = 37;
+
+/// Every point moves by up to `by` mm, and rates change by up to a factor of 2.
+fn study(name: &str, rates: &str, head: &str, by: f64) -> Study {
+    let text = with(name, "");
+    let text = text.split("\n[motion]").next().unwrap().to_owned()
+        + "\n[compliance]"
+        + text.split("\n[compliance]").nth(1).unwrap();
+    let plain = elastic(&with(name, ""));
+    let points = plain.wheel().mechanism.points.iter();
+    let mut variables: Vec<String> = points
+        .flat_map(|point| ["x", "y", "z"].map(|axis| (point.name.as_str(), axis)))
+        .filter(|(name, _)| !name.starts_with("spindle"))
+        .map(|(point, axis)| {
+            format!("{{ hardpoint = \"{point}\", axis = \"{axis}\", range = [-{by}, {by}] }}")
+        })
+        .collect();
+    variables.push(rates.to_owned());
+    elastic(&format!(
+        "{text}\n{head}\n[sweep]\nmethod = \"random\"\nsamples = {DESIGNS}\nseed = 11\nvariables = [{}]\n",
+        variables.join(", ")
+    ))
+}
+
+const MOTION: &str = "[motion]\ntravel = [-40.0, 0.0, 25.0]\n[outputs]\ncharacteristics = [\"toe\", \"camber\", \"bump_steer\", \
+                      \"toe_by_lateral_force\", \"toe_by_lateral_force_secant\"]";
+
+const ARMS: (&str, &str) = (
+    "double_wishbone_compliance.toml",
+    "{ bushing = \"lower_arm_rear\", stiffness = \"y\", range = [0.5, 2.0], relative = true }",
+);
+const LINKS: (&str, &str) = (
+    "five_link_compliance.toml",
+    "{ bushing = \"lower_rear_link_inner\", stiffness = \"x\", range = [0.5, 2.0], relative = true }",
+);
+
+fn worker(plan: &SweepPlan<'static>, width: Option<Width>) -> Worker<'static> {
+    let plan: &'static SweepPlan<'static> = Box::leak(Box::new(plan.clone()));
+    plan.worker_of_width(width).unwrap()
+}
+
+fn planned(study: Study) -> SweepPlan<'static> {
+    let study: &'static Study = Box::leak(Box::new(study));
+    SweepPlan::of(study, study.sweep.as_ref().unwrap()).unwrap()
+}
+
+/// Values of all designs of the first block, one list for each column.
+fn values(worker: &Worker<'_>, columns: usize) -> Vec<Vec<f64>> {
+    let block = worker.block();
+    let designs = 0..block.designs();
+    let of = |column| designs.clone().flat_map(move |k| block.values(k, column)).collect();
+    (0..columns).map(of).collect()
+}
+
+fn bits(values: &[Vec<f64>]) -> Vec<u64> {
+    values.iter().flatten().map(|value| value.to_bits()).collect()
+}
+
+/// Lanes have the values of designs one by one, with the same failures, and the same bits at every width. Both stop at corrections
+/// of 1e-13 rad, which is 1e-11 of the largest angles here; figures are as accurate as the tangents from which they follow.
+#[test]
+fn lanes_have_the_values_of_designs_one_by_one() {
+    for (name, rates) in [ARMS, LINKS] {
+        let plan = planned(study(name, rates, MOTION, 10.0));
+        let mut alone = worker(&plan, None);
+        assert_eq!(alone.not_in_lanes(), Some(NotInLanes::Asked));
+        alone.rows(0);
+        let columns = plan.values().len();
+        let expected = values(&alone, columns);
+        let mut first: Option<Vec<u64>> = None;
+        for width in Width::ALL.into_iter().filter(|width| width.is_available()) {
+            let mut lanes = worker(&plan, Some(width));
+            assert_eq!(lanes.not_in_lanes(), None, "{name}");
+            lanes.rows(0);
+            assert!(
+                lanes.one_by_one().len() <= DESIGNS / 10,
+                "{name} {width:?}: {:?}",
+                lanes.one_by_one()
+            );
+            let found = values(&lanes, columns);
+            for (column, (found, expected)) in found.iter().zip(&expected).enumerate() {
+                let sizes = expected.iter().filter(|value| value.is_finite());
+                let largest = sizes.map(|value| value.abs()).fold(0.0, f64::max);
+                assert!(largest > 0.0, "{name}: nothing in column {column}");
+                for (a, b) in found.iter().zip(expected) {
+                    assert_eq!(a.is_nan(), b.is_nan(), "{name} {width:?} {column}: {a} {b}");
+                    assert!(
+                        a.is_nan() || (a - b).abs() < 1e-11 * largest,
+                        "{name} {width:?} {column}: {a} {b}"
+                    );
+                }
+            }
+            let bits = bits(&found);
+            assert_eq!(first.get_or_insert(bits.clone()), &bits, "{name} {width:?}");
+        }
+    }
+}
+
+/// A travel that only some designs reach: lanes refuse the other ones, with the status that they have alone, and the values
+/// of a design do not depend on its neighbours.
+#[test]
+fn a_design_without_equilibrium_does_not_disturb_its_neighbours() {
+    let far = MOTION.replace("[-40.0, 0.0, 25.0]", "[-40.0, 0.0, 178.0]");
+    let (name, rates) = ARMS;
+    let plan = planned(study(name, rates, &far, 25.0));
+    let mut alone = worker(&plan, None);
+    alone.rows(0);
+    let mut lanes = worker(&plan, Some(Width::widest()));
+    lanes.rows(0);
+    let failures = |worker: &Worker<'_>| {
+        let failures = worker.block().failures().iter();
+        let mut failures: Vec<_> = failures.map(|f| (f.design, f.station)).collect();
+        failures.sort_unstable();
+        failures
+    };
+    let failed = failures(&alone);
+    assert!(
+        failed.len() > 2 && failed.len() < DESIGNS - 2,
+        "{failed:?} of {DESIGNS}"
+    );
+    assert_eq!(failed, failures(&lanes));
+    let refused = lanes.one_by_one().to_vec();
+    assert!(failed.iter().all(|(design, _)| refused.contains(design)));
+    // With one lane, no design has neighbours.
+    let mut single = worker(&plan, Some(Width::Scalar));
+    single.rows(0);
+    let columns = plan.values().len();
+    assert_eq!(bits(&values(&single, columns)), bits(&values(&lanes, columns)));
+}
+
+/// The elastic mount of a strut is not supported in lanes, and the worker says so.
+#[test]
+fn a_strut_on_an_elastic_mount_goes_one_by_one() {
+    let rates = "{ bushing = \"lower_arm_rear\", stiffness = \"y\", range = [0.5, 2.0], relative = true }";
+    let plan = planned(study("macpherson_compliance.toml", rates, MOTION, 2.0));
+    let lanes = worker(&plan, Some(Width::widest()));
+    assert_eq!(lanes.not_in_lanes(), Some(NotInLanes::Elastic));
+}

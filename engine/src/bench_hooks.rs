@@ -77,7 +77,10 @@ impl SimdTask for LaneEquilibria<'_> {
                 for loads in from_design.chunks_exact(B::LANES) {
                     let loads = side_by_side(like, loads);
                     let held = HeldQuantity::WheelHeight;
-                    read(&wheels.loaded_about(&station, &station, &loads, held), receive);
+                    read(
+                        &wheels.loaded_about(&station, &station, &loads, held),
+                        receive,
+                    );
                 }
             } else {
                 for load in levels {

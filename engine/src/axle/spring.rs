@@ -84,8 +84,12 @@ impl<T: Copy> SpringLaw<T> {
     fn force_over<U: Valued>(&self, length: U, design: U, over: impl Fn(T) -> U) -> U {
         let shortened = self.shortened(length, design);
         let spring = self.without_stops(length, design, &over);
-        let pressed = with_stop(&self.bump_stop, spring, shortened, |force, more| force + more);
-        with_stop(&self.rebound_stop, pressed, -shortened, |force, more| force - more)
+        let pressed = with_stop(&self.bump_stop, spring, shortened, |force, more| {
+            force + more
+        });
+        with_stop(&self.rebound_stop, pressed, -shortened, |force, more| {
+            force - more
+        })
     }
 }
 
@@ -116,7 +120,6 @@ impl<T: Valued> SpringLaw<T> {
         let force = self.force_over(series, Jet::constant(design), Jet::constant);
         (force[0], force[1])
     }
-
 }
 
 impl<T: Scalar> SpringLaw<T> {
@@ -267,7 +270,8 @@ impl ForceCurve {
         let [a, inverse, left, m, quadratic, cubic] = if T::IN_REGISTERS {
             self.pieces(x)
         } else {
-            self.piece(x.plain_value().in_lane(0)).map(|c| x.constant(c))
+            self.piece(x.plain_value().in_lane(0))
+                .map(|c| x.constant(c))
         };
         let t = (x - a) * inverse;
         left + t * (m + t * (quadratic + t * cubic))

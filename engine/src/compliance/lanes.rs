@@ -94,7 +94,11 @@ impl<B: SimdReal> WheelsInLanes<B> {
         let mut last = None;
         for (lane, wheel) in wheels.enumerate() {
             // Lanes beyond the last wheel repeat it.
-            let end = if lane + 1 == count { B::LANES } else { lane + 1 };
+            let end = if lane + 1 == count {
+                B::LANES
+            } else {
+                lane + 1
+            };
             for lane in lane..end {
                 memory.begin();
                 wheel.built.system.map(|c| memory.put(lane, c));
@@ -249,7 +253,12 @@ fn is_stable_lane(entries: &[[[f64; MOST_LANES]; 6]], bounds: Bounds, lane: usiz
         }
     }
     let [a, b, c, d, e, f, ..] = rows;
-    is_definite_on(&[a, b, c, d, e, f], &mut rows[6..entries.len()], bounds, 0.0)
+    is_definite_on(
+        &[a, b, c, d, e, f],
+        &mut rows[6..entries.len()],
+        bounds,
+        0.0,
+    )
 }
 
 impl<B: SimdReal> EquilibriaInLanes<B> {
@@ -297,12 +306,7 @@ const NUMBERS: usize = 12 + 15 * MOST_LIMBS + MOST_JOINTS + 1 + 11 + 2;
 
 /// Visits the numbers of an equilibrium of a system with this many parts with inner unknowns.
 #[inline(always)]
-fn visit<T>(
-    state: &mut State<T>,
-    task: &mut Task<T>,
-    limbs: usize,
-    mut f: impl FnMut(&mut T),
-) {
+fn visit<T>(state: &mut State<T>, task: &mut Task<T>, limbs: usize, mut f: impl FnMut(&mut T)) {
     visit_placed(&mut state.carrier, &mut f);
     for limb in &mut state.limbs[..limbs] {
         visit_placed(&mut limb.placed, &mut f);

@@ -80,7 +80,6 @@ impl<T: Valued> Shape<T> {
     pub(super) fn slope(&self, like: T) -> T {
         self.at(like.zero()).1
     }
-
 }
 
 impl<T: Scalar> Shape<T> {

@@ -329,7 +329,9 @@ impl<T: Valued> Seat<T> {
                 ))
             }
             Some(rocker) => match rocker.rod {
-                None => SeatForce::plain(self.through_rigid_rod(rocker, displacement, balance_only)),
+                None => {
+                    SeatForce::plain(self.through_rigid_rod(rocker, displacement, balance_only))
+                }
                 Some(rod) => self.through_rod(rocker, rod, displacement, slide, held, balance_only),
             },
         }

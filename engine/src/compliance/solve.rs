@@ -338,7 +338,12 @@ pub(super) fn is_definite<T: Scalar>(
         rows[count] = row;
         count += 1;
     }
-    is_definite_on(&equations.tangent(), &mut rows[..count], bounds, least_share)
+    is_definite_on(
+        &equations.tangent(),
+        &mut rows[..count],
+        bounds,
+        least_share,
+    )
 }
 
 /// Returns true if a tangent of the carrier is definite on the motions that keep these rows at zero, like [`is_definite`].

@@ -318,7 +318,9 @@ impl<T: Valued> OwnSum<T> {
         all.stiffness = all
             .stiffness
             .plus(&self.joint_by_turn.times(&turn).negated());
-        let joint_by_turn = self.joint_by_turn.map(|c| tangent_of(c, self.is_correction));
+        let joint_by_turn = self
+            .joint_by_turn
+            .map(|c| tangent_of(c, self.is_correction));
         all.condensed = all.condensed - joint_by_turn.apply(rest);
         Some(Firmness {
             is_stable: is_positive(&rows, 0.0),

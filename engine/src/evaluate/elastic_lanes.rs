@@ -148,11 +148,7 @@ impl<B: SimdReal> Group<'_, '_, B> {
     }
 
     /// Equilibria at the ends of the windows of all tests whose secants are wanted at this station.
-    fn window_ends(
-        &self,
-        wheels: &WheelsInLanes<B>,
-        at: &EquilibriaInLanes<B>,
-    ) -> Vec<TestEnds> {
+    fn window_ends(&self, wheels: &WheelsInLanes<B>, at: &EquilibriaInLanes<B>) -> Vec<TestEnds> {
         let mut ends: Vec<TestEnds> = Vec::new();
         let Some(member) = self.runs.first() else {
             return ends;

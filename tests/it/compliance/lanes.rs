@@ -57,12 +57,21 @@ fn planned(study: Study) -> SweepPlan<'static> {
 fn values(worker: &Worker<'_>, columns: usize) -> Vec<Vec<f64>> {
     let block = worker.block();
     let designs = 0..block.designs();
-    let of = |column| designs.clone().flat_map(move |k| block.values(k, column)).collect();
+    let of = |column| {
+        designs
+            .clone()
+            .flat_map(move |k| block.values(k, column))
+            .collect()
+    };
     (0..columns).map(of).collect()
 }
 
 fn bits(values: &[Vec<f64>]) -> Vec<u64> {
-    values.iter().flatten().map(|value| value.to_bits()).collect()
+    values
+        .iter()
+        .flatten()
+        .map(|value| value.to_bits())
+        .collect()
 }
 
 /// Lanes have the values of designs one by one, with the same failures, and the same bits at every width. Both stop at corrections
@@ -134,13 +143,17 @@ fn a_design_without_equilibrium_does_not_disturb_its_neighbours() {
     let mut single = worker(&plan, Some(Width::Scalar));
     single.rows(0);
     let columns = plan.values().len();
-    assert_eq!(bits(&values(&single, columns)), bits(&values(&lanes, columns)));
+    assert_eq!(
+        bits(&values(&single, columns)),
+        bits(&values(&lanes, columns))
+    );
 }
 
 /// The elastic mount of a strut is not supported in lanes, and the worker says so.
 #[test]
 fn a_strut_on_an_elastic_mount_goes_one_by_one() {
-    let rates = "{ bushing = \"lower_arm_rear\", stiffness = \"y\", range = [0.5, 2.0], relative = true }";
+    let rates =
+        "{ bushing = \"lower_arm_rear\", stiffness = \"y\", range = [0.5, 2.0], relative = true }";
     let plan = planned(study("macpherson_compliance.toml", rates, MOTION, 2.0));
     let lanes = worker(&plan, Some(Width::widest()));
     assert_eq!(lanes.not_in_lanes(), Some(NotInLanes::Elastic));

@@ -21,7 +21,7 @@ use crate::compliance::{
 };
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Side};
-use crate::number::{Each, Jet, Real, Scalar, Valued, Tape, Tracked, Vector3};
+use crate::number::{Each, Jet, Real, Scalar, Tape, Tracked, Valued, Vector3};
 use crate::study::AxleComplianceStudy;
 
 /// The reason why an equilibrium of an axle of this kind does not have a quantity, and the alternatives; `None` if it has

@@ -48,7 +48,10 @@ impl<T: Valued> State<T> {
             let (yes, no) = (&yes.limbs[k], &no.limbs[k]);
             chosen.limbs[k] = LimbState {
                 placed: placed(mask, &yes.placed, &no.placed),
-                pivot: [one(yes.pivot[0], no.pivot[0]), one(yes.pivot[1], no.pivot[1])],
+                pivot: [
+                    one(yes.pivot[0], no.pivot[0]),
+                    one(yes.pivot[1], no.pivot[1]),
+                ],
                 slide: one(yes.slide, no.slide),
             };
         }

@@ -54,7 +54,7 @@ pub use axle_targets::AxleSite;
 pub use car::{
     CarBand, CarContributor, CarOptimise, CarStudy, CarSweep, CarTolerance, GgMap, TunedCar, edited,
 };
-pub use compliance::{AxleComplianceStudy, ComplianceStudy, NamedBushing, NamedParts};
+pub use compliance::{AxleComplianceStudy, ComplianceStudy, NamedBushing, NamedLink, NamedParts};
 pub use designs_file::DesignTable;
 pub use hardpoint_study_file::bushing_file;
 pub use hardpoint_study_file::error::{Source as FileText, StudyError, StudyErrors};

@@ -408,11 +408,7 @@ impl Assembler {
     }
 
     /// Returns a pose with the inverse of its Jacobian. `None` if the Jacobian is singular.
-    pub(crate) fn linearise(
-        &self,
-        parts: &Parts<f64>,
-        pose: &Pose<f64>,
-    ) -> Option<Linearised> {
+    pub(crate) fn linearise(&self, parts: &Parts<f64>, pose: &Pose<f64>) -> Option<Linearised> {
         let at = self.configuration(parts, pose);
         let jacobian = self.closure(parts).jacobian(&at, Driver::Travel(0.0));
         Linearised::of(*pose, jacobian, self.size)

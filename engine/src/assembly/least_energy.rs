@@ -239,12 +239,7 @@ impl Assembler {
     }
 
     /// Tensions of the links of assembled parts. `None` if rigid links fit.
-    pub(crate) fn tensions(
-        &self,
-        parts: &Parts<f64>,
-        height: f64,
-        at: &Linearised,
-    ) -> Tensions {
+    pub(crate) fn tensions(&self, parts: &Parts<f64>, height: f64, at: &Linearised) -> Tensions {
         let is_relaxed = self.suspension().mechanism.has_extra_links();
         is_relaxed.then(|| self.relaxed_series(parts, height, at, 0).1)
     }
@@ -310,7 +305,11 @@ pub(crate) struct TensionInput {
 /// Tensions of the elastic links of an axle as inputs. Empty if rigid links fit.
 pub(crate) fn tension_inputs(axle: &Axle) -> Vec<TensionInput> {
     let mechanism = &axle.left.mechanism;
-    let Some(elastic) = axle.elastic.as_ref().filter(|_| mechanism.has_extra_links()) else {
+    let Some(elastic) = axle
+        .elastic
+        .as_ref()
+        .filter(|_| mechanism.has_extra_links())
+    else {
         return Vec::new();
     };
     let views = Side::ALL.map(|view| links(&elastic.parts, mechanism, view));
@@ -323,7 +322,10 @@ pub(crate) fn tension_inputs(axle: &Axle) -> Vec<TensionInput> {
             Some((number, link.place(mechanism)))
         };
         let ((link, place), (_, other)) = (found(ends)?, found(seen)?);
-        let AxleParameter { parameter: of, side } = *parameter;
+        let AxleParameter {
+            parameter: of,
+            side,
+        } = *parameter;
         let wheel = &elastic.parts.wheels[side.unwrap_or(Side::Left) as usize];
         let Parameter::LinkPreload(number) = of else {
             return None;

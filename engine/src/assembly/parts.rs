@@ -75,9 +75,7 @@ impl Member {
         match self {
             Member::Link(number) => number,
             Member::Rod(id) => mechanism.constraints.len() + id.0,
-            Member::Extra(number) => {
-                mechanism.constraints.len() + mechanism.rockers.len() + number
-            }
+            Member::Extra(number) => mechanism.constraints.len() + mechanism.rockers.len() + number,
         }
     }
 }

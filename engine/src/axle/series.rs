@@ -15,7 +15,7 @@
 //! coefficients are the halves of the second derivatives by the drag link.
 
 use super::carriers::Carriers;
-use super::reading::{Parts, Reading, Snapshot, WheelParts};
+use super::reading::{Parts, Reading, Snapshot};
 use super::solver::{AxlePose, AxleSolver, Read, displace};
 use super::state::{AxleState, Hold};
 use super::{Axle, AxleColumn, Of};
@@ -51,7 +51,11 @@ impl<'d> DesignedWheel<'d> {
     }
 
     /// Both wheels with the steering gear of a steered axle at this displacement.
-    pub(crate) fn steered<'s>(axle: &Axle, wheels: &'s [Self; 2], gear: Series) -> [DesignedWheel<'s>; 2] {
+    pub(crate) fn steered<'s>(
+        axle: &Axle,
+        wheels: &'s [Self; 2],
+        gear: Series,
+    ) -> [DesignedWheel<'s>; 2] {
         Side::ALL.map(|side| {
             let mechanism = &axle.suspension(side).mechanism;
             let DesignedWheel {
@@ -210,8 +214,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let gear = Jet([position.rack, 1.0, 0.0]);
         let wheels = DesignedWheel::steered(axle, &at_rest, gear);
         let (state, apart) = position.on_ground(axle, self.parts(), &wheels);
-        let own = Side::ALL
-            .map(|side| position.configuration(axle, side, &wheels[side as usize], apart));
+        let own =
+            Side::ALL.map(|side| position.configuration(axle, side, &wheels[side as usize], apart));
         let by_gear = |column: &AxleColumn| match column.of {
             Of::Quantity(quantity) if quantity.rate_order() == 0 => {
                 derivatives(quantity.evaluate(&state))

@@ -106,21 +106,23 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     let parts = parts.chain(file.links.values().map(Spanned::span));
     let parts = parts.chain(file.compliance.as_ref().map(Spanned::span));
     let parts = parts.filter(|_| is_beam || has_watt || is_steered);
-    refused.extend([
-        (
-            certify.map(Spanned::span),
-            match is_beam {
-                true => "certify needs quadratic equations, and those of the hinge of a twist \
-                         beam are not quadratic; leave certify out",
-                false if is_steered => {
-                    "certify needs quadratic equations, and those of the knuckles of a steered \
+    refused.extend([(
+        certify.map(Spanned::span),
+        match is_beam {
+            true => {
+                "certify needs quadratic equations, and those of the hinge of a twist \
+                         beam are not quadratic; leave certify out"
+            }
+            false if is_steered => {
+                "certify needs quadratic equations, and those of the knuckles of a steered \
                      axle are not quadratic; leave certify out"
-                }
-                false => "certify needs quadratic equations, and those of the rocker of a Watt \
-                          linkage are not quadratic; leave certify out",
-            },
-        ),
-    ]);
+            }
+            false => {
+                "certify needs quadratic equations, and those of the rocker of a Watt \
+                          linkage are not quadratic; leave certify out"
+            }
+        },
+    )]);
     refused.extend(bushings_of_five_links(file, suspension));
     refused.extend(parts.map(|span| {
         let message = match is_beam {

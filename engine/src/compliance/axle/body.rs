@@ -34,11 +34,7 @@ impl<T: Scalar> AxlePlace<T> {
 
     /// This place with the directions that count from a position from which the design position is turned by `home`.
     pub(crate) fn counted_from(&self, home: &Matrix3<f64>) -> Self {
-        let axes = [
-            self.forward,
-            self.line,
-            self.forward.cross(self.line),
-        ];
+        let axes = [self.forward, self.line, self.forward.cross(self.line)];
         let turned = |column: Vector3<f64>| {
             let parts = axes.into_iter().zip(column.to_array());
             let parts = parts.map(|(axis, share)| axis.map(|c| c.scaled(share)));

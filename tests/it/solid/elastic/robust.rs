@@ -57,10 +57,16 @@ fn derivatives_of_builds_are_exact() {
 #[test]
 fn builds_are_those_of_tolerance() {
     let parts = [
-        known("hardpoint = \"lower_link_axle\", axis = \"z\", side = \"left\"", 0.8),
+        known(
+            "hardpoint = \"lower_link_axle\", axis = \"z\", side = \"left\"",
+            0.8,
+        ),
         known("hardpoint = \"panhard_chassis\", axis = \"z\"", 1.5),
         known("length = \"lower_link\", side = \"right\"", 0.5),
-        known("link = \"lower_link\", relative = true, side = \"right\"", 0.3),
+        known(
+            "link = \"lower_link\", relative = true, side = \"right\"",
+            0.3,
+        ),
         known("link = \"panhard\", relative = true", -0.2),
     ];
     let study = study(&parts.join(", "));

@@ -273,7 +273,10 @@ fn knuckles_turn_as_rigid_bodies() {
                 assert!((a[i] - expected).abs() < 1e-11, "{point}: {a:?} {expected}");
             }
         }
-        assert!(turn[2].abs() > 1e-3 && faster[2].abs() > 1e-6, "{turn:?} {faster:?}");
+        assert!(
+            turn[2].abs() > 1e-3 && faster[2].abs() > 1e-6,
+            "{turn:?} {faster:?}"
+        );
     }
 }
 

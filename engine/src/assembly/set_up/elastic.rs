@@ -175,13 +175,13 @@ impl<'a> Elastic<'a> {
         let halves = Side::ALL.into_iter().zip(assemblers);
         let is_solid = axle.is_rigid();
         let halves = halves.map(|(side, assembler)| {
-            let change = |a: &Adjustment| match is_solid {
-                true => a.seen_from(side),
-                false => a
-                    .is_of(Some(side))
-                    .then_some(a.change)
-                    .into_iter()
-                    .collect(),
+            let change = |a: &Adjustment| {
+                if is_solid {
+                    a.seen_from(side)
+                } else {
+                    let own = a.is_of(Some(side)).then_some(a.change);
+                    own.into_iter().collect()
+                }
             };
             Half {
                 assembler,

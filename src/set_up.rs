@@ -159,7 +159,11 @@ impl WheelToSetUp {
         };
         let mut wheels = vec![(None, study.wheel().clone())];
         if let Some(both) = study.axle() {
-            let own = |side: Side| assembler(None, both.axle.suspension(side));
+            let own = |side: Side| {
+                let found = Assembler::of_axle(&both.axle, side);
+                let mechanism = &both.axle.suspension(side).mechanism;
+                found.map_err(|fault| fault.describe(mechanism))
+            };
             let is_whole = both.axle.is_set_up_as_a_whole();
             if is_whole || study.is_elastic() {
                 let from_right = if is_whole {
@@ -232,6 +236,9 @@ fn adjusted(study: &Study, found: &[SetUp]) -> Study {
                 .axle
                 .with_kept_springs()
                 .with_wheels(first, wheels.next());
+            if let [found] = found {
+                both.axle.add_tensions(&found.last().built.tensions);
+            }
         }
         Vehicle::Wheel(own) => {
             if let Some(elastic) = &mut own.compliance {

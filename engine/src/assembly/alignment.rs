@@ -141,7 +141,7 @@ impl Alignment {
         // Far from nominal, the parts are assembled again after every correction.
         let mechanism = &assembler.suspension().mechanism;
         for _ in 0..MOST_ROUNDS {
-            assembler.assemble(parts, 0.0, into)?;
+            let _ = assembler.assemble(parts, 0.0, into)?;
             let corrections = self.adjust(mechanism, parts, into);
             let largest = corrections
                 .iter()

@@ -19,10 +19,13 @@
 //! - A point of a rocker keeps its position along and about the rocker's axis. The rod, with its own length, rotates the
 //!   rocker.
 //! - The upper part of a strut rotates with the knuckle about its mount.
+//!
+//! A solid axle on five links takes the pose of least energy instead (module `least_energy`).
 
 use super::alignment::Alignment;
 use super::assembly_error::AssemblyError;
 use super::carriers::{with_eye, with_spindle};
+use super::least_energy::Tensions;
 use super::parts::{BuildParameter, Member, Parts, is_of_body};
 use super::settle::Settling;
 use crate::linear::lu::{Lu6, Matrix6, Vector6};
@@ -53,6 +56,29 @@ pub(crate) struct Linearised {
     pub(crate) pose: Pose<f64>,
     pub(crate) inverse: Matrix6<f64>,
     determinant: f64,
+    /// Number of corrections after which the pose of a relaxed axle had settled (module `least_energy`). 0 for other suspensions.
+    pub(super) rounds: usize,
+}
+
+impl Linearised {
+    /// Makes a pose with its Jacobian. `None` if the Jacobian is singular. `size` is the size of the mechanism.
+    pub(super) fn of(pose: Pose<f64>, jacobian: Matrix6<f64>, size: f64) -> Option<Self> {
+        let lu = Lu6::new(jacobian, size)?;
+        let mut inverse = [[0.0; 6]; 6];
+        for k in 0..6 {
+            let mut unit = [0.0; 6];
+            unit[k] = 1.0;
+            for (row, entry) in inverse.iter_mut().zip(lu.solve(unit)) {
+                row[k] = entry;
+            }
+        }
+        Some(Linearised {
+            pose,
+            inverse,
+            determinant: lu.determinant(),
+            rounds: 0,
+        })
+    }
 }
 
 impl Assembler {
@@ -69,6 +95,7 @@ impl Assembler {
                 pose,
                 inverse: [[0.0; 6]; 6],
                 determinant: 0.0,
+                rounds: 0,
             },
             drawn,
             size,
@@ -82,14 +109,21 @@ impl Assembler {
     /// Changes to another nominal design of the same suspension. Fails if it cannot move.
     pub fn redraw(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         self.suspension.design.copy_from_slice(design);
-        self.drawn = Parts::of_drawing(&self.suspension.mechanism, design);
+        let softness = std::mem::take(&mut self.drawn.softness);
+        self.drawn = Parts {
+            softness,
+            ..Parts::of_drawing(&self.suspension.mechanism, design)
+        };
         self.home.pose.origin = design[self.suspension.mechanism.origin.0];
         self.linearise_home()
     }
 
     fn linearise_home(&mut self) -> Result<(), DesignFault> {
-        let closure = self.closure(&self.drawn);
-        let home = self.linearise(&closure, &self.drawn, &self.home.pose);
+        let home = if self.suspension.mechanism.has_extra_links() {
+            self.relax(&self.drawn, 0.0, &self.home)
+        } else {
+            self.linearise(&self.drawn, &self.home.pose)
+        };
         self.home = home.ok_or(DesignFault::Singular)?;
         Ok(())
     }
@@ -103,6 +137,10 @@ impl Assembler {
     /// Nominal parts.
     pub fn drawn(&self) -> &Parts<f64> {
         &self.drawn
+    }
+
+    pub(super) fn drawn_mut(&mut self) -> &mut Parts<f64> {
+        &mut self.drawn
     }
 
     pub(crate) fn home(&self) -> &Linearised {
@@ -119,17 +157,24 @@ impl Assembler {
         self.rounding
     }
 
-    /// Assembles parts with the wheel centre `height` above its nominal height, and writes the built design.
+    /// Assembles parts with the wheel centre `height` above its nominal height, and writes the built design. Returns the tensions
+    /// that the parts cause in the links of a relaxed axle.
     pub fn assemble(
         &self,
         parts: &Parts<f64>,
         height: f64,
         into: &mut [Vector3<f64>],
-    ) -> Result<(), AssemblyError> {
+    ) -> Result<Tensions, AssemblyError> {
         let parts = &*self.turned(parts);
         self.check_turned(parts)?;
-        let pose = self.pose(parts, height)?;
-        self.place_checked(parts, &pose, into)
+        if !self.suspension.mechanism.has_extra_links() {
+            let pose = self.pose(parts, height)?;
+            self.place_checked(parts, &pose, into)?;
+            return Ok(None);
+        }
+        let at = self.position(parts, height)?;
+        self.place_checked(parts, &at.pose, into)?;
+        Ok(self.tensions(parts, height, &at))
     }
 
     /// Writes the built design of parts in their pose. Fails if a rod is too short or too long.
@@ -179,27 +224,53 @@ impl Assembler {
     /// Returns the pose of the carrier, starting from the nominal pose. For a solid axle, this function and those below take the
     /// parts that [`Assembler::turned`] returns.
     pub(crate) fn pose(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, AssemblyError> {
+        if self.suspension.mechanism.has_extra_links() {
+            return Ok(self.position(parts, height)?.pose);
+        }
         match self.settle(&mut parts.clone(), None, height, &self.home) {
             Some(pose) => Ok(pose),
+            None => Ok(self.approach(parts, height)?.pose),
+        }
+    }
+
+    /// Returns the pose of the carrier with the inverse of its Jacobian, starting from the nominal pose.
+    pub(super) fn position(
+        &self,
+        parts: &Parts<f64>,
+        height: f64,
+    ) -> Result<Linearised, AssemblyError> {
+        if !self.suspension.mechanism.has_extra_links() {
+            let pose = self.pose(parts, height)?;
+            let at = self.linearise(parts, &pose);
+            return at.ok_or(AssemblyError::OutOfReach { share: 1.0 });
+        }
+        match self.relax(parts, height, &self.home) {
+            Some(at) => Ok(at),
             None => self.approach(parts, height),
         }
     }
 
+    /// Pose of parts near a known one, with the inverse of its Jacobian.
+    fn next(&self, parts: &Parts<f64>, height: f64, from: &Linearised) -> Option<Linearised> {
+        if self.suspension.mechanism.has_extra_links() {
+            return self.relax(parts, height, from);
+        }
+        let pose = self.settle(&mut parts.clone(), None, height, from)?;
+        self.linearise(parts, &pose)
+    }
+
     /// Changes the nominal parts to the given parts step by step, and follows the pose.
-    fn approach(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, AssemblyError> {
+    fn approach(&self, parts: &Parts<f64>, height: f64) -> Result<Linearised, AssemblyError> {
         let (mut reached, mut step) = (0.0, 0.25_f64);
         let mut place = self.home;
         while reached < 1.0 {
             let target = (reached + step).min(1.0);
-            let mut between = self.between(parts, target);
-            let closure = self.closure(&between);
-            let found = self
-                .settle(&mut between, None, height * target, &place)
-                .and_then(|pose| self.linearise(&closure, &between, &pose))
-                .filter(|found| {
-                    let ratio = found.determinant / place.determinant;
-                    ratio > 0.5 && ratio < 2.0
-                });
+            let between = self.between(parts, target);
+            let found = self.next(&between, height * target, &place);
+            let found = found.filter(|found| {
+                let ratio = found.determinant / place.determinant;
+                ratio > 0.5 && ratio < 2.0
+            });
             match found {
                 Some(found) => {
                     (place, reached) = (found, target);
@@ -213,7 +284,7 @@ impl Assembler {
                 }
             }
         }
-        Ok(place.pose)
+        Ok(place)
     }
 
     fn between(&self, parts: &Parts<f64>, share: f64) -> Parts<f64> {
@@ -228,6 +299,7 @@ impl Assembler {
                 .map(|(a, b)| Vector3::new(mix(a.x, b.x), mix(a.y, b.y), mix(a.z, b.z)))
                 .collect(),
             lengths: lengths.map(|(a, b)| mix(*a, *b)).collect(),
+            softness: parts.softness.clone(),
             drawn: parts.drawn.clone(),
         }
     }
@@ -336,28 +408,10 @@ impl Assembler {
     }
 
     /// Returns a pose with the inverse of its Jacobian. `None` if the Jacobian is singular.
-    pub(crate) fn linearise(
-        &self,
-        closure: &Closure<f64>,
-        parts: &Parts<f64>,
-        pose: &Pose<f64>,
-    ) -> Option<Linearised> {
+    pub(crate) fn linearise(&self, parts: &Parts<f64>, pose: &Pose<f64>) -> Option<Linearised> {
         let at = self.configuration(parts, pose);
-        let jacobian = closure.jacobian(&at, Driver::Travel(0.0));
-        let lu = Lu6::new(jacobian, self.size)?;
-        let mut inverse = [[0.0; 6]; 6];
-        for k in 0..6 {
-            let mut unit = [0.0; 6];
-            unit[k] = 1.0;
-            for (row, entry) in inverse.iter_mut().zip(lu.solve(unit)) {
-                row[k] = entry;
-            }
-        }
-        Some(Linearised {
-            pose: *pose,
-            inverse,
-            determinant: lu.determinant(),
-        })
+        let jacobian = self.closure(parts).jacobian(&at, Driver::Travel(0.0));
+        Linearised::of(*pose, jacobian, self.size)
     }
 
     /// Returns the pose in another number type. One correction per order makes its derivatives exact.
@@ -368,6 +422,9 @@ impl Assembler {
         at: &Linearised,
         orders: usize,
     ) -> Pose<T> {
+        if self.suspension.mechanism.has_extra_links() {
+            return self.relaxed_series(parts, height, at, orders).0;
+        }
         let closure = self.closure(parts);
         let mut pose = at.pose.map(|c| height.constant(c));
         for _ in 0..orders {

@@ -27,6 +27,7 @@ mod assembler;
 mod assembly_error;
 mod carriers;
 mod derivatives;
+mod least_energy;
 mod parts;
 mod rest;
 mod set_up;
@@ -37,6 +38,8 @@ pub(crate) use alignment::Alignment;
 pub use assembler::Assembler;
 pub use assembly_error::AssemblyError;
 pub use derivatives::{BuiltCurves, built_curves};
+pub use least_energy::Tensions;
+pub(crate) use least_energy::{TensionInput, tension_inputs};
 pub use parts::{BuildParameter, Member, Parts};
 pub use rest::{Built, Direction, Rest};
 pub use set_up::{

@@ -1,7 +1,7 @@
 //! Parts of a suspension, with a separate dimension for each.
 
 use crate::model::{Axis, Body, Constraint, Mechanism, PointId, RockerId, Suspension};
-use crate::number::{Real, SimdReal, Vector3};
+use crate::number::{Each, Real, SimdReal, Vector3};
 
 /// A member with its own length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,18 +10,18 @@ pub enum Member {
     Link(usize),
     /// The rod of a rocker.
     Rod(RockerId),
+    /// A link of a solid axle without constraint, by its index in [`RigidAxle::extra_links`].
+    ///
+    /// [`RigidAxle::extra_links`]: crate::model::RigidAxle::extra_links
+    Extra(usize),
 }
 
 impl Member {
     /// Members of a mechanism with their names: those in the columns of loads, and `pushrod`, `pullrod`, `drop_link`.
     pub fn all(mechanism: &Mechanism) -> Vec<(String, Member)> {
-        let links = mechanism.constraints.iter().enumerate();
-        let links = links.filter_map(|(number, constraint)| match *constraint {
-            Constraint::Link { inner, .. } => {
-                let name = mechanism.link_name(inner);
-                Some((name.to_owned(), Member::Link(number)))
-            }
-            _ => None,
+        let links = Member::links(mechanism).map(|(link, [inner, _])| {
+            let name = mechanism.link_name(inner);
+            (name.to_owned(), link)
         });
         let rods = mechanism.rockers.iter().enumerate();
         let rods = rods.map(|(number, rocker)| {
@@ -29,6 +29,19 @@ impl Member {
             (name, Member::Rod(RockerId(number)))
         });
         links.chain(rods).collect()
+    }
+
+    /// Links with their ends, those without constraint last.
+    pub(crate) fn links(
+        mechanism: &Mechanism,
+    ) -> impl Iterator<Item = (Member, [PointId; 2])> + '_ {
+        let constraints = mechanism.constraints.iter().enumerate();
+        let held = constraints.filter_map(|(number, constraint)| match *constraint {
+            Constraint::Link { inner, outer } => Some((Member::Link(number), [inner, outer])),
+            _ => None,
+        });
+        let extra = mechanism.extra_links().iter().enumerate();
+        held.chain(extra.map(|(number, ends)| (Member::Extra(number), *ends)))
     }
 
     /// Both ends of the member. The end nearer to the body comes first.
@@ -41,6 +54,10 @@ impl Member {
             Member::Rod(id) => {
                 let rocker = mechanism.rocker(id);
                 Some((rocker.inner, rocker.outer))
+            }
+            Member::Extra(number) => {
+                let [inner, outer] = *mechanism.extra_links().get(number)?;
+                Some((inner, outer))
             }
         }
     }
@@ -58,6 +75,7 @@ impl Member {
         match self {
             Member::Link(number) => number,
             Member::Rod(id) => mechanism.constraints.len() + id.0,
+            Member::Extra(number) => mechanism.constraints.len() + mechanism.rockers.len() + number,
         }
     }
 }
@@ -100,11 +118,12 @@ impl BuildParameter {
                 let sign = if axis == Axis::Y { -1.0 } else { 1.0 };
                 Some((BuildParameter::Coordinate(rigid.partner(id), axis), sign))
             }
-            BuildParameter::Length(member @ Member::Link(_)) if !self.is_single(mechanism) => {
+            BuildParameter::Length(member @ (Member::Link(_) | Member::Extra(_)))
+                if !self.is_single(mechanism) =>
+            {
                 let (inner, outer) = member.ends(mechanism)?;
-                let ends = Some((rigid.partner(inner), rigid.partner(outer)));
-                let mut members = (0..mechanism.constraints.len()).map(Member::Link);
-                let other = members.find(|member| member.ends(mechanism) == ends)?;
+                let ends = [inner, outer].each(|end| rigid.partner(end));
+                let (other, _) = Member::links(mechanism).find(|(_, own)| *own == ends)?;
                 Some((BuildParameter::Length(other), 1.0))
             }
             // The mechanism of each wheel contains only its own lever of the anti-roll bar.
@@ -118,8 +137,12 @@ impl BuildParameter {
 pub struct Parts<T> {
     /// Position of every point in its part: the body, or its carrier in its nominal position.
     pub points: Vec<Vector3<T>>,
-    /// Lengths of members, by the index of the constraint. 0 for a constraint that is not a rod.
+    /// Lengths of members: by the index of the constraint, then of rockers, then of links without constraint. 0 for a constraint that
+    /// is not a rod.
     pub lengths: Vec<T>,
+    /// Length by which a unit tension stretches each member, in the order of the lengths. Empty unless an axle has more links than rigid
+    /// links allow.
+    pub softness: Vec<f64>,
     /// Nominal position of every point. Carriers are defined in their nominal position.
     pub drawn: Vec<Vector3<T>>,
 }
@@ -135,6 +158,7 @@ impl Parts<f64> {
         Parts {
             points: self.points.iter().map(|p| p.map(f)).collect(),
             lengths: self.lengths.iter().map(|l| f(*l)).collect(),
+            softness: self.softness.clone(),
             drawn: self.drawn.iter().map(|p| p.map(f)).collect(),
         }
     }
@@ -148,6 +172,7 @@ impl Parts<f64> {
         let mut parts = Parts {
             points: Vec::with_capacity(self.points.len()),
             lengths: Vec::with_capacity(self.lengths.len()),
+            softness: self.softness.clone(),
             drawn: Vec::with_capacity(self.points.len()),
         };
         for (point, drawn) in self.points.iter().zip(&self.drawn) {
@@ -165,11 +190,11 @@ impl<T: Real> Parts<T> {
     /// Makes the parts of a design, over any number type.
     pub fn of_drawing(mechanism: &Mechanism, design: &[Vector3<T>]) -> Self {
         let none = design[0].x.zero();
-        let mut lengths = vec![none; mechanism.constraints.len() + mechanism.rockers.len()];
-        for (number, constraint) in mechanism.constraints.iter().enumerate() {
-            if matches!(constraint, Constraint::Link { .. }) {
-                Member::Link(number).cut(mechanism, design, &mut lengths);
-            }
+        let extra = mechanism.extra_links().len();
+        let count = mechanism.constraints.len() + mechanism.rockers.len() + extra;
+        let mut lengths = vec![none; count];
+        for (link, _) in Member::links(mechanism) {
+            link.cut(mechanism, design, &mut lengths);
         }
         for number in 0..mechanism.rockers.len() {
             Member::Rod(RockerId(number)).cut(mechanism, design, &mut lengths);
@@ -177,6 +202,7 @@ impl<T: Real> Parts<T> {
         Parts {
             points: design.to_vec(),
             lengths,
+            softness: Vec::new(),
             drawn: design.to_vec(),
         }
     }

@@ -2,10 +2,11 @@
 
 use super::assembler::{Assembler, Linearised};
 use super::assembly_error::AssemblyError;
+use super::least_energy::Tensions;
 use super::parts::{BuildParameter, Parts};
 use crate::mechanism::Pose;
 use crate::model::{PointId, Suspension};
-use crate::number::{Dual, Jet, Matrix3, Real, Vector3};
+use crate::number::{Dual, Each, Jet, Matrix3, Real, Vector3};
 
 /// Definition of the height of the wheel centre at travel 0.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +29,8 @@ pub struct Built {
     pub rest: Rest,
     /// Height of the wheel centre above its nominal height.
     pub height: f64,
+    /// Tensions that the parts cause in the links of a relaxed axle.
+    pub tensions: Tensions,
     at: Linearised,
 }
 
@@ -49,6 +52,7 @@ impl Assembler {
             parts: parts.clone(),
             rest,
             height: 0.0,
+            tensions: None,
             at: *self.home(),
         };
         match rest {
@@ -66,12 +70,10 @@ impl Assembler {
     fn rebuild(&self, built: &mut Built, height: f64) -> Result<(), AssemblyError> {
         let parts = &*self.turned(&built.parts);
         self.check_turned(parts)?;
-        let pose = self.pose(parts, height)?;
-        self.place_checked(parts, &pose, &mut built.suspension.design)?;
-        let closure = self.closure(parts);
-        built.at = self
-            .linearise(&closure, parts, &pose)
-            .ok_or(AssemblyError::OutOfReach { share: 1.0 })?;
+        let at = self.position(parts, height)?;
+        self.place_checked(parts, &at.pose, &mut built.suspension.design)?;
+        built.tensions = self.tensions(parts, height, &at);
+        built.at = at;
         built.height = height;
         Ok(())
     }
@@ -178,6 +180,19 @@ impl Assembler {
     pub(super) fn design_by_height(&self, built: &Built) -> Vec<Vector3<f64>> {
         let (_, design) = self.design_along(built, dual, 1, &[], 1.0);
         design.iter().map(|p| p.map(|c| c.partials[0])).collect()
+    }
+
+    /// Derivatives of the tensions in the links of a relaxed axle along a direction of the parts, at constant height.
+    pub(crate) fn tensions_by(&self, built: &Built, direction: &Direction) -> Tensions {
+        built.tensions?;
+        let mut parts = built.parts.map(|value| dual(value, 0.0));
+        for (parameter, share) in direction {
+            let mechanism = &self.suspension().mechanism;
+            parts.change(mechanism, *parameter, dual(0.0, *share));
+        }
+        let height = dual(built.height, 0.0);
+        let (_, tensions) = self.relaxed_series(&parts, height, &built.at, 1);
+        Some(tensions.each(|tension| tension.partials[0]))
     }
 
     /// Returns the built design as a series to second order along a direction, at constant height.

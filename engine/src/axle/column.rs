@@ -1,6 +1,7 @@
 //! Columns of an axle's curves: names with quantity and unit.
 
 use super::reading::WheelParts;
+use super::series::ByGear;
 use super::solver::Sought;
 use super::state::{AxleState, Motion};
 use super::taylor::Taylor;
@@ -79,20 +80,20 @@ impl AxleColumn {
     }
 
     /// The column's number in a position, in radians, length units, newtons and seconds, or the reason for its
-    /// absence. `None` for a force, which cannot be read off the position alone. `by_drag_link` is its first derivative by the
+    /// absence. `None` for a force, which cannot be read off the position alone. `by_drag_link` are its derivatives by the
     /// displacement of a steering gear ([`AxleSolver::by_drag_link`](super::AxleSolver)), if it moves with one.
     pub(crate) fn evaluate(
         &self,
         read: &Read,
         time: ByTime,
-        by_drag_link: Option<f64>,
+        by_drag_link: Option<ByGear>,
     ) -> Option<Result<f64, NoValue>> {
         let along = |order: usize| match (by_drag_link, &self.of) {
             (None, _) => self.along(read, order),
-            // Studies have no higher derivatives by a steering gear.
-            (Some(_), _) if order != 1 => Some(Err(NoValue::NotFinite)),
-            (Some(by), Of::Quantity(quantity)) => Some(read.value(*quantity).map(|_| by)),
-            (Some(by), _) => Some(Ok(by)),
+            (Some(by), Of::Quantity(quantity)) => {
+                Some(read.value(*quantity).map(|_| by[order - 1]))
+            }
+            (Some(by), _) => Some(Ok(by[order - 1])),
         };
         if !self.is_by_time {
             return along(self.order);
@@ -336,14 +337,21 @@ impl AxlePlan {
             column.name = with_unit(column.output(), &column.unit);
             column
         };
+        let is_steered = axle.left.mechanism.axle_steering().is_some();
         let derivatives = |value: &AxleColumn| -> Vec<AxleColumn> {
             let by = |(order, by)| match self.motion.time {
                 Some(_) => value.by_time(order, by),
                 None => value.by_motion(order, by, rack_sign),
             };
+            // A quantity of velocities has no second derivative by a drag link.
+            let is_of_rates = value.quantity().is_some_and(|q| q.rate_order() > 0);
+            let is_known = |(order, by): &(usize, &ByMotion)| {
+                let is_by_gear = is_steered && by.0 == Motion::Rack;
+                !(is_by_gear && is_of_rates && *order > 1)
+            };
             let orders = 1..=self.derivatives;
             let all = orders.flat_map(|order| motions.iter().map(move |motion| (order, motion)));
-            all.map(by).collect()
+            all.filter(is_known).map(by).collect()
         };
         for quantity in &self.quantities {
             let unit = quantity.info().unit;

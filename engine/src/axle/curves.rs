@@ -1,6 +1,7 @@
 //! Curves of an axle: every quantity at every station.
 
 use super::places::{bounds, motion_columns, place, proof};
+use super::series::ByGear;
 use super::solver::{AxlePose, AxleSolver, Placement, Read, WheelRead, join_results};
 use super::{Axle, AxleCertifier, AxleColumn, AxleMotion, AxleQuantity, Quantity, WheelMotion};
 use crate::ask::NoValue;
@@ -314,7 +315,7 @@ impl WheelCurves {
 
 /// Values of a station whose coordinates are not set yet.
 fn values(
-    (columns, by_drag_link): (&[AxleColumn], &[Option<f64>]),
+    (columns, by_drag_link): (&[AxleColumn], &[Option<ByGear>]),
     read: &Read,
     time: ByTime,
     forces: Vec<Result<f64, NoValue>>,

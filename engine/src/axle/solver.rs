@@ -419,6 +419,11 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
+    /// Parts that are read from each wheel.
+    pub(super) fn parts(&self) -> &Parts {
+        &self.parts
+    }
+
     fn radius(&self) -> f64 {
         self.setup.wheel_radius.unwrap_or(f64::NAN)
     }

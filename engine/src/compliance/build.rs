@@ -346,8 +346,8 @@ impl<T: Scalar> Builder<'_, T> {
                 let place = JointPlace::Rod { inner, outer };
                 self.push_joint(Joint::Rod(rod), self.holder(inner), place);
             }
-            Some(stiffness) => {
-                rod.elastic = Some([rate(stiffness, along), along.x.zero()]);
+            Some(part) => {
+                rod.elastic = Some([rate(&part.stiffness, along), part.preload]);
                 self.place_link(member, LinkPlace::Rod(self.system.rods.len()));
                 self.system.rods.push(rod);
                 self.places.rods.push([inner, outer]);

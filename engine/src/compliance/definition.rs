@@ -94,6 +94,8 @@ pub struct LinkPart<T = f64> {
     pub member: LinkMember,
     /// Axial stiffness of the member.
     pub stiffness: AxialStiffness<T>,
+    /// Constant tension, in addition to that of the stiffness.
+    pub preload: T,
 }
 
 /// Member that can stretch.
@@ -150,7 +152,9 @@ impl Compliance {
 
     /// Returns true if the design position is an equilibrium.
     pub fn rests_in_design(&self) -> bool {
-        let mut offsets = self.bushings.iter().flat_map(|part| part.preload);
+        let of_bushings = self.bushings.iter().flat_map(|part| part.preload);
+        let of_links = self.links.iter().map(|part| part.preload);
+        let mut offsets = of_bushings.chain(of_links);
         self.relaxed == Relaxed::AtDesignLoad && offsets.all(|offset| offset == 0.0)
     }
 
@@ -174,6 +178,7 @@ impl Compliance {
                 AxialStiffness::Rate(rate) => AxialStiffness::Rate(f(rate)),
                 AxialStiffness::PerStrain(force) => AxialStiffness::PerStrain(f(force)),
             },
+            preload: f(part.preload),
         };
         Compliance {
             relaxed: self.relaxed,
@@ -190,10 +195,9 @@ impl<T> Compliance<T> {
         self.bushings.iter().position(|part| part.point == point)
     }
 
-    /// Axial stiffness of a member.
-    pub(super) fn link(&self, member: LinkMember) -> Option<&AxialStiffness<T>> {
-        let part = self.links.iter().find(|part| part.member == member);
-        part.map(|part| &part.stiffness)
+    /// The part that makes a member elastic. `None` for a rigid member.
+    pub(super) fn link(&self, member: LinkMember) -> Option<&LinkPart<T>> {
+        self.links.iter().find(|part| part.member == member)
     }
 }
 

@@ -27,6 +27,8 @@ pub enum Parameter {
     AxisZ(usize, Axis),
     /// Stiffness of a link: force per length or per strain, as the study gives it.
     Link(usize),
+    /// Constant tension of a link.
+    LinkPreload(usize),
     /// The rate of a linear spring.
     SpringRate,
     /// The force of a linear spring in the design position.
@@ -83,7 +85,7 @@ impl AxleParameter {
 }
 
 impl Compliance {
-    /// Sets the number of a parameter, such as the rate of a bushing, a link or a linear spring. For a bushing's curve the rate
+    /// Sets the number of a parameter, such as the rate of a bushing, a link or a linear spring, or the tension of a link. For a bushing's curve the rate
     /// is the factor of its forces. A parameter that these parts do not have changes nothing. The right half of a solid axle does
     /// not have the parts that the axle has once.
     pub fn set_rate(&mut self, parameter: Parameter, value: f64) {
@@ -148,6 +150,7 @@ pub(super) fn law_of<T>(parts: &mut Compliance<T>, parameter: Parameter) -> Opti
             AxialStiffness::Rate(rate) => Some(rate),
             AxialStiffness::PerStrain(force) => Some(force),
         },
+        Parameter::LinkPreload(link) => Some(&mut parts.links.get_mut(link)?.preload),
         Parameter::SpringRate | Parameter::SpringForce => {
             match &mut parts.spring.as_mut()?.spring {
                 Law::Linear { force, rate } => Some(match parameter {

@@ -434,8 +434,8 @@ impl<T: Valued> Seat<T> {
         (length, force, rate)
     }
 
-    /// Sets the tension of the rod in the design position. It follows from a small shift of the rod's outer end and a small
-    /// rotation of the rocker.
+    /// Adds the tension of the rod at the design load to its constant tension. It follows from a small shift of the rod's outer end
+    /// and a small rotation of the rocker.
     pub(super) fn preload_rod(&mut self, moved: Vector3<T>, slide: T) {
         let point = self.point;
         let Some(rocker) = &mut self.rocker else {
@@ -444,7 +444,7 @@ impl<T: Valued> Seat<T> {
         let [_, by, _] = rocker.turned(rocker.inner, slide.zero());
         let along = (point - rocker.inner).normalised();
         if let Some([rate, tension]) = &mut rocker.rod {
-            *tension = *rate * along.dot(moved - by * slide);
+            *tension = *tension + *rate * along.dot(moved - by * slide);
         }
     }
 

@@ -220,7 +220,8 @@ impl<T: Scalar> Built<T> {
                     let rod = &mut self.system.rods[number];
                     if let Some([rate, tension]) = &mut rod.elastic {
                         let moved = shifted(&carrier, rod.joint);
-                        *tension = *rate * rod.along.normalised().dot(moved);
+                        // The rod already has its constant tension.
+                        *tension = *tension + *rate * rod.along.normalised().dot(moved);
                     }
                 }
                 LinkPlace::RockerRod => self.set_rocker_rod(seen),

@@ -99,7 +99,7 @@ pub struct ElasticWheel<T = f64> {
     pub(super) constants: Constants,
     pub(super) bounds: Bounds,
     pub(super) relaxed: Relaxed,
-    /// True if a bushing has a constant force or torque. It moves the wheel away from the design position.
+    /// True if a bushing or a link has a constant force. It may move the wheel away from the design position.
     pub(super) has_offset: bool,
     pub(super) start: State<T>,
 }
@@ -156,7 +156,8 @@ impl<T: Scalar> ElasticWheel<T> {
         let built = Built::of(mechanism, design, radius, compliance, of_axle);
         let mounts = of_axle.subframe.iter().flat_map(|own| &own.mounts);
         let preloads = compliance.bushings.iter().map(|part| &part.preload);
-        let mut preloads = preloads.chain(mounts.map(|mount| &mount.preload)).flatten();
+        let preloads = preloads.chain(mounts.map(|mount| &mount.preload)).flatten();
+        let mut preloads = preloads.chain(compliance.links.iter().map(|part| &part.preload));
         let has_offset = preloads.any(|offset| offset.value() != 0.0);
         ElasticWheel {
             geometry: WheelGeometry::of(mechanism, design, &built),
@@ -217,7 +218,7 @@ impl<T: Scalar> ElasticWheel<T> {
     }
 
     /// Vertical force at the contact point that balances bushings and spring in the design position; `None` if they are not
-    /// in balance there. Constant forces of bushings are not included.
+    /// in balance there. Constant forces of bushings and links are not included.
     pub fn design_load(&self) -> Option<T> {
         (self.relaxed == Relaxed::AtDesignLoad).then_some(self.start.vertical)
     }

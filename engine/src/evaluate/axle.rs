@@ -7,7 +7,9 @@ use super::elastic_axle::ElasticAxleParts;
 use super::evaluator::{Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
 use super::stations::index_or_push;
 use super::{Block, Stations};
-use crate::axle::{Axle, AxleColumn, AxleMotion, AxlePlan, AxleSolver, Placement, Quantity, Read};
+use crate::axle::{
+    Axle, AxleColumn, AxleMotion, AxlePlan, AxleSolver, ByGear, Placement, Quantity, Read,
+};
 use crate::curves::{ByTime, Column};
 use crate::mechanism::DesignFault;
 use crate::model::Side;
@@ -195,7 +197,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
     }
 
     /// Reads the design position, with the derivatives by a steering gear that gains need.
-    fn read_design(&mut self, wheels: Pairs<'_>) -> Option<(Read<'a>, Vec<Option<f64>>)> {
+    fn read_design(&mut self, wheels: Pairs<'_>) -> Option<(Read<'a>, Vec<Option<ByGear>>)> {
         self.stations.prepare(&mut self.solver, wheels).ok()?;
         let design = self.stations.placements[self.stations.design];
         let placed = self.solver.place(&design).ok()?;

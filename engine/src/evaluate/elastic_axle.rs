@@ -3,7 +3,7 @@
 use super::evaluator::{Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
 use super::{AxleStations, Block, NotInLanes};
 use crate::axle::{AxleColumn, AxleRead, Equilibria, Quantity};
-use crate::compliance::{AxleCompliance, AxleParameter};
+use crate::compliance::{AxleCompliance, AxleParameter, Parameter};
 use crate::mechanism::{DesignFault, NoPose};
 use crate::number::Each;
 use crate::study::AxleComplianceStudy;
@@ -11,7 +11,7 @@ use crate::study::AxleComplianceStudy;
 /// Elastic parts of an axle whose designs are evaluated.
 #[derive(Clone, Debug)]
 pub(crate) struct ElasticAxleParts {
-    /// Rates that differ between designs.
+    /// Rates and tensions that differ between designs.
     pub rates: Vec<AxleParameter>,
     /// Test figures to read at other stations than the design position, as [quantity, station].
     pub further: Vec<[usize; 2]>,
@@ -70,7 +70,8 @@ impl<'a> OneByOne<'a> {
         let width = parameters.len();
         let own = &self.rates[(number * width).min(self.rates.len())..];
         for (parameter, value) in parameters.iter().zip(own) {
-            if *value <= 0.0 {
+            let is_tension = matches!(parameter.parameter, Parameter::LinkPreload(_));
+            if *value <= 0.0 && !is_tension {
                 let reason = "the rate of an elastic part is not above 0".to_owned();
                 return Err(DesignFault::Elastic(reason));
             }

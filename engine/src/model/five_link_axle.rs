@@ -31,9 +31,14 @@ impl Mechanism {
         rigid.extra_links.push(far);
     }
 
+    /// Links of a solid axle beyond those that rigid links allow.
+    pub fn extra_links(&self) -> &[[PointId; 2]] {
+        let rigid = self.rigid_axle.as_ref();
+        rigid.map_or(&[], |rigid| &rigid.extra_links)
+    }
+
     /// Returns true for a solid axle with more links than rigid links allow.
     pub fn has_extra_links(&self) -> bool {
-        let rigid = self.rigid_axle.as_ref();
-        rigid.is_some_and(|rigid| !rigid.extra_links.is_empty())
+        !self.extra_links().is_empty()
     }
 }

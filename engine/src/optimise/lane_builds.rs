@@ -135,6 +135,7 @@ impl SimdTask for Assembling<'_, '_> {
         let mut series = Parts {
             points: vec![nothing; points],
             lengths: vec![zero; parts.lengths.len()],
+            softness: Vec::new(),
             drawn: vec![nothing; points],
         };
         let mut moving = vec![nothing; points];

@@ -2,8 +2,8 @@
 
 mod inside;
 
-use super::{AxleComplianceStudy, Designs, Study};
-use crate::compliance::{AxialStiffness, Compliance, Shape};
+use super::{AxleComplianceStudy, Designs, NamedLink, Study};
+use crate::compliance::{AxialStiffness, Compliance, LinkPart, Shape};
 use crate::model::{Axis, Frame, HINGE, Mechanism, PointId, SPINDLE_INNER, Suspension};
 use crate::number::{Each, Vector3};
 pub(super) use inside::{with_bushings_inside, with_curves_inside};
@@ -136,9 +136,9 @@ impl Study {
                 rewrite_rates(bushing, old.shapes, new.shapes);
             }
         }
-        for ((name, old), (_, new)) in old.links.into_iter().zip(new.links) {
-            if let Some(link) = table(root, &["links", name]) {
-                rewrite_stiffness(link, old, new);
+        for (old, new) in old.links.iter().zip(&new.links) {
+            if let Some(link) = table(root, &["links", old.name]) {
+                rewrite_link(link, old, new);
             }
         }
         for (old, new) in old.rates.iter().zip(&new.rates) {
@@ -276,9 +276,12 @@ fn rewrite_rates(bushing: &mut dyn TableLike, old: &[Shape; 6], new: &[Shape; 6]
     }
 }
 
-/// Writes the stiffness of a link, if it differs.
-fn rewrite_stiffness(link: &mut dyn TableLike, old: AxialStiffness, new: AxialStiffness) {
-    let (key, value) = match (old, new) {
+/// Writes the stiffness and the constant tension of a link, where they differ.
+fn rewrite_link(link: &mut dyn TableLike, old: &NamedLink, new: &NamedLink) {
+    if old.preload != new.preload {
+        set(link, "preload", new.preload);
+    }
+    let (key, value) = match (old.stiffness, new.stiffness) {
         (AxialStiffness::Rate(old), AxialStiffness::Rate(new)) if old != new => {
             ("axial_stiffness", new)
         }
@@ -353,7 +356,8 @@ fn write_right_rates(
         .zip(left.links.iter().zip(&right.links));
     for (name, (left, right)) in links {
         let differs = left.stiffness != right.stiffness;
-        if !differs && table(root, &["axle", "right", "links", name]).is_none() {
+        let is_alike = !differs && left.preload == right.preload;
+        if is_alike && table(root, &["axle", "right", "links", name]).is_none() {
             continue;
         }
         let Some(written) = table(root, &["links", name]) else {
@@ -363,7 +367,12 @@ fn write_right_rates(
             .iter()
             .map(|(key, value)| (key.to_owned(), value.clone()));
         let mut link = Table::from_iter(keys);
-        rewrite_stiffness(&mut link, left.stiffness, right.stiffness);
+        let named = |part: &LinkPart| NamedLink {
+            name,
+            stiffness: part.stiffness,
+            preload: part.preload,
+        };
+        rewrite_link(&mut link, &named(left), &named(right));
         own_table(root, "links").insert(name, Item::Table(link));
         differ |= differs;
     }

@@ -442,9 +442,9 @@ fn bushing_rate(
 
 fn link_rate(name: &Text, parts: &NamedParts<'_>, problems: &mut Problems) -> Option<Found> {
     let links = parts.links.iter().enumerate();
-    let options: Vec<_> = links.map(|(k, (name, _))| (*name, k)).collect();
+    let options: Vec<_> = links.map(|(k, link)| (link.name, k)).collect();
     let number = choose(name, "link", &options, problems)?;
-    let design = match parts.links[number].1 {
+    let design = match parts.links[number].stiffness {
         AxialStiffness::Rate(rate) => rate,
         AxialStiffness::PerStrain(force) => force,
     };

@@ -56,7 +56,7 @@ pub use axle_targets::AxleSite;
 pub use car::{
     CarBand, CarContributor, CarOptimise, CarStudy, CarSweep, CarTolerance, GgMap, TunedCar, edited,
 };
-pub use compliance::{AxleComplianceStudy, ComplianceStudy, NamedBushing, NamedParts};
+pub use compliance::{AxleComplianceStudy, ComplianceStudy, NamedBushing, NamedLink, NamedParts};
 pub use convert::{UnitChoice, Units};
 pub use designs_file::DesignTable;
 pub use hardpoint_study_file::bushing_file;

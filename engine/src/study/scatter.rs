@@ -48,7 +48,7 @@ impl Adjustment {
             BuildParameter::Length(Member::Rod(rocker)) => {
                 Some(rocker) == mechanism.spring_rocker()
             }
-            BuildParameter::Length(Member::Link(_)) => false,
+            BuildParameter::Length(Member::Link(_) | Member::Extra(_)) => false,
             BuildParameter::Coordinate(point, _) => {
                 let is_strut = matches!(mechanism.closed_form, Some(ClosedForm::Strut));
                 !is_strut && (point == spring.upper || point == spring.lower)

@@ -102,36 +102,28 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     let has_watt = suspension.mechanism.point("watt_pivot").is_some();
     let is_quadratic = !is_beam && !has_watt && !is_steered;
     let certify = certify.filter(|certify| !is_quadratic && *certify.get_ref());
-    let is_elastic = file.compliance.is_some();
-    let tolerance = file.tolerance.as_ref().filter(|_| is_elastic);
-    let setup = file.setup.as_ref().filter(|_| is_elastic);
     let parts = file.bushings.values().map(Spanned::span);
     let parts = parts.chain(file.links.values().map(Spanned::span));
     let parts = parts.chain(file.compliance.as_ref().map(Spanned::span));
     let parts = parts.filter(|_| is_beam || has_watt || is_steered);
-    refused.extend([
-        (
-            certify.map(Spanned::span),
-            match is_beam {
-                true => "certify needs quadratic equations, and those of the hinge of a twist \
-                         beam are not quadratic; leave certify out",
-                false if is_steered => {
-                    "certify needs quadratic equations, and those of the knuckles of a steered \
+    refused.extend([(
+        certify.map(Spanned::span),
+        match is_beam {
+            true => {
+                "certify needs quadratic equations, and those of the hinge of a twist \
+                         beam are not quadratic; leave certify out"
+            }
+            false if is_steered => {
+                "certify needs quadratic equations, and those of the knuckles of a steered \
                      axle are not quadratic; leave certify out"
-                }
-                false => "certify needs quadratic equations, and those of the rocker of a Watt \
-                          linkage are not quadratic; leave certify out",
-            },
-        ),
-        (
-            tolerance.map(Spanned::span),
-            "[tolerance] of a solid axle needs rigid links and joints; leave it out, or [compliance], [bushings] and [links]",
-        ),
-        (
-            setup.map(|setup| setup.adjust.span()),
-            "[setup] of a solid axle needs rigid links and joints; leave it out, or [compliance], [bushings] and [links]",
-        ),
-    ]);
+            }
+            false => {
+                "certify needs quadratic equations, and those of the rocker of a Watt \
+                          linkage are not quadratic; leave certify out"
+            }
+        },
+    )]);
+    refused.extend(bushings_of_five_links(file, suspension));
     refused.extend(parts.map(|span| {
         let message = match is_beam {
             true => "elastic parts are not available for twist beams yet; leave [compliance], [bushings] and [links] out",
@@ -142,7 +134,6 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     }));
     let mut sound = is_beam || links(file, suspension, problems);
     sound &= drag_link_is_left(&file.suspension, suspension, problems);
-    sound &= derivatives_are_known(file, suspension, problems);
     for (span, message) in refused {
         if let Some(span) = span {
             problems.add(span, message);
@@ -150,6 +141,17 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
         }
     }
     sound
+}
+
+/// Bushings of an axle on five links whose parts are assembled. The misfit of the parts stretches links, and a bushing gives a link no
+/// axial stiffness there.
+fn bushings_of_five_links(file: &File, suspension: &Suspension) -> Refused<'static> {
+    let is_assembled = file.tolerance.is_some() || file.setup.is_some();
+    let is_refused = is_assembled && suspension.mechanism.has_extra_links();
+    let names = file.bushings.keys().filter(|_| is_refused);
+    let message = "[tolerance] and [setup] of an axle on five links need axial_stiffness in [links.NAME], with the rubber of both joints, \
+                   in place of bushings";
+    names.map(|name| (Some(name.span()), message)).collect()
 }
 
 /// Returns true for two lower links, two upper links and a Panhard rod.
@@ -181,36 +183,6 @@ fn drag_link_is_left(
     );
     error.help("if the drag link turns the right knuckle, write the mirror image of the axle: reverse the sign of every y");
     false
-}
-
-/// Refuses outputs that need second derivatives by the drag link. Returns true if there are none.
-fn derivatives_are_known(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
-    let Some(outputs) = &file.outputs else {
-        return true;
-    };
-    let motion = file.motion.get_ref();
-    let moves = motion.rack.is_some()
-        || motion.time.is_some() && motion.drive.as_ref().is_some_and(|d| d.get_ref() == "rack");
-    if suspension.mechanism.axle_steering().is_none() || !moves {
-        return true;
-    }
-    let mut sound = true;
-    let order = outputs.order.as_ref();
-    if let Some(order) = order.filter(|order| order.get_ref() == "acceleration") {
-        let message = "second derivatives by the drag link are not available; expected order = \"velocity\", or no rack in [motion]";
-        problems.add(order.span(), message);
-        sound = false;
-    }
-    if let Some(knuckle) = outputs
-        .knuckle
-        .as_ref()
-        .filter(|knuckle| *knuckle.get_ref())
-    {
-        let message = "angular velocities by the drag link are not available; leave knuckle out, or rack in [motion]";
-        problems.add(knuckle.span(), message);
-        sound = false;
-    }
-    sound
 }
 
 /// Checks the links that hold the axle. There are four: two pairs, or a pair of lower links, a single upper link and a Panhard

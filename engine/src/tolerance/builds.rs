@@ -3,7 +3,7 @@
 use super::lanes::LaneBuilder;
 use super::wheel_assembler::WheelAssembler;
 use super::{Problem, elastic};
-use crate::assembly::{AssemblyError, Parts};
+use crate::assembly::{AssemblyError, Parts, TensionInput, Tensions};
 use crate::evaluate::{BLOCK, Block, Evaluator, NotInLanes};
 use crate::mechanism::DesignFault;
 use crate::model::{Side, Suspension};
@@ -40,20 +40,21 @@ impl Problem<'_> {
     /// Study of the build with this number, as text: its design in the static position, and its rates. An error names the wheel
     /// that cannot be assembled.
     pub fn built_text(&self, number: u64) -> Result<String, (Option<Side>, AssemblyError)> {
-        let built = self.built_wheels(number)?;
+        let (built, tensions) = self.built_parts(number)?;
         let text = match &built[..] {
             [left, right] => self.study.with_built_axle([left, right]),
             built => self.study.with_built(&built[0]),
         };
         let mut moved = self.study.clone();
-        self.set_rates(number, &mut moved.vehicle);
+        self.set_rates(number, &tensions, &mut moved.vehicle);
         Ok(self.study.as_written().with_rates_of(text, &moved))
     }
 
     /// The vehicle of the build with this number: its wheels in the static position, and its rates. An error names the wheel that
     /// cannot be assembled.
     pub fn built_vehicle(&self, number: u64) -> Result<Vehicle, (Option<Side>, AssemblyError)> {
-        let mut wheels = self.built_wheels(number)?.into_iter();
+        let (wheels, tensions) = self.built_parts(number)?;
+        let mut wheels = wheels.into_iter();
         let mut built = self.study.vehicle.clone();
         if let Some(left) = wheels.next() {
             match &mut built {
@@ -61,18 +62,21 @@ impl Problem<'_> {
                 Vehicle::Axle(both) => both.axle = both.axle.with_wheels(left, wheels.next()),
             }
         }
-        self.set_rates(number, &mut built);
+        self.set_rates(number, &tensions, &mut built);
         Ok(built)
     }
 
-    /// Sets the rates of the build with this number.
-    fn set_rates(&self, number: u64, vehicle: &mut Vehicle) {
+    /// Sets the rates of the build with this number, and the tensions of its links.
+    fn set_rates(&self, number: u64, tensions: &Tensions, vehicle: &mut Vehicle) {
         let mut draws = vec![0.0; self.tolerance.sources()];
         self.tolerance.draw(number, &mut draws);
         let mut rates = Vec::new();
         elastic::append_rates(self.tolerance, &draws, &mut rates);
         for ((parameter, _), value) in elastic::rates(self.tolerance).zip(rates) {
             vehicle.set_rate(parameter, value);
+        }
+        if let Vehicle::Axle(both) = vehicle {
+            both.axle.add_tensions(tensions);
         }
     }
 
@@ -82,17 +86,31 @@ impl Problem<'_> {
         &self,
         number: u64,
     ) -> Result<Vec<Suspension>, (Option<Side>, AssemblyError)> {
+        Ok(self.built_parts(number)?.0)
+    }
+
+    /// All wheels of a build, and the tensions that its parts cause in the links of a relaxed axle.
+    fn built_parts(
+        &self,
+        number: u64,
+    ) -> Result<(Vec<Suspension>, Tensions), (Option<Side>, AssemblyError)> {
         let mut draws = vec![0.0; self.tolerance.sources()];
         self.tolerance.draw(number, &mut draws);
+        // Both views of an axle have the same tensions. The left one names their links.
+        let mut tensions = None;
         let wheels = self.wheel_assemblers.iter().map(|wheel_assembler| {
             let mut built = wheel_assembler.assembler.suspension().clone();
             let mut parts = wheel_assembler.assembler.drawn().clone();
             wheel_assembler.change_parts(self.tolerance, &draws, &mut parts);
             let together = wheel_assembler.put_together(&mut parts, &mut built.design);
-            together.map_err(|reject| (wheel_assembler.named_side(), reject))?;
+            let found = together.map_err(|reject| (wheel_assembler.named_side(), reject))?;
+            if wheel_assembler.side != Some(Side::Right) {
+                tensions = found;
+            }
             Ok(built)
         });
-        wheels.collect()
+        let wheels = wheels.collect::<Result<_, _>>()?;
+        Ok((wheels, tensions))
     }
 }
 
@@ -132,6 +150,8 @@ struct WheelBuilder<'a> {
     lanes: Option<LaneBuilder<'a>>,
     parts: Parts<f64>,
     designs: Vec<Vector3<f64>>,
+    /// Tensions of the latest build.
+    tensions: Tensions,
 }
 
 impl<'a> Builder<'a> {
@@ -141,7 +161,11 @@ impl<'a> Builder<'a> {
         evaluator.interrupt = problem.interrupt;
         let wheel = |wheel_assembler: &'a WheelAssembler| WheelBuilder {
             wheel_assembler,
-            lanes: width.map(|width| LaneBuilder::new(problem.tolerance, wheel_assembler, width)),
+            // Builds of a relaxed axle are assembled one by one.
+            lanes: width
+                .filter(|_| wheel_assembler.tensions.is_empty())
+                .map(|width| LaneBuilder::new(problem.tolerance, wheel_assembler, width)),
+            tensions: None,
             parts: wheel_assembler.assembler.drawn().clone(),
             designs: Vec::with_capacity(
                 BLOCK * wheel_assembler.assembler.suspension().design.len(),
@@ -220,6 +244,7 @@ impl<'a> Builder<'a> {
                 lanes,
                 parts,
                 designs,
+                tensions,
             } = wheel;
             let points = parts.points.len();
             if let Some(lanes) = lanes.as_ref().filter(|lanes| lanes.accepted[place]) {
@@ -230,12 +255,17 @@ impl<'a> Builder<'a> {
             let start = designs.len();
             designs.resize(start + points, Vector3::default());
             let together = wheel_assembler.put_together(parts, &mut designs[start..]);
-            together.map_err(|reject| (wheel_assembler.named_side(), reject))
+            *tensions = together.map_err(|reject| (wheel_assembler.named_side(), reject))?;
+            Ok(())
         });
         match built {
             Ok(()) => {
                 self.places.push(place);
                 elastic::append_rates(tolerance, draws, &mut self.rates);
+                let left = &self.wheels[0];
+                let inputs = left.wheel_assembler.tensions.iter();
+                let tension = |own: &TensionInput| Some(own.nominal + left.tensions?[own.link]);
+                self.rates.extend(inputs.filter_map(tension));
             }
             Err(_) => {
                 let builds = self.places.len();

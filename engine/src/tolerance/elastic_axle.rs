@@ -7,18 +7,46 @@
 //! dy/dx = (dy/dp_left) (dp_left/dx) + (dy/dp_right) (dp_right/dx) + (dy/dk) (dk/dx)
 //! ```
 //!
+//! Parts of a solid axle on five links cause tensions T in the links of a build ([`crate::assembly`]). They add (dy/dT) (dT/dx).
+//!
 //! The derivatives of a station's values come from one tape. Second derivatives are not computed.
 
 use super::Problem;
 use super::axle_expansion::moves;
 use super::elastic::{rates, write_slopes};
-use crate::assembly::SetUpError;
+use super::wheel_assembler::WheelAssembler;
+use crate::assembly::{Rest, SetUpError};
 use crate::axle::AxleRead;
 use crate::compliance::{AxleParameter, Parameter};
 use crate::evaluate::AxleStations;
 use crate::model::{Axis, PointId, Side};
 use crate::number::Tape;
-use crate::study::{AxleComplianceStudy, Source};
+use crate::study::{AxleComplianceStudy, Source, Tolerance};
+
+/// Inputs of the elastic parts that differ between builds: scattering rates, then tensions of links.
+pub(super) fn inputs<'t>(
+    tolerance: &'t Tolerance,
+    left: &'t WheelAssembler,
+) -> impl Iterator<Item = AxleParameter> + 't {
+    let tensions = left.tensions.iter().map(|own| own.parameter);
+    rates(tolerance).map(|(of, _)| of).chain(tensions)
+}
+
+/// Derivatives of the tensions of links by each source, `[source][link]`, in the order of [`inputs`].
+fn tensions(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, SetUpError> {
+    let left = &problem.wheel_assemblers[0];
+    if left.tensions.is_empty() {
+        return Ok(Vec::new());
+    }
+    let assembler = &left.assembler;
+    let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
+    let by_source = sources.iter().flat_map(|source| {
+        let by = assembler.tensions_by(&built, left.changes(source));
+        let links = left.tensions.iter();
+        links.map(move |own| by.map_or(0.0, |by| by[own.link]))
+    });
+    Ok(by_source.collect())
+}
 
 /// Derivatives of every value by each source, `[cell][source]`. NaN if there is no value.
 pub(super) fn gradients(
@@ -28,6 +56,7 @@ pub(super) fn gradients(
     sources: &[&Source],
 ) -> Result<Vec<f64>, SetUpError> {
     let moves = moves(problem, sources)?;
+    let tensions = tensions(problem, sources)?;
     let axle = &stations.axle;
     let equilibria = axle.own_equilibria(elastic);
     let equilibria = equilibria.map_err(|(_, fault)| SetUpError::Fault(fault))?;
@@ -40,7 +69,7 @@ pub(super) fn gradients(
             }));
         }
     }
-    parameters.extend(rates(problem.tolerance).map(|(parameter, _)| parameter));
+    parameters.extend(inputs(problem.tolerance, &problem.wheel_assemblers[0]));
     let mut gradient = vec![f64::NAN; problem.cells() * sources.len()];
     let mut tape = Tape::default();
     for (station, placement) in stations.placements.iter().enumerate() {
@@ -55,7 +84,13 @@ pub(super) fn gradients(
             equilibria.gradients(at, &reads, &parameters, &mut tape, &mut |number, _, by| {
                 let cell = problem.cell(numbers[number], station);
                 let into = &mut gradient[cell * sources.len()..][..sources.len()];
+                let width = tensions.len() / sources.len().max(1);
+                let (by, by_tensions) = by.split_at(by.len() - width);
                 write_slopes(sources, |k| &moves[k][..], by, into);
+                for (slope, by_source) in into.iter_mut().zip(tensions.chunks_exact(width.max(1))) {
+                    let along = by_source.iter().zip(by_tensions).map(|(t, y)| t * y);
+                    *slope += along.sum::<f64>();
+                }
             });
     }
     Ok(gradient)

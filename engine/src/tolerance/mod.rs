@@ -217,7 +217,7 @@ impl<'a> Problem<'a> {
         if both.axle.elastic.is_some() {
             let cells = bands.iter().flat_map(|(cells, _)| cells);
             stations.elastic = Some(ElasticAxleParts {
-                rates: elastic::rates(tolerance).map(|(of, _)| of).collect(),
+                rates: elastic_axle::inputs(tolerance, &wheel_assemblers[0]).collect(),
                 further: cells.copied().collect(),
             });
         }

@@ -1,8 +1,10 @@
 //! Builds one wheel: changes the parts by random numbers, and assembles them.
 
 use crate::assembly::{
-    Alignment, Assembler, AssemblyError, BuildParameter, Built, Parts, SetUpError,
+    Alignment, Assembler, AssemblyError, BuildParameter, Built, Parts, SetUpError, TensionInput,
+    Tensions, tension_inputs,
 };
+use crate::compliance::{AxleParameter, Parameter};
 use crate::model::{Side, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::study::{Source, Study, Tolerance};
@@ -14,6 +16,8 @@ pub(super) struct WheelAssembler {
     pub(super) alignment: Option<Alignment>,
     /// For an axle: the wheel whose parts these are.
     pub(super) side: Option<Side>,
+    /// Tensions in the links of an axle whose parts do not fit without force. Empty for other suspensions.
+    pub(super) tensions: Vec<TensionInput>,
 }
 
 impl WheelAssembler {
@@ -24,7 +28,11 @@ impl WheelAssembler {
         suspension: &Suspension,
         side: Option<Side>,
     ) -> Result<Self, SetUpError> {
-        let assembler = Assembler::new(suspension)?;
+        let both = study.axle().filter(|_| side.is_some());
+        let assembler = match (both, side) {
+            (Some(both), Some(side)) => Assembler::of_axle(&both.axle, side)?,
+            _ => Assembler::new(suspension)?,
+        };
         let alignment = match (tolerance.aligned, &study.setup) {
             (true, Some(setup)) => Some(Alignment::of(&setup.adjust, side, &assembler)?),
             _ => None,
@@ -33,6 +41,7 @@ impl WheelAssembler {
             assembler,
             alignment,
             side,
+            tensions: both.map_or_else(Vec::new, |both| tension_inputs(&both.axle)),
         })
     }
 
@@ -85,22 +94,48 @@ impl WheelAssembler {
         let assembler = &self.assembler;
         parts.points.copy_from_slice(&assembler.drawn().points);
         parts.lengths.copy_from_slice(&assembler.drawn().lengths);
+        parts.softness.copy_from_slice(&assembler.drawn().softness);
         for (source, z) in tolerance.each_source().zip(draws) {
+            self.soften(source, *z, parts);
             for (parameter, share) in self.changes(source) {
                 parts.change(&assembler.suspension().mechanism, *parameter, share * z);
             }
         }
     }
 
-    /// Assembles parts and writes their built design.
+    /// Changes the softness of a link whose stiffness scatters. Only the links of a relaxed axle have one.
+    fn soften(&self, source: &Source, z: f64, parts: &mut Parts<f64>) {
+        let (Some(rate), false) = (&source.rate, self.tensions.is_empty()) else {
+            return;
+        };
+        let Parameter::Link(number) = rate.parameter else {
+            return;
+        };
+        // A link in the middle belongs to the left half.
+        let of = AxleParameter {
+            parameter: Parameter::LinkPreload(number),
+            side: source.side.or(Some(Side::Left)),
+        };
+        let view = self.side.map_or(0, |side| side as usize);
+        let own = self.tensions.iter().find(|own| own.parameter == of);
+        if let Some(place) = own.map(|own| own.places[view]) {
+            let ([nominal, _], [now, _]) = (rate.scattered(0.0), rate.scattered(z));
+            parts.softness[place] = self.assembler.drawn().softness[place] * (nominal / now);
+        }
+    }
+
+    /// Assembles parts and writes their built design. Returns the tensions that they cause in the links of a relaxed axle.
     pub(super) fn put_together(
         &self,
         parts: &mut Parts<f64>,
         into: &mut [Vector3<f64>],
-    ) -> Result<(), AssemblyError> {
+    ) -> Result<Tensions, AssemblyError> {
         match &self.alignment {
             None => self.assembler.assemble(parts, 0.0, into),
-            Some(alignment) => alignment.assemble(&self.assembler, parts, into),
+            Some(alignment) => {
+                alignment.assemble(&self.assembler, parts, into)?;
+                Ok(None)
+            }
         }
     }
 }

@@ -15,8 +15,8 @@ pub fn elastic_parts(study: &Study) -> Table {
     for part in &parts.bushings {
         push_bushing(&mut table, part.name, part.shapes, u);
     }
-    for (name, stiffness) in &parts.links {
-        push_link(&mut table, name, *stiffness, u);
+    for link in &parts.links {
+        push_link(&mut table, link.name, link.stiffness, u);
     }
     let of_axle = study.axle().and_then(|both| both.axle.elastic.as_ref());
     if let Some(elastic) = of_axle {
@@ -32,9 +32,10 @@ pub fn elastic_parts(study: &Study) -> Table {
                 );
             }
         }
-        for (right, (name, stiffness)) in right.links.iter().zip(&parts.links) {
-            if right.stiffness != *stiffness {
-                push_link(&mut table, &format!("right {name}"), right.stiffness, u);
+        for (right, left) in right.links.iter().zip(&parts.links) {
+            if right.stiffness != left.stiffness {
+                let name = format!("right {}", left.name);
+                push_link(&mut table, &name, right.stiffness, u);
             }
         }
         if let Some(rate) = elastic.parts.rack_rate {

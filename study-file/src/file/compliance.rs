@@ -97,4 +97,6 @@ pub struct LinkStiffness {
     pub modulus: Option<Number>,
     /// Area of the cross-section.
     pub area: Option<Number>,
+    /// Constant tension, in addition to that of the stiffness.
+    pub preload: Option<Number>,
 }

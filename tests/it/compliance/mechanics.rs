@@ -206,6 +206,7 @@ fn links_on_uniform_bushings_are_stretching_links() {
     let stretching = |name: &str, rate: f64| LinkPart {
         member: members.iter().find(|(known, _)| known == name).unwrap().1,
         stiffness: AxialStiffness::Rate(rate),
+        preload: 0.0,
     };
     for relaxed in [Relaxed::Free, Relaxed::AtDesignLoad] {
         let bushed = Compliance {

@@ -131,6 +131,7 @@ pub fn compliance(case: &Value, suspension: &Suspension) -> Compliance {
     let links = links.iter().map(|(name, stiffness)| LinkPart {
         member: members.iter().find(|(known, _)| known == name).unwrap().1,
         stiffness: AxialStiffness::Rate(number(stiffness)),
+        preload: 0.0,
     });
     Compliance {
         relaxed: match case["relaxed"].as_str().unwrap() {

@@ -16,20 +16,31 @@
 //! dh/dx = -(dl/dp dp/dx)/(dl/dp dp/dh)                                                       (10)
 //! ```
 //!
+//! A solid axle is assembled as a whole, once as each of its wheels sees it. Its place and direction count from the nominal design. With R
+//! and d the rotation and the displacement of the assembled axle from there, and Q and u those of the equilibrium from the assembled
+//! position, they follow from
+//!
+//! ```text
+//! Q R,   d + u                                                                               (11)
+//! ```
+//!
+//! The parts of an axle on five links cause tensions T in its links, which are further inputs: dy/dx gets the term (dy/dT) (dT/dx).
+//!
 //! [`SpringLaw::kept_from`]: crate::axle::SpringLaw::kept_from
 
-use super::subject::{Change, build};
+use super::subject::{Change, build, from_design};
 use super::{AdjustedSuspension, SetUpError};
 use crate::ask::Unit;
 use crate::assembly::assembler::Assembler;
 use crate::assembly::assembly_error::AssemblyError;
+use crate::assembly::least_energy::{TensionInput, tension_inputs};
 use crate::assembly::rest::{Built, Rest};
-use crate::axle::{Axle, AxleRead, Quantity};
+use crate::axle::{Axle, AxleQuantity, AxleRead, FROM_DESIGN, Quantity, place_of};
 use crate::characteristics::Characteristic;
 use crate::compliance::{AxleParameter, KcRun, KcValue, NoEquilibrium, Parameter};
 use crate::mechanism::NoPose;
 use crate::model::{Axis, PointId, Side, Suspension};
-use crate::number::{Each, Tape, Vector3};
+use crate::number::{Dual, Each, Matrix3, Tape, Vector3};
 use crate::study::{Adjustment, ComplianceStudy};
 
 /// Largest number of steps in the search for the height at which the spring has its length.
@@ -46,6 +57,8 @@ pub(super) struct Elastic<'a> {
     kept: Option<f64>,
     /// True if the right wheel is the mirror image of the left one, with the same adjustments.
     is_mirrored: bool,
+    /// Tensions that the parts of a solid axle cause in its links.
+    tensions: Vec<TensionInput>,
 }
 
 /// A wheel with its adjustments.
@@ -60,20 +73,26 @@ enum Reads {
     Axle(Box<Axle>, Vec<AxleRead>),
 }
 
-/// Values in an equilibrium, each with its derivatives by the coordinates of all points, wheel after wheel.
+/// Values in an equilibrium, each with its derivatives by the coordinates of all points, wheel after wheel, and by tensions of links.
 struct Found {
     values: Vec<f64>,
     by: Vec<Vec<f64>>,
+    /// Rotation of a solid axle from the assembled position.
+    rotation: Option<Matrix3<f64>>,
 }
 
-/// Rates of all points of each wheel.
-type Moves = Vec<Vec<Vector3<f64>>>;
+/// Rates of all points of each wheel, and of the tensions of links.
+struct Moves {
+    points: Vec<Vec<Vector3<f64>>>,
+    tensions: Vec<f64>,
+}
 
 impl Found {
     fn of(count: usize) -> Self {
         Found {
             values: vec![f64::NAN; count],
             by: vec![Vec::new(); count],
+            rotation: None,
         }
     }
 
@@ -82,11 +101,13 @@ impl Found {
         if self.by[number].is_empty() {
             return f64::NAN;
         }
-        let points = moves.iter().flatten();
-        let pairs = points.zip(self.by[number].chunks_exact(3));
-        pairs
-            .map(|(way, by)| way.x * by[0] + way.y * by[1] + way.z * by[2])
-            .sum()
+        let by = &self.by[number];
+        let (by_points, by_tensions) = by.split_at(by.len() - moves.tensions.len());
+        let points = moves.points.iter().flatten();
+        let pairs = points.zip(by_points.chunks_exact(3));
+        let of_points = pairs.map(|(way, by)| way.x * by[0] + way.y * by[1] + way.z * by[2]);
+        let tensions = moves.tensions.iter().zip(by_tensions);
+        of_points.chain(tensions.map(|(t, by)| t * by)).sum()
     }
 }
 
@@ -125,6 +146,7 @@ impl<'a> Elastic<'a> {
             factors: factors(units, suspension),
             wheels: vec![half],
             reads: Reads::Wheel(Box::new(elastic), values),
+            tensions: Vec::new(),
             kept: None,
             is_mirrored: false,
         }
@@ -151,21 +173,28 @@ impl<'a> Elastic<'a> {
         }
         let units = quantities.iter().map(|quantity| quantity.info().unit);
         let halves = Side::ALL.into_iter().zip(assemblers);
+        let is_solid = axle.is_rigid();
         let halves = halves.map(|(side, assembler)| {
-            let change = |a: &Adjustment| a.is_of(Some(side)).then_some(a.change);
+            let change = |a: &Adjustment| {
+                if is_solid {
+                    a.seen_from(side)
+                } else {
+                    let own = a.is_of(Some(side)).then_some(a.change);
+                    own.into_iter().collect()
+                }
+            };
             Half {
                 assembler,
-                changes: adjust
-                    .iter()
-                    .map(|a| change(a).into_iter().collect())
-                    .collect(),
+                changes: adjust.iter().map(change).collect(),
             }
         });
+        let tensions = tension_inputs(&axle);
         Elastic {
             wheels: halves.collect(),
             factors: factors(units, &axle.left),
-            is_mirrored: adjust.iter().all(|a| a.side.is_none()),
+            is_mirrored: !is_solid && adjust.iter().all(|a| a.side.is_none()),
             reads: Reads::Axle(Box::new(axle), reads),
+            tensions,
             kept: None,
         }
         .keeping(keeps)
@@ -211,14 +240,17 @@ impl<'a> Elastic<'a> {
                     None => own,
                 }
             };
+            let placed = self.placed(&built, &found, Some(k));
             let slopes = self.factors.iter().enumerate();
-            let slopes = slopes.map(|(number, factor)| factor * slope(number));
+            let slopes = slopes.map(|(number, factor)| factor * (slope(number) + placed[number]));
             // The car is higher by as much as the wheel is lower. The form 0 - x avoids a negative zero.
             slopes.chain([0.0 - rise]).collect()
         });
         let by = by.collect();
-        let values = found.values.iter().zip(&self.factors);
-        let values = values.map(|(value, factor)| value * factor);
+        let placed = self.placed(&built, &found, None);
+        let values = found.values.iter().zip(placed);
+        let values = values.zip(&self.factors);
+        let values = values.map(|((value, placed), factor)| (value + placed) * factor);
         let values = values.chain([0.0 - built[0].height]).collect();
         let right = (built.len() > 1).then(|| built.swap_remove(1));
         Ok(AdjustedSuspension {
@@ -272,19 +304,59 @@ impl<'a> Elastic<'a> {
         Err(AssemblyError::Spring.into())
     }
 
-    /// Rates of all points as the wheel centres rise with the same parts.
+    /// Rates of all points as the wheel centres rise with the same parts. No adjustment lifts an axle whose links have tensions.
     fn by_height(&self, built: &[Built]) -> Moves {
         let wheels = self.wheels.iter().zip(built);
         let rates = wheels.map(|(half, built)| half.assembler.design_by_height(built));
-        rates.collect()
+        Moves {
+            points: rates.collect(),
+            tensions: vec![0.0; self.tensions.len()],
+        }
     }
 
     /// Rates of all points and of the height by an adjustment.
     fn by_adjustment(&self, built: &[Built], k: usize) -> (Moves, f64) {
         let wheels = self.wheels.iter().zip(built);
         let rates = wheels.map(|(half, built)| half.assembler.design_by(built, &half.changes[k]));
-        let (moves, rises): (Moves, Vec<f64>) = rates.unzip();
-        (moves, rises[0])
+        let (points, rises): (Vec<_>, Vec<f64>) = rates.unzip();
+        let left = &self.wheels[0];
+        let by = left.assembler.tensions_by(&built[0], &left.changes[k]);
+        let tensions = self.tensions.iter();
+        let tensions = tensions.map(|own| by.map_or(0.0, |by| by[own.link]));
+        let tensions = tensions.collect();
+        (Moves { points, tensions }, rises[0])
+    }
+
+    /// Part of each value that comes from the place of the assembled axle, (11), or its derivative by an adjustment. The direction of
+    /// the assembled axle is already part of the values, but not of their derivatives. 0 for other values than those of
+    /// [`FROM_DESIGN`].
+    fn placed(&self, built: &[Built], found: &Found, adjustment: Option<usize>) -> Vec<f64> {
+        let mut placed = vec![0.0; self.factors.len() + 1];
+        let Reads::Axle(_, reads) = &self.reads else {
+            return placed;
+        };
+        let Half { assembler, changes } = &self.wheels[0];
+        let change = adjustment.map_or(&[][..], |k| &changes[k]);
+        let of_axle = assembler.axle_by(&built[0], change);
+        let Some(((turn, displacement), rotation)) = of_axle.zip(found.rotation) else {
+            return placed;
+        };
+        let rotation = rotation.map(Dual::constant);
+        let turn = Matrix3 {
+            columns: turn.columns.each(|column| rotation.apply(column)),
+        };
+        let place = place_of(&turn, displacement);
+        for (entry, read) in placed.iter_mut().zip(reads) {
+            let Some(number) = from_design(read.quantity) else {
+                continue;
+            };
+            *entry = match (adjustment, is_direction(FROM_DESIGN[number])) {
+                (Some(_), _) => place[number].partials[0],
+                (None, true) => 0.0,
+                (None, false) => place[number].value,
+            };
+        }
+        placed
     }
 
     /// Values of assembled parts in equilibrium, with their derivatives.
@@ -312,9 +384,17 @@ impl<'a> Elastic<'a> {
             Reads::Axle(axle, wanted) => {
                 let elastic = axle.elastic.as_ref().expect("an axle with elastic parts");
                 let designs = [0, 1].map(|side: usize| &built[side].suspension.design[..]);
+                let mut parts = elastic.parts.clone();
+                for own in &self.tensions {
+                    let tension = built[0].tensions.map_or(0.0, |all| all[own.link]);
+                    parts.set_rate(own.parameter, own.nominal + tension);
+                }
                 let equilibria = axle
-                    .equilibria(designs, &elastic.parts)
+                    .equilibria(designs, &parts)
                     .map_err(|(_, fault)| SetUpError::Fault(fault))?;
+                let home = self.wheels[0].assembler.axle_by(&built[0], &[]);
+                let home = home.map(|(turn, _)| turn.map(|c| c.value));
+                let equilibria = equilibria.counted_from(home);
                 let parameters: Vec<Parameter> = parameters.collect();
                 let sides = Side::ALL.into_iter();
                 let parameters = sides.flat_map(|side| {
@@ -324,9 +404,11 @@ impl<'a> Elastic<'a> {
                     };
                     parameters.iter().map(of_side)
                 });
-                let parameters: Vec<AxleParameter> = parameters.collect();
+                let tensions = self.tensions.iter().map(|own| own.parameter);
+                let parameters: Vec<AxleParameter> = parameters.chain(tensions).collect();
                 let mut found = Found::of(wanted.len());
                 let at = ([0.0; 2], 0.0);
+                found.rotation = equilibria.rotation(at)?;
                 equilibria.gradients(at, wanted, &parameters, &mut tape, &mut |k, value, by| {
                     found.values[k] = value;
                     found.by[k] = by.to_vec();
@@ -335,6 +417,11 @@ impl<'a> Elastic<'a> {
             }
         }
     }
+}
+
+/// Returns true for a value that follows from the direction of a solid axle, not from its place.
+fn is_direction(of: AxleQuantity) -> bool {
+    matches!(of, AxleQuantity::AxleSteer | AxleQuantity::PinionAngle)
 }
 
 /// Factors from the kernel's units to printed ones.

@@ -124,7 +124,7 @@ impl<'a> Subject<'a> {
 }
 
 /// Index in [`FROM_DESIGN`] of a quantity that counts from the nominal design.
-fn from_design(quantity: Quantity) -> Option<usize> {
+pub(super) fn from_design(quantity: Quantity) -> Option<usize> {
     let mut all = FROM_DESIGN.into_iter();
     all.position(|own| Quantity::Axle(own) == quantity)
 }

@@ -21,7 +21,7 @@ use crate::compliance::{
 };
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Side};
-use crate::number::{Each, Jet, Real, Scalar, Tape, Tracked, Valued, Vector3};
+use crate::number::{Each, Jet, Matrix3, Real, Scalar, Tape, Tracked, Valued, Vector3};
 use crate::study::AxleComplianceStudy;
 
 /// The reason why an equilibrium of an axle of this kind does not have a quantity, and the alternatives; `None` if it has
@@ -108,6 +108,8 @@ struct Moving<T> {
 /// Reads quantities at one station, under the conditions of one kind of test.
 struct Reader<'h, T: Valued> {
     here: &'h mut Here<T>,
+    /// Rotation of a solid axle in its design position from the position that its direction counts from.
+    home: Option<Matrix3<f64>>,
     known: Vec<(Motion, Option<Moving<T>>)>,
 }
 
@@ -187,7 +189,13 @@ impl<T: Scalar> Reader<'_, T> {
     /// A quantity of the body that carries both wheels, or its derivative along a motion.
     fn of_body(&mut self, of: AxleQuantity, by: Option<Motion>) -> Option<T> {
         match by {
-            None => place_quantity(of, &self.here.axle.place(&self.here.at)?),
+            None => {
+                let mut place = self.here.axle.place(&self.here.at)?;
+                if let Some(home) = self.home {
+                    place = place.counted_from(&home);
+                }
+                place_quantity(of, &place)
+            }
             Some(by) => {
                 let change = self.change(by)?;
                 let (axle, tangent) = self.here.moving(HeldQuantity::WheelHeight)?;
@@ -263,12 +271,14 @@ fn read<T: Scalar>(
     run: &AxleKcRun<'_>,
     here: &mut Here<T>,
     wanted: &[AxleRead],
+    home: Option<Matrix3<f64>>,
     mut secants: impl FnMut(&Here<T>, &KcTest) -> Option<[WheelFigures<T>; 2]>,
 ) -> Vec<Option<T>> {
     let mut known: Vec<(KcTest, bool, Vec<AxleFigure<T>>)> = Vec::new();
     let mut found = Vec::with_capacity(wanted.len());
     let mut reader = Reader {
         here,
+        home,
         known: Vec::new(),
     };
     for read in wanted {
@@ -332,6 +342,9 @@ pub(crate) struct Equilibria<'a> {
     run: AxleKcRun<'a>,
     /// Sign of the study's rack axis along y of the kernel's frame.
     along: f64,
+    /// Rotation of a solid axle in its design position from the position that its direction counts from; `None` if that is the design
+    /// position.
+    home: Option<Matrix3<f64>>,
 }
 
 impl Axle {
@@ -367,11 +380,29 @@ impl Axle {
         Ok(Equilibria {
             run,
             along: self.left.frame.sign(Axis::Y),
+            home: None,
         })
     }
 }
 
 impl Equilibria<'_> {
+    /// These equilibria, with the direction of a solid axle counted from a position from which the design position is turned by `home`.
+    pub(crate) fn counted_from(self, home: Option<Matrix3<f64>>) -> Self {
+        Equilibria { home, ..self }
+    }
+
+    /// Rotation of a solid axle from its design position in an equilibrium. `None` for independent wheels.
+    pub(crate) fn rotation(
+        &self,
+        at: ([f64; 2], f64),
+    ) -> Result<Option<Matrix3<f64>>, NoEquilibrium> {
+        let here = self.here(at)?;
+        let place = here.axle.place(&here.at);
+        Ok(place.map(|place| Matrix3 {
+            columns: [place.forward, place.line, place.forward.cross(place.line)],
+        }))
+    }
+
     /// Elastic model of the axle, with its bar and its own steering.
     pub(in crate::axle) fn axle(&self) -> &ElasticAxle {
         self.run.axle()
@@ -393,7 +424,7 @@ impl Equilibria<'_> {
             let own: Vec<AxleRead> = numbers.iter().map(|k| wanted[*k]).collect();
             let rack = self.along * rack;
             let mut here = self.run.here(conditions, travels, rack, tests(&own))?;
-            let values = read(&self.run, &mut here, &own, |here, test| {
+            let values = read(&self.run, &mut here, &own, self.home, |here, test| {
                 self.run.window_secants(here, test)
             });
             for (number, value) in numbers.into_iter().zip(values) {
@@ -429,7 +460,7 @@ impl Equilibria<'_> {
             let tape = &*tape;
             let station = self.run.on_tape(conditions, &plain, parameters, tape);
             let mut station = station.ok_or_else(lost)?;
-            let values = read(&self.run, &mut station, &own, |station, test| {
+            let values = read(&self.run, &mut station, &own, self.home, |station, test| {
                 self.run.secants_on_tape(&plain, station, test)
             });
             let missing = Tracked::constant(f64::NAN);

@@ -1,5 +1,7 @@
 //! Readings of a position: quantities and their gradients.
 
+use super::super::Of;
+use super::super::series::ByGear;
 use super::linearised::derivative_by_heave;
 use super::*;
 
@@ -174,30 +176,47 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// First derivatives of columns by the displacement of a steered axle's steering gear. `None` for a column without this
-    /// derivative. Empty for an axle that no drag link steers.
+    /// First and second derivatives of columns by the displacement of a steered axle's steering gear. The second ones are NaN if no
+    /// column reads them. `None` for a column that does not move with the gear. Empty for an axle that no drag link steers.
     pub(crate) fn by_drag_link(
         &mut self,
         placed: &AxlePose,
         columns: &[AxleColumn],
-    ) -> Result<Vec<Option<f64>>, NoPose> {
+    ) -> Result<Vec<Option<ByGear>>, NoPose> {
         if !self.is_steered() {
             return Ok(Vec::new());
         }
         let mut found = vec![None; columns.len()];
         let numbers = 0..columns.len();
-        let moved = numbers.filter(|number| columns[*number].by == Some(Motion::Rack));
+        let moved: Vec<usize> = numbers
+            .filter(|number| columns[*number].by == Some(Motion::Rack))
+            .collect();
+        let is_second = |number: &usize| {
+            let column = &columns[*number];
+            column.order > 1 || matches!(column.of, Of::Turn(..))
+        };
+        if moved.iter().any(is_second) {
+            let read = self.read(placed)?;
+            let own = moved.iter().map(|number| &columns[*number]);
+            let second = self.second_by_gear(self.axle, (placed, &read), own);
+            for (number, by) in moved.iter().zip(second.into_iter().flatten()) {
+                found[*number] = Some(by);
+            }
+        }
         let (numbers, sought): (Vec<_>, Vec<_>) = moved
+            .into_iter()
             .filter_map(|number| Some((number, columns[number].sought()?)))
             .unzip();
         if numbers.is_empty() {
             return Ok(found);
         }
+        // The adjoint also has the first derivatives of velocities.
         for (number, by) in numbers
             .into_iter()
             .zip(self.by_steering_gear(placed, &sought)?)
         {
-            found[number] = Some(by);
+            let [_, second] = found[number].unwrap_or([f64::NAN; 2]);
+            found[number] = Some([by, second]);
         }
         Ok(found)
     }

@@ -5,7 +5,7 @@ use super::{AxleEquilibrium, ElasticAxle};
 use crate::compliance::algebra::Placed;
 use crate::compliance::system::{Limb, State};
 use crate::model::{Side, mirrored};
-use crate::number::{Each, Jet, Scalar, Vector3};
+use crate::number::{Each, Jet, Matrix3, Scalar, Vector3};
 
 /// Place of a solid axle, in the left wheel's axes.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +29,22 @@ impl<T: Scalar> AxlePlace<T> {
             middle: sum.map(|c| c.scaled(0.5)),
             forward: left.0.lever(Vector3::new(one, zero, zero)),
             line: left.0.lever(Vector3::new(zero, one, zero)),
+        }
+    }
+
+    /// This place with the directions that count from a position from which the design position is turned by `home`.
+    pub(crate) fn counted_from(&self, home: &Matrix3<f64>) -> Self {
+        let axes = [self.forward, self.line, self.forward.cross(self.line)];
+        let turned = |column: Vector3<f64>| {
+            let parts = axes.into_iter().zip(column.to_array());
+            let parts = parts.map(|(axis, share)| axis.map(|c| c.scaled(share)));
+            parts.fold(axes[0].zero(), |sum, part| sum + part)
+        };
+        let [forward, line, _] = home.columns;
+        AxlePlace {
+            middle: self.middle,
+            forward: turned(forward),
+            line: turned(line),
         }
     }
 }

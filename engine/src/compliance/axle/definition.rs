@@ -81,9 +81,22 @@ impl AxleCompliance {
         }
     }
 
-    /// Returns true if the part of this parameter is common to both wheels.
+    /// Returns true if the axle has the part of this parameter once. Both wheels share the part, or it is a link or a bushing in the
+    /// middle of a solid axle, which belongs to the left half.
     pub fn is_shared(&self, parameter: Parameter) -> bool {
-        self.map(|value| value).shared_number(parameter).is_some()
+        let [left, right] = &self.wheels;
+        let is_in_the_middle = match parameter {
+            Parameter::Link(number) | Parameter::LinkPreload(number) => {
+                (right.links.len()..left.links.len()).contains(&number)
+            }
+            Parameter::Stiffness(number, _)
+            | Parameter::Cubic(number, _)
+            | Parameter::Preload(number, _) => {
+                (right.bushings.len()..left.bushings.len()).contains(&number)
+            }
+            _ => false,
+        };
+        is_in_the_middle || self.map(|value| value).shared_number(parameter).is_some()
     }
 
     /// Returns true if the part of this parameter has different laws at the two wheels.

@@ -35,8 +35,8 @@ impl<T: Scalar> Builder<'_, T> {
                 self.places.rocker_rod = Some(rocker.rod);
                 let member = LinkMember::RockerRod(id);
                 let along = self.at(rocker.inner) - self.at(rocker.outer);
-                let stiffness = self.compliance.link(member);
-                let rod = stiffness.map(|stiffness| [rate(stiffness, along), along.x.zero()]);
+                let part = self.compliance.link(member);
+                let rod = part.map(|part| [rate(&part.stiffness, along), part.preload]);
                 if rod.is_some() {
                     self.place_link(member, LinkPlace::RockerRod);
                 }

@@ -46,6 +46,7 @@ pub(super) fn link(
     let part = LinkPart {
         member: *member,
         stiffness,
+        preload: part.preload.as_ref().map_or(0.0, |tension| tension.value),
     };
     Some((known.clone(), part))
 }

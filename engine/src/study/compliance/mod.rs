@@ -12,7 +12,7 @@ mod tests;
 pub use axle::AxleComplianceStudy;
 pub(super) use axle::axle_compliance;
 pub(super) use bushing::BushingText;
-pub use named_parts::{NamedBushing, NamedParts};
+pub use named_parts::{NamedBushing, NamedLink, NamedParts};
 
 use super::axle as of_axle;
 use super::error::Problems;

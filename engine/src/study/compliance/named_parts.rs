@@ -16,13 +16,24 @@ pub struct NamedBushing<'s> {
     pub preload: [f64; 6],
 }
 
+/// A link with axial stiffness.
+#[derive(Clone, Copy, Debug)]
+pub struct NamedLink<'s> {
+    /// Name.
+    pub name: &'s str,
+    /// Axial stiffness.
+    pub stiffness: AxialStiffness,
+    /// Constant tension.
+    pub preload: f64,
+}
+
 /// Elastic parts of a wheel. For an axle: those of the left wheel, and the mounts of the subframe.
 #[derive(Clone, Debug)]
 pub struct NamedParts<'s> {
     /// Bushings, then mounts, in the order of the indices in [`crate::compliance::Parameter`].
     pub bushings: Vec<NamedBushing<'s>>,
     /// Links with their stiffness.
-    pub links: Vec<(&'s str, AxialStiffness)>,
+    pub links: Vec<NamedLink<'s>>,
     /// Rates of parts other than bushings and links, by the names that variables use: spring, anti-roll bar, rack and column.
     pub rates: Vec<NamedRate>,
     /// Position in which the parts are relaxed.
@@ -106,7 +117,11 @@ impl<'s> NamedParts<'s> {
         Some(NamedParts {
             bushings: bushings.chain(mounts).collect(),
             links: links
-                .map(|(name, link)| (name.as_str(), link.stiffness))
+                .map(|(name, link)| NamedLink {
+                    name,
+                    stiffness: link.stiffness,
+                    preload: link.preload,
+                })
                 .collect(),
             rates: rates.collect(),
             relaxed: parts.relaxed,

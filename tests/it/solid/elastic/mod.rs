@@ -1,11 +1,14 @@
 //! Elastic solid axles: against a second formulation, the rigid program, and mechanics.
 
 mod agreement;
+mod builds;
 mod commands;
 mod mechanics;
 mod refused;
 mod rigid_limit;
+mod robust;
 mod second;
+mod set_up;
 mod slopes;
 
 use crate::support::random::Random;

@@ -95,7 +95,7 @@ const RIGHT: [&str; 6] = [
     "tie_rod_end",
 ];
 
-const OUTPUTS: &str = "[outputs]\norder = \"velocity\"\npoints = [\"wheel_centre\"]\ncharacteristics = [\"toe\", \"steer\", \
+const OUTPUTS: &str = "[outputs]\norder = \"acceleration\"\npoints = [\"wheel_centre\"]\ncharacteristics = [\"toe\", \"steer\", \
     \"camber\", \"caster\", \"kingpin_inclination\", \"scrub_radius\", \"kingpin_offset\", \"mean_steer\", \"axle_steer\", \
     \"pinion_angle\", \"roll_steer\"]\n";
 
@@ -122,6 +122,7 @@ fn at(place: Place, first: Option<usize>, second: Option<usize>) -> At {
 struct Worst {
     value: (f64, String),
     rate: (f64, String),
+    second: (f64, String),
     gradient: (f64, String),
 }
 
@@ -211,10 +212,72 @@ fn compare(world: &World, place: Place, gradients: bool, worst: &mut Worst) -> b
             );
         }
     }
+    let twice = world.solve(&at(place, Some(2), Some(2))).unwrap();
+    let mut looked_at = 0;
+    for (name, expected) in twice.quantities().iter().filter(|(name, _)| is_known(name)) {
+        let column = named("per_mm2", name, "rack_d2");
+        let what = || column.clone();
+        note(&mut worst.second, value(&column), expected.both, what);
+        looked_at += usize::from(expected.both.abs() > 1e-6);
+    }
+    assert!(looked_at > 10, "{looked_at}");
+    assert!(!is_known("roll_steer_by_rack_d2_deg_per_deg_per_mm2"));
     if gradients {
         compare_gradients(world, place, &found, worst);
     }
     true
+}
+
+/// The angular velocity w and acceleration a of a knuckle by the drag link move three of its points as one rigid body: for levers r
+/// between them, r' = w x r and r'' = a x r + w x (w x r).
+#[test]
+fn knuckles_turn_as_rigid_bodies() {
+    let mut generator = Random(479);
+    for number in 0..8 {
+        let world = random(&mut generator, number % 2 == 0, 30.0);
+        let motion = format!(
+            "[motion]\nheave = [{:?}]\nroll = [{:?}]\nrack = [{:?}]\n[outputs]\norder = \"acceleration\"\nknuckle = true\n\
+             characteristics = [\"toe\"]\npoints = [\"wheel_centre\", \"tie_rod_end\", \"drag_link_knuckle\"]\n",
+            30.0 * generator.signed(),
+            3.0 * generator.signed(),
+            50.0 * generator.signed()
+        );
+        let own = axle(&study(&world, &motion));
+        let curves = axle_curves(&own.axle, &own.plan).unwrap().curves;
+        let vector = |stem: &str, end: &str| {
+            ["x", "y", "z"].map(|axis| {
+                let name = format!("{stem}_{axis}{end}");
+                let column = curves.columns.iter().position(|c| c.name == name);
+                let column = column.unwrap_or_else(|| panic!("{name} of {:?}", curves.columns));
+                curves.stations[0].value(column).unwrap()
+            })
+        };
+        let turn = vector("left_knuckle_omega", "_by_rack_rad_per_mm");
+        let faster = vector("left_knuckle_alpha", "_by_rack_rad_per_mm2");
+        let cross = |a: [f64; 3], b: [f64; 3]| {
+            [0, 1, 2].map(|i| a[(i + 1) % 3] * b[(i + 2) % 3] - a[(i + 2) % 3] * b[(i + 1) % 3])
+        };
+        let place = |point: &str| {
+            let stem = format!("left_{point}");
+            ["_mm", "_by_rack_mm_per_mm", "_by_rack_d2_mm_per_mm2"].map(|end| vector(&stem, end))
+        };
+        let base = place("wheel_centre");
+        for point in ["tie_rod_end", "drag_link_knuckle"] {
+            let other = place(point);
+            let [r, v, a] = [0, 1, 2].map(|k| [0, 1, 2].map(|i| other[k][i] - base[k][i]));
+            let (first, whirl) = (cross(turn, r), cross(turn, cross(turn, r)));
+            let second = cross(faster, r);
+            for i in 0..3 {
+                assert!((v[i] - first[i]).abs() < 1e-10, "{point}: {v:?} {first:?}");
+                let expected = second[i] + whirl[i];
+                assert!((a[i] - expected).abs() < 1e-11, "{point}: {a:?} {expected}");
+            }
+        }
+        assert!(
+            turn[2].abs() > 1e-3 && faster[2].abs() > 1e-6,
+            "{turn:?} {faster:?}"
+        );
+    }
 }
 
 /// Derivatives by every hardpoint coordinate.
@@ -291,11 +354,13 @@ fn compare_all(axles: usize) {
     println!("{solved} of {axles} axles");
     println!("values {:?}", worst.value);
     println!("rates {:?}", worst.rate);
+    println!("second derivatives {:?}", worst.second);
     println!("gradients {:?}", worst.gradient);
     assert!(10 * solved > 9 * axles, "{solved}");
     // Both programs solve equations with residuals of 1e-12 mm at conditions below 1e3. Rates lose one more factor of the
     // condition, gradients too.
     assert!(worst.value.0 < 1e-9, "{:?}", worst.value);
     assert!(worst.rate.0 < 1e-9, "{:?}", worst.rate);
+    assert!(worst.second.0 < 1e-9, "{:?}", worst.second);
     assert!(worst.gradient.0 < 1e-9, "{:?}", worst.gradient);
 }

@@ -27,16 +27,6 @@ fn keys_that_a_drag_link_does_not_have_are_refused() {
             "expected rack",
         ),
         (
-            format!("[motion]\nheave = [0.0]\nrack = [9.0]\n{outputs}order = \"acceleration\"\n"),
-            "second derivatives by the drag link",
-        ),
-        (
-            format!(
-                "[motion]\nheave = [0.0]\nrack = [9.0]\n{outputs}order = \"velocity\"\nknuckle = true\n"
-            ),
-            "angular velocities by the drag link",
-        ),
-        (
             format!("{STILL}{outputs}certify = true\n"),
             "knuckles of a steered axle",
         ),
@@ -58,9 +48,6 @@ fn keys_that_a_drag_link_does_not_have_are_refused() {
         let found = refusal(&steered(&further));
         assert!(found.contains(reason), "{further}: {found}");
     }
-    // Without rack in the motion, no derivative is by the drag link.
-    let still = format!("{STILL}{outputs}order = \"acceleration\"\nknuckle = true\n");
-    assert!(Study::from_text("steered.toml", &steered(&still), Path::new("")).is_ok());
 }
 
 #[test]

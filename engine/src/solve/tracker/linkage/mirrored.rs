@@ -7,7 +7,7 @@
 use super::super::{KnuckleVector, LanePose, LaneRates};
 use super::LinkageDesign;
 use super::one_body::rocker_of;
-use super::pose::LinkagePose;
+use super::pose::{LinkagePose, from_configuration};
 use crate::mechanism::{Configuration, Pose, Twist};
 use crate::model::{RockerId, mirrored};
 use crate::number::{Matrix3, Real, SimdReal, Vector3};
@@ -67,15 +67,7 @@ impl<'p, 'd, B: SimdReal> MirroredPose<'p, 'd, B> {
 }
 
 impl<B: SimdReal> LanePose<B> for MirroredPose<'_, '_, B> {
-    #[inline(always)]
-    fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B> {
-        self.at.pose.rotation.apply(vector.designed())
-    }
-
-    #[inline(always)]
-    fn origin(&self) -> Vector3<B> {
-        self.at.pose.origin
-    }
+    from_configuration!(B);
 
     #[inline(always)]
     fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask) {
@@ -100,10 +92,5 @@ impl<B: SimdReal> LanePose<B> for MirroredPose<'_, '_, B> {
     #[inline(always)]
     fn steering_axis_rates(&self, _: &LaneRates<B>) -> (Vector3<B>, Vector3<B>) {
         unreachable!("the axle has no instantaneous steering axis")
-    }
-
-    #[inline(always)]
-    fn configuration(&self, _: B) -> Configuration<'_, B> {
-        self.at
     }
 }

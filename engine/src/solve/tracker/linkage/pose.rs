@@ -20,6 +20,27 @@ const LEAST_UPRIGHT: f64 = 0.04;
 /// Upper bound on the square of the knuckle's rotation for a travel equal to the mechanism's size.
 const FASTEST_TURN: f64 = 100.0;
 
+/// Methods of [`LanePose`] that follow from the configuration `at` of a pose alone.
+macro_rules! from_configuration {
+    ($number:ident) => {
+        #[inline(always)]
+        fn vector(&self, vector: &KnuckleVector<$number>) -> Vector3<$number> {
+            self.at.pose.rotation.apply(vector.designed())
+        }
+
+        #[inline(always)]
+        fn origin(&self) -> Vector3<$number> {
+            self.at.pose.origin
+        }
+
+        #[inline(always)]
+        fn configuration(&self, _: $number) -> Configuration<'_, $number> {
+            self.at
+        }
+    };
+}
+pub(super) use from_configuration;
+
 /// A pose of a linkage.
 pub(crate) struct LinkagePose<'p, 'd, B> {
     pub(super) linkage: &'p LinkageDesign<'d, B>,
@@ -47,15 +68,7 @@ impl<B: SimdReal> LinkagePose<'_, '_, B> {
 }
 
 impl<B: SimdReal> LanePose<B> for LinkagePose<'_, '_, B> {
-    #[inline(always)]
-    fn vector(&self, vector: &KnuckleVector<B>) -> Vector3<B> {
-        self.at.pose.rotation.apply(vector.designed())
-    }
-
-    #[inline(always)]
-    fn origin(&self) -> Vector3<B> {
-        self.at.pose.origin
-    }
+    from_configuration!(B);
 
     #[inline(always)]
     fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask) {
@@ -109,11 +122,6 @@ impl<B: SimdReal> LanePose<B> for LinkagePose<'_, '_, B> {
         };
         let (point, direction) = screw_axis(self.at.pose.origin.with_rate(rates.origin), &moving);
         (slope(point), slope(direction))
-    }
-
-    #[inline(always)]
-    fn configuration(&self, _: B) -> Configuration<'_, B> {
-        self.at
     }
 }
 

@@ -270,6 +270,7 @@ fn target(target: &Target, study: &Study) -> TargetOverview {
         is_band: matches!(target.wanted, crate::study::Wanted::Band { .. }),
         points: wanted_between(target, &stations, own.drive),
         over: match (study.axle(), &target.site.axle) {
+            (Some(_), Some(site)) if site.motion.is_some() => None,
             (Some(both), Some(site)) => super::axle::slider_of(&both.plan.motion, site.over),
             _ => motion.is_none().then_some(0),
         },

@@ -357,6 +357,7 @@ fn site_of(band: &Band, study: &AxleStudy) -> AxleSite {
     let values = held.along(over).cloned().unwrap_or_default();
     let values = values.iter().map(|value| over.written(*value, &study.axle));
     AxleSite {
+        motion: None,
         over,
         values: values.collect(),
         held,

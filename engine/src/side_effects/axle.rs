@@ -6,9 +6,10 @@ use crate::ask::Unit;
 use crate::axle::{
     AxleColumn, AxlePlan, AxleQuantity, Coordinate, Of, Placement, Quantity, axle_curves,
 };
+use crate::characteristics::Characteristic;
 use crate::mechanism::DesignFault;
 use crate::model::Side;
-use crate::study::{AxleStudy, Optimise, Study, TargetKind};
+use crate::study::{AxleStudy, Optimise, Study, Target, TargetKind};
 
 /// Names of the quantities that are compared in addition to the study's outputs.
 const COMPARED: [&str; 10] = [
@@ -25,7 +26,13 @@ const COMPARED: [&str; 10] = [
 ];
 
 /// Values of a study's outputs, and of the compared quantities, over its motion.
-pub(super) fn observe(study: &Study, both: &AxleStudy) -> Result<Observed, DesignFault> {
+///
+/// Targets of another named motion than `name` are left out: their stations have other coordinates.
+pub(super) fn observe(
+    study: &Study,
+    both: &AxleStudy,
+    name: Option<&str>,
+) -> Result<Observed, DesignFault> {
     let plan = plan(both);
     let found = axle_curves(&both.axle, &plan).map_err(|(_, fault)| fault)?;
     let found = found.curves;
@@ -45,7 +52,12 @@ pub(super) fn observe(study: &Study, both: &AxleStudy) -> Result<Observed, Desig
         };
         let targets = study.optimise.iter().flat_map(|o| &o.targets);
         let mut wanted = Vec::new();
-        for target in targets {
+        let is_seen = |target: &&Target| {
+            let site = target.site.axle.as_ref();
+            let motion = site.and_then(|site| site.motion.as_deref());
+            motion.is_none() || motion == name
+        };
+        for target in targets.filter(is_seen) {
             let over = target.site.axle.as_ref().map(|site| site.over);
             let along = coordinates
                 .iter()
@@ -69,12 +81,17 @@ pub(super) fn observe(study: &Study, both: &AxleStudy) -> Result<Observed, Desig
 
 /// Returns true if a target for a quantity also counts for a column.
 fn is_about(quantity: Quantity, column: &AxleColumn) -> bool {
+    use AxleQuantity::{TotalToe, TotalToeAtRim};
     match (quantity, column.quantity()) {
-        (Quantity::Corner(side, gain), Some(Quantity::Corner(own, of)))
-            if customary::integral_of(gain) == Some(of) =>
-        {
-            side == own
+        (Quantity::Corner(side, target), Some(Quantity::Corner(own, of))) => {
+            side == own && customary::determines(target, of)
         }
+        // Targets for both wheels determine the sum.
+        (Quantity::Corner(_, target), Some(Quantity::Axle(TotalToe | TotalToeAtRim))) => {
+            customary::determines(target, Characteristic::Toe)
+        }
+        (Quantity::Axle(TotalToe), Some(Quantity::Axle(TotalToeAtRim)))
+        | (Quantity::Axle(TotalToeAtRim), Some(Quantity::Axle(TotalToe))) => true,
         (quantity, of) => of == Some(quantity),
     }
 }

@@ -145,10 +145,8 @@ impl Looked<'_> {
     /// Stations at which a target or a constraint concerns a quantity.
     fn wanted(&self, quantity: Quantity, optimise: &Optimise) -> Vec<usize> {
         let is_about = |measure: &Measure| match (measure, quantity) {
-            (Measure::Quantity(Quantity::Characteristic(gain)), Quantity::Characteristic(of))
-                if customary::integral_of(*gain) == Some(of) =>
-            {
-                true
+            (Measure::Quantity(Quantity::Characteristic(target)), Quantity::Characteristic(of)) => {
+                customary::determines(*target, of)
             }
             (Measure::Quantity(other), quantity) => *other == quantity,
             _ => false,

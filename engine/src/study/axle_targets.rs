@@ -1,6 +1,6 @@
 //! Targets of an axle: target quantity, the coordinate of the motion that varies, and values of the other coordinates.
 
-use super::axle::{AxleStudy, coordinates, lacks_nothing, quantities};
+use super::axle::{AxleStudy, coordinates, lacks_nothing, moves_axle, quantities};
 use super::error::Problems;
 use super::file;
 use super::motion::values;
@@ -18,13 +18,15 @@ use toml::Spanned;
 /// Stations of an axle's target: one coordinate of the motion varies, and the others are fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleSite {
+    /// Name of the motion. `None` for the study's `[motion]`.
+    pub motion: Option<String>,
     /// Coordinate that varies.
     pub over: Coordinate,
     /// Values of this coordinate in the motion, as the study writes them: degrees, or lengths along the study's axes.
     pub values: Vec<f64>,
     /// Values of the other coordinates, in all combinations.
     pub held: AxleMotion,
-    /// Description of the other coordinates.
+    /// Description of the motion, if it has a name, and of the other coordinates.
     pub words: String,
 }
 
@@ -60,6 +62,7 @@ impl AxleSite {
 
 /// Keys of a target or a band that describe its stations.
 pub(super) struct Where<'w> {
+    motion: &'w Option<Text>,
     over: &'w Option<Text>,
     side: &'w Option<Text>,
     /// Values of the fixed coordinates, in the order of [`Coordinate::ALL`].
@@ -71,6 +74,7 @@ pub(super) struct Where<'w> {
 impl<'w> From<&'w file::Target> for Where<'w> {
     fn from(target: &'w file::Target) -> Self {
         Where {
+            motion: &target.motion,
             over: &target.over,
             side: &target.side,
             held: coordinates!(target),
@@ -82,6 +86,7 @@ impl<'w> From<&'w file::Target> for Where<'w> {
 impl<'w> From<&'w file::Band> for Where<'w> {
     fn from(band: &'w file::Band) -> Self {
         Where {
+            motion: &band.motion,
             over: &band.over,
             side: &band.side,
             held: coordinates!(band),
@@ -100,9 +105,10 @@ impl<'w> Where<'w> {
         self.held().find(|(c, _)| *c == coordinate)?.1
     }
 
-    /// Returns true if the study gives some coordinate of the stations.
+    /// Returns true if the study gives the motion or some coordinate of the stations.
     fn is_given(&self) -> bool {
-        self.over.is_some() || self.held.iter().any(|given| given.is_some())
+        let is_held = || self.held.iter().any(|given| given.is_some());
+        self.motion.is_some() || self.over.is_some() || is_held()
     }
 
     /// Refuses entries for an axle in a section for one wheel. The key `rack` of a target is allowed unless `rack_too` is true.
@@ -175,12 +181,6 @@ pub(super) fn target(
     if let Some(path) = &written.file {
         let message = "targets of an axle cannot read a file; expected points";
         return problems.refuse(path.span(), message);
-    }
-    if let Some(motion) = &written.motion {
-        return problems.refuse(
-            motion.span(),
-            "targets of an axle cannot name a motion; expected over",
-        );
     }
     let name = match (&written.characteristic, &written.figure) {
         (Some(name), None) => name,
@@ -310,6 +310,64 @@ fn over(
     }
 }
 
+/// Motion of a target or a band: the named one, or `[motion]`.
+struct TargetMotion<'m> {
+    name: Option<&'m str>,
+    written: &'m file::Motion,
+    motion: &'m AxleMotion,
+}
+
+impl<'m> TargetMotion<'m> {
+    fn read(
+        name: &Option<Text>,
+        study: &'m AxleStudy,
+        context: &Context<'m>,
+        problems: &mut Problems,
+    ) -> Option<Self> {
+        let Some(text) = name else {
+            return Some(TargetMotion {
+                name: None,
+                written: context.file.motion.get_ref(),
+                motion: &study.plan.motion,
+            });
+        };
+        let sections = &context.file.motions;
+        let is_of_wheel = sections
+            .iter()
+            .any(|(own, section)| own.get_ref() == text.get_ref() && !moves_axle(section.get_ref()));
+        if is_of_wheel {
+            let name = text.get_ref();
+            let message = format!("the motion {name} moves the left wheel alone; a target or a band of an axle needs a motion of the axle");
+            let error = problems.add(text.span(), message);
+            error.help(format!(
+                "give heave, roll, or travel_left and travel_right in [motions.{name}]"
+            ));
+            return None;
+        }
+        let options: Vec<_> = study.motions.iter().map(|own| (own.0.as_str(), own)).collect();
+        if options.is_empty() {
+            let message = "this study has no named motions of the axle; give them in sections [motions.NAME]";
+            return problems.refuse(text.span(), message);
+        }
+        let (name, motion) = choose(text, "motion", &options, problems)?;
+        let mut sections = sections.iter();
+        let (_, section) = sections.find(|(own, _)| own.get_ref() == name)?;
+        Some(TargetMotion {
+            name: Some(name),
+            written: section.get_ref(),
+            motion,
+        })
+    }
+
+    /// The motion in messages.
+    fn words(&self) -> String {
+        match self.name {
+            Some(name) => format!("the motion {name}"),
+            None => "the motion of this study".to_owned(),
+        }
+    }
+}
+
 fn site(
     written: &Where,
     place: Span<usize>,
@@ -317,8 +375,9 @@ fn site(
     context: &Context,
     problems: &mut Problems,
 ) -> Option<AxleSite> {
-    let motion = context.file.motion.get_ref();
-    let mut held = study.plan.motion.clone();
+    let of = TargetMotion::read(written.motion, study, context, problems)?;
+    let motion = of.written;
+    let mut held = of.motion.clone();
     held.steering_wheel = None;
     let by_wheel = motion.steering_wheel_angle.is_some();
     let mut available: Vec<Coordinate> = Coordinate::ALL.to_vec();
@@ -329,13 +388,13 @@ fn site(
         _ => true,
     });
     let over = over(written, place, motion, &available, problems)?;
-    let mut words = String::new();
+    let mut words = of.name.map_or(String::new(), |name| format!(", motion {name}"));
     for coordinate in Coordinate::ALL {
         let given = written.held_at(coordinate);
         if !available.contains(&coordinate) {
             if let Some(given) = given {
                 let (key, known) = (coordinate.key(), keys(&available));
-                let message = format!("the motion of this study has {known}, but no {key}");
+                let message = format!("{} has {known}, but no {key}", of.words());
                 return problems.refuse(given.span(), message);
             }
             continue;
@@ -371,6 +430,7 @@ fn site(
         *along = values.collect();
     }
     Some(AxleSite {
+        motion: of.name.map(str::to_owned),
         over,
         values: moved(motion, over, problems),
         held,

@@ -21,6 +21,12 @@ pub(super) fn band(
         Some(axle) => axle_targets::band(spanned, axle, context, problems),
         None => {
             axle_targets::Where::from(written).refuse(true, problems);
+            if let Some(motion) = &written.motion {
+                let message = "a band of one wheel applies to [motion]; a named motion needs [axle]";
+                problems
+                    .add(motion.span(), message)
+                    .help("include its stations in [motion], or add [axle]");
+            }
             let name = &written.characteristic;
             let found = match context.elastic {
                 Some(elastic) => {

@@ -79,9 +79,8 @@ pub(super) fn is_judged_straight_ahead(name: &str) -> bool {
 /// Returns true if a target for a characteristic determines another one, except for its value in the design position.
 pub(super) fn determines(target: Characteristic, of: Characteristic) -> bool {
     use Characteristic::{Toe, ToeAtRim};
-    let is_same = |one, other| {
-        one == other || matches!((one, other), (Toe, ToeAtRim) | (ToeAtRim, Toe))
-    };
+    let is_same =
+        |one, other| one == other || matches!((one, other), (Toe, ToeAtRim) | (ToeAtRim, Toe));
     is_same(target, of) || integral_of(target).is_some_and(|own| is_same(own, of))
 }
 

@@ -332,21 +332,28 @@ impl<'m> TargetMotion<'m> {
             });
         };
         let sections = &context.file.motions;
-        let is_of_wheel = sections
-            .iter()
-            .any(|(own, section)| own.get_ref() == text.get_ref() && !moves_axle(section.get_ref()));
+        let is_of_wheel = sections.iter().any(|(own, section)| {
+            own.get_ref() == text.get_ref() && !moves_axle(section.get_ref())
+        });
         if is_of_wheel {
             let name = text.get_ref();
-            let message = format!("the motion {name} moves the left wheel alone; a target or a band of an axle needs a motion of the axle");
+            let message = format!(
+                "the motion {name} moves the left wheel alone; a target or a band of an axle needs a motion of the axle"
+            );
             let error = problems.add(text.span(), message);
             error.help(format!(
                 "give heave, roll, or travel_left and travel_right in [motions.{name}]"
             ));
             return None;
         }
-        let options: Vec<_> = study.motions.iter().map(|own| (own.0.as_str(), own)).collect();
+        let options: Vec<_> = study
+            .motions
+            .iter()
+            .map(|own| (own.0.as_str(), own))
+            .collect();
         if options.is_empty() {
-            let message = "this study has no named motions of the axle; give them in sections [motions.NAME]";
+            let message =
+                "this study has no named motions of the axle; give them in sections [motions.NAME]";
             return problems.refuse(text.span(), message);
         }
         let (name, motion) = choose(text, "motion", &options, problems)?;
@@ -388,7 +395,9 @@ fn site(
         _ => true,
     });
     let over = over(written, place, motion, &available, problems)?;
-    let mut words = of.name.map_or(String::new(), |name| format!(", motion {name}"));
+    let mut words = of
+        .name
+        .map_or(String::new(), |name| format!(", motion {name}"));
     for coordinate in Coordinate::ALL {
         let given = written.held_at(coordinate);
         if !available.contains(&coordinate) {

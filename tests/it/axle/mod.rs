@@ -23,6 +23,7 @@ mod side_by_side;
 mod springs;
 mod sweep;
 mod symmetry;
+mod targets_of_motions;
 mod tuning;
 
 use hardpoint::axle::{Axle, Law, Setup, SpringLaw};

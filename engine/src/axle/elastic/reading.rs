@@ -235,12 +235,8 @@ impl<T: Scalar> Reader<'_, T> {
                 let [left, right] = self.pair(by, |wheel| wheel.toe)?;
                 Some((right - left).scaled(0.5)[order])
             }
-            Quantity::Axle(AxleQuantity::TotalToe) => {
-                self.both(Characteristic::Toe, by)
-            }
-            Quantity::Axle(AxleQuantity::TotalToeAtRim) => {
-                self.both(Characteristic::ToeAtRim, by)
-            }
+            Quantity::Axle(AxleQuantity::TotalToe) => self.both(Characteristic::Toe, by),
+            Quantity::Axle(AxleQuantity::TotalToeAtRim) => self.both(Characteristic::ToeAtRim, by),
             Quantity::Axle(AxleQuantity::Track) => {
                 let [left, right] = self.pair(by, |wheel| wheel.contact.y)?;
                 Some((left + right)[order])

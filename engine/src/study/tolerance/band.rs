@@ -22,7 +22,8 @@ pub(super) fn band(
         None => {
             axle_targets::Where::from(written).refuse(true, problems);
             if let Some(motion) = &written.motion {
-                let message = "a band of one wheel applies to [motion]; a named motion needs [axle]";
+                let message =
+                    "a band of one wheel applies to [motion]; a named motion needs [axle]";
                 problems
                     .add(motion.span(), message)
                     .help("include its stations in [motion], or add [axle]");

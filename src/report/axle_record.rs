@@ -3,7 +3,7 @@
 use super::accuracy::remarks;
 use super::failures::FailureRange;
 use super::places::Places;
-use super::record::{DesignRecord, FORM, OutputRecord, Record, TargetRecord};
+use super::record::{DesignRecord, FORM, MotionRecord, OutputRecord, Record, TargetRecord};
 use super::scene::Scene;
 use crate::axle::{Axle, AxleMotion, AxlePlan, Coordinate, axle_frames};
 use crate::curves::thinned::evenly;
@@ -27,24 +27,10 @@ impl Record {
         designs: &[SolvedAxle<'_>],
     ) -> Result<Self, (Side, DesignFault)> {
         let (_, _, axle, _) = designs.last().expect("a run has a design");
-        let length = axle.left.length_unit;
-        let moving = plan.motion.moving();
-        let column = |coordinate: &Coordinate| coordinate.column(length);
-        let further: Vec<String> = moving[1..].iter().map(column).collect();
-        let record = |(label, file, axle, curves): &SolvedAxle<'_>| {
-            Ok(DesignRecord {
-                label: (*label).to_owned(),
-                curves: (*file).to_owned(),
-                stations: curves.stations.len(),
-                remarks: remarks(curves, length),
-                failures: FailureRange::all(curves, &axle.left),
-                frames: frames(axle, &plan.motion, &moving)?,
-            })
-        };
-        let outputs = designs.last().map_or_else(Vec::new, |(_, _, _, curves)| {
-            curves.columns.iter().map(OutputRecord::of).collect()
-        });
-        let targets = study.optimise.iter().flat_map(|o| &o.targets);
+        let frames: Vec<_> = designs
+            .iter()
+            .map(|(.., axle, _)| frames(axle, &plan.motion, &plan.motion.moving()))
+            .collect::<Result<_, _>>()?;
         Ok(Record {
             form: FORM,
             command: command.to_owned(),
@@ -55,20 +41,52 @@ impl Record {
                 name if name.ends_with("axle") => name.to_owned(),
                 name => format!("{name}_axle"),
             },
-            length_unit: length.symbol().to_owned(),
+            length_unit: axle.left.length_unit.symbol().to_owned(),
+            motion: MotionRecord::of_axle(study, None, plan, designs, frames),
+            motions: Vec::new(),
+            scene: Scene::of_axle(axle),
+            influences: Vec::new(),
+            front: None,
+            places: Places::default(),
+        })
+    }
+}
+
+impl MotionRecord {
+    /// Records the curves of an axle over a motion. `name` is the name of the motion, and `plan` has it. `frames` contains the
+    /// poses of each design; designs beyond its end have none.
+    pub fn of_axle(
+        study: &Study,
+        name: Option<&str>,
+        plan: &AxlePlan,
+        designs: &[SolvedAxle<'_>],
+        frames: Vec<Vec<Frame>>,
+    ) -> Self {
+        let (_, _, axle, curves) = designs.last().expect("a run has a design");
+        let length = axle.left.length_unit;
+        let moving = plan.motion.moving();
+        let column = |coordinate: &Coordinate| coordinate.column(length);
+        let further: Vec<String> = moving[1..].iter().map(column).collect();
+        let frames = frames.into_iter().chain(std::iter::repeat_with(Vec::new));
+        let record = |((label, file, axle, curves), frames): (&SolvedAxle<'_>, _)| DesignRecord {
+            label: (*label).to_owned(),
+            curves: (*file).to_owned(),
+            stations: curves.stations.len(),
+            remarks: remarks(curves, length),
+            failures: FailureRange::all(curves, &axle.left),
+            frames,
+        };
+        let targets = study.optimise.iter().flat_map(|o| &o.targets);
+        MotionRecord {
             drive: column(&moving[0]),
             abscissae: further.clone(),
             rack: None,
             further,
-            outputs,
-            targets: targets.filter_map(|t| target(t, axle)).collect(),
-            designs: designs.iter().map(record).collect::<Result<_, _>>()?,
-            scene: Scene::of_axle(axle),
-            influences: Vec::new(),
-            front: None,
+            outputs: curves.columns.iter().map(OutputRecord::of).collect(),
+            targets: targets.filter_map(|t| target(t, name, axle)).collect(),
             bands: Vec::new(),
-            places: Places::default(),
-        })
+            designs: designs.iter().zip(frames).map(record).collect(),
+        }
     }
 }
 
@@ -119,13 +137,13 @@ fn frames(
     Ok(frames.map(frame).collect())
 }
 
-/// Target as a value or a curve in the chart of one column. `None` if the motion cannot show it.
-fn target(target: &Target, axle: &Axle) -> Option<TargetRecord> {
+/// Target as a value or a curve in the chart of one column. `None` if the motion with this name cannot show it.
+fn target(target: &Target, name: Option<&str>, axle: &Axle) -> Option<TargetRecord> {
     let site = target
         .site
         .axle
         .as_ref()
-        .filter(|site| site.words.is_empty())?;
+        .filter(|site| site.is_whole_motion(name))?;
     let record = TargetRecord::of(target, &target.stations_among(&site.values), |at| at);
     (!record.points.is_empty()).then(|| TargetRecord {
         over: Some(site.over.column(axle.left.length_unit)),

@@ -26,7 +26,7 @@ pub struct AxleSite {
     pub values: Vec<f64>,
     /// Values of the other coordinates, in all combinations.
     pub held: AxleMotion,
-    /// Description of the motion, if it has a name, and of the other coordinates.
+    /// Description of the other coordinates that the study gives.
     pub words: String,
 }
 
@@ -51,6 +51,18 @@ impl AxleStudy {
 }
 
 impl AxleSite {
+    /// Description of the motion, if it has a name, and of the other coordinates that the study gives.
+    pub fn in_words(&self) -> String {
+        let motion = self.motion.as_ref();
+        let motion = motion.map_or(String::new(), |name| format!(", motion {name}"));
+        motion + &self.words
+    }
+
+    /// Returns true if only `over` is given, in the motion with this name.
+    pub fn is_whole_motion(&self, name: Option<&str>) -> bool {
+        self.motion.as_deref() == name && self.words.is_empty()
+    }
+
     /// Poses for a value of `over` in the study's unit.
     pub fn placements(&self, at: f64, axle: &Axle) -> Vec<Placement> {
         let mut motion = self.held.clone();
@@ -395,9 +407,7 @@ fn site(
         _ => true,
     });
     let over = over(written, place, motion, &available, problems)?;
-    let mut words = of
-        .name
-        .map_or(String::new(), |name| format!(", motion {name}"));
+    let mut words = String::new();
     for coordinate in Coordinate::ALL {
         let given = written.held_at(coordinate);
         if !available.contains(&coordinate) {

@@ -94,7 +94,7 @@ fn static_toe_gives_its_sine() {
             more,
         ]
         .concat();
-        study("semi_trailing_arm_solve", &all).unwrap()
+        study("macpherson_bump_steer", &all).unwrap()
     };
     for (toe, camber) in [(0.3_f64, -1.0), (-2.0, 5.0)] {
         let study = given(&[
@@ -121,8 +121,8 @@ fn its_slope_is_that_of_the_angle() {
     )
     .unwrap();
     let angles = column(&study, "toe_deg");
-    let slopes = column(&study, "toe_by_travel_deg_per_mm");
-    let lengths = column(&study, "toe_at_rim_by_travel_mm_per_mm");
+    let slopes = column(&study, "toe_d1_deg_per_mm");
+    let lengths = column(&study, "toe_at_rim_d1_mm_per_mm");
     assert!(slopes.iter().any(|slope| slope.abs() > 1e-3));
     for ((angle, slope), length) in angles.iter().zip(slopes).zip(lengths) {
         let expected = DIAMETER * angle.to_radians().cos() * slope.to_radians();

@@ -9,7 +9,7 @@ use crate::axle::{
 use crate::characteristics::Characteristic;
 use crate::mechanism::DesignFault;
 use crate::model::Side;
-use crate::study::{AxleStudy, Optimise, Study, Target, TargetKind};
+use crate::study::{AxleSample, AxleStudy, Optimise, Study, TargetKind};
 
 /// Names of the quantities that are compared in addition to the study's outputs.
 const COMPARED: [&str; 10] = [
@@ -26,8 +26,7 @@ const COMPARED: [&str; 10] = [
 ];
 
 /// Values of a study's outputs, and of the compared quantities, over its motion.
-///
-/// Targets of another named motion than `name` are left out: their stations have other coordinates.
+/// `name` is the name of the motion.
 pub(super) fn observe(
     study: &Study,
     both: &AxleStudy,
@@ -52,19 +51,23 @@ pub(super) fn observe(
         };
         let targets = study.optimise.iter().flat_map(|o| &o.targets);
         let mut wanted = Vec::new();
-        let is_seen = |target: &&Target| {
-            let site = target.site.axle.as_ref();
-            let motion = site.and_then(|site| site.motion.as_deref());
-            motion.is_none() || motion == name
-        };
-        for target in targets.filter(is_seen) {
+        for target in targets {
             let over = target.site.axle.as_ref().map(|site| site.over);
             let along = coordinates
                 .iter()
                 .position(|c| over.is_some_and(|o| is_same(*c, o)));
             let samples = target.axle_samples(&both.axle).into_iter();
             let own = samples.filter(|sample| is_about(sample.quantity, column));
-            wanted.extend(own.filter_map(|sample| grid.station(&place(&sample.placement), along?)));
+            let site = target.site.axle.as_ref();
+            let motion = site.and_then(|site| site.motion.as_deref());
+            let station = |sample: AxleSample| match motion {
+                // Stations of another named motion have other coordinates: only equal positions count.
+                Some(other) if Some(other) != name => {
+                    placements.iter().position(|own| *own == sample.placement)
+                }
+                _ => grid.station(&place(&sample.placement), along?),
+            };
+            wanted.extend(own.filter_map(station));
         }
         series.push(Series {
             wanted,

@@ -3,7 +3,7 @@
 use super::axle::{AxleStudy, coordinates, lacks_nothing, moves_axle, quantities};
 use super::error::Problems;
 use super::file;
-use super::motion::values;
+use super::motion::list;
 use super::names::choose;
 use super::resolve::Context;
 use super::value::{Numbers, Text};
@@ -66,6 +66,14 @@ impl AxleSite {
     /// Poses for a value of `over` in the study's unit.
     pub fn placements(&self, at: f64, axle: &Axle) -> Vec<Placement> {
         let mut motion = self.held.clone();
+        if motion.has_rows() {
+            let value = self.over.in_kernel(at, axle);
+            let along = motion.along(self.over).cloned().unwrap_or_default();
+            let rows = (0..along.len()).filter(|row| along[*row] == value);
+            return rows
+                .flat_map(|row| self.held.row(row).placements())
+                .collect();
+        }
         let along = motion.along(self.over).expect("a number of this motion");
         *along = vec![self.over.in_kernel(at, axle)];
         motion.placements()
@@ -158,11 +166,17 @@ pub(super) fn band(
     Some((of?, site))
 }
 
-/// Values of a coordinate in the study's motion, as written.
+/// Different values of a coordinate in a motion, as written.
 fn moved(motion: &file::Motion, coordinate: Coordinate, problems: &mut Problems) -> Vec<f64> {
     let written = coordinates!(motion)[coordinate as usize];
-    let given = written.as_ref().and_then(|given| values(given, problems));
-    given.unwrap_or_else(|| vec![0.0])
+    let given = written.as_ref().and_then(|given| list(given, problems));
+    let mut different: Vec<f64> = Vec::new();
+    for value in given.unwrap_or_else(|| vec![0.0]) {
+        if !different.contains(&value) {
+            different.push(value);
+        }
+    }
+    different
 }
 
 /// Reads the quantity of an axle's target, its stations, and the motion of its curve.
@@ -406,7 +420,17 @@ fn site(
         Coordinate::SteeringWheel => by_wheel,
         _ => true,
     });
-    let over = over(written, place, motion, &available, problems)?;
+    let has_rows = held.has_rows();
+    let over = match written.over {
+        // Of rows every coordinate may change at the same time.
+        None if has_rows => held.moving()[0],
+        _ => over(written, place, motion, &available, problems)?,
+    };
+    // The main coordinate of rows may be the displacement of the rack.
+    let over = match over {
+        Coordinate::Rack if by_wheel => Coordinate::SteeringWheel,
+        over => over,
+    };
     let mut words = String::new();
     for coordinate in Coordinate::ALL {
         let given = written.held_at(coordinate);
@@ -424,6 +448,14 @@ fn site(
                     "the target runs over {0}, so {0} cannot be held",
                     over.key()
                 );
+                return problems.refuse(given.span(), message);
+            }
+            continue;
+        }
+        if has_rows {
+            if let Some(given) = given {
+                let key = coordinate.key();
+                let message = format!("the rows of {} give {key}; leave {key} out", of.words());
                 return problems.refuse(given.span(), message);
             }
             continue;

@@ -19,6 +19,7 @@ mod points;
 mod reference;
 mod right;
 mod rocker_springs;
+mod rows;
 mod side_by_side;
 mod springs;
 mod sweep;

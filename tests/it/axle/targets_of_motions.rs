@@ -86,23 +86,23 @@ fn one_tuning_meets_targets_in_two_motions() {
             "outputs.characteristics=[\"bump_steer\", \"roll_steer\", \"camber_to_road\"]",
             "optimise.starts=1",
             "optimise.targets=[\
-             { characteristic = \"bump_steer\", motion = \"bump\", between = [-0.003, 0.003], tolerance = 0.0005 },\
-             { characteristic = \"camber_to_road\", motion = \"turn\", over = \"roll\", between = [-1.95, 1.95], tolerance = 0.02 }]",
+             { characteristic = \"bump_steer\", motion = \"bump\", between = [-0.001, 0.001], tolerance = 0.0002 },\
+             { characteristic = \"camber_to_road\", motion = \"turn\", over = \"roll\", between = [-2.1, 2.1], tolerance = 0.02 }]",
         ],
     )
     .unwrap();
     let value =
         |study: &Study, motion: &str, column: &str| most(&study.in_motion(motion).unwrap(), column);
-    assert!(value(&study, "bump", "left_bump_steer_deg_per_mm") > 0.004);
-    assert!(value(&study, "turn", "right_camber_to_road_deg") > 2.0);
+    assert!(value(&study, "bump", "left_bump_steer_deg_per_mm") > 0.002);
+    assert!(value(&study, "turn", "right_camber_to_road_deg") > 2.15);
     let best = study.tune(Control::default()).unwrap().best.unwrap();
     assert!(best.after.misfit < 0.11, "{}", best.after.misfit);
     let tuned = study.moved(&best.offsets);
     for side in ["left", "right"] {
         let bump = value(&tuned, "bump", &format!("{side}_bump_steer_deg_per_mm"));
-        assert!(bump < 0.003 + 0.3 * 0.0005, "{bump}");
+        assert!(bump < 0.001 + 0.3 * 0.0002, "{bump}");
         let camber = value(&tuned, "turn", &format!("{side}_camber_to_road_deg"));
-        assert!(camber < 1.95 + 0.3 * 0.02, "{camber}");
+        assert!(camber < 2.1 + 0.3 * 0.02, "{camber}");
     }
 }
 
@@ -138,7 +138,19 @@ fn a_band_in_a_named_motion_limits_the_values_of_the_same_motion() {
         };
         let (own, named) = (slopes(&own), slopes(&named));
         assert!(own.len() > 1, "{motion}");
-        assert_eq!(own, named, "{motion}");
+        assert_eq!(own.len(), named.len());
+        for ((value, slopes), (other, others)) in own.iter().zip(&named) {
+            assert!((value - other).abs() < 1e-13, "{motion}: {value} {other}");
+            let size = slopes
+                .iter()
+                .fold(0.0_f64, |most, slope| most.max(slope.abs()));
+            for (slope, other) in slopes.iter().zip(others) {
+                assert!(
+                    (slope - other).abs() <= 1e-12 * size,
+                    "{motion}: {slope} {other}"
+                );
+            }
+        }
     }
 }
 

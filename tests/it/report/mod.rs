@@ -1,6 +1,7 @@
 //! The page and the pictures of a run: required content, forbidden content, and the display in a browser.
 
 mod browser;
+mod motions;
 mod page;
 mod pictures;
 mod refusals;

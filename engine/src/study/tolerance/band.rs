@@ -65,6 +65,13 @@ pub(super) fn band(
         }
         (Some(_), None) => None,
     };
+    let rows = site.filter(|site| site.held.has_rows());
+    if let (Some(site), Some(at)) = (rows, &written.at)
+        && !site.values.contains(&at.value)
+    {
+        let message = format!("no row of the motion has {}", at.value);
+        return problems.refuse(at.span.clone(), message);
+    }
     let ends = match (&written.between, &written.at_least, &written.at_most) {
         (Some(between), None, None) => match between.get_ref().as_slice() {
             [low, high] if low.value < high.value => Some([low.value, high.value]),

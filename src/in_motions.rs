@@ -38,9 +38,12 @@ impl InMotion {
             (*label, file(label, name), moved)
         });
         let moved: Vec<(&str, String, Study)> = moved.collect();
-        let solved = moved.iter().map(|(_, _, study)| match with_targets {
-            true => Solved::with_targets(study),
-            false => Solved::of(study),
+        let solved = moved.iter().map(|(_, _, study)| {
+            if with_targets {
+                Solved::with_targets(study)
+            } else {
+                Solved::of(study)
+            }
         });
         let solved: Vec<Solved> = solved.collect::<Result<_, _>>()?;
         let labelled = moved.iter().zip(&solved);

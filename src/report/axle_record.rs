@@ -161,7 +161,7 @@ fn drawn(
     places: impl Iterator<Item = [f64; 2]>,
 ) -> Result<Vec<Frame>, (Side, DesignFault)> {
     let drawn = axle_frames(axle, placements)?;
-    let frame = |([drive, rack], drawn)| Frame {
+    let frame = |([drive, rack], drawn): ([f64; 2], _)| Frame {
         drive,
         rack,
         pose: Result::map_err(drawn, |reason: NoPose| {

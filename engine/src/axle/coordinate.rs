@@ -153,10 +153,11 @@ impl AxleMotion {
         let has_rows = self.has_rows();
         moving.retain(|c| {
             let values = motion.along(*c).map_or(&[][..], |values| values);
-            match has_rows {
+            if has_rows {
                 // A value of a row may be repeated in others.
-                true => values.iter().any(|value| *value != values[0]),
-                false => values.len() > 1,
+                values.iter().any(|value| *value != values[0])
+            } else {
+                values.len() > 1
             }
         });
         if moving.is_empty() {

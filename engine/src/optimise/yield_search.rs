@@ -34,6 +34,7 @@ use super::{
     Bounds, ConstrainedFit, Control, Infeasible, LeastSquares, Linearisation, Objective, Options,
     TargetLayout,
 };
+use crate::evaluate::index_or_push;
 use crate::mechanism::DesignFault;
 use crate::number::Width;
 use crate::study::{
@@ -354,7 +355,12 @@ fn site_of(band: &Band, study: &AxleStudy) -> AxleSite {
         study.plan.motion.clone()
     };
     let over = held.moving()[0];
-    let values = held.along(over).cloned().unwrap_or_default();
+    let along = held.along(over).cloned().unwrap_or_default();
+    // Rows may have equal values. The site has all rows of a value.
+    let mut values: Vec<f64> = Vec::new();
+    for value in along {
+        index_or_push(&mut values, value);
+    }
     let values = values.iter().map(|value| over.written(*value, &study.axle));
     AxleSite {
         motion: None,

@@ -15,6 +15,9 @@ use crate::number::Each;
 use std::ops::Range as Span;
 use toml::Spanned;
 
+/// Largest difference of equal values of rows, relative to the value.
+const SAME_ROW: f64 = 1e-10;
+
 /// Stations of an axle's target: one coordinate of the motion varies, and the others are fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleSite {
@@ -69,7 +72,9 @@ impl AxleSite {
         if motion.has_rows() {
             let value = self.over.in_kernel(at, axle);
             let along = motion.along(self.over).cloned().unwrap_or_default();
-            let rows = (0..along.len()).filter(|row| along[*row] == value);
+            // A value that was converted to its written form and back may differ by rounding.
+            let is_same = |own: f64| (own - value).abs() <= SAME_ROW * value.abs();
+            let rows = (0..along.len()).filter(|row| is_same(along[*row]));
             return rows
                 .flat_map(|row| self.held.row(row).placements())
                 .collect();

@@ -4,6 +4,7 @@ use super::tuning::{evaluate, layout, study};
 use hardpoint::curves::Curves;
 use hardpoint::optimise::Control;
 use hardpoint::study::Study;
+use hardpoint::tolerance::Problem;
 use nalgebra::DVector;
 
 fn with(study: &Study, edits: &[&str]) -> Result<Study, String> {
@@ -126,6 +127,26 @@ fn a_tuning_meets_targets_at_rows() {
     let after = values(&study.moved(&best.offsets));
     assert!((after[0] - 2.4).abs() < 1e-6, "{after:?}");
     assert!((after[1] + 2.4).abs() < 1e-6, "{after:?}");
+}
+
+/// A band without `at` limits every row once, even where rows have equal values. With `at` it limits the rows of this value.
+#[test]
+fn a_band_limits_every_row() {
+    let of = |rest: &str| {
+        let tolerance = format!(
+            "tolerance={{ builds = 2, scatter = [{{ hardpoint = \"tie_rod_outer\", sigma = 0.4 }}], bands = [{{ characteristic = \"mean_steer\", at_most = 1.0{rest} }}] }}"
+        );
+        let motion = format!("motion={}", ROWS[1].0);
+        let study = with(&study("macpherson_axle", &[]), &[&motion, &tolerance]).unwrap();
+        let problem = Problem::of(&study, study.tolerance.as_ref().unwrap()).unwrap();
+        let nominal = problem.drawn().unwrap();
+        let cells = problem.cells_of_bands().next().unwrap().into_iter();
+        cells.map(|cell| nominal[cell]).collect::<Vec<f64>>()
+    };
+    let all = of("");
+    assert_eq!(all.len(), 3);
+    assert_eq!(of(", over = \"roll\", at = 1.0"), [all[0], all[2]]);
+    assert_eq!(of(", over = \"heave\", at = 0.0"), [all[1]]);
 }
 
 #[test]

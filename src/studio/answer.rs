@@ -139,6 +139,7 @@ fn solved_wheel(
         groups: groups.of_stations,
         group_places: groups.places,
         shown: groups.shown,
+        has_rows: false,
         is_partial: left_out.is_some(),
         status: found.stations.iter().map(|s| s.status.word()).collect(),
         failures: FailureRange::all(&found, suspension),

@@ -45,13 +45,18 @@ fn main(motion: &AxleMotion) -> Coordinate {
     *all.iter().find(|c| **c == main).unwrap_or(&all[0])
 }
 
-/// Printed values of a coordinate over a motion.
+/// Different printed values of a coordinate over a motion.
 fn values(motion: &AxleMotion, coordinate: Coordinate, axle: &Axle) -> Vec<f64> {
     let mut motion = motion.clone();
     let values = motion.along(coordinate).into_iter().flatten();
-    values
-        .map(|value| printed(coordinate, *value, axle))
-        .collect()
+    let mut different = Vec::new();
+    for value in values.map(|value| printed(coordinate, *value, axle)) {
+        // Rows may have equal values.
+        if !different.contains(&value) {
+            different.push(value);
+        }
+    }
+    different
 }
 
 fn printed(coordinate: Coordinate, value: f64, axle: &Axle) -> f64 {
@@ -233,6 +238,7 @@ pub(super) fn solved(
         groups: groups.of_stations,
         group_places: groups.places,
         shown: groups.shown,
+        has_rows: whole.has_rows(),
         is_partial,
         status: (found.curves.stations.iter())
             .map(|s| s.status.word())

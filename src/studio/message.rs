@@ -264,6 +264,8 @@ pub(super) struct SolvedAnswer {
     /// Index of the group nearest to the sliders. The next field is its rack displacement.
     pub shown: usize,
     pub rack: f64,
+    /// True if the stations are rows, whose curves follow the order of the rows.
+    pub has_rows: bool,
     /// True if stations of other groups are left out. Failures and remarks are then those of the shown group alone.
     pub is_partial: bool,
     pub status: Vec<&'static str>,

@@ -34,7 +34,6 @@ use super::{
     Bounds, ConstrainedFit, Control, Infeasible, LeastSquares, Linearisation, Objective, Options,
     TargetLayout,
 };
-use crate::evaluate::index_or_push;
 use crate::mechanism::DesignFault;
 use crate::number::Width;
 use crate::study::{
@@ -349,25 +348,11 @@ fn site_of(band: &Band, study: &AxleStudy) -> AxleSite {
     if let Some(site) = &band.site {
         return site.clone();
     }
-    let mut held = if band.of.is_figure() {
-        study.plan.motion.at_design()
+    let motion = &study.plan.motion;
+    if band.of.is_figure() {
+        AxleSite::whole(None, &motion.at_design(), &study.axle)
     } else {
-        study.plan.motion.clone()
-    };
-    let over = held.moving()[0];
-    let along = held.along(over).cloned().unwrap_or_default();
-    // Rows may have equal values. The site has all rows of a value.
-    let mut values: Vec<f64> = Vec::new();
-    for value in along {
-        index_or_push(&mut values, value);
-    }
-    let values = values.iter().map(|value| over.written(*value, &study.axle));
-    AxleSite {
-        motion: None,
-        over,
-        values: values.collect(),
-        held,
-        words: String::new(),
+        AxleSite::whole(None, motion, &study.axle)
     }
 }
 

@@ -10,6 +10,7 @@ use super::value::{Numbers, Text};
 use super::{Motion, Site, Target, TargetKind, TargetQuantity};
 use crate::ask::with_unit;
 use crate::axle::{Axle, AxleMotion, AxlePlan, Coordinate, Placement, Quantity};
+use crate::evaluate::index_or_push;
 use crate::model::Side;
 use crate::number::Each;
 use std::ops::Range as Span;
@@ -54,6 +55,26 @@ impl AxleStudy {
 }
 
 impl AxleSite {
+    /// All stations of a motion. `name` is its name.
+    pub(crate) fn whole(name: Option<&str>, motion: &AxleMotion, axle: &Axle) -> Self {
+        let mut held = motion.clone();
+        let over = held.moving()[0];
+        let along = held.along(over).cloned().unwrap_or_default();
+        // Rows may have equal values. The site has all rows of a value.
+        let mut values: Vec<f64> = Vec::new();
+        for value in along {
+            index_or_push(&mut values, over.written(value, axle));
+        }
+        held.steering_wheel = None;
+        AxleSite {
+            motion: name.map(str::to_owned),
+            over,
+            values,
+            held,
+            words: String::new(),
+        }
+    }
+
     /// Description of the motion, if it has a name, and of the other coordinates that the study gives.
     pub fn in_words(&self) -> String {
         let motion = self.motion.as_ref();
@@ -130,10 +151,9 @@ impl<'w> Where<'w> {
         self.held().find(|(c, _)| *c == coordinate)?.1
     }
 
-    /// Returns true if the study gives the motion or some coordinate of the stations.
+    /// Returns true if the study gives some coordinate of the stations.
     fn is_given(&self) -> bool {
-        let is_held = || self.held.iter().any(|given| given.is_some());
-        self.motion.is_some() || self.over.is_some() || is_held()
+        self.over.is_some() || self.held.iter().any(|given| given.is_some())
     }
 
     /// Refuses entries for an axle in a section for one wheel. The key `rack` of a target is allowed unless `rack_too` is true.
@@ -153,7 +173,7 @@ impl<'w> Where<'w> {
     }
 }
 
-/// Reads the quantities of a band of an axle, and its stations. If the site is `None`, the band applies to the whole motion.
+/// Reads the quantities of a band of an axle, and its stations. If the site is `None`, the band applies to the whole `[motion]`.
 pub(super) fn band(
     spanned: &Spanned<file::Band>,
     study: &AxleStudy,
@@ -163,10 +183,13 @@ pub(super) fn band(
     let written = spanned.get_ref();
     let wanted = Where::from(written);
     let of = subject(&written.characteristic, wanted.side, study, problems);
-    let site = if written.at.is_some() || wanted.is_given() {
-        Some(site(&wanted, spanned.span(), study, context, problems)?)
-    } else {
-        None
+    let site = match (written.at.is_some() || wanted.is_given(), wanted.motion) {
+        (true, _) => Some(site(&wanted, spanned.span(), study, context, problems)?),
+        (false, Some(_)) => {
+            let of = TargetMotion::read(wanted.motion, study, context, problems)?;
+            Some(AxleSite::whole(of.name, of.motion, &study.axle))
+        }
+        (false, None) => None,
     };
     Some((of?, site))
 }

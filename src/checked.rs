@@ -1,6 +1,7 @@
 //! Result of checking a study as `hardpoint check` does: curves of its own motion, curves of its named motions, and doubts.
 
 use crate::curves::Curves;
+use crate::in_motions::InMotion;
 use crate::model::Suspension;
 use crate::report::{FailureRange, remarks_on_motion, variable_plausibility};
 use crate::solved::Solved;
@@ -130,9 +131,13 @@ impl NamedCurves {
         named.collect()
     }
 
-    /// Name of the file with the curves.
-    pub fn file(&self) -> String {
-        motion_file(&self.name)
+    /// Curves of each design over a named motion.
+    pub fn of(motion: &InMotion) -> impl Iterator<Item = Self> {
+        let curves = motion.curves.iter();
+        curves.map(|curves| NamedCurves {
+            name: motion.record.name.clone(),
+            curves: curves.clone(),
+        })
     }
 
     /// Ranges of stations that were not solved, one per line.

@@ -113,6 +113,8 @@ pub mod compared;
 pub mod drawing;
 #[doc(hidden)]
 pub mod exchange;
+#[doc(hidden)]
+pub mod in_motions;
 mod limits;
 #[doc(hidden)]
 pub mod report;

@@ -6,8 +6,9 @@ use crate::curves::{Curves, wheel_curves};
 use crate::mechanism::NoPose;
 use crate::plan::Plan;
 use crate::report::{
-    CurveTable, FailureRange, Record, SolveSummary, Summary, both_wheels_plausibility, curves_csv,
-    plausibility, rack_doubt, remarks, sensitivities_csv, spring_doubts,
+    CurveTable, DrawnDesign, FailureRange, MotionRecord, Record, SolveSummary, SolvedAxle, Summary,
+    both_wheels_plausibility, curves_csv, plausibility, rack_doubt, remarks, sensitivities_csv,
+    spring_doubts,
 };
 use crate::study::{AxleStudy, Study, Vehicle, WheelStudy};
 
@@ -165,6 +166,28 @@ impl<'s> Solved<'s> {
         Ok(Summary::Solve(Box::new(summary)))
     }
 
+    /// Record of these designs over the named motion that their studies have as their own. All of them describe one wheel, or all
+    /// of them describe an axle.
+    pub(crate) fn motion_record(name: &str, designs: &[Labelled<'_>]) -> MotionRecord {
+        let (.., last) = designs.last().expect("a run has a design");
+        let study = designs[0].2.study;
+        match &last.plan {
+            Planned::Corner(plan) => {
+                let drawn = designs.iter().map(|(label, file, solved)| DrawnDesign {
+                    label,
+                    file,
+                    curves: &solved.curves,
+                    frames: Vec::new(),
+                });
+                MotionRecord::of_wheel(study, Some(name), plan, drawn.collect())
+            }
+            Planned::Axle(_, plan, _) => {
+                let axles: Vec<_> = axles(designs).collect();
+                MotionRecord::of_axle(study, Some(name), plan, &axles, Vec::new())
+            }
+        }
+    }
+
     /// Record of a run of these designs. All of them describe one wheel, or all of them describe an axle. The last one is the
     /// most important.
     pub fn record(command: &str, designs: &[Labelled<'_>]) -> Result<Record, String> {
@@ -179,13 +202,18 @@ impl<'s> Solved<'s> {
                 record.map_err(|f| f.describe(&study.wheel().mechanism))
             }
             Planned::Axle(both, plan, _) => {
-                let axles = designs.iter().filter_map(|(label, file, solved)| {
-                    let own = &solved.study.axle()?.axle;
-                    Some((*label, *file, own, &solved.curves))
-                });
-                let record = Record::of_axle(command, study, plan, &axles.collect::<Vec<_>>());
+                let axles: Vec<_> = axles(designs).collect();
+                let record = Record::of_axle(command, study, plan, &axles);
                 record.map_err(|f| both.axle.describe_fault(f))
             }
         }
     }
+}
+
+/// Designs of axles, to be recorded.
+fn axles<'a>(designs: &'a [Labelled<'a>]) -> impl Iterator<Item = SolvedAxle<'a>> {
+    designs.iter().filter_map(|(label, file, solved)| {
+        let own = &solved.study.axle()?.axle;
+        Some((*label, *file, own, &solved.curves))
+    })
 }

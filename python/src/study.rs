@@ -261,7 +261,7 @@ pub(crate) fn drawing(py: Python<'_>, study: &Study) -> PyResult<String> {
         Solved::record("solve", &[("design", "curves.csv", &solved)])
     })?;
     let record = record.map_err(failure)?;
-    let frames = record.designs.last().map(|design| &design.frames);
+    let frames = record.motion.designs.last().map(|design| &design.frames);
     Ok(serde_json::json!({ "scene": record.scene, "frames": frames }).to_string())
 }
 

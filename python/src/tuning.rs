@@ -5,6 +5,7 @@ use crate::errors::failure;
 use crate::function::named;
 use crate::study::Study;
 use crate::threads::{interruptible, on_threads};
+use hardpoint::in_motions::InMotion;
 use hardpoint::mechanism::DesignFault;
 use hardpoint::model::Suspension;
 use hardpoint::optimise::{
@@ -12,7 +13,8 @@ use hardpoint::optimise::{
     front, price_list, tune,
 };
 use hardpoint::report::{
-    FrontRecord, PriceRecord, Record, TuningSummary, front_csv, history_csv, side_effects_table,
+    FrontRecord, PriceRecord, Record, TuningSummary, curves_csv, front_csv, history_csv,
+    side_effects_table,
 };
 use hardpoint::side_effects::side_effects;
 use hardpoint::solved::Solved;
@@ -236,15 +238,27 @@ pub(crate) fn tuning_files<'py>(
         let mut designs = vec![("before", "curves_before.csv", &before)];
         designs.extend(after.as_ref().map(|after| ("after", "curves.csv", after)));
         let record = Solved::record("optimise", &designs)?;
+        let studies = [("before", Some(own)), ("after", tuned)];
+        let studies = studies
+            .into_iter()
+            .filter_map(|(label, own)| Some((label, own?)));
+        let in_motions = InMotion::all(&studies.collect::<Vec<_>>(), true)?;
         let front = front.map(serde_json::from_str::<FrontRecord>).transpose();
         let front = front.map_err(|e| e.to_string())?;
-        let mut files: Vec<(&str, Vec<u8>)> = designs
-            .iter()
-            .map(|(_, file, solved)| (*file, solved.csv()))
-            .collect();
+        let own = designs.iter();
+        let own = own.map(|(_, file, solved)| ((*file).to_owned(), solved.csv()));
+        let mut files: Vec<(String, Vec<u8>)> = own.collect();
+        let named = in_motions.iter().flat_map(InMotion::files);
+        files.extend(named.map(|(file, curves)| (file.to_owned(), curves_csv(curves))));
         let sensitivities = after.as_ref().and_then(Solved::sensitivities_csv);
-        files.extend(sensitivities.map(|csv| ("sensitivities.csv", csv)));
-        files.push(("report.json", as_json(&Record { front, ..record })));
+        files.extend(sensitivities.map(|csv| ("sensitivities.csv".to_owned(), csv)));
+        let motions = in_motions.into_iter().map(|own| own.record).collect();
+        let record = Record {
+            front,
+            motions,
+            ..record
+        };
+        files.push(("report.json".to_owned(), as_json(&record)));
         Ok(files)
     })?;
     let result = PyDict::new(py);

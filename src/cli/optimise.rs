@@ -7,10 +7,11 @@ use super::output::{Output, design_fault, pool};
 use super::report::ReportOptions;
 use super::yields::yields;
 use super::{interrupt, progress, terminal};
+use crate::in_motions::InMotion;
 use crate::optimise::{Control, Tuning, tune};
 use crate::report::{
-    FrontRecord, PriceRecord, Record, TuningSummary, counted, further_in_words, history_csv,
-    shown_side_effects, side_effects_table, variable_plausibility,
+    FrontRecord, PriceRecord, Record, TuningSummary, counted, curves_csv, further_in_words,
+    history_csv, shown_side_effects, side_effects_table, variable_plausibility,
 };
 use crate::rig::RigTests;
 use crate::side_effects::{SideEffect, side_effects};
@@ -136,6 +137,12 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     }
     let after = tuned.as_ref().map(Solved::with_targets).transpose();
     let after = after.map_err(|why| Stop::unsolved(path, why))?;
+    let designs = [("before", Some(&study)), ("after", tuned.as_ref())];
+    let designs = designs
+        .into_iter()
+        .filter_map(|(label, own)| Some((label, own?)));
+    let in_motions = InMotion::all(&designs.collect::<Vec<_>>(), true);
+    let in_motions = in_motions.map_err(|why| Stop::unsolved(path, why))?;
     let prices = *prices || arguments.report;
     let choices = pool.install(|| Choices::of(&study, optimise, &tuning, prices));
     let choices = choices.map_err(of_wheel)?;
@@ -156,6 +163,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
         tuning: &tuning,
         before: &before,
         tuned: tuned.as_ref().zip(after.as_ref()),
+        in_motions: &in_motions,
         choices: &choices,
         summary: &summary,
         is_interrupted: interrupt::is_raised(),
@@ -175,6 +183,8 @@ struct Finished<'a> {
     before: &'a Solved<'a>,
     /// Tuned design with its curves. `None` if no start reached a design.
     tuned: Option<(&'a Study, &'a Solved<'a>)>,
+    /// Curves of both designs over the named motions.
+    in_motions: &'a [InMotion],
     choices: &'a Choices,
     summary: &'a TuningSummary,
     is_interrupted: bool,
@@ -186,7 +196,7 @@ impl Finished<'_> {
         &self,
         output: &Output,
         report: &ReportOptions,
-    ) -> Result<(Vec<&'static str>, Option<StudyErrors>), Stop> {
+    ) -> Result<(Vec<&'_ str>, Option<StudyErrors>), Stop> {
         let (study, summary) = (self.study, self.summary);
         let fault = |why| Stop::unsolved(self.path, why);
         if self.is_interrupted {
@@ -211,6 +221,10 @@ impl Finished<'_> {
             output.without("curves.csv")?;
             output.without("optimised.toml")?;
         }
+        for (file, curves) in self.in_motions.iter().flat_map(InMotion::files) {
+            output.file(file, &curves_csv(curves))?;
+            files.push(file);
+        }
         let effects = &summary.side_effects;
         let csv = (!effects.is_empty()).then(|| side_effects_table(effects).csv(None).into_bytes());
         files.extend(output.file_if_any("side_effects.csv", csv)?);
@@ -222,7 +236,12 @@ impl Finished<'_> {
             let front = self.choices.front.as_ref();
             let front =
                 front.map(|front| FrontRecord::of(study, self.optimise, front, Solved::table));
-            let record = Record { front, ..record };
+            let motions = self.in_motions.iter().map(|own| own.record.clone());
+            let record = Record {
+                front,
+                motions: motions.collect(),
+                ..record
+            };
             output.record("report.json", &record)?;
             files.push("report.json");
         }

@@ -5,7 +5,7 @@ use super::exit::Stop;
 use super::interrupt;
 use super::terminal;
 use super::{RunArguments, TableFormat};
-use crate::checked::motion_file;
+use crate::in_motions::files_in_motions;
 use crate::mechanism::DesignFault;
 use crate::report::{Format, Table, Tables, counted};
 use crate::results::{Claim, RunDirectory, study_digest};
@@ -148,10 +148,7 @@ impl Output {
         };
         files.extend(arguments.report.then_some("report.html"));
         let of_motions: Vec<String> = match command {
-            "solve" => {
-                let names = study.motion_names().into_iter();
-                names.map(motion_file).collect()
-            }
+            "solve" | "optimise" => files_in_motions(study, command == "optimise"),
             _ => Vec::new(),
         };
         files.extend(of_motions.iter().map(String::as_str));

@@ -5,7 +5,8 @@ use super::exit::{Exit, Stop};
 use super::output::Output;
 use super::report::ReportOptions;
 use crate::checked::{AllMotions, NamedCurves};
-use crate::report::{counted, curves_csv};
+use crate::in_motions::InMotion;
+use crate::report::{Record, counted, curves_csv};
 use crate::solved::Solved;
 use crate::study::{CarStudy, Study};
 
@@ -19,19 +20,22 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     let solved = Solved::of(&study).map_err(fault)?;
     // These steps may refuse the study, so they come before any file is written.
     let summary = solved.summary().map_err(fault)?;
-    let of_motions = NamedCurves::all(&study).map_err(fault)?;
+    let in_motions = InMotion::all(&[("design", &study)], false).map_err(fault)?;
+    let of_motions: Vec<NamedCurves> = in_motions.iter().flat_map(NamedCurves::of).collect();
     let plausibility = solved.plausibility().map_err(fault)?;
     let record = Solved::record("solve", &[("design", "curves.csv", &solved)]).map_err(fault)?;
+    let record = Record {
+        motions: in_motions.iter().map(|own| own.record.clone()).collect(),
+        ..record
+    };
     let report = ReportOptions::open(arguments, &study, || Ok(record.clone()))?;
     let output = Output::open(arguments, &study, "solve")?;
 
     let mut files = vec!["curves.csv"];
     output.main_csv("curves.csv", &solved.csv())?;
     files.extend(output.file_if_any("sensitivities.csv", solved.sensitivities_csv())?);
-    let motion_files: Vec<String> = of_motions.iter().map(NamedCurves::file).collect();
-    for (motion, file) in of_motions.iter().zip(&motion_files) {
-        let csv = curves_csv(&motion.curves);
-        output.file(file, &csv)?;
+    for (file, curves) in in_motions.iter().flat_map(InMotion::files) {
+        output.file(file, &curves_csv(curves))?;
         files.push(file);
     }
     output.json("summary.json", &summary)?;

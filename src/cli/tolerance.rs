@@ -39,7 +39,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         let plain = scatter::curves_alone(&study);
         let drawn = Solved::of(&plain)?;
         let mut record = Solved::record("tolerance", &[("nominal", "curves.csv", &drawn)])?;
-        record.bands = bands(&study, tolerance);
+        record.motion.bands = bands(&study, tolerance);
         Ok(record)
     };
     let report = ReportOptions::open(arguments, &study, record)?;
@@ -226,7 +226,7 @@ fn fans(
             output.file(file, &curves.csv())?;
         }
         let mut record = Solved::record("tolerance", designs).map_err(fault)?;
-        record.bands = bands(problem.study, problem.tolerance);
+        record.motion.bands = bands(problem.study, problem.tolerance);
         output.record("report.json", &record)
     });
     written.map_err(fault)??;

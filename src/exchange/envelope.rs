@@ -7,7 +7,7 @@
 //! then the triangles. Each triangle has its outward normal and its corners as 32-bit floats, and two unused bytes.
 
 use super::outgoing::Outgoing;
-use crate::axle::{Axle, AxleMotion, AxlePlan, Quantity, WheelMotion, axle_curves};
+use crate::axle::{Axle, AxleMotion, AxlePlan, Combine, Quantity, WheelMotion, axle_curves};
 use crate::characteristics::Characteristic;
 use crate::curves::{Station, Status};
 use crate::model::{Axis, Frame, LengthUnit, Side, SpinAxis};
@@ -211,6 +211,7 @@ fn poses_of_axle(
     let along_rack = outgoing.frame(Side::Left).sign(Axis::Y);
     let racks = racks.iter().map(|rack| along_rack * of_study(rack));
     let motion = AxleMotion {
+        combine: Combine::All,
         wheels: WheelMotion::Travels {
             left: travels.clone(),
             right: travels,

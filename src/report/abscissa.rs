@@ -1,13 +1,26 @@
 //! Chooses the quantity on the horizontal axis of a curve.
 
-use super::record::Record;
+use super::record::MotionRecord;
 
 /// Name prefixes of outputs that depend on steering more than on anything else.
 const OF_STEERING: [&str; 4] = ["steer_", "mean_steer_", "ackermann", "steering_ratio"];
 /// Name prefixes of columns that measure the steering.
 const STEERED: [&str; 2] = ["steering_wheel_angle", "rack_"];
 
-impl Record {
+impl MotionRecord {
+    /// Column on the horizontal axis of an output at first: time if the curves are over time.
+    pub(super) fn usual_abscissa(&self, output: &str) -> &str {
+        let by_time = self.abscissae.iter().find(|a| *a == "time_s");
+        by_time.map_or(self.natural_abscissa(output), String::as_str)
+    }
+
+    /// Columns that can be on the horizontal axis.
+    pub(super) fn all_abscissae(&self) -> Vec<&str> {
+        let further = self.abscissae.iter().filter(|a| **a != self.drive);
+        let all = std::iter::once(&self.drive).chain(further);
+        all.map(String::as_str).collect()
+    }
+
     /// Column for the horizontal axis of an output. For outputs that depend on steering, it is the steering column of a steered
     /// axle. Otherwise it is the value of the drive.
     pub(super) fn natural_abscissa(&self, output: &str) -> &str {

@@ -3,9 +3,9 @@
 use super::accuracy::remarks;
 use super::failures::FailureRange;
 use super::places::Places;
-use super::record::{DesignRecord, FORM, OutputRecord, Record, TargetRecord};
+use super::record::{DesignRecord, FORM, MotionRecord, OutputRecord, Record, TargetRecord};
 use super::scene::Scene;
-use crate::axle::{Axle, AxleMotion, AxlePlan, Coordinate, axle_frames};
+use crate::axle::{Axle, AxleMotion, AxlePlan, Coordinate, Placement, axle_frames};
 use crate::curves::thinned::evenly;
 use crate::curves::{Curves, Frame};
 use crate::mechanism::{DesignFault, NoPose};
@@ -27,24 +27,10 @@ impl Record {
         designs: &[SolvedAxle<'_>],
     ) -> Result<Self, (Side, DesignFault)> {
         let (_, _, axle, _) = designs.last().expect("a run has a design");
-        let length = axle.left.length_unit;
-        let moving = plan.motion.moving();
-        let column = |coordinate: &Coordinate| coordinate.column(length);
-        let further: Vec<String> = moving[1..].iter().map(column).collect();
-        let record = |(label, file, axle, curves): &SolvedAxle<'_>| {
-            Ok(DesignRecord {
-                label: (*label).to_owned(),
-                curves: (*file).to_owned(),
-                stations: curves.stations.len(),
-                remarks: remarks(curves, length),
-                failures: FailureRange::all(curves, &axle.left),
-                frames: frames(axle, &plan.motion, &moving)?,
-            })
-        };
-        let outputs = designs.last().map_or_else(Vec::new, |(_, _, _, curves)| {
-            curves.columns.iter().map(OutputRecord::of).collect()
-        });
-        let targets = study.optimise.iter().flat_map(|o| &o.targets);
+        let frames: Vec<_> = designs
+            .iter()
+            .map(|(.., axle, _)| frames(axle, &plan.motion, &plan.motion.moving()))
+            .collect::<Result<_, _>>()?;
         Ok(Record {
             form: FORM,
             command: command.to_owned(),
@@ -55,20 +41,55 @@ impl Record {
                 name if name.ends_with("axle") => name.to_owned(),
                 name => format!("{name}_axle"),
             },
-            length_unit: length.symbol().to_owned(),
-            drive: column(&moving[0]),
-            abscissae: further.clone(),
-            rack: None,
-            further,
-            outputs,
-            targets: targets.filter_map(|t| target(t, axle)).collect(),
-            designs: designs.iter().map(record).collect::<Result<_, _>>()?,
+            length_unit: axle.left.length_unit.symbol().to_owned(),
+            motion: MotionRecord::of_axle(study, None, plan, designs, frames),
+            motions: Vec::new(),
             scene: Scene::of_axle(axle),
             influences: Vec::new(),
             front: None,
-            bands: Vec::new(),
             places: Places::default(),
         })
+    }
+}
+
+impl MotionRecord {
+    /// Records the curves of an axle over a motion. `name` is the name of the motion, and `plan` has it. `frames` contains the
+    /// poses of each design; designs beyond its end have none.
+    pub fn of_axle(
+        study: &Study,
+        name: Option<&str>,
+        plan: &AxlePlan,
+        designs: &[SolvedAxle<'_>],
+        frames: Vec<Vec<Frame>>,
+    ) -> Self {
+        let (_, _, axle, curves) = designs.last().expect("a run has a design");
+        let length = axle.left.length_unit;
+        let moving = plan.motion.moving();
+        let column = |coordinate: &Coordinate| coordinate.column(length);
+        let further: Vec<String> = moving[1..].iter().map(column).collect();
+        // Every coordinate that changes can be on the horizontal axis, of rows too.
+        let abscissae = plan.motion.all_moving();
+        let abscissae = abscissae.iter().filter(|c| **c != moving[0]).map(column);
+        let frames = frames.into_iter().chain(std::iter::repeat_with(Vec::new));
+        let record = |((label, file, axle, curves), frames): (&SolvedAxle<'_>, _)| DesignRecord {
+            label: (*label).to_owned(),
+            curves: (*file).to_owned(),
+            stations: curves.stations.len(),
+            remarks: remarks(curves, length),
+            failures: FailureRange::all(curves, &axle.left),
+            frames,
+        };
+        let targets = study.optimise.iter().flat_map(|o| &o.targets);
+        MotionRecord {
+            drive: column(&moving[0]),
+            abscissae: abscissae.collect(),
+            rack: None,
+            further,
+            outputs: curves.columns.iter().map(OutputRecord::of).collect(),
+            targets: targets.filter_map(|t| target(t, name, axle)).collect(),
+            bands: Vec::new(),
+            designs: designs.iter().zip(frames).map(record).collect(),
+        }
     }
 }
 
@@ -81,6 +102,9 @@ fn frames(
 ) -> Result<Vec<Frame>, (Side, DesignFault)> {
     let mut motion = motion.clone();
     motion.steering_wheel = None;
+    if motion.has_rows() {
+        return frames_of_rows(axle, &motion, moving[0]);
+    }
     for (number, coordinate) in moving.iter().enumerate() {
         let values = motion.along(*coordinate).expect("it moves");
         *values = match MOST_FRAMES.get(number) {
@@ -107,25 +131,53 @@ fn frames(
         }
     }
     let placements: Vec<_> = frames.iter().flat_map(|f| f.0.placements()).collect();
-    let drawn = axle_frames(axle, &placements)?;
-    let frames = frames.into_iter().zip(drawn);
-    let frame = |((_, drive, second), drawn): ((AxleMotion, f64, f64), _)| Frame {
-        drive: moving[0].written(drive, axle),
-        rack: moving.get(1).map_or(0.0, |c| c.written(second, axle)),
+    let places = frames.iter().map(|(_, drive, second)| {
+        let second = moving.get(1).map_or(0.0, |c| c.written(*second, axle));
+        [moving[0].written(*drive, axle), second]
+    });
+    drawn(axle, &placements, places)
+}
+
+/// Frames of some rows of a motion, evenly chosen.
+fn frames_of_rows(
+    axle: &Axle,
+    motion: &AxleMotion,
+    over: Coordinate,
+) -> Result<Vec<Frame>, (Side, DesignFault)> {
+    let all: Vec<f64> = (0..motion.stations()).map(|row| row as f64).collect();
+    let rows = evenly(&all, MOST_FRAMES[0]).into_iter();
+    let rows: Vec<AxleMotion> = rows.map(|row| motion.row(row as usize)).collect();
+    let placements: Vec<_> = rows.iter().flat_map(AxleMotion::placements).collect();
+    let places = placements
+        .iter()
+        .map(|at| [over.written(at.along(over), axle), 0.0]);
+    drawn(axle, &placements, places)
+}
+
+/// Frames of placements, each with its place: values of the first and the second coordinate.
+fn drawn(
+    axle: &Axle,
+    placements: &[Placement],
+    places: impl Iterator<Item = [f64; 2]>,
+) -> Result<Vec<Frame>, (Side, DesignFault)> {
+    let drawn = axle_frames(axle, placements)?;
+    let frame = |([drive, rack], drawn): ([f64; 2], _)| Frame {
+        drive,
+        rack,
         pose: Result::map_err(drawn, |reason: NoPose| {
             reason.describe(axle.left.length_unit, axle.left.frame)
         }),
     };
-    Ok(frames.map(frame).collect())
+    Ok(places.zip(drawn).map(frame).collect())
 }
 
-/// Target as a value or a curve in the chart of one column. `None` if the motion cannot show it.
-fn target(target: &Target, axle: &Axle) -> Option<TargetRecord> {
+/// Target as a value or a curve in the chart of one column. `None` if the motion with this name cannot show it.
+fn target(target: &Target, name: Option<&str>, axle: &Axle) -> Option<TargetRecord> {
     let site = target
         .site
         .axle
         .as_ref()
-        .filter(|site| site.words.is_empty())?;
+        .filter(|site| site.is_whole_motion(name))?;
     let record = TargetRecord::of(target, &target.stations_among(&site.values), |at| at);
     (!record.points.is_empty()).then(|| TargetRecord {
         over: Some(site.over.column(axle.left.length_unit)),

@@ -2,7 +2,7 @@
 
 use super::shortest;
 use super::tolerance_summary::ValueRecord;
-use crate::study::Band;
+use crate::study::{AxleSite, Band};
 use serde::{Deserialize, Serialize};
 
 /// A band with its yield.
@@ -85,7 +85,7 @@ pub(super) fn in_words(band: &Band) -> String {
         (true, false) => format!("at least {}", shortest(low)),
         _ => format!("at most {}", shortest(high)),
     };
-    let held = band.site.as_ref().map_or("", |site| &site.words);
+    let held = band.site.as_ref().map_or(String::new(), AxleSite::in_words);
     let over = band.site.as_ref().map(|site| site.over.key());
     match (band.at, over) {
         (Some(at), None) => format!("{column} at {}: {wanted}", shortest(at)),

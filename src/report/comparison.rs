@@ -377,14 +377,14 @@ fn mechanisms(designs: &[Compared]) -> Option<Record> {
     let records = records?;
     let (first, others) = records.split_first()?;
     let places = |record: &Record| -> Vec<[f64; 2]> {
-        let frames = record.designs.iter().flat_map(|d| &d.frames);
+        let frames = record.motion.designs.iter().flat_map(|d| &d.frames);
         frames.map(|frame| [frame.drive, frame.rack]).collect()
     };
     let is_like_first = |record: &&&Record| {
         record.scene.points == first.scene.points
             && record.scene.signs == first.scene.signs
             && record.length_unit == first.length_unit
-            && record.drive == first.drive
+            && record.motion.drive == first.motion.drive
             && places(record) == places(first)
     };
     if others.iter().filter(is_like_first).count() < others.len() {
@@ -392,11 +392,12 @@ fn mechanisms(designs: &[Compared]) -> Option<Record> {
     }
     let designs = records
         .iter()
-        .flat_map(|record| record.designs.iter().cloned());
-    Some(Record {
-        designs: designs.collect(),
+        .flat_map(|record| record.motion.designs.iter().cloned());
+    let mut record = Record {
         influences: Vec::new(),
         front: None,
         ..(*first).clone()
-    })
+    };
+    record.motion.designs = designs.collect();
+    Some(record)
 }

@@ -82,7 +82,10 @@ pub use plausibility::{
     axle_plausibility, both_wheels_plausibility, plausibility, rack_doubt, spring_doubts,
     study_doubts, variable_plausibility,
 };
-pub use record::{BandCurve, DesignRecord, DrawnDesign, OutputRecord, Record, TargetRecord};
+pub use record::{
+    BandCurve, DesignRecord, DrawnDesign, MotionRecord, NamedMotionRecord, OutputRecord, Record,
+    TargetRecord,
+};
 pub(crate) use record::{readable_unit, wanted_between};
 pub use run::{Run, Summary};
 pub use scene::{BodyKind, Scene, SceneBody};

@@ -27,6 +27,7 @@ const MOTION_RATIO: [f64; 2] = [0.1, 2.0];
 /// Plausible ranges of lengths in metres, from a model car to a haul truck.
 const WHEEL_RADIUS: [f64; 2] = [0.02, 2.5];
 const TYRE_WIDTH: [f64; 2] = [0.005, 2.0];
+const RIM_DIAMETER: [f64; 2] = [0.02, 2.0];
 const WHEELBASE: [f64; 2] = [0.1, 20.0];
 const CG_HEIGHT: [f64; 2] = [0.01, 5.0];
 /// Smallest plausible distance of a wheel from the centre plane, relative to its distance from the points on the
@@ -372,6 +373,7 @@ impl<'a> PlausibilityRemarks<'a> {
             vehicle,
             wheel_radius,
             tyre_width,
+            rim_diameter,
             length_unit,
             ..
         } = self.suspension;
@@ -379,6 +381,7 @@ impl<'a> PlausibilityRemarks<'a> {
         for (name, length, [least, most]) in [
             ("[wheel] radius", *wheel_radius, WHEEL_RADIUS),
             ("[wheel] tyre_width", *tyre_width, TYRE_WIDTH),
+            ("[wheel] rim_diameter", *rim_diameter, RIM_DIAMETER),
             ("[vehicle] wheelbase", vehicle.wheelbase, WHEELBASE),
             ("[vehicle] cg_height", vehicle.cg_height, CG_HEIGHT),
         ] {
@@ -389,6 +392,14 @@ impl<'a> PlausibilityRemarks<'a> {
                     "{name} is {length} {unit}. Every length in the study must be in length_unit"
                 ));
             }
+        }
+        if let (Some(rim), Some(radius)) = (*rim_diameter, *wheel_radius)
+            && rim >= 2.0 * radius
+        {
+            self.say(format!(
+                "[wheel] rim_diameter is {rim} {unit}, but the wheel with its tyre has a diameter of {} {unit}",
+                2.0 * radius
+            ));
         }
         let outboard = self.at(self.suspension.mechanism.wheel_centre).y;
         if let Some(track) = vehicle.track

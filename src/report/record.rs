@@ -8,7 +8,7 @@ use super::places::Places;
 use super::scene::Scene;
 use crate::curves::{Column, Curves, Frame, Influence};
 use crate::plan::Plan;
-use crate::study::{Band, Drive, Site, Study, Target, Wanted};
+use crate::study::{Band, Drive, Study, Target, Wanted};
 use serde::{Deserialize, Serialize};
 
 /// Version of the file's format. A reader accepts no other version.
@@ -29,6 +29,27 @@ pub struct Record {
     pub topology: String,
     /// Unit of every length.
     pub length_unit: String,
+    /// Curves over the study's own motion, with the poses of the drawing.
+    #[serde(flatten)]
+    pub motion: MotionRecord,
+    /// Curves over the named motions.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub motions: Vec<NamedMotionRecord>,
+    /// Regions of the constraints, for the drawing.
+    #[serde(default)]
+    pub places: Places,
+    /// Parts of the drawing that do not move.
+    pub scene: Scene,
+    /// Influence of each coordinate on the last design.
+    pub influences: Vec<Influence>,
+    /// Pareto front: alternatives to the tuned design.
+    #[serde(default)]
+    pub front: Option<FrontRecord>,
+}
+
+/// Curves over one motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct MotionRecord {
     /// Column of the drive value.
     pub drive: String,
     /// Other columns that can be on the horizontal axis.
@@ -45,18 +66,18 @@ pub struct Record {
     /// Target bands.
     #[serde(default)]
     pub bands: Vec<BandCurve>,
-    /// Regions of the constraints, for the drawing.
-    #[serde(default)]
-    pub places: Places,
     /// Designs of the run, the tuned one last.
     pub designs: Vec<DesignRecord>,
-    /// Parts of the drawing that do not move.
-    pub scene: Scene,
-    /// Influence of each coordinate on the last design.
-    pub influences: Vec<Influence>,
-    /// Pareto front: alternatives to the tuned design.
-    #[serde(default)]
-    pub front: Option<FrontRecord>,
+}
+
+/// Curves over a motion of `[motions.NAME]`. Its designs have no poses.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NamedMotionRecord {
+    /// Name of the motion.
+    pub name: String,
+    /// Curves over the motion.
+    #[serde(flatten)]
+    pub motion: MotionRecord,
 }
 
 /// A column of the curves.
@@ -138,6 +159,41 @@ impl Record {
         influences: Vec<Influence>,
     ) -> Self {
         let length = study.wheel().length_unit;
+        Record {
+            form: FORM,
+            command: command.to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            study: study.name.clone(),
+            topology: study.wheel().mechanism.topology.name.to_owned(),
+            length_unit: length.symbol().to_owned(),
+            motion: MotionRecord::of_wheel(study, None, plan, designs),
+            motions: Vec::new(),
+            places: Places::of(study),
+            scene: Scene::of(study.wheel()),
+            influences,
+            front: None,
+        }
+    }
+}
+
+impl Record {
+    /// Curves over the study's own motion, then over each named motion.
+    pub fn all_motions(&self) -> impl Iterator<Item = &MotionRecord> {
+        let named = self.motions.iter().map(|named| &named.motion);
+        std::iter::once(&self.motion).chain(named)
+    }
+}
+
+impl MotionRecord {
+    /// Records the curves of a wheel over a motion of a study. `name` is the name of the motion, and `study` has it as its own
+    /// motion.
+    pub fn of_wheel(
+        study: &Study,
+        name: Option<&str>,
+        plan: &Plan,
+        designs: Vec<DrawnDesign<'_>>,
+    ) -> Self {
+        let length = study.wheel().length_unit;
         let unit = length.symbol();
         let mut abscissae = Vec::new();
         abscissae.extend((plan.drive.is_angle()).then(|| Drive::Travel.column(length)));
@@ -153,31 +209,21 @@ impl Record {
             failures: FailureRange::all(design.curves, study.wheel()),
             frames: design.frames,
         };
-        Record {
-            form: FORM,
-            command: command.to_owned(),
-            version: env!("CARGO_PKG_VERSION").to_owned(),
-            study: study.name.clone(),
-            topology: study.wheel().mechanism.topology.name.to_owned(),
-            length_unit: unit.to_owned(),
+        MotionRecord {
             drive: plan.drive.column(length),
             abscissae,
             rack: plan.rack_moves.then(|| format!("rack_{unit}")),
             further: Vec::new(),
             outputs,
-            targets: targets(study),
-            bands: bands(study),
-            places: Places::of(study),
+            targets: targets(study, name),
+            bands: bands(study, name),
             designs: designs.into_iter().map(record).collect(),
-            scene: Scene::of(study.wheel()),
-            influences,
-            front: None,
         }
     }
 }
 
-/// Targets that charts can show beside the curves: values and curves in the study's own motion.
-fn targets(study: &Study) -> Vec<TargetRecord> {
+/// Targets that charts can show beside the curves of a motion: values and curves at its own rack.
+fn targets(study: &Study, name: Option<&str>) -> Vec<TargetRecord> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let record = |target: &Target| {
         let drive = study.motion().drive;
@@ -185,7 +231,8 @@ fn targets(study: &Study) -> Vec<TargetRecord> {
             drive.printed(at)
         })
     };
-    targets.filter(|t| t.is_plain()).map(record).collect()
+    let plain = targets.filter(|t| t.is_plain() && t.site.is_whole_motion(name));
+    plain.map(record).collect()
 }
 
 impl BandCurve {
@@ -222,11 +269,11 @@ impl TargetRecord {
     }
 }
 
-/// Bands that charts can show beside the curves: those of columns in the study's own motion.
-fn bands(study: &Study) -> Vec<BandCurve> {
+/// Bands that charts can show beside the curves of a motion: those at its own rack.
+fn bands(study: &Study, name: Option<&str>) -> Vec<BandCurve> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let bands = targets.filter(|target| {
-        matches!(target.wanted, Wanted::Band { .. }) && target.site == Site::default()
+        matches!(target.wanted, Wanted::Band { .. }) && target.site.is_whole_motion(name)
     });
     let record = |target: &Target| BandCurve {
         column: target.of.column.clone(),

@@ -2,7 +2,7 @@
 
 use super::curve_table::CurveTable;
 use super::finished::{NotARun, in_form};
-use super::record::{FORM, Record};
+use super::record::{DesignRecord, FORM, MotionRecord, Record};
 use super::{SolveSummary, Table, ToleranceSummary, TuningSummary};
 use crate::study::{LONGEST_TABLE, read_bytes};
 use serde::de::DeserializeOwned;
@@ -16,7 +16,7 @@ use std::path::Path;
 pub struct Run {
     /// Record of the run, with its drawing.
     pub record: Record,
-    /// Curves of each design in the record.
+    /// Curves of each design in the record, over the study's own motion, then over each named motion.
     pub curves: Vec<CurveTable>,
     /// Summary of the run.
     pub summary: Summary,
@@ -87,28 +87,11 @@ impl Run {
         let record = record.map_err(|why| folder.error(Some("report.json"), &why))?;
         let mut curves = Vec::new();
         let mut files = Vec::new();
-        for design in &record.designs {
-            let table = folder.table(&design.curves)?;
-            let absent = |name: &&String| table.column(name).is_none();
-            let columns = record.outputs.iter().map(|o| &o.column);
-            let moving = [&record.drive].into_iter().chain(&record.rack);
-            let mut needed = columns.chain(moving).chain(&record.further);
-            if table.rows() != design.stations || table.status.len() != design.stations {
-                let message = format!(
-                    "expected the {} stations listed in report.json, found {}; run the study again",
-                    design.stations,
-                    table.rows()
-                );
-                return Err(folder.error(Some(&design.curves), &message));
+        for motion in record.all_motions() {
+            for (design, table) in motion.designs.iter().zip(folder.tables(motion)?) {
+                curves.push(table);
+                files.push(design.curves.clone());
             }
-            if let Some(name) = needed.find(absent) {
-                let message = format!(
-                    "there is no column {name}, which report.json lists; run the study again"
-                );
-                return Err(folder.error(Some(&design.curves), &message));
-            }
-            curves.push(table);
-            files.push(design.curves.clone());
         }
         let optimised = record.command == "optimise";
         let state: State = folder.json("summary.json")?;
@@ -213,6 +196,33 @@ impl Folder<'_> {
         let problem =
             |e: serde_json::Error| format!("not in the form that `hardpoint` writes: {e}");
         serde_json::from_slice(&self.bytes(name)?).map_err(|e| self.error(Some(name), &problem(e)))
+    }
+
+    /// Curves of the designs over a motion.
+    fn tables(&self, motion: &MotionRecord) -> Result<Vec<CurveTable>, NotARun> {
+        let table = |design: &DesignRecord| {
+            let table = self.table(&design.curves)?;
+            let absent = |name: &&String| table.column(name).is_none();
+            let columns = motion.outputs.iter().map(|o| &o.column);
+            let moving = [&motion.drive].into_iter().chain(&motion.rack);
+            let mut needed = columns.chain(moving).chain(&motion.further);
+            if table.rows() != design.stations || table.status.len() != design.stations {
+                let message = format!(
+                    "expected the {} stations listed in report.json, found {}; run the study again",
+                    design.stations,
+                    table.rows()
+                );
+                return Err(self.error(Some(&design.curves), &message));
+            }
+            if let Some(name) = needed.find(absent) {
+                let message = format!(
+                    "there is no column {name}, which report.json lists; run the study again"
+                );
+                return Err(self.error(Some(&design.curves), &message));
+            }
+            Ok(table)
+        };
+        motion.designs.iter().map(table).collect()
     }
 
     fn table(&self, name: &str) -> Result<CurveTable, NotARun> {

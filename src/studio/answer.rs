@@ -15,6 +15,7 @@ use crate::report::{FailureRange, OutputRecord, plausibility, remarks};
 use crate::solve::StationOrder;
 use crate::solved::Solved;
 use crate::study::{Drive, Study, Vehicle, WheelStudy};
+use std::borrow::Cow;
 use std::time::Instant;
 
 /// Copy of the study that requests these characteristics. Proofs are switched off, because they take too long here.
@@ -53,12 +54,27 @@ pub(super) fn solved(
     stop: &Stop,
 ) -> Result<SolvedAnswer, String> {
     let moved = opened.moved(&request.of.design)?;
-    match &moved.vehicle {
+    let shown = in_motion(&moved, request.motion.as_deref())?;
+    match &shown.vehicle {
         Vehicle::Axle(both) => super::axle::solved(opened, &moved, both, (request, stop)),
         Vehicle::Wheel(own) => solved_wheel(opened, &moved, own, (request, stop)),
     }
 }
 
+/// Study with the motion of this name as its own motion.
+pub(super) fn in_motion<'s>(
+    study: &'s Study,
+    name: Option<&str>,
+) -> Result<Cow<'s, Study>, String> {
+    let Some(name) = name else {
+        return Ok(Cow::Borrowed(study));
+    };
+    let moved = study.in_motion(name);
+    let moved = moved.ok_or_else(|| format!("this study has no motion {name}"))?;
+    Ok(Cow::Owned(moved))
+}
+
+/// Solves a wheel over its motion. `study` has the study's own motion, in which targets without a named motion are compared.
 fn solved_wheel(
     opened: &Opened,
     study: &Study,
@@ -123,6 +139,7 @@ fn solved_wheel(
         groups: groups.of_stations,
         group_places: groups.places,
         shown: groups.shown,
+        has_rows: false,
         is_partial: left_out.is_some(),
         status: found.stations.iter().map(|s| s.status.word()).collect(),
         failures: FailureRange::all(&found, suspension),

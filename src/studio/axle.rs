@@ -14,7 +14,7 @@ use super::study_file::Opened;
 use super::turns::Stop;
 use crate::ask::with_unit;
 use crate::axle::{
-    Axle, AxleMotion, AxlePlan, Coordinate, Placement, Quantity, WheelMotion, axle_curves,
+    Axle, AxleMotion, AxlePlan, Combine, Coordinate, Placement, Quantity, WheelMotion, axle_curves,
     axle_sides, not_in_equilibrium,
 };
 use crate::curves::Frame;
@@ -38,17 +38,25 @@ fn coordinates(motion: &AxleMotion) -> Vec<Coordinate> {
 /// Coordinate for the horizontal axis of curves: the first one that moves.
 fn main(motion: &AxleMotion) -> Coordinate {
     let all = coordinates(motion);
-    let moves = |c: &&Coordinate| motion.clone().along(**c).is_some_and(|v| v.len() > 1);
-    *all.iter().find(moves).unwrap_or(&all[0])
+    let main = match motion.moving()[0] {
+        Coordinate::SteeringWheel => Coordinate::Rack,
+        other => other,
+    };
+    *all.iter().find(|c| **c == main).unwrap_or(&all[0])
 }
 
-/// Printed values of a coordinate over a motion.
+/// Different printed values of a coordinate over a motion.
 fn values(motion: &AxleMotion, coordinate: Coordinate, axle: &Axle) -> Vec<f64> {
     let mut motion = motion.clone();
     let values = motion.along(coordinate).into_iter().flatten();
-    values
-        .map(|value| printed(coordinate, *value, axle))
-        .collect()
+    let mut different = Vec::new();
+    for value in values.map(|value| printed(coordinate, *value, axle)) {
+        // Rows may have equal values.
+        if !different.contains(&value) {
+            different.push(value);
+        }
+    }
+    different
 }
 
 fn printed(coordinate: Coordinate, value: f64, axle: &Axle) -> f64 {
@@ -159,7 +167,13 @@ pub(super) fn solved(
     let sign = left.frame.sign(Axis::Y);
     let mut plan = asking_for(plan, axle, &request.characteristics)?;
     if let Some(rack) = request.curves_rack {
-        plan.motion.racks = vec![rack * sign];
+        // Rows have a rack each.
+        let racks = if plan.motion.has_rows() {
+            plan.motion.stations()
+        } else {
+            1
+        };
+        plan.motion.racks = vec![rack * sign; racks];
         plan.motion.steering_wheel = None;
     }
     let all = coordinates(&plan.motion);
@@ -190,7 +204,11 @@ pub(super) fn solved(
     };
     let drive = places(&plan.motion).into_iter();
     let drive: Vec<Option<f64>> = drive.map(|place| Some(place[over])).collect();
-    let groups = Groups::of(&places(&whole), over, &request.at);
+    let groups = if whole.has_rows() {
+        Groups::one(&places(&whole))
+    } else {
+        Groups::of(&places(&whole), over, &request.at)
+    };
     let is_partial = drive.len() < whole.stations();
     let groups = if is_partial {
         groups.with_shown_only(drive.len())
@@ -220,6 +238,7 @@ pub(super) fn solved(
         groups: groups.of_stations,
         group_places: groups.places,
         shown: groups.shown,
+        has_rows: whole.has_rows(),
         is_partial,
         status: (found.curves.stations.iter())
             .map(|s| s.status.word())
@@ -239,10 +258,10 @@ pub(super) fn solved(
 }
 
 /// Stations of a motion in the group nearest to the sliders at `at`: only the coordinate with the index `over` moves. A motion over
-/// time stays whole.
+/// time and one of rows stay whole.
 fn shown_alone(motion: &AxleMotion, (over, at): (usize, &[f64]), axle: &Axle) -> AxleMotion {
     let mut shown = motion.clone();
-    if motion.time.is_some() {
+    if motion.time.is_some() || motion.has_rows() {
         return shown;
     }
     for (number, coordinate) in coordinates(motion).into_iter().enumerate() {
@@ -268,6 +287,7 @@ fn shown_alone(motion: &AxleMotion, (over, at): (usize, &[f64]), axle: &Axle) ->
 fn frames(axle: &Axle, motion: &AxleMotion, at: &[f64]) -> Option<[Frame; 2]> {
     let mut here = motion.clone();
     here.steering_wheel = None;
+    here.combine = Combine::All;
     for (coordinate, value) in coordinates(motion).into_iter().zip(at) {
         *here.along(coordinate)? = vec![coordinate.in_kernel(*value, axle)];
     }

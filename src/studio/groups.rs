@@ -41,6 +41,15 @@ impl Groups {
         }
     }
 
+    /// One group of all stations, whose coordinates change together.
+    pub(super) fn one(places: &[Vec<f64>]) -> Self {
+        Groups {
+            of_stations: vec![0; places.len()],
+            places: places.first().cloned().into_iter().collect(),
+            shown: 0,
+        }
+    }
+
     /// Makes one group for each rack displacement of a wheel's motion. Each displacement has `along` stations.
     pub(super) fn by_rack(racks: &[f64], stations: usize, along: usize, rack: f64) -> Self {
         let shown = nearest(racks, rack);

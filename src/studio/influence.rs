@@ -1,6 +1,6 @@
 //! Influence of one coordinate on each curve.
 
-use super::answer::asking_for;
+use super::answer::{asking_for, in_motion};
 use super::message::{InfluenceAnswer, InfluenceColumn, InfluenceRequest};
 use super::study_file::Opened;
 use crate::curves::wheel_curves;
@@ -22,7 +22,8 @@ pub(super) fn influence(
     }
     let point = PointId(request.point);
     let names = &request.characteristics;
-    let own = match &study.vehicle {
+    let shown = in_motion(&study, request.motion.as_deref())?;
+    let own = match &shown.vehicle {
         Vehicle::Axle(both) => return super::axle::influence(both, names, point, *axis),
         Vehicle::Wheel(own) => own,
     };

@@ -61,6 +61,9 @@ pub(super) struct SolveRequest {
     pub curves_rack: Option<f64>,
     /// Index of the slider on the horizontal axis of curves.
     pub over: usize,
+    /// Name of the motion. `None` for the study's own.
+    #[serde(default)]
+    pub motion: Option<String>,
     /// True if the page needs only the stations of the shown group, because a point still moves.
     #[serde(default)]
     pub shown_only: bool,
@@ -77,6 +80,9 @@ pub(super) struct InfluenceRequest {
     pub characteristics: Vec<String>,
     pub point: usize,
     pub axis: usize,
+    /// Name of the motion. `None` for the study's own.
+    #[serde(default)]
+    pub motion: Option<String>,
 }
 
 #[derive(Deserialize)]
@@ -138,11 +144,23 @@ pub(super) struct Overview {
     pub sliders: Vec<Slider>,
     /// Index of the slider that is on the horizontal axis of curves at first.
     pub main: usize,
+    /// Named motions with their sliders.
+    pub motions: Vec<MotionOverview>,
     pub targets: Vec<TargetOverview>,
     pub variables: Vec<VariableOverview>,
     pub tunes: bool,
     pub has_constraints: bool,
     pub starts: usize,
+}
+
+/// A named motion with its sliders.
+#[derive(Serialize)]
+pub(super) struct MotionOverview {
+    pub name: String,
+    /// A slider for each number that moves.
+    pub sliders: Vec<Slider>,
+    /// Index of the slider that is on the horizontal axis of curves at first.
+    pub main: usize,
 }
 
 /// A coordinate of the motion that the user can set.
@@ -214,7 +232,9 @@ pub(super) struct TargetOverview {
     pub tolerance: f64,
     /// Drive value, lowest and highest target value. `None` without a limit.
     pub points: Vec<(f64, Option<f64>, Option<f64>)>,
-    /// Index of the slider to which the points refer. `None` if the target has its own motion.
+    /// Name of the target's motion. `None` for the study's own.
+    pub motion: Option<String>,
+    /// Index of the slider of this motion to which the points refer. `None` if no slider has them.
     pub over: Option<usize>,
     /// Rack displacements to which the target applies. Empty for all.
     pub racks: Vec<f64>,
@@ -244,6 +264,8 @@ pub(super) struct SolvedAnswer {
     /// Index of the group nearest to the sliders. The next field is its rack displacement.
     pub shown: usize,
     pub rack: f64,
+    /// True if the stations are rows, whose curves follow the order of the rows.
+    pub has_rows: bool,
     /// True if stations of other groups are left out. Failures and remarks are then those of the shown group alone.
     pub is_partial: bool,
     pub status: Vec<&'static str>,

@@ -1,8 +1,8 @@
 //! Data of the study that do not change while points move.
 
 use super::message::{
-    CharacteristicOverview, Coordinates, Overview, PointOverview, Slider, TargetOverview,
-    VariableOverview, WheelDrawn, WholeScene,
+    CharacteristicOverview, Coordinates, MotionOverview, Overview, PointOverview, Slider,
+    TargetOverview, VariableOverview, WheelDrawn, WholeScene,
 };
 use super::study_file::Opened;
 use crate::attia::PaperTheta;
@@ -31,10 +31,17 @@ pub(super) fn overview(opened: &Opened) -> Overview {
         axle: None,
         shift: [0.0; 3],
     };
-    let (sliders, main) = match study.axle() {
-        None => of_corner(study),
-        Some(both) => super::axle::sliders(both),
-    };
+    let named = study.motion_names().into_iter();
+    let named = named.filter_map(|name| {
+        let (sliders, main) = sliders(&study.in_motion(name)?);
+        Some(MotionOverview {
+            name: name.to_owned(),
+            sliders,
+            main,
+        })
+    });
+    let motions = named.collect();
+    let (sliders, main) = sliders(study);
     Overview {
         name: study.name.clone(),
         file: file.name(),
@@ -56,6 +63,7 @@ pub(super) fn overview(opened: &Opened) -> Overview {
         is_car: false,
         sliders,
         main,
+        motions,
         targets: optimise
             .iter()
             .flat_map(|o| &o.targets)
@@ -176,6 +184,14 @@ fn catalogue(own: &WheelStudy, optimise: Option<&Optimise>) -> Vec<Characteristi
     all.chain(figures).collect()
 }
 
+/// Sliders of a study's own motion, and the index of the main one.
+fn sliders(study: &Study) -> (Vec<Slider>, usize) {
+    match study.axle() {
+        None => of_corner(study),
+        Some(both) => super::axle::sliders(both),
+    }
+}
+
 /// Sliders of one wheel, and the index of the main one.
 fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     let motion = study.motion();
@@ -251,8 +267,8 @@ fn target(target: &Target, study: &Study) -> TargetOverview {
     };
     let racks = match (study.axle(), target.site.racks.as_slice()) {
         (Some(_), _) => Vec::new(),
-        (None, []) if study.motion().rack_moves => vec![0.0],
-        (None, []) => study.motion().rack.clone(),
+        (None, []) if own.rack_moves => vec![0.0],
+        (None, []) => own.rack.clone(),
         (None, racks) => racks.to_vec(),
     };
     let columns = match &target.of.kind {
@@ -269,9 +285,18 @@ fn target(target: &Target, study: &Study) -> TargetOverview {
         tolerance: target.tolerance * target.of.factor().abs(),
         is_band: matches!(target.wanted, crate::study::Wanted::Band { .. }),
         points: wanted_between(target, &stations, own.drive),
+        motion: match &target.site.axle {
+            Some(site) => site.motion.clone(),
+            None => motion.map(|(name, _)| name.clone()),
+        },
         over: match (study.axle(), &target.site.axle) {
-            (Some(both), Some(site)) => super::axle::slider_of(&both.plan.motion, site.over),
-            _ => motion.is_none().then_some(0),
+            (Some(both), Some(site)) => {
+                let named = both.motions.iter();
+                let mut named = named.filter(|(name, _)| Some(name) == site.motion.as_ref());
+                let motion = named.next().map_or(&both.plan.motion, |(_, motion)| motion);
+                super::axle::slider_of(motion, site.over)
+            }
+            _ => Some(0),
         },
         racks,
     }

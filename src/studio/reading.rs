@@ -8,7 +8,8 @@ use super::message::{
 use super::study_file::{NotSaved, Opened, StudyFile};
 use super::turns::Stop;
 use super::{answer, car, directions, influence, overview};
-use crate::report::{CurveTable, Run};
+use crate::in_motions::InMotion;
+use crate::report::{CurveTable, Record, Run, curves_csv};
 use crate::solved::Solved;
 use crate::study::{CarStudy, ValueEdit};
 use std::io;
@@ -130,9 +131,18 @@ impl Reading for Opened {
     fn report(&self, of: &Designed) -> Result<String, String> {
         let study = self.moved(&of.design)?;
         let solved = Solved::of(&study)?;
+        let in_motions = InMotion::all(&[("design", &study)], false)?;
+        let named = in_motions.iter().flat_map(|own| &own.curves);
+        let named = named.map(|curves| CurveTable::read(&curves_csv(curves)));
+        let own = std::iter::once(CurveTable::read(&solved.csv()));
+        let curves = own.chain(named).collect::<Result<_, _>>()?;
+        let record = Solved::record("solve", &[("design", "curves.csv", &solved)])?;
         let run = Run {
-            record: Solved::record("solve", &[("design", "curves.csv", &solved)])?,
-            curves: vec![CurveTable::read(&solved.csv())?],
+            record: Record {
+                motions: in_motions.into_iter().map(|own| own.record).collect(),
+                ..record
+            },
+            curves,
             summary: solved.summary()?,
             interrupted: false,
             history: None,

@@ -19,6 +19,7 @@ use std::ops::ControlFlow;
 const CONSTANTS: Constants = Constants {
     size: 0.8,
     wheel_radius: 0.3,
+    rim_diameter: 0.43,
     wheelbase: 2.6,
     cg_height: 0.5,
     is_front: true,

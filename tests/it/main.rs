@@ -43,6 +43,7 @@ mod study_meaning;
 mod support;
 mod sweep;
 mod terminal;
+mod toe_at_rim;
 mod topologies;
 mod tuning;
 mod units;

@@ -148,6 +148,7 @@ impl Trial {
             length_unit: LengthUnit::Metre,
             wheel_radius: None,
             tyre_width: None,
+            rim_diameter: None,
             vehicle: VehicleFigures::default(),
         }
     }

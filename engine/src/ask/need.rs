@@ -8,6 +8,8 @@ use crate::model::{AxlePosition, Suspension};
 pub enum Need {
     /// `[wheel] radius`.
     WheelRadius,
+    /// `[wheel] rim_diameter`.
+    RimDiameter,
     /// `[vehicle] wheelbase`.
     Wheelbase,
     /// `[vehicle] cg_height`.
@@ -71,6 +73,7 @@ impl Need {
         let is_driven = vehicle.drive_torque.is_some() && has_share(vehicle.drive_share_front);
         match self {
             Need::WheelRadius => suspension.wheel_radius.is_some(),
+            Need::RimDiameter => suspension.rim_diameter.is_some(),
             Need::Wheelbase => vehicle.wheelbase.is_some(),
             Need::CgHeight => vehicle.cg_height.is_some(),
             Need::FrontBraking => is_at(AxlePosition::Front) && is_braked,
@@ -102,6 +105,7 @@ impl Need {
     pub fn words(self) -> &'static str {
         match self {
             Need::WheelRadius => "the radius of the wheel",
+            Need::RimDiameter => "the diameter of the rim",
             Need::Wheelbase => "the wheelbase of the vehicle",
             Need::CgHeight => "the height of the vehicle's centre of gravity",
             Need::FrontBraking => "a braked front axle with its share of the braking",
@@ -130,6 +134,7 @@ impl Need {
     pub fn key(self) -> Option<&'static str> {
         Some(match self {
             Need::WheelRadius => "radius in [wheel]",
+            Need::RimDiameter => "rim_diameter in [wheel]",
             Need::Wheelbase => "wheelbase in [vehicle]",
             Need::CgHeight => "cg_height in [vehicle]",
             Need::StrutUpper => "strut_upper in [suspension.hardpoints]",

@@ -4,6 +4,16 @@ use super::solver::Placement;
 use super::{Axle, Coordinate};
 use crate::study::TimeLaw;
 
+/// Stations that the lists of a motion's coordinates give.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Combine {
+    /// All combinations of the values.
+    #[default]
+    All,
+    /// Rows: the n-th station has the n-th value of every coordinate. All lists have the same length.
+    Rows,
+}
+
 /// Motion of an axle. Lengths are in the study's unit, angles in radians. The rack is positive towards the left wheel's
 /// outside.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +22,8 @@ pub struct AxleMotion {
     pub wheels: WheelMotion,
     /// Displacements of the rack.
     pub racks: Vec<f64>,
+    /// Stations that the values give.
+    pub combine: Combine,
     /// True if results have a column for the rack.
     pub shows_rack: bool,
     /// Angles of the steering wheel for these displacements, if the study gives angles.
@@ -78,6 +90,30 @@ impl AxleMotion {
         !matches!(self.wheels, WheelMotion::Travels { .. })
     }
 
+    /// Returns true if the n-th station has the n-th value of every coordinate.
+    pub fn has_rows(&self) -> bool {
+        self.combine == Combine::Rows
+    }
+
+    /// Motion with a single station: the row with this index.
+    pub fn row(&self, row: usize) -> AxleMotion {
+        let mut one = AxleMotion {
+            combine: Combine::All,
+            ..self.clone()
+        };
+        for coordinate in Coordinate::ALL {
+            if coordinate != Coordinate::SteeringWheel
+                && let Some(values) = one.along(coordinate)
+            {
+                *values = vec![values[row]];
+            }
+        }
+        if let Some(angles) = &mut one.steering_wheel {
+            *angles = vec![angles[row]];
+        }
+        one
+    }
+
     /// Travels of the left and of the right wheel, if they do not depend on the design. In roll they do.
     pub fn wheel_travels(&self) -> Option<[&[f64]; 2]> {
         match &self.wheels {
@@ -89,6 +125,9 @@ impl AxleMotion {
 
     /// Number of stations.
     pub fn stations(&self) -> usize {
+        if self.has_rows() {
+            return self.racks.len();
+        }
         let wheels = match &self.wheels {
             WheelMotion::Heave(values) => values.len(),
             WheelMotion::Roll { heave, roll, .. } => heave.len().saturating_mul(roll.len()),
@@ -97,9 +136,13 @@ impl AxleMotion {
         wheels.saturating_mul(self.racks.len())
     }
 
-    /// Poses of the stations. They are ordered by rack, then heave, then roll angle, which changes fastest. If both travels
+    /// Poses of the stations. Rows are in the order of the study. Combinations are ordered by rack, then heave, then roll angle, which changes fastest. If both travels
     /// are given, the right one changes fastest.
     pub fn placements(&self) -> Vec<Placement> {
+        if self.has_rows() {
+            let rows = 0..self.stations();
+            return rows.flat_map(|row| self.row(row).placements()).collect();
+        }
         let mut placements = Vec::with_capacity(self.stations());
         for rack in self.racks.iter().copied() {
             let travels = |travels: [f64; 2], on_plane: bool| Placement::Travels {
@@ -159,6 +202,7 @@ impl AxleMotion {
                 },
             },
             racks: zero(),
+            combine: Combine::All,
             shows_rack: self.shows_rack,
             steering_wheel: None,
             time: None,
@@ -180,6 +224,7 @@ impl AxleMotion {
 
     /// Angle of the steering wheel at a station with this index.
     pub fn steering_wheel_at(&self, station: usize) -> Option<f64> {
+        // Each row has its own rack.
         let per_rack = self.stations() / self.racks.len();
         Some(self.steering_wheel.as_ref()?[station / per_rack])
     }

@@ -119,8 +119,27 @@ impl Placement {
 }
 
 impl AxleMotion {
-    /// Coordinates that move, at least one. The first one is the abscissa of curves.
+    /// Coordinates that move independently, at least one. The first one is the abscissa of curves. Of rows it is the only one:
+    /// the coordinate with the most different values.
     pub fn moving(&self) -> Vec<Coordinate> {
+        let mut moving = self.all_moving();
+        if self.has_rows() {
+            let mut motion = self.clone();
+            let mut different = |c: Coordinate| {
+                let mut values = motion.along(c).cloned().unwrap_or_default();
+                values.sort_by(f64::total_cmp);
+                values.dedup();
+                values.len()
+            };
+            // The first one of several, since `max_by_key` returns the last one.
+            let main = moving.iter().rev().max_by_key(|c| different(**c));
+            moving = main.copied().into_iter().collect();
+        }
+        moving
+    }
+
+    /// Coordinates with several values, at least one coordinate. The first one is the abscissa of curves.
+    pub fn all_moving(&self) -> Vec<Coordinate> {
         let mut motion = self.clone();
         let by_wheel = motion.steering_wheel.is_some();
         let mut available: Vec<Coordinate> = Coordinate::ALL.to_vec();
@@ -131,7 +150,16 @@ impl AxleMotion {
             _ => true,
         });
         let mut moving = available.clone();
-        moving.retain(|c| motion.along(*c).is_some_and(|values| values.len() > 1));
+        let has_rows = self.has_rows();
+        moving.retain(|c| {
+            let values = motion.along(*c).map_or(&[][..], |values| values);
+            if has_rows {
+                // A value of a row may be repeated in others.
+                values.iter().any(|value| *value != values[0])
+            } else {
+                values.len() > 1
+            }
+        });
         if moving.is_empty() {
             moving.push(available[0]);
         }

@@ -291,8 +291,9 @@ impl WheelCurves {
             let placed = solver.place(placement)?;
             return Ok((placed, solver.read(&placed)?));
         }
-        if self.rack != Some(rack) {
+        if self.rack != Some(rack) || motion.has_rows() {
             self.travels = match &motion.wheels {
+                _ if motion.has_rows() => travels.map(|travel| vec![travel]),
                 WheelMotion::Heave(values) => [values.clone(), values.clone()],
                 WheelMotion::Travels { left, right, .. } => [left.clone(), right.clone()],
                 WheelMotion::Roll { .. } => travels.map(|travel| vec![travel]),

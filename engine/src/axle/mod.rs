@@ -34,7 +34,7 @@ mod taylor;
 mod wheel_curve;
 
 pub use crate::mechanism::Ground;
-pub use axle_motion::{AxleMotion, AxleTime, WheelMotion};
+pub use axle_motion::{AxleMotion, AxleTime, Combine, WheelMotion};
 pub use carriers::Carriers;
 pub use catalogue::{AxleQuantity, Quantity, WheelQuantity};
 pub use certificate::{AxleCertifier, AxleProof};

@@ -1,4 +1,4 @@
-//! The four angles of the wheel and of the steering axis.
+//! The four angles of the wheel and of the steering axis, and toe as a length.
 
 use super::{Need, Slot, Unit, formulas};
 
@@ -26,6 +26,20 @@ formulas! {
     } = |inputs| {
         let a = inputs.now.spin_axis;
         a.x.atan2(a.y)
+    };
+
+    /// Toe as workshops measure it: a length at the rim.
+    ToeAtRim {
+        name: "toe_at_rim",
+        unit: Unit::Length,
+        positive: "toe-in (front edge of the rim inboard)",
+        formula: "D sin(toe), D rim_diameter: the rear edge of the rim is so much further outboard than its front edge, at the height of W",
+        source: "toe as a length on alignment racks; D is the diameter at which it is measured",
+        reads: &[Slot::SpinAxis],
+        needs: &[Need::RimDiameter],
+    } = |inputs| {
+        let (heading, _) = inputs.now.heading_and_outboard();
+        -heading.y.scaled(inputs.constants.rim_diameter)
     };
 
     /// Side-view inclination of the steering axis.

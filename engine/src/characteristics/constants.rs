@@ -10,6 +10,8 @@ pub struct Constants {
     pub size: f64,
     /// Loaded radius of the wheel.
     pub wheel_radius: f64,
+    /// Diameter of the rim edge at which toe is measured as a length.
+    pub rim_diameter: f64,
     /// Distance between front and rear axle.
     pub wheelbase: f64,
     /// Height of the centre of gravity.
@@ -43,6 +45,7 @@ impl Constants {
         Constants {
             size: suspension.size(),
             wheel_radius: suspension.wheel_radius.unwrap_or(0.0),
+            rim_diameter: suspension.rim_diameter.unwrap_or(0.0),
             wheelbase: vehicle.wheelbase.unwrap_or(0.0),
             cg_height: vehicle.cg_height.unwrap_or(0.0),
             is_front,

@@ -111,6 +111,7 @@ macro_rules! catalogue {
 catalogue! {
     Camber => angles::Camber,
     Toe => angles::Toe,
+    ToeAtRim => angles::ToeAtRim,
     Caster => angles::Caster,
     KingpinInclination => angles::KingpinInclination,
     ScrubRadius => steering::ScrubRadius,

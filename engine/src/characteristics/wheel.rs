@@ -484,6 +484,7 @@ pub(super) mod tests {
             constants: Constants {
                 size: 800.0,
                 wheel_radius: 300.0,
+                rim_diameter: 430.0,
                 wheelbase: 2600.0,
                 cg_height: 500.0,
                 is_front: true,

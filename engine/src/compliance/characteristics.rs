@@ -18,6 +18,7 @@ pub fn not_of_equilibrium(of: Characteristic) -> Option<[&'static str; 2]> {
     match of {
         C::Camber
         | C::Toe
+        | C::ToeAtRim
         | C::Caster
         | C::KingpinInclination
         | C::ScrubRadius

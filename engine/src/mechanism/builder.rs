@@ -104,6 +104,7 @@ pub struct SuspensionBuilder {
     static_angles: Option<[f64; 2]>,
     wheel_radius: Option<f64>,
     tyre_width: Option<f64>,
+    rim_diameter: Option<f64>,
     vehicle: VehicleFigures,
 }
 
@@ -120,6 +121,7 @@ impl Suspension {
             static_angles: None,
             wheel_radius: None,
             tyre_width: None,
+            rim_diameter: None,
             vehicle: VehicleFigures::default(),
         }
     }
@@ -166,6 +168,12 @@ impl SuspensionBuilder {
     /// Sets the width of the tyre, which the envelope of the tyre needs.
     pub fn tyre_width(mut self, width: f64) -> Self {
         self.tyre_width = Some(width);
+        self
+    }
+
+    /// Sets the diameter of the rim edge, at which toe is measured as a length.
+    pub fn rim_diameter(mut self, diameter: f64) -> Self {
+        self.rim_diameter = Some(diameter);
         self
     }
 
@@ -221,6 +229,7 @@ impl SuspensionBuilder {
             length_unit: self.length_unit,
             wheel_radius: self.wheel_radius,
             tyre_width: self.tyre_width,
+            rim_diameter: self.rim_diameter,
             vehicle: self.vehicle,
         };
         match GeometryFault::first_of(&suspension) {
@@ -235,6 +244,7 @@ impl SuspensionBuilder {
         let lengths = [
             ("wheel_radius", self.wheel_radius),
             ("tyre_width", self.tyre_width),
+            ("rim_diameter", self.rim_diameter),
             ("wheelbase", vehicle.wheelbase),
             ("track", vehicle.track),
             ("cg_height", vehicle.cg_height),

@@ -59,6 +59,8 @@ pub struct Suspension {
     pub wheel_radius: Option<f64>,
     /// Width of the tyre.
     pub tyre_width: Option<f64>,
+    /// Diameter of the rim edge at which toe is measured as a length.
+    pub rim_diameter: Option<f64>,
     /// Data of the whole vehicle.
     pub vehicle: VehicleFigures,
 }

@@ -348,19 +348,11 @@ fn site_of(band: &Band, study: &AxleStudy) -> AxleSite {
     if let Some(site) = &band.site {
         return site.clone();
     }
-    let mut held = if band.of.is_figure() {
-        study.plan.motion.at_design()
+    let motion = &study.plan.motion;
+    if band.of.is_figure() {
+        AxleSite::whole(None, &motion.at_design(), &study.axle)
     } else {
-        study.plan.motion.clone()
-    };
-    let over = held.moving()[0];
-    let values = held.along(over).cloned().unwrap_or_default();
-    let values = values.iter().map(|value| over.written(*value, &study.axle));
-    AxleSite {
-        over,
-        values: values.collect(),
-        held,
-        words: String::new(),
+        AxleSite::whole(None, motion, &study.axle)
     }
 }
 

@@ -6,9 +6,10 @@ use crate::ask::Unit;
 use crate::axle::{
     AxleColumn, AxlePlan, AxleQuantity, Coordinate, Of, Placement, Quantity, axle_curves,
 };
+use crate::characteristics::Characteristic;
 use crate::mechanism::DesignFault;
 use crate::model::Side;
-use crate::study::{AxleStudy, Optimise, Study, TargetKind};
+use crate::study::{AxleSample, AxleStudy, Optimise, Study, TargetKind};
 
 /// Names of the quantities that are compared in addition to the study's outputs.
 const COMPARED: [&str; 10] = [
@@ -25,7 +26,12 @@ const COMPARED: [&str; 10] = [
 ];
 
 /// Values of a study's outputs, and of the compared quantities, over its motion.
-pub(super) fn observe(study: &Study, both: &AxleStudy) -> Result<Observed, DesignFault> {
+/// `name` is the name of the motion.
+pub(super) fn observe(
+    study: &Study,
+    both: &AxleStudy,
+    name: Option<&str>,
+) -> Result<Observed, DesignFault> {
     let plan = plan(both);
     let found = axle_curves(&both.axle, &plan).map_err(|(_, fault)| fault)?;
     let found = found.curves;
@@ -52,7 +58,16 @@ pub(super) fn observe(study: &Study, both: &AxleStudy) -> Result<Observed, Desig
                 .position(|c| over.is_some_and(|o| is_same(*c, o)));
             let samples = target.axle_samples(&both.axle).into_iter();
             let own = samples.filter(|sample| is_about(sample.quantity, column));
-            wanted.extend(own.filter_map(|sample| grid.station(&place(&sample.placement), along?)));
+            let site = target.site.axle.as_ref();
+            let motion = site.and_then(|site| site.motion.as_deref());
+            let station = |sample: AxleSample| match motion {
+                // Stations of another named motion have other coordinates: only equal positions count.
+                Some(other) if Some(other) != name => {
+                    placements.iter().position(|own| *own == sample.placement)
+                }
+                _ => grid.station(&place(&sample.placement), along?),
+            };
+            wanted.extend(own.filter_map(station));
         }
         series.push(Series {
             wanted,
@@ -69,12 +84,17 @@ pub(super) fn observe(study: &Study, both: &AxleStudy) -> Result<Observed, Desig
 
 /// Returns true if a target for a quantity also counts for a column.
 fn is_about(quantity: Quantity, column: &AxleColumn) -> bool {
+    use AxleQuantity::{TotalToe, TotalToeAtRim};
     match (quantity, column.quantity()) {
-        (Quantity::Corner(side, gain), Some(Quantity::Corner(own, of)))
-            if customary::integral_of(gain) == Some(of) =>
-        {
-            side == own
+        (Quantity::Corner(side, target), Some(Quantity::Corner(own, of))) => {
+            side == own && customary::determines(target, of)
         }
+        // Targets for both wheels determine the sum.
+        (Quantity::Corner(_, target), Some(Quantity::Axle(TotalToe | TotalToeAtRim))) => {
+            customary::determines(target, Characteristic::Toe)
+        }
+        (Quantity::Axle(TotalToe), Some(Quantity::Axle(TotalToeAtRim)))
+        | (Quantity::Axle(TotalToeAtRim), Some(Quantity::Axle(TotalToe))) => true,
         (quantity, of) => of == Some(quantity),
     }
 }

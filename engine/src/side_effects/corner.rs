@@ -157,10 +157,9 @@ impl Looked<'_> {
             Measure::Quantity(Quantity::Characteristic(of)) => Some(*of),
             _ => None,
         };
-        let is_about = |other: &Measure| {
-            let integral = characteristic(other).and_then(customary::integral_of);
-            let is_gain = integral.is_some() && integral == characteristic(measure);
-            is_gain || other == measure
+        let is_about = |other: &Measure| match (characteristic(other), characteristic(measure)) {
+            (Some(target), Some(of)) => customary::determines(target, of),
+            _ => other == measure,
         };
         let targets = optimise.targets.iter();
         let of_targets = targets.filter(|target| {

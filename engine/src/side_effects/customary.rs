@@ -6,6 +6,8 @@ use crate::model::LengthUnit;
 
 /// Change of a length, in mm, that counts.
 const LENGTH: f64 = 1.0;
+/// Change of toe at the rim, in mm, that counts: 0.05 degrees at a rim of 340 mm.
+const TOE_AT_RIM: f64 = 0.3;
 /// Change of a turning circle that counts, as a share of it. It grows without bounds near straight ahead.
 const TURNING_CIRCLE: f64 = 0.01;
 
@@ -47,11 +49,14 @@ const UNBOUNDED_IN_TURNS: [&str; 3] = [
 
 /// Largest change of a quantity that an engineer tolerates, in the printed unit. Angles: toe 0.05 degrees, camber, roll and
 /// pitch 0.1 degrees, caster and inclination of the steering axis 0.2 degrees. Others: turning circle 1 % of it, other lengths
-/// 1 mm, share of the front axle in the load transfer 1 %, roll gradient 0.05 degrees/g. `None` for all others.
+/// 1 mm, toe at the rim 0.3 mm, share of the front axle in the load transfer 1 %, roll gradient 0.05 degrees/g. `None` for all others.
 pub(super) fn tolerance(name: &str, unit: Unit, length: LengthUnit) -> Option<Tolerance> {
     let fixed = match (name, unit) {
         ("turning_circle", _) => return Some(Tolerance::Share(TURNING_CIRCLE)),
         ("toe" | "roll_gradient", _) => 0.05,
+        ("total_toe", _) => 0.1,
+        ("toe_at_rim", _) => length.convert(TOE_AT_RIM, LengthUnit::Millimetre),
+        ("total_toe_at_rim", _) => length.convert(2.0 * TOE_AT_RIM, LengthUnit::Millimetre),
         ("camber" | "camber_to_road" | "roll" | "pitch", _) => 0.1,
         ("lateral_load_transfer_distribution", _) => 1.0,
         _ if UNBOUNDED_IN_TURNS.iter().any(|of| name.starts_with(of)) => return None,
@@ -67,11 +72,20 @@ pub(super) fn tolerance(name: &str, unit: Unit, length: LengthUnit) -> Option<To
 /// Returns true for a quantity that is judged only with the rack at 0. With steered wheels, toe is a steer angle, and the
 /// kinematic roll centre moves without bounds.
 pub(super) fn is_judged_straight_ahead(name: &str) -> bool {
-    ["toe", "roll_centre_height", "roll_centre_lateral"].contains(&name)
+    let is_toe = ["toe", "toe_at_rim", "total_toe", "total_toe_at_rim"].contains(&name);
+    is_toe || ["roll_centre_height", "roll_centre_lateral"].contains(&name)
+}
+
+/// Returns true if a target for a characteristic determines another one, except for its value in the design position.
+pub(super) fn determines(target: Characteristic, of: Characteristic) -> bool {
+    use Characteristic::{Toe, ToeAtRim};
+    let is_same =
+        |one, other| one == other || matches!((one, other), (Toe, ToeAtRim) | (ToeAtRim, Toe));
+    is_same(target, of) || integral_of(target).is_some_and(|own| is_same(own, of))
 }
 
 /// Characteristic whose curve over travel follows from a gain, except for its value in the design position.
-pub(super) fn integral_of(gain: Characteristic) -> Option<Characteristic> {
+fn integral_of(gain: Characteristic) -> Option<Characteristic> {
     Some(match gain {
         Characteristic::BumpSteer => Characteristic::Toe,
         Characteristic::CamberGain => Characteristic::Camber,

@@ -84,7 +84,7 @@ pub(super) fn observe(study: &Study, name: Option<&str>) -> Result<Observed, Des
     let study = moved.as_ref().unwrap_or(study);
     let observed = match &study.vehicle {
         Vehicle::Wheel(own) => corner::observe(study, own, name),
-        Vehicle::Axle(both) => axle::observe(study, both),
+        Vehicle::Axle(both) => axle::observe(study, both, name),
     }?;
     Ok(Observed {
         motion: name.map(str::to_owned),

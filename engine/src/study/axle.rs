@@ -80,6 +80,7 @@ fn keys_of_axles(motion: &file::Motion) -> Vec<(&'static str, std::ops::Range<us
         .collect();
     places.extend(motion.ground.as_ref().map(|text| ("ground", text.span())));
     places.extend(motion.hold.as_ref().map(|text| ("hold", text.span())));
+    places.extend(motion.combine.as_ref().map(|text| ("combine", text.span())));
     places
 }
 

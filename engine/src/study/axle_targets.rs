@@ -1,30 +1,36 @@
 //! Targets of an axle: target quantity, the coordinate of the motion that varies, and values of the other coordinates.
 
-use super::axle::{AxleStudy, coordinates, lacks_nothing, quantities};
+use super::axle::{AxleStudy, coordinates, lacks_nothing, moves_axle, quantities};
 use super::error::Problems;
 use super::file;
-use super::motion::values;
+use super::motion::list;
 use super::names::choose;
 use super::resolve::Context;
 use super::value::{Numbers, Text};
 use super::{Motion, Site, Target, TargetKind, TargetQuantity};
 use crate::ask::with_unit;
 use crate::axle::{Axle, AxleMotion, AxlePlan, Coordinate, Placement, Quantity};
+use crate::evaluate::index_or_push;
 use crate::model::Side;
 use crate::number::Each;
 use std::ops::Range as Span;
 use toml::Spanned;
 
+/// Largest difference of equal values of rows, relative to the value.
+const SAME_ROW: f64 = 1e-10;
+
 /// Stations of an axle's target: one coordinate of the motion varies, and the others are fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleSite {
+    /// Name of the motion. `None` for the study's `[motion]`.
+    pub motion: Option<String>,
     /// Coordinate that varies.
     pub over: Coordinate,
     /// Values of this coordinate in the motion, as the study writes them: degrees, or lengths along the study's axes.
     pub values: Vec<f64>,
     /// Values of the other coordinates, in all combinations.
     pub held: AxleMotion,
-    /// Description of the other coordinates.
+    /// Description of the other coordinates that the study gives.
     pub words: String,
 }
 
@@ -49,9 +55,51 @@ impl AxleStudy {
 }
 
 impl AxleSite {
+    /// All stations of a motion. `name` is its name.
+    pub(crate) fn whole(name: Option<&str>, motion: &AxleMotion, axle: &Axle) -> Self {
+        let mut held = motion.clone();
+        let over = held.moving()[0];
+        let along = held.along(over).cloned().unwrap_or_default();
+        // Rows may have equal values. The site has all rows of a value.
+        let mut values: Vec<f64> = Vec::new();
+        for value in along {
+            index_or_push(&mut values, over.written(value, axle));
+        }
+        held.steering_wheel = None;
+        AxleSite {
+            motion: name.map(str::to_owned),
+            over,
+            values,
+            held,
+            words: String::new(),
+        }
+    }
+
+    /// Description of the motion, if it has a name, and of the other coordinates that the study gives.
+    pub fn in_words(&self) -> String {
+        let motion = self.motion.as_ref();
+        let motion = motion.map_or(String::new(), |name| format!(", motion {name}"));
+        motion + &self.words
+    }
+
+    /// Returns true if only `over` is given, in the motion with this name.
+    pub fn is_whole_motion(&self, name: Option<&str>) -> bool {
+        self.motion.as_deref() == name && self.words.is_empty()
+    }
+
     /// Poses for a value of `over` in the study's unit.
     pub fn placements(&self, at: f64, axle: &Axle) -> Vec<Placement> {
         let mut motion = self.held.clone();
+        if motion.has_rows() {
+            let value = self.over.in_kernel(at, axle);
+            let along = motion.along(self.over).cloned().unwrap_or_default();
+            // A value that was converted to its written form and back may differ by rounding.
+            let is_same = |own: f64| (own - value).abs() <= SAME_ROW * value.abs();
+            let rows = (0..along.len()).filter(|row| is_same(along[*row]));
+            return rows
+                .flat_map(|row| self.held.row(row).placements())
+                .collect();
+        }
         let along = motion.along(self.over).expect("a number of this motion");
         *along = vec![self.over.in_kernel(at, axle)];
         motion.placements()
@@ -60,6 +108,7 @@ impl AxleSite {
 
 /// Keys of a target or a band that describe its stations.
 pub(super) struct Where<'w> {
+    motion: &'w Option<Text>,
     over: &'w Option<Text>,
     side: &'w Option<Text>,
     /// Values of the fixed coordinates, in the order of [`Coordinate::ALL`].
@@ -71,6 +120,7 @@ pub(super) struct Where<'w> {
 impl<'w> From<&'w file::Target> for Where<'w> {
     fn from(target: &'w file::Target) -> Self {
         Where {
+            motion: &target.motion,
             over: &target.over,
             side: &target.side,
             held: coordinates!(target),
@@ -82,6 +132,7 @@ impl<'w> From<&'w file::Target> for Where<'w> {
 impl<'w> From<&'w file::Band> for Where<'w> {
     fn from(band: &'w file::Band) -> Self {
         Where {
+            motion: &band.motion,
             over: &band.over,
             side: &band.side,
             held: coordinates!(band),
@@ -122,7 +173,7 @@ impl<'w> Where<'w> {
     }
 }
 
-/// Reads the quantities of a band of an axle, and its stations. If the site is `None`, the band applies to the whole motion.
+/// Reads the quantities of a band of an axle, and its stations. If the site is `None`, the band applies to the whole `[motion]`.
 pub(super) fn band(
     spanned: &Spanned<file::Band>,
     study: &AxleStudy,
@@ -132,19 +183,28 @@ pub(super) fn band(
     let written = spanned.get_ref();
     let wanted = Where::from(written);
     let of = subject(&written.characteristic, wanted.side, study, problems);
-    let site = if written.at.is_some() || wanted.is_given() {
-        Some(site(&wanted, spanned.span(), study, context, problems)?)
-    } else {
-        None
+    let site = match (written.at.is_some() || wanted.is_given(), wanted.motion) {
+        (true, _) => Some(site(&wanted, spanned.span(), study, context, problems)?),
+        (false, Some(_)) => {
+            let of = TargetMotion::read(wanted.motion, study, context, problems)?;
+            Some(AxleSite::whole(of.name, of.motion, &study.axle))
+        }
+        (false, None) => None,
     };
     Some((of?, site))
 }
 
-/// Values of a coordinate in the study's motion, as written.
+/// Different values of a coordinate in a motion, as written.
 fn moved(motion: &file::Motion, coordinate: Coordinate, problems: &mut Problems) -> Vec<f64> {
     let written = coordinates!(motion)[coordinate as usize];
-    let given = written.as_ref().and_then(|given| values(given, problems));
-    given.unwrap_or_else(|| vec![0.0])
+    let given = written.as_ref().and_then(|given| list(given, problems));
+    let mut different: Vec<f64> = Vec::new();
+    for value in given.unwrap_or_else(|| vec![0.0]) {
+        if !different.contains(&value) {
+            different.push(value);
+        }
+    }
+    different
 }
 
 /// Reads the quantity of an axle's target, its stations, and the motion of its curve.
@@ -175,12 +235,6 @@ pub(super) fn target(
     if let Some(path) = &written.file {
         let message = "targets of an axle cannot read a file; expected points";
         return problems.refuse(path.span(), message);
-    }
-    if let Some(motion) = &written.motion {
-        return problems.refuse(
-            motion.span(),
-            "targets of an axle cannot name a motion; expected over",
-        );
     }
     let name = match (&written.characteristic, &written.figure) {
         (Some(name), None) => name,
@@ -310,6 +364,71 @@ fn over(
     }
 }
 
+/// Motion of a target or a band: the named one, or `[motion]`.
+struct TargetMotion<'m> {
+    name: Option<&'m str>,
+    written: &'m file::Motion,
+    motion: &'m AxleMotion,
+}
+
+impl<'m> TargetMotion<'m> {
+    fn read(
+        name: &Option<Text>,
+        study: &'m AxleStudy,
+        context: &Context<'m>,
+        problems: &mut Problems,
+    ) -> Option<Self> {
+        let Some(text) = name else {
+            return Some(TargetMotion {
+                name: None,
+                written: context.file.motion.get_ref(),
+                motion: &study.plan.motion,
+            });
+        };
+        let sections = &context.file.motions;
+        let is_of_wheel = sections.iter().any(|(own, section)| {
+            own.get_ref() == text.get_ref() && !moves_axle(section.get_ref())
+        });
+        if is_of_wheel {
+            let name = text.get_ref();
+            let message = format!(
+                "the motion {name} moves the left wheel alone; a target or a band of an axle needs a motion of the axle"
+            );
+            let error = problems.add(text.span(), message);
+            error.help(format!(
+                "give heave, roll, or travel_left and travel_right in [motions.{name}]"
+            ));
+            return None;
+        }
+        let options: Vec<_> = study
+            .motions
+            .iter()
+            .map(|own| (own.0.as_str(), own))
+            .collect();
+        if options.is_empty() {
+            let message =
+                "this study has no named motions of the axle; give them in sections [motions.NAME]";
+            return problems.refuse(text.span(), message);
+        }
+        let (name, motion) = choose(text, "motion", &options, problems)?;
+        let mut sections = sections.iter();
+        let (_, section) = sections.find(|(own, _)| own.get_ref() == name)?;
+        Some(TargetMotion {
+            name: Some(name),
+            written: section.get_ref(),
+            motion,
+        })
+    }
+
+    /// The motion in messages.
+    fn words(&self) -> String {
+        match self.name {
+            Some(name) => format!("the motion {name}"),
+            None => "the motion of this study".to_owned(),
+        }
+    }
+}
+
 fn site(
     written: &Where,
     place: Span<usize>,
@@ -317,8 +436,9 @@ fn site(
     context: &Context,
     problems: &mut Problems,
 ) -> Option<AxleSite> {
-    let motion = context.file.motion.get_ref();
-    let mut held = study.plan.motion.clone();
+    let of = TargetMotion::read(written.motion, study, context, problems)?;
+    let motion = of.written;
+    let mut held = of.motion.clone();
     held.steering_wheel = None;
     let by_wheel = motion.steering_wheel_angle.is_some();
     let mut available: Vec<Coordinate> = Coordinate::ALL.to_vec();
@@ -328,14 +448,24 @@ fn site(
         Coordinate::SteeringWheel => by_wheel,
         _ => true,
     });
-    let over = over(written, place, motion, &available, problems)?;
+    let has_rows = held.has_rows();
+    let over = match written.over {
+        // Of rows every coordinate may change at the same time.
+        None if has_rows => held.moving()[0],
+        _ => over(written, place, motion, &available, problems)?,
+    };
+    // The main coordinate of rows may be the displacement of the rack.
+    let over = match over {
+        Coordinate::Rack if by_wheel => Coordinate::SteeringWheel,
+        over => over,
+    };
     let mut words = String::new();
     for coordinate in Coordinate::ALL {
         let given = written.held_at(coordinate);
         if !available.contains(&coordinate) {
             if let Some(given) = given {
                 let (key, known) = (coordinate.key(), keys(&available));
-                let message = format!("the motion of this study has {known}, but no {key}");
+                let message = format!("{} has {known}, but no {key}", of.words());
                 return problems.refuse(given.span(), message);
             }
             continue;
@@ -346,6 +476,14 @@ fn site(
                     "the target runs over {0}, so {0} cannot be held",
                     over.key()
                 );
+                return problems.refuse(given.span(), message);
+            }
+            continue;
+        }
+        if has_rows {
+            if let Some(given) = given {
+                let key = coordinate.key();
+                let message = format!("the rows of {} give {key}; leave {key} out", of.words());
                 return problems.refuse(given.span(), message);
             }
             continue;
@@ -371,6 +509,7 @@ fn site(
         *along = values.collect();
     }
     Some(AxleSite {
+        motion: of.name.map(str::to_owned),
         over,
         values: moved(motion, over, problems),
         held,

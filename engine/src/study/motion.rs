@@ -247,19 +247,25 @@ pub(super) fn time_law(
     })
 }
 
-/// Reads values, in the unit in which they are written.
-pub(super) fn values(written: &Spanned<Values>, problems: &mut Problems) -> Option<Vec<f64>> {
+/// Reads values that may be equal, in the unit in which they are written.
+pub(super) fn list(written: &Spanned<Values>, problems: &mut Problems) -> Option<Vec<f64>> {
     match written.get_ref() {
         Values::One(value) => Some(vec![*value]),
         Values::Range(r) => range(&r.from, &r.to, &r.steps, MOST_STATIONS, problems),
-        Values::List(list) => {
-            if list.is_empty() {
-                return problems.refuse(
-                    written.span(),
-                    "expected at least one value, found an empty list",
-                );
-            }
-            let mut sorted: Vec<&Number> = list.iter().collect();
+        Values::List(list) if list.is_empty() => problems.refuse(
+            written.span(),
+            "expected at least one value, found an empty list",
+        ),
+        Values::List(list) => Some(list.iter().map(|number| number.value).collect()),
+    }
+}
+
+/// Reads different values, in the unit in which they are written.
+pub(super) fn values(written: &Spanned<Values>, problems: &mut Problems) -> Option<Vec<f64>> {
+    match written.get_ref() {
+        Values::One(_) | Values::Range(_) => list(written, problems),
+        Values::List(numbers) => {
+            let mut sorted: Vec<&Number> = numbers.iter().collect();
             sorted.sort_by(|a, b| a.value.total_cmp(&b.value));
             if let Some(pair) = sorted
                 .windows(2)
@@ -270,7 +276,7 @@ pub(super) fn values(written: &Spanned<Values>, problems: &mut Problems) -> Opti
                 error.related(pair[0].span.clone(), "first here");
                 return None;
             }
-            Some(list.iter().map(|number| number.value).collect())
+            list(written, problems)
         }
     }
 }

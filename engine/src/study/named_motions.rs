@@ -38,6 +38,10 @@ pub(super) fn check(
                 problems.add(section.span(), message);
             }
         }
+        if *name.get_ref() == "before" || name.get_ref().starts_with("before_") {
+            let message = "the name of a motion cannot begin with before: a tuning writes the curves of the earlier design as curves_before.csv";
+            problems.add(name.span(), message);
+        }
         if name.get_ref().is_empty() || name.get_ref().contains(['/', '\\', '.']) {
             let message = "the name of a motion is part of a file's name: letters, digits and _";
             problems.add(name.span(), message);

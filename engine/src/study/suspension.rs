@@ -31,6 +31,7 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
     let vehicle = vehicle(&file.vehicle, problems);
     let wheel_radius = positive(&file.wheel.radius, problems);
     let tyre_width = positive(&file.wheel.tyre_width, problems);
+    let rim_diameter = positive(&file.wheel.rim_diameter, problems);
     let given = hardpoints(section, topology?, problems)?;
     let (frame, length_unit) = (frame?, length_unit?);
 
@@ -58,6 +59,7 @@ pub(super) fn suspension(file: &File, problems: &mut Problems) -> Option<Suspens
         length_unit,
         wheel_radius: wheel_radius?,
         tyre_width: tyre_width?,
+        rim_diameter: rim_diameter?,
         vehicle: vehicle?,
     };
     geometry::check(section, &suspension, problems)?;

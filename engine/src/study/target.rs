@@ -106,6 +106,14 @@ pub struct Site {
     pub axle: Option<AxleSite>,
 }
 
+impl Site {
+    /// Returns true for the stations of a motion of one wheel at its own rack. `name` is the name of the motion.
+    pub fn is_whole_motion(&self, name: Option<&str>) -> bool {
+        let own = self.motion.as_ref().map(|(name, _)| name.as_str());
+        own == name && self.racks.is_empty() && self.axle.is_none()
+    }
+}
+
 /// Target curve, value or band. Values are in the kernel's frame, in radians or length units (for gains: radians per length
 /// unit).
 #[derive(Clone, Debug, PartialEq)]
@@ -169,15 +177,17 @@ impl Target {
 
     /// Returns true for a characteristic in the study's own motion. Sweeps compare only such targets.
     pub fn is_in_motion(&self) -> bool {
-        let of = &self.of;
-        let is_curve = of.as_characteristic().is_some() || of.as_figure().is_some();
-        self.site == Site::default() && is_curve
+        self.site.is_whole_motion(None) && self.has_curve()
     }
 
-    /// Returns true if a chart can show the target as a line: a value or curve of a characteristic in the study's own
-    /// motion.
+    /// Returns true if a chart can show the target as a line: a value or curve of a characteristic.
     pub fn is_plain(&self) -> bool {
-        !matches!(self.wanted, Wanted::Band { .. }) && self.is_in_motion()
+        !matches!(self.wanted, Wanted::Band { .. }) && self.has_curve()
+    }
+
+    /// Returns true if the quantity has a column in the curves of the wheel.
+    fn has_curve(&self) -> bool {
+        self.of.as_characteristic().is_some() || self.of.as_figure().is_some()
     }
 }
 

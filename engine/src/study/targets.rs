@@ -120,9 +120,18 @@ fn target(
     };
 
     let (wanted, from_file) = target.wanted(written, &site, is_fit, context, problems)?;
+    let has_rows = site.axle.as_ref().is_some_and(|site| site.held.has_rows());
+    if has_rows {
+        target.check_rows(&wanted, written, problems)?;
+    }
     let target = Target {
         tolerance: of.from_printed(tolerance?).abs(),
-        stations: added_stations(&wanted, target.motion),
+        // Between two rows there are none.
+        stations: if has_rows {
+            Vec::new()
+        } else {
+            added_stations(&wanted, target.motion)
+        },
         of: of.clone(),
         wanted,
         weight: weight?,
@@ -231,6 +240,35 @@ struct TargetContext<'a> {
 }
 
 impl TargetContext<'_> {
+    /// Checks that a motion of rows has a row for each drive value of a target, or at least one row on its curve.
+    fn check_rows(
+        &self,
+        wanted: &Wanted,
+        written: &Written,
+        problems: &mut Problems,
+    ) -> Option<()> {
+        let rows = &self.motion.values;
+        let samples = wanted.samples(rows);
+        let off = samples.iter().find(|sample| !rows.contains(&sample.drive));
+        let place = written
+            .at
+            .as_ref()
+            .map_or(self.place.clone(), |at| at.span.clone());
+        if let Some(sample) = off {
+            let known: Vec<_> = rows.iter().map(ToString::to_string).collect();
+            let message = format!(
+                "no row of the motion has {}; the rows have {}",
+                sample.drive,
+                known.join(", ")
+            );
+            return problems.refuse(place, message);
+        }
+        if samples.is_empty() {
+            return problems.refuse(place, "no row of the motion is on the curve of this target");
+        }
+        Some(())
+    }
+
     /// Reads the target values, and the curve of a file.
     fn wanted(
         &self,

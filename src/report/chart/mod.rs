@@ -21,7 +21,7 @@ pub(super) use labels::{shortened, told_apart};
 pub(super) use layout::{AxisLayout, Layout, SIZE};
 pub(super) use lettering::Lettering;
 pub(super) use of_run::{
-    Family, chart_groups, charts_over, families, hue, in_words, moving_beside,
+    Charted, Family, chart_groups, charts_over, families, hue, in_words, moving_beside,
 };
 pub(super) use scale::Scale;
 pub(super) use style::{PICTURE_STYLE, page_style};

@@ -5,7 +5,7 @@ use super::{Chart, Fan, Line, Quantity, Source, Wanted};
 use crate::curves::Status;
 use crate::report::curve_table::CurveTable;
 use crate::report::figure::brief;
-use crate::report::record::{OutputRecord, Record};
+use crate::report::record::{MotionRecord, OutputRecord, Record};
 
 /// Largest number of curves per design and wheel in one chart.
 const MOST_FAMILIES: usize = 9;
@@ -38,9 +38,37 @@ fn side_of(column: &str) -> Option<(&'static str, &str)> {
     })
 }
 
-/// Charts of a group of outputs over a column of the motion.
+/// Curves of a run over one of its motions, for charts.
+#[derive(Clone, Copy)]
+pub(in crate::report) struct Charted<'r> {
+    /// Command of the run.
+    pub command: &'r str,
+    /// Curves over the motion.
+    pub motion: &'r MotionRecord,
+    /// Index of the table of the first design. The tables of the other designs follow.
+    pub first_table: usize,
+}
+
+impl<'r> Charted<'r> {
+    /// Curves over the study's own motion, whose tables come first.
+    pub(in crate::report) fn of(record: &'r Record) -> Self {
+        Charted {
+            command: &record.command,
+            motion: &record.motion,
+            first_table: 0,
+        }
+    }
+
+    /// Tables of the designs.
+    fn tables<'t>(&self, all: &'t [CurveTable]) -> &'t [CurveTable] {
+        let last = (self.first_table + self.motion.designs.len()).min(all.len());
+        &all[self.first_table.min(last)..last]
+    }
+}
+
+/// Chart of a group of outputs over a column of the motion.
 pub(in crate::report) fn charts_over(
-    record: &Record,
+    record: Charted<'_>,
     tables: &[CurveTable],
     outputs: &[&OutputRecord],
     abscissa: &str,
@@ -48,10 +76,11 @@ pub(in crate::report) fn charts_over(
     let [first, ..] = outputs else {
         return Chart::default();
     };
+    let tables = record.tables(tables);
     let is_pair = outputs.len() > 1;
     let mut title = title_of(first, is_pair).to_owned();
     // Some names, such as roll steer, denote a quantity of the axle and one of each wheel.
-    if is_pair && record.outputs.iter().any(|own| own.title == title) {
+    if is_pair && record.motion.outputs.iter().any(|own| own.title == title) {
         title.push_str(" of each wheel");
     }
     let mut chart = Chart {
@@ -130,16 +159,16 @@ fn class_of(
 impl Chart {
     fn add_output(
         &mut self,
-        record: &Record,
+        record: Charted<'_>,
         tables: &[CurveTable],
         column: &str,
         abscissa: &str,
         side: Option<&'static str>,
     ) {
-        let moving = moving_beside(record, abscissa);
+        let moving = moving_beside(record.motion, abscissa);
         let is_scatter = record.command == "tolerance";
-        for (number, (design, table)) in record.designs.iter().zip(tables).enumerate() {
-            let is_last = number + 1 == record.designs.len();
+        for (number, (design, table)) in record.motion.designs.iter().zip(tables).enumerate() {
+            let is_last = number + 1 == record.motion.designs.len();
             let (families, all) = families(&moving, table);
             if all > families.len() && is_last && self.notes.is_empty() {
                 let name = moving
@@ -154,15 +183,15 @@ impl Chart {
                 let apart = moving.first().map(|name| in_words(name, family.place));
                 let class = class_of(&family, is_last, side, [several, is_scatter]);
                 let source = Source {
-                    table: number,
+                    table: record.first_table + number,
                     x: abscissa.to_owned(),
                     y: column.to_owned(),
                     rows: family.rows,
                 };
-                if is_scatter && number < 2 && record.designs.len() == 5 {
+                if is_scatter && number < 2 && record.motion.designs.len() == 5 {
                     // Percentiles come in pairs around the nominal design.
                     let other = Source {
-                        table: 3 - number,
+                        table: record.first_table + 3 - number,
                         ..source.clone()
                     };
                     self.fans.push(Fan {
@@ -174,7 +203,7 @@ impl Chart {
                 let names = [side.map(str::to_owned), own.clone()];
                 let main: Vec<String> = names.into_iter().flatten().collect();
                 let main = (!main.is_empty()).then(|| main.join(", "));
-                let alone = record.designs.len() == 1;
+                let alone = record.motion.designs.len() == 1;
                 let label = match (is_last, side, several) {
                     (true, Some(side), _) => family.is_present.then(|| side.to_owned()),
                     (true, None, true) => moving.first().map(|name| in_short(name, family.place)),
@@ -202,14 +231,18 @@ impl Chart {
 
     fn add_wanted(
         &mut self,
-        record: &Record,
+        record: Charted<'_>,
         tables: &[CurveTable],
         output: &OutputRecord,
         abscissa: &str,
     ) {
-        let targets = record.targets.iter().filter(|t| t.column == output.column);
+        let targets = record
+            .motion
+            .targets
+            .iter()
+            .filter(|t| t.column == output.column);
         for target in targets {
-            if target.over.as_ref().unwrap_or(&record.drive) != abscissa {
+            if target.over.as_ref().unwrap_or(&record.motion.drive) != abscissa {
                 continue;
             }
             let (points, tolerance) = (target.points.clone(), target.tolerance);
@@ -220,8 +253,13 @@ impl Chart {
                 .extend(outside(record, tables, &output.column, limits, tolerance));
             self.wanted.push(Wanted::Values { points, tolerance });
         }
-        for band in record.bands.iter().filter(|b| b.column == output.column) {
-            if record.drive != abscissa {
+        for band in record
+            .motion
+            .bands
+            .iter()
+            .filter(|b| b.column == output.column)
+        {
+            if record.motion.drive != abscissa {
                 continue;
             }
             let limits = band.limits.iter().copied();
@@ -266,9 +304,12 @@ fn in_short(column: &str, value: f64) -> String {
 
 /// Columns of the coordinates that move besides the one on the horizontal axis: the rack for a wheel, all other coordinates for
 /// an axle.
-pub(in crate::report) fn moving_beside<'r>(record: &'r Record, abscissa: &str) -> Vec<&'r String> {
-    let drive = (!record.further.is_empty()).then_some(&record.drive);
-    let all = drive.into_iter().chain(&record.further).chain(&record.rack);
+pub(in crate::report) fn moving_beside<'r>(
+    motion: &'r MotionRecord,
+    abscissa: &str,
+) -> Vec<&'r String> {
+    let drive = (!motion.further.is_empty()).then_some(&motion.drive);
+    let all = drive.into_iter().chain(&motion.further).chain(&motion.rack);
     all.filter(|name| *name != abscissa).collect()
 }
 
@@ -314,9 +355,9 @@ pub(in crate::report) fn families(moving: &[&String], table: &CurveTable) -> (Ve
 }
 
 /// Positions on the horizontal axis at which some design has no pose.
-fn failed(record: &Record, tables: &[CurveTable], abscissa: &str) -> Vec<f64> {
+fn failed(record: Charted<'_>, tables: &[CurveTable], abscissa: &str) -> Vec<f64> {
     let mut failed: Vec<f64> = Vec::new();
-    for (_, table) in record.designs.iter().zip(tables) {
+    for (_, table) in record.motion.designs.iter().zip(tables) {
         let motion = table.column(abscissa).unwrap_or_default();
         let missing = (motion.iter().zip(&table.status)).filter(|(_, status)| !is_solved(status));
         failed.extend(missing.filter_map(|(value, _)| *value));
@@ -339,22 +380,27 @@ fn is_solved(status: &str) -> bool {
 /// Points at which the last design of a tuning violates limits by more than the tolerance: drive value and column value. The rack
 /// is at 0 or at the study's position. Each limit has a drive value, a minimum and a maximum.
 fn outside(
-    record: &Record,
+    record: Charted<'_>,
     tables: &[CurveTable],
     column: &str,
     limits: impl Iterator<Item = (f64, Option<f64>, Option<f64>)>,
     tolerance: f64,
 ) -> Vec<[f64; 2]> {
     // Targets of an axle depend on several coordinates, so only the tables show which are missed.
-    if record.command != "optimise" || !record.further.is_empty() {
+    if record.command != "optimise" || !record.motion.further.is_empty() {
         return Vec::new();
     }
-    let Some(table) = tables.get(record.designs.len() - 1) else {
+    let Some(table) = tables.get(record.motion.designs.len() - 1) else {
         return Vec::new();
     };
-    let racks = record.rack.as_ref().and_then(|name| table.column(name));
+    let racks = record
+        .motion
+        .rack
+        .as_ref()
+        .and_then(|name| table.column(name));
     let ahead = |row: &usize| racks.is_none_or(|racks| racks[*row] == Some(0.0));
-    let Some((drives, values)) = table.column(&record.drive).zip(table.column(column)) else {
+    let Some((drives, values)) = table.column(&record.motion.drive).zip(table.column(column))
+    else {
         return Vec::new();
     };
     let value_at = |drive: f64| {

@@ -123,8 +123,8 @@ fn nearest(design: &DesignRecord) -> Option<&Placement> {
 
 /// Both designs from the front and from the side. The first design is dashed, the last one has colours.
 fn pictures(record: &Record) -> String {
-    let [Some(first), Some(last)] =
-        [record.designs.first(), record.designs.last()].map(|design| design.and_then(nearest))
+    let [Some(first), Some(last)] = [record.motion.designs.first(), record.motion.designs.last()]
+        .map(|design| design.and_then(nearest))
     else {
         return String::new();
     };

@@ -9,11 +9,11 @@ use super::tuning_charts::{front_charts, history_chart, prices_chart};
 use super::{Page, STAGE};
 use crate::SideEffect;
 use crate::report::chart::{
-    Layout, Line, Quantity, Source, chart_groups, charts_over, families, moving_beside,
+    Charted, Layout, Line, Quantity, Source, chart_groups, charts_over, families, moving_beside,
 };
 use crate::report::curve_table::CurveTable;
 use crate::report::failures::FailureRange;
-use crate::report::record::{DesignRecord, OutputRecord, Record};
+use crate::report::record::{DesignRecord, MotionRecord, OutputRecord, Record};
 use crate::report::run::{Run, Summary};
 use crate::report::{FrontPoint, ToleranceSummary, TuningSummary, YieldRecord};
 use crate::report::{side_effects_in_words, side_effects_table};
@@ -58,7 +58,15 @@ pub fn page(run: &Run) -> String {
         tables: curves,
         layouts: Vec::new(),
     };
-    let figures = figures(run, first_of_front, &mut charts);
+    let record = &run.record;
+    let misses = tuning_of(run).map_or_else(Vec::new, missed);
+    let figures = figures(
+        Charted::of(record),
+        &misses,
+        &mut charts,
+        |tables, group, over| front_lines(record, tables, first_of_front, group, over),
+    );
+    let motions = of_motions(run, &misses, &mut charts);
     let answer = tuning_of(run).map_or_else(String::new, |tuning| opening(tuning, &run.record));
     let (tuning, ranges) = match &run.summary {
         Summary::Optimise(tuning) => {
@@ -92,6 +100,7 @@ pub fn page(run: &Run) -> String {
         answer = answer,
         curves_note = curves_note,
         figures = figures,
+        motions = motions,
         stage = STAGE,
         ranges = ranges,
         tuning = tuning,
@@ -116,7 +125,7 @@ pub fn page(run: &Run) -> String {
         facts: facts(run),
         remarks: interruption(run) + &failures(run) + &remarks(run),
         sections: sections(run),
-        controls: &controls(&run.record),
+        controls: &controls(&run.record.motion, "curve-plots"),
         main,
         files: &run.files,
         data,
@@ -132,28 +141,9 @@ fn tuning_of(run: &Run) -> Option<&TuningSummary> {
     }
 }
 
-/// Column on the horizontal axis of an output at first.
-fn usual<'r>(record: &'r Record, output: &str) -> &'r str {
-    let by_time = record.abscissae.iter().find(|a| *a == "time_s");
-    by_time.map_or(record.natural_abscissa(output), String::as_str)
-}
-
-/// Columns that can be on the horizontal axis.
-fn abscissae(record: &Record) -> Vec<&str> {
-    let mut all = vec![record.drive.as_str()];
-    all.extend(
-        record
-            .abscissae
-            .iter()
-            .map(String::as_str)
-            .filter(|a| *a != record.drive),
-    );
-    all
-}
-
-/// Control that selects the horizontal axis, if there is a choice.
-fn controls(record: &Record) -> String {
-    let all = abscissae(record);
+/// Control that selects the horizontal axis of the charts in the element `plots`, if there is a choice.
+fn controls(motion: &MotionRecord, plots: &str) -> String {
+    let all = motion.all_abscissae();
     if all.len() < 2 {
         return String::new();
     }
@@ -166,16 +156,24 @@ fn controls(record: &Record) -> String {
         )
     };
     let options: String = all.iter().map(option).collect();
-    format!(include_str!("controls.html"), options = options)
+    format!(
+        include_str!("controls.html"),
+        plots = plots,
+        options = options
+    )
 }
 
-/// Figures of all outputs over all possible horizontal axes. Only the usual one is visible at first.
-fn figures(run: &Run, first_of_front: usize, charts: &mut Charts) -> String {
-    let record = &run.record;
-    let missed = tuning_of(run).map_or_else(Vec::new, missed);
+/// Figures of all outputs over all possible horizontal axes of a motion. Only the usual one is visible at first. `further` adds
+/// lines to the chart of a group of outputs over a column.
+fn figures(
+    of: Charted<'_>,
+    missed: &[(&str, String)],
+    charts: &mut Charts,
+    further: impl Fn(&[CurveTable], &[&OutputRecord], &str) -> Vec<Line>,
+) -> String {
     let mut figures = String::new();
-    for group in chart_groups(&record.outputs) {
-        let usual = usual(record, &group[0].column);
+    for group in chart_groups(&of.motion.outputs) {
+        let usual = of.motion.usual_abscissa(&group[0].column);
         let remarks: String = missed
             .iter()
             .filter(|(column, _)| group.iter().any(|o| o.column == *column))
@@ -186,11 +184,11 @@ fn figures(run: &Run, first_of_front: usize, charts: &mut Charts) -> String {
                 )
             })
             .collect();
-        for over in abscissae(record) {
-            let designs = &charts.tables[..first_of_front];
-            let mut chart = charts_over(record, designs, &group, over);
-            let lines = front_lines(record, &charts.tables, first_of_front, &group, over);
-            chart.lines.splice(0..0, lines);
+        for over in of.motion.all_abscissae() {
+            let mut chart = charts_over(of, &charts.tables, &group, over);
+            chart
+                .lines
+                .splice(0..0, further(&charts.tables, &group, over));
             let mut attributes = attribute("data-over", over);
             attributes += if over == usual {
                 " data-usual"
@@ -201,6 +199,36 @@ fn figures(run: &Run, first_of_front: usize, charts: &mut Charts) -> String {
         }
     }
     figures
+}
+
+/// Charts of every named motion, each below a heading with its name.
+fn of_motions(run: &Run, missed: &[(&str, String)], charts: &mut Charts) -> String {
+    let record = &run.record;
+    let mut first_table = record.motion.designs.len();
+    let mut sections = String::new();
+    for (number, named) in record.motions.iter().enumerate() {
+        let of = Charted {
+            command: &record.command,
+            motion: &named.motion,
+            first_table,
+        };
+        first_table += named.motion.designs.len();
+        // Names of targets end with the name of their motion.
+        let own = missed.iter().filter_map(|(target, by)| {
+            let (column, motion) = target.split_once(", ")?;
+            (motion == named.name).then(|| (column, by.clone()))
+        });
+        let own: Vec<_> = own.collect();
+        let plots = format!("motion-plots-{number}");
+        sections += &format!(
+            include_str!("motion.html"),
+            name = html(&named.name),
+            controls = controls(&named.motion, &plots),
+            plots = plots,
+            figures = figures(of, &own, charts, |_, _, _| Vec::new()),
+        );
+    }
+    sections
 }
 
 /// Curves of the points of a front. Empty if they would make the page too large.
@@ -229,7 +257,7 @@ fn front_lines(
         .filter(|(_, p)| p.curves.is_some());
     let mut lines = Vec::new();
     for ((point, _), table) in solved.zip(first..tables.len()) {
-        let (families, _) = families(&moving_beside(record, over), &tables[table]);
+        let (families, _) = families(&moving_beside(&record.motion, over), &tables[table]);
         let present = families.into_iter().find(|family| family.is_present);
         let rows = present.map_or_else(Vec::new, |family| family.rows);
         lines.extend(group.iter().map(|output| Line {
@@ -311,7 +339,7 @@ fn facts(run: &Run) -> Vec<(&'static str, String)> {
             facts.push(("In all bands", html(&kept)));
         }
     }
-    if let Some(design) = run.record.designs.last() {
+    if let Some(design) = run.record.motion.designs.last() {
         let failed: usize = design.failures.iter().map(FailureRange::stations).sum();
         let all = design.stations;
         let solved = all.saturating_sub(failed);
@@ -322,14 +350,25 @@ fn facts(run: &Run) -> Vec<(&'static str, String)> {
     facts
 }
 
+/// Designs over every motion, each with its label. The label of a named motion contains its name.
+fn labelled(run: &Run) -> impl Iterator<Item = (String, &DesignRecord)> {
+    let own = run.record.motion.designs.iter();
+    let own = own.map(|design| (design.label.clone(), design));
+    let named = run.record.motions.iter().flat_map(|named| {
+        let designs = named.motion.designs.iter();
+        designs.map(|design| (format!("motion {}, {}", named.name, design.label), design))
+    });
+    own.chain(named)
+}
+
 /// All failed ranges with their reasons.
 fn failures(run: &Run) -> String {
     let mut items = String::new();
-    for design in &run.record.designs {
+    for (label, design) in labelled(run) {
         for stretch in &design.failures {
             items += &format!(
                 "<li><b>{}</b>, {}</li>",
-                html(&design.label),
+                html(&label),
                 prose(&stretch.to_string())
             );
         }
@@ -351,13 +390,12 @@ fn interruption(run: &Run) -> String {
 
 /// Remarks on the accuracy of every design.
 fn remarks(run: &Run) -> String {
-    let of_design = |design: &DesignRecord| {
+    let of_design = |(label, design): (String, &DesignRecord)| {
         let remarks = design.remarks.iter();
-        let line =
-            |remark: &String| format!("<p><b>{}</b>, {}</p>", html(&design.label), prose(remark));
+        let line = |remark: &String| format!("<p><b>{}</b>, {}</p>", html(&label), prose(remark));
         remarks.map(line).collect::<String>()
     };
-    run.record.designs.iter().map(of_design).collect()
+    labelled(run).map(of_design).collect()
 }
 
 /// Identifiers and names of the sections that the page links to.
@@ -383,7 +421,7 @@ fn sections(run: &Run) -> Vec<(&'static str, &'static str)> {
 
 /// True if the page can show the car in a turn, seen from above.
 fn has_turn(run: &Run) -> bool {
-    let frames = run.record.designs.iter().flat_map(|d| &d.frames);
+    let frames = run.record.motion.designs.iter().flat_map(|d| &d.frames);
     let mut poses = frames.filter_map(|frame| frame.pose.as_ref().ok());
     poses.any(|pose| pose.turn.as_ref().is_some_and(|turn| turn.centre.is_some()))
 }

@@ -1,10 +1,12 @@
 // Controls of a run's page, and the first drawing.
-const abscissa = byId('abscissa');
-abscissa?.addEventListener('change', () => {
-  for (const { figure } of charts) {
-    if (figure.dataset.over) figure.hidden = abscissa.value === 'usual' ? !('usual' in figure.dataset) : figure.dataset.over !== abscissa.value;
-  }
-});
+for (const abscissa of document.querySelectorAll('select.abscissa')) {
+  const plots = byId(abscissa.dataset.plots);
+  abscissa.addEventListener('change', () => {
+    for (const { figure } of charts) {
+      if (figure.dataset.over && plots.contains(figure)) figure.hidden = abscissa.value === 'usual' ? !('usual' in figure.dataset) : figure.dataset.over !== abscissa.value;
+    }
+  });
+}
 setUpStage();
 for (const output of influenced) option(byId('influence-output'), output.column, output.title);
 byId('influence-output').addEventListener('change', drawInfluences);

@@ -3,7 +3,7 @@
 use super::charts::Charts;
 use super::escape::html;
 use super::{Page, STAGE};
-use crate::report::chart::{AxisLayout, Layout, Quantity, chart_groups, charts_over};
+use crate::report::chart::{AxisLayout, Charted, Layout, Quantity, chart_groups, charts_over};
 use crate::report::curve_table::CurveTable;
 use crate::report::figure::brief;
 use crate::report::record::{Record, readable_unit};
@@ -140,9 +140,9 @@ pub fn sweep_page(run: &SweepRun) -> String {
 /// Charts of all designs that have curves. The script shows the nominal design and the selected one.
 fn figures(record: &Record, charts: &mut Charts) -> String {
     let mut figures = String::new();
-    for group in chart_groups(&record.outputs) {
-        let over = record.natural_abscissa(&group[0].column);
-        let mut chart = charts_over(record, &charts.tables, &group, over);
+    for group in chart_groups(&record.motion.outputs) {
+        let over = record.motion.natural_abscissa(&group[0].column);
+        let mut chart = charts_over(Charted::of(record), &charts.tables, &group, over);
         chart.notes.clear();
         for line in &mut chart.lines {
             line.label = None;

@@ -5,7 +5,7 @@ mod labels;
 mod raster;
 mod view;
 
-use super::chart::{Layout, Lettering, PICTURE_STYLE, SIZE, chart_groups, charts_over};
+use super::chart::{Charted, Layout, Lettering, PICTURE_STYLE, SIZE, chart_groups, charts_over};
 use super::record::{OutputRecord, Record};
 use super::run::{Run, Summary};
 use crate::SideEffect;
@@ -51,7 +51,7 @@ const LETTERS: &str = ".letters{fill:#3d454d}.letters.label{fill:#1b1f24}.axis-t
 
 /// Names of the pictures of a run with this record.
 pub fn picture_names(record: &Record) -> Vec<String> {
-    let groups = chart_groups(&record.outputs);
+    let groups = chart_groups(&record.motion.outputs);
     let keys = groups.iter().map(|group| file_name(&key(group)));
     let mut names: Vec<String> = keys.collect();
     names.extend((!names.is_empty()).then(|| OVERVIEW.to_owned()));
@@ -111,7 +111,7 @@ impl<'r> Sheet<'r> {
             }
             Summary::Solve(_) | Summary::Tolerance(_) => Vec::new(),
         };
-        let groups = chart_groups(&record.outputs);
+        let groups = chart_groups(&record.motion.outputs);
         let wanted = |group: &&Vec<&OutputRecord>| group.iter().any(|o| has_target(record, o));
         // The columns of an axle also contain the name of the wheel.
         let is_flagged = |group: &&Vec<&OutputRecord>| {
@@ -185,8 +185,8 @@ impl<'r> Sheet<'r> {
 }
 
 fn has_target(record: &Record, output: &OutputRecord) -> bool {
-    let targets = record.targets.iter().map(|t| &t.column);
-    let bands = record.bands.iter().map(|b| &b.column);
+    let targets = record.motion.targets.iter().map(|t| &t.column);
+    let bands = record.motion.bands.iter().map(|b| &b.column);
     targets.chain(bands).any(|column| *column == output.column)
 }
 
@@ -220,7 +220,7 @@ struct Layouts<'a> {
 /// `charts.json` has the layouts of all charts.
 pub fn pictures(run: &Run) -> Vec<Picture> {
     let record = &run.record;
-    let groups = chart_groups(&record.outputs);
+    let groups = chart_groups(&record.motion.outputs);
     let layouts: Vec<Layout> = groups.iter().map(|group| chart(run, group)).collect();
     let alone = |layout: &Layout| Sheet::of_charts(file_name(&layout.key), [layout.clone()]);
     let mut sheets: Vec<Sheet> = layouts.iter().map(alone).collect();
@@ -242,7 +242,12 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
     let outlines = Lettering::outlines();
     let files = sheets.iter().flat_map(|sheet| sheet.files(&outlines));
     let data = Layouts {
-        tables: record.designs.iter().map(|d| d.curves.as_str()).collect(),
+        tables: record
+            .motion
+            .designs
+            .iter()
+            .map(|d| d.curves.as_str())
+            .collect(),
         charts: layouts.iter().collect(),
     };
     let json = Picture {
@@ -255,10 +260,8 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
 /// Chart of a group of outputs over its usual horizontal axis.
 fn chart(run: &Run, group: &[&OutputRecord]) -> Layout {
     let record = &run.record;
-    let by_time = record.abscissae.iter().find(|a| *a == "time_s");
-    let natural = record.natural_abscissa(&group[0].column);
-    let abscissa = by_time.map_or(natural, String::as_str);
-    let chart = charts_over(record, &run.curves, group, abscissa);
+    let abscissa = record.motion.usual_abscissa(&group[0].column);
+    let chart = charts_over(Charted::of(record), &run.curves, group, abscissa);
     chart.layout(&run.curves)
 }
 

@@ -95,7 +95,11 @@ impl<'r> View<'r> {
         named: bool,
         size: [f64; 2],
     ) -> Option<Self> {
-        let is_drawn = record.designs.iter().any(|d| nearest(&d.frames).is_some());
+        let is_drawn = record
+            .motion
+            .designs
+            .iter()
+            .any(|d| nearest(&d.frames).is_some());
         let view = View {
             record,
             sight,
@@ -107,7 +111,7 @@ impl<'r> View<'r> {
 
     /// View as an SVG group, moved by `shift`.
     pub(super) fn svg(&self, shift: [f64; 2], lettering: &Lettering) -> String {
-        let designs = self.record.designs.iter();
+        let designs = self.record.motion.designs.iter();
         let poses: Vec<&Placement> = designs.filter_map(|d| nearest(&d.frames)).collect();
         let Some((last, earlier)) = poses.split_last() else {
             return String::new();
@@ -392,7 +396,7 @@ pub(super) fn key(record: &Record, shift: [f64; 2], lettering: &Lettering) -> St
             None => kinds.push((class, body.name.clone())),
         }
     }
-    let last = record.designs.last();
+    let last = record.motion.designs.last();
     let pose = last.and_then(|design| nearest(&design.frames));
     if pose.is_some_and(|pose| pose.steering_axis.is_some()) {
         kinds.push(("steering", "steering axis, down to the ground".to_owned()));
@@ -400,8 +404,8 @@ pub(super) fn key(record: &Record, shift: [f64; 2], lettering: &Lettering) -> St
     if record.scene.wheel_radius.is_some() {
         kinds.push(("wheel", "wheel, with its loaded radius".to_owned()));
     }
-    if record.designs.len() == 2 {
-        kinds.push(("was", record.designs[0].label.clone()));
+    if record.motion.designs.len() == 2 {
+        kinds.push(("was", record.motion.designs[0].label.clone()));
     }
     let title = format!("{}: {}", record.study, record.topology.replace('_', " "));
     lettering.write(

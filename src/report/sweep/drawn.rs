@@ -23,6 +23,8 @@ impl DrawnDesigns {
     /// True if the format is the present one, and the numbers of designs agree.
     pub(super) fn is_whole(&self) -> bool {
         let count = self.designs.len();
-        self.record.form == FORM && self.record.designs.len() == count && self.curves.len() == count
+        self.record.form == FORM
+            && self.record.motion.designs.len() == count
+            && self.curves.len() == count
     }
 }

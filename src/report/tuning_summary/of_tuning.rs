@@ -78,7 +78,7 @@ impl TunedStudy<'_> {
         };
         let held = target.site.axle.as_ref();
         let held = held.map_or(String::new(), |site| {
-            format!(" over {}{}", site.over.key(), site.words)
+            format!(" over {}{}", site.over.key(), site.in_words())
         });
         format!("{}{motion}{racks}{held}", target.of.column)
     }

@@ -82,6 +82,7 @@ pub(super) fn solved(
         group_places: vec![vec![0.0]],
         shown: 0,
         rack: 0.0,
+        has_rows: false,
         is_partial: false,
         status: results.states.iter().map(status).collect(),
         failures: failures.collect(),

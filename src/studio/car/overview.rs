@@ -51,6 +51,7 @@ pub(super) fn overview(opened: &OpenedCar) -> Overview {
         is_car: true,
         sliders: vec![cases(study)],
         main: 0,
+        motions: Vec::new(),
         targets: optimise.map_or(Vec::new(), |optimise| targets(study, optimise)),
         variables: optimise
             .iter()
@@ -240,6 +241,7 @@ fn targets(study: &CarStudy, optimise: &CarOptimise) -> Vec<TargetOverview> {
             columns: vec![target.quantity.column(study.car.length_unit)],
             tolerance: target.tolerance,
             points: vec![(target.case as f64, finite(low), finite(high))],
+            motion: None,
             over: Some(0),
             racks: Vec::new(),
             is_band: low < high,
@@ -253,6 +255,7 @@ fn targets(study: &CarStudy, optimise: &CarOptimise) -> Vec<TargetOverview> {
             columns: Vec::new(),
             tolerance: target.tolerance * target.of.factor().abs(),
             points: Vec::new(),
+            motion: None,
             over: None,
             racks: Vec::new(),
             is_band: false,

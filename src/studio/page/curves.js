@@ -1,6 +1,6 @@
 // Curves over one of the sliders: now, as opened, wanted, and a proposal beside them.
 import { brief, byId, html, hundredth, placed, refill, set, show, signed, svg, tenth, ticks, write } from './draw.js';
-import { ask, askGhost, emit, here as placeNow, isInGesture, on, onRest, state } from './design.js';
+import { ask, askGhost, chooseMotion, emit, here as placeNow, isInGesture, on, onRest, state } from './design.js';
 import { framed } from './frame.js';
 import { Deviation } from './deviation.js';
 import { EdgeHandles } from './handles.js';
@@ -28,7 +28,7 @@ const NONE = [];
 
 // Targets of columns over the slider that is chosen, for the rack that is shown.
 const targetsOf = (columns, rack) => state.overview.targets.filter((target) => target.columns.some((c) => columns.includes(c))
-  && target.over === state.over && (!target.racks.length || target.racks.includes(rack)));
+  && target.motion === state.motion && target.over === state.over && (!target.racks.length || target.racks.includes(rack)));
 
 // Columns of both wheels belong into one chart.
 const SIDE = /^(left|right)_/;
@@ -380,17 +380,27 @@ const offerAxes = () => {
   if (isCar) return;
   const moving = sliders.map((slider, k) => [k, slider]).filter(([k, { values }]) => values.length > 1 || k === state.overview.main);
   const option = ([k, { name }]) => html('option', { value: k, text: name });
-  const [over, family] = ['over', 'family'].map(byId);
-  over.replaceChildren(...moving.map(option));
-  over.value = String(state.over);
+  const [axis, family] = ['over', 'family'].map(byId);
+  axis.replaceChildren(...moving.map(option));
+  axis.value = String(state.over);
   const rest = moving.filter(([k]) => k !== state.over);
   if (!rest.some(([k]) => k === state.family)) state.family = rest.at(-1)?.[0] ?? null;
   family.replaceChildren(...rest.map(option), html('option', { value: '', text: 'none' }));
   family.value = state.family === null ? '' : String(state.family);
   byId('over-label').hidden = moving.length < 2;
   byId('family-label').hidden = moving.length < 2;
-  const elsewhere = [...new Set(state.overview.targets.map((t) => t.over).filter((o) => o !== null && o !== state.over))];
-  byId('elsewhere').textContent = elsewhere.length ? `Targets over ${elsewhere.map((o) => sliders[o].name).join(', ')} are not drawn here.` : '';
+  const { motions, targets } = state.overview;
+  byId('motion').replaceChildren(...motions.map(({ name }) => html('option', { value: name ?? '', text: name ?? '[motion]' })));
+  byId('motion').value = state.motion ?? '';
+  byId('motion-label').hidden = motions.length < 2;
+  const over = targets.filter((t) => t.motion === state.motion && t.over !== null && t.over !== state.over).map((t) => `over ${sliders[t.over].name}`);
+  const others = targets.filter((t) => t.motion !== state.motion).map((t) => `in ${t.motion ?? '[motion]'}`);
+  const elsewhere = [...new Set([...over, ...others])];
+  byId('elsewhere').textContent = elsewhere.length ? `Targets ${elsewhere.join(', ')} are not drawn here.` : '';
+};
+const clear = () => {
+  charts = [];
+  byId('charts').replaceChildren();
 };
 
 export const startCurves = () => {
@@ -410,9 +420,13 @@ export const startCurves = () => {
     state.chosen = state.overview.characteristics.filter((c) => c.asked && c.available).map((c) => c.name);
     state.over = state.overview.main;
     state.family = null;
-    charts = [];
-    byId('charts').replaceChildren();
+    clear();
     offer();
+    offerAxes();
+  });
+  byId('motion').addEventListener('change', (event) => chooseMotion(event.target.value || null));
+  on('motion', () => {
+    clear();
     offerAxes();
   });
   on('edited', () => {
@@ -424,6 +438,7 @@ export const startCurves = () => {
   });
   on('answer', () => {
     if (state.overview.is_car) return;
+    if (state.answer.has_rows) byId('family-label').hidden = true;
     arrange();
     drawAll();
   });

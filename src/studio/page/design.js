@@ -9,6 +9,8 @@ export const state = {
   // Coordinates of the file.
   opened: [],
   locked: [],
+  // Name of the motion whose curves are shown; null for the study's own.
+  motion: null,
   // A value for each slider.
   at: [],
   // Number of the slider that curves are drawn over, and of the one whose values each have a line.
@@ -56,6 +58,16 @@ export const snapped = (value, step = state.step) => {
 
 // A coordinate moved by a step: exactly by it, without the digits that arithmetic adds.
 export const stepped = (value, by) => Number((value + by).toPrecision(14));
+
+// Gives an overview the sliders of the chosen motion. If it has no such motion, the study's own is chosen.
+export const takeMotion = (overview) => {
+  // The first entry is the study's own motion.
+  if (overview.motions[0]?.name !== null) overview.motions.unshift({ name: null, sliders: overview.sliders, main: overview.main });
+  const { name, sliders, main } = overview.motions.find((motion) => motion.name === state.motion) ?? overview.motions[0];
+  state.motion = name;
+  Object.assign(overview, { sliders, main });
+  if (state.at.length !== sliders.length) state.at = sliders.map(({ home }) => home);
+};
 
 // The history: every state that undo and redo lead to, with the deed that led there. A gesture (a drag, keys in a row)
 // is one deed.
@@ -119,6 +131,7 @@ export const travel = (to) => {
   if (found.overview !== state.overview) {
     state.overview = { ...found.overview, base: state.overview.base };
     found.overview = state.overview;
+    takeMotion(state.overview);
     emit('edited');
   }
   emit('design');
@@ -136,6 +149,7 @@ export const resume = (deeds, at) => {
   present = at;
   state.design = copy(timeline[at].design);
   state.overview = timeline[at].overview;
+  takeMotion(state.overview);
 };
 // The text of the file: `edits` lead from the text with the digest `from` to the text of an overview.
 export const isOfFile = (overview) => { overview.from = overview.digest; overview.edits = []; };
@@ -143,6 +157,7 @@ export const isOfFile = (overview) => { overview.from = overview.digest; overvie
 export const takeOverview = (overview, label, edits) => {
   overview.from = state.overview.from;
   overview.edits = [...state.overview.edits, ...edits];
+  takeMotion(overview);
   state.overview = overview;
   remember(label);
   emit('edited');
@@ -210,6 +225,7 @@ const request = (design, digest) => ({
   at: state.at,
   curves_rack: state.curvesAtRack && !state.overview.is_car ? state.at.at(-1) : null,
   over: state.over,
+  motion: state.motion,
 });
 
 // Asks for the latest design, one request at a time: what was wanted in between is never computed, and an
@@ -255,7 +271,7 @@ const run = async () => {
   own.isRest = own.since === null && isPartial();
   running = own;
   cause = null;
-  const { design, over } = state;
+  const { design, over, motion } = state;
   const { digest } = state.overview;
   const begun = performance.now();
   setTimeout(() => becomeSlow(own), patience);
@@ -278,23 +294,23 @@ const run = async () => {
   }
   answered = own.number;
   if (fault) state.fault = fault.message;
-  else if (digest === state.overview.digest) {
+  else if (digest === state.overview.digest && motion === state.motion) {
     Object.assign(state, { answer, fault: null, answered: design });
     if (answer.is_partial) askRest();
     else state.whole = { answer, digest, over };
   }
   // The next request goes out first: the server works while the page draws.
-  const isOfText = fault || digest === state.overview.digest;
+  const isOfText = fault || (digest === state.overview.digest && motion === state.motion);
   if (answered < wanted) run();
   if (isOfText) emit('answer', own.since);
 };
 
 // The same for the design as it was opened, and for a proposal: for curves to compare with.
 export const askGhost = async () => {
-  const { digest, base, is_car: isCar } = state.overview;
+  const { motion, overview: { digest, base, is_car: isCar } } = state;
   // Changes of a car are against its files, also where values were edited.
   const ghost = await post('solve', request(state.opened, isCar ? base : digest)).catch(() => null);
-  if (digest !== state.overview.digest) return;
+  if (digest !== state.overview.digest || motion !== state.motion) return;
   state.ghost = ghost;
   emit('ghost');
 };
@@ -304,6 +320,17 @@ export const askPins = async () => {
     pin.answer = await post('solve', request(pin.design)).catch(() => null);
   }
   emit('pins');
+};
+// Shows the curves over another motion. Positions of sliders begin at the design position.
+export const chooseMotion = (name) => {
+  state.motion = name;
+  takeMotion(state.overview);
+  const { sliders, main } = state.overview;
+  Object.assign(state, { at: sliders.map(({ home }) => home), over: main, family: null, ghost: null, whole: null, influence: null });
+  emit('motion');
+  ask();
+  askGhost();
+  if (Object.keys(state.pins).length) askPins();
 };
 let proposals = 0;
 export const askProposal = async (design, digest) => {
@@ -329,7 +356,7 @@ export const askInfluence = async (point, axis) => {
     emit('influence');
     return;
   }
-  const found = await post('influence', { of: of(), characteristics: state.chosen, point, axis }).catch(() => null);
+  const found = await post('influence', { of: of(), characteristics: state.chosen, point, axis, motion: state.motion }).catch(() => null);
   if (number !== influences) return;
   state.influence = found && { point, axis, columns: new Map(found.columns.map((c) => [c.column, c.slopes])) };
   emit('influence');

@@ -1,6 +1,6 @@
 // Save, save as, export; and what the browser keeps of moves that are not saved.
 import { byId, html, svg } from './draw.js';
-import { askGhost, copy, emit, forget, isEdited, isMoved, isOfFile, isSame, of, on, put, state } from './design.js';
+import { askGhost, copy, emit, forget, isEdited, isMoved, isOfFile, isSame, of, on, put, state, takeMotion } from './design.js';
 import { dropHistory, resumeHistory } from './history.js';
 import { edit } from './targets.js';
 import { chartSvgs } from './curves.js';
@@ -14,6 +14,7 @@ import { acceptProposal, hasProposal, isTuning } from './tuning.js';
 export const readStudy = async () => {
   const overview = await post('study', null);
   isOfFile(overview);
+  takeMotion(overview);
   state.overview = overview;
   state.opened = copy(overview.design);
   state.pins = {};

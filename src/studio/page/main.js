@@ -68,6 +68,7 @@ const startSliders = () => {
     state.overview.sliders.forEach(({ names, high }, k) => { if (names.length) state.at[k] = Math.min(state.at[k], high); });
     build();
   });
+  on('motion', build);
   const place = (event) => {
     show();
     ask(event);

@@ -11,7 +11,8 @@ export const knownOf = (answer) => {
     if (!order.has(group)) order.set(group, []);
     if (answer.drive[i] !== null) order.get(group).push(i);
   });
-  for (const places of order.values()) places.sort((a, b) => answer.drive[a] - answer.drive[b]);
+  // Curves of rows follow the order of the rows.
+  if (!answer.has_rows) for (const places of order.values()) places.sort((a, b) => answer.drive[a] - answer.drive[b]);
   const own = { order, ends: endsOf(answer.drive.filter((x) => x !== null)), columns: new Map(answer.columns.map((c) => [c.column, c])), curves: new Map() };
   known.set(answer, own);
   return own;
@@ -60,7 +61,7 @@ export const at = (pieces, x) => {
   for (const piece of pieces) {
     for (let i = 1; i < piece.length; i += 1) {
       const [[x0, y0], [x1, y1]] = [piece[i - 1], piece[i]];
-      if (x >= x0 && x <= x1) return x1 === x0 ? y0 : y0 + ((y1 - y0) * (x - x0)) / (x1 - x0);
+      if ((x - x0) * (x - x1) <= 0) return x1 === x0 ? y0 : y0 + ((y1 - y0) * (x - x0)) / (x1 - x0);
     }
     if (piece.length === 1 && piece[0][0] === x) return piece[0][1];
   }

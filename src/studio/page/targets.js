@@ -205,6 +205,7 @@ const subjectOf = (column, others) => {
   if (!characteristic) return null;
   const own = { characteristic };
   if (side && others < 2) own.side = side;
+  if (state.motion !== null) own.motion = state.motion;
   if (state.overview.is_axle && !state.overview.is_car) own.over = state.overview.sliders[state.over].key;
   return own;
 };

@@ -189,6 +189,7 @@ export const startTuning = () => {
     byId('tune').title = tunes ? 'Lower the misfit with the variables of the study' : state.overview.is_car ? 'The study has no [optimise] section' : 'The study has no targets yet: add one on a chart';
   };
   on('study', allow);
+  on('motion', () => { state.proposed = null; preview(); });
   on('edited', allow);
   on('deed', preview);
   on('chosen', preview);

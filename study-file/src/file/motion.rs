@@ -35,6 +35,8 @@ pub struct Motion {
     pub ground: Option<Text>,
     /// `mean_travel` or `load`.
     pub hold: Option<Text>,
+    /// `all` or `rows`.
+    pub combine: Option<Text>,
     /// Drive as a function of time.
     pub time: Option<Spanned<Time>>,
 }

@@ -55,6 +55,8 @@ pub struct Wheel {
     pub radius: Option<Number>,
     /// Width of the tyre.
     pub tyre_width: Option<Number>,
+    /// Diameter of the rim edge at which toe is measured as a length.
+    pub rim_diameter: Option<Number>,
     /// Camber in the design position, degrees.
     pub static_camber: Option<Number>,
     /// Toe in the design position, degrees.

@@ -97,6 +97,8 @@ pub struct Band {
     pub characteristic: Text,
     /// Position in the motion at which the band applies. The default is the whole motion.
     pub at: Option<Number>,
+    /// Name of the motion. The default is `[motion]`.
+    pub motion: Option<Text>,
     /// For an axle, the coordinate of the motion to which `at` refers.
     pub over: Option<Text>,
     /// For an axle, the wheel to which the band applies.

@@ -741,6 +741,7 @@ fn frames_change_the_rack_alone() {
 fn the_table_of_quantities_is_the_catalogue() {
     let need = |need: &Need| match need {
         Need::WheelRadius => "radius",
+        Need::RimDiameter => "rim_diameter",
         Need::Wheelbase => "wheelbase",
         Need::CFactor => "c_factor",
         Need::SpringForce => "[spring]",

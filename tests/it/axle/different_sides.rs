@@ -515,6 +515,18 @@ fn axle_values(both: &mut Independent<'_>, placed: &AxlePose, values: &mut Value
     let angles = both.angles(placed);
     let mean = 0.5 * (angles[4] + angles[5]);
     add(A::MeanSteer, mean);
+    add(A::TotalToe, angles[5] - angles[4]);
+    if let Some(diameter) = axle.left.rim_diameter {
+        // Distance of the rear edges of both rims, and that of the front ones.
+        let edges = |end: f64| {
+            let edge = |wheel: &Wheel, side: f64| {
+                let level = Vector3::new(0.0, 0.0, 1.0).cross(wheel.axis) * -side;
+                side * end * 0.5 * diameter * level.y / level.norm()
+            };
+            edge(&wheels[0], 1.0) + edge(&wheels[1], -1.0)
+        };
+        add(A::TotalToeAtRim, edges(-1.0) - edges(1.0));
+    }
     if axle.setup.wheelbase.is_some() && mean.abs() > 0.021 {
         let turn = from_above(&wheels, [angles[4], angles[5]], axle);
         let (i, o) = (turn.inner, turn.outer);

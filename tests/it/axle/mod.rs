@@ -19,10 +19,12 @@ mod points;
 mod reference;
 mod right;
 mod rocker_springs;
+mod rows;
 mod side_by_side;
 mod springs;
 mod sweep;
 mod symmetry;
+mod targets_of_motions;
 mod tuning;
 
 use hardpoint::axle::{Axle, Law, Setup, SpringLaw};

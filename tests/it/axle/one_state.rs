@@ -33,7 +33,7 @@ pub(super) fn axles() -> [Named; 5] {
     let text = format!("{head}{wishbones}\nradius = 255.0\n\n[motion]\nroll = 0.0\n");
     let wishbone = hardpoint::study::Study::from_text("wishbone.toml", &text, ".".as_ref());
     let wishbone = wishbone.unwrap_or_else(|e| panic!("{e}\n{text}"));
-    [
+    let mut all = [
         (
             "struts",
             of(
@@ -75,7 +75,15 @@ pub(super) fn axles() -> [Named; 5] {
                 )],
             ),
         ),
-    ]
+    ];
+    for (_, axle) in &mut all {
+        axle.left.rim_diameter = Some(430.0);
+        if let Some(right) = &mut axle.right {
+            right.rim_diameter = Some(430.0);
+        }
+        axle.setup.constants.rim_diameter = 430.0;
+    }
+    all
 }
 
 /// The quantities that have a value in a state.

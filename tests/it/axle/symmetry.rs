@@ -102,6 +102,7 @@ fn an_axle_in_heave_is_two_corners() {
         both.left = study.wheel().clone();
         both.setup.constants = hardpoint::characteristics::Constants::of(&both.left);
         let course = AxleMotion {
+            combine: hardpoint::axle::Combine::All,
             wheels: WheelMotion::Heave(study.motion().values.clone()),
             racks: vec![0.0],
             shows_rack: false,

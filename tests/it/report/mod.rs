@@ -2,6 +2,7 @@
 
 mod access;
 mod browser;
+mod motions;
 mod page;
 mod pictures;
 mod refusals;

@@ -311,3 +311,66 @@ fn shown_stations_alone_have_the_values_of_the_whole_answer() {
         }
     }
 }
+
+/// The page shows the curves of a named motion over its own coordinates. Its values are those of `curves_NAME.csv`, and its
+/// targets name it.
+#[test]
+fn named_motions_have_curves_and_sliders() {
+    let text = sample("macpherson_axle_front.toml");
+    let (head, rest) = text.split_once("[motion]").unwrap();
+    let (_, rest) = rest.split_once("[outputs]").unwrap();
+    let (outputs, optimise) = rest.split_once("targets = [").unwrap();
+    let _ = optimise;
+    let text = format!(
+        "{head}[motion]\nheave = [-10.0, 0.0, 10.0]\n[motions.turn]\nroll = [-2.0, 0.0, 2.0]\nheave = 5.0\n\
+         [outputs]{outputs}targets = [\n{{ characteristic = \"camber_to_road\", motion = \"turn\", over = \"roll\", between = [-1.0, 1.0], tolerance = 0.1 }},\n\
+         {{ characteristic = \"bump_steer\", between = [-1.0, 1.0], tolerance = 0.1 }},\n]\n"
+    );
+    let served = Served::of(&text);
+    let overview = served.overview();
+    let turn = &overview["motions"][0];
+    assert_eq!(turn["name"], "turn");
+    let keys = |sliders: &Value| -> Vec<String> {
+        let sliders = sliders.as_array().unwrap().iter();
+        sliders
+            .map(|s| s["key"].as_str().unwrap().to_owned())
+            .collect()
+    };
+    assert_eq!(keys(&turn["sliders"]), ["roll", "heave", "rack"]);
+    assert_eq!(keys(&overview["sliders"]), ["heave", "rack"]);
+    let targets = &overview["targets"];
+    assert_eq!(targets[0]["motion"], "turn");
+    assert_eq!(targets[0]["over"], 0);
+    assert_eq!(targets[1]["motion"], Value::Null);
+    let of = json!({"digest": overview["digest"], "design": overview["design"]});
+    let asked = |motion: Value, at: &[f64]| {
+        let message = json!({
+            "of": of, "characteristics": ["camber_to_road"], "at": at, "curves_rack": null, "over": 0, "motion": motion,
+        });
+        served.post("solve", &message)
+    };
+    let answer = asked(json!("turn"), &[0.0, 5.0, 0.0]).json();
+    let study =
+        hardpoint::study::Study::from_text("m.toml", &text, std::path::Path::new(".")).unwrap();
+    let curves = study.in_motion("turn").unwrap().curves().unwrap();
+    let place = curves
+        .columns
+        .iter()
+        .position(|c| c.name == "left_camber_to_road_deg");
+    let expected: Vec<f64> = curves
+        .stations
+        .iter()
+        .map(|s| s.values[place.unwrap()].unwrap())
+        .collect();
+    assert_eq!(answer["columns"][0]["values"], json!(expected));
+    assert_eq!(answer["drive"], json!([-2.0, 0.0, 2.0]));
+    // The misfit does not depend on the shown motion.
+    let own = asked(Value::Null, &[0.0, 0.0]).json();
+    assert!(own["misfit"]["value"].as_f64().unwrap() > 0.0);
+    assert_eq!(answer["misfit"]["value"], own["misfit"]["value"]);
+    let refused = asked(json!("other"), &[0.0, 5.0, 0.0]).text();
+    assert!(
+        refused.contains("this study has no motion other"),
+        "{refused}"
+    );
+}

@@ -53,7 +53,9 @@ pub fn not_in_equilibrium(
         Quantity::Wheel(_, W::Steer | W::WheelLoad) => None,
         Quantity::Wheel(_, W::SpringForce) => once,
         Quantity::Wheel(..) => rigid,
-        Quantity::Axle(A::MeanSteer | A::Track | A::TrackChange) => None,
+        Quantity::Axle(
+            A::MeanSteer | A::TotalToe | A::TotalToeAtRim | A::Track | A::TrackChange,
+        ) => None,
         Quantity::Axle(A::BarTorque) => once,
         Quantity::Axle(A::AxleSteer | A::PinionAngle | A::AxleLateral | A::AxleLongitudinal) => {
             None
@@ -179,6 +181,12 @@ impl<T: Scalar> Reader<'_, T> {
         }
     }
 
+    /// Sum of a characteristic of both wheels.
+    fn both(&mut self, of: Characteristic, by: Option<Motion>) -> Option<T> {
+        let left = self.characteristic(Side::Left, of, by)?;
+        Some(left + self.characteristic(Side::Right, of, by)?)
+    }
+
     /// Height and lateral position of a solid axle's roll centre.
     fn roll_centre(&mut self) -> Option<[T; 2]> {
         let at = self.here.at;
@@ -235,15 +243,14 @@ impl<T: Scalar> Reader<'_, T> {
                 let [left, right] = self.pair(by, |wheel| wheel.toe)?;
                 Some((right - left).scaled(0.5)[order])
             }
+            Quantity::Axle(AxleQuantity::TotalToe) => self.both(Characteristic::Toe, by),
+            Quantity::Axle(AxleQuantity::TotalToeAtRim) => self.both(Characteristic::ToeAtRim, by),
             Quantity::Axle(AxleQuantity::Track) => {
                 let [left, right] = self.pair(by, |wheel| wheel.contact.y)?;
                 Some((left + right)[order])
             }
             Quantity::Axle(AxleQuantity::TrackChange) => {
-                let half = |reader: &mut Self, side| {
-                    reader.characteristic(side, Characteristic::HalfTrackChange, by)
-                };
-                Some(half(self, Side::Left)? + half(self, Side::Right)?)
+                self.both(Characteristic::HalfTrackChange, by)
             }
             Quantity::Axle(AxleQuantity::BarTorque) => here.axle.bar_torque(&here.at),
             Quantity::Axle(AxleQuantity::RollCentreHeight) => Some(self.roll_centre()?[0]),

@@ -13,6 +13,7 @@
 
 use crate::axle::reading::WheelParts;
 use crate::axle::state::{AxleState, Motion};
+use crate::characteristics::Wheel;
 use crate::model::{AxlePosition, Side};
 use crate::number::{Each, Real, Vector3, outlined};
 use std::f64::consts::PI;
@@ -34,6 +35,24 @@ pub(crate) fn steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Si
 #[inline(always)]
 pub(crate) fn mean_steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     (steer(state, Side::Left) + steer(state, Side::Right)).scaled(0.5)
+}
+
+/// Sum of both toe angles.
+#[inline(always)]
+pub(crate) fn total_toe<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    steer(state, Side::Right) - steer(state, Side::Left)
+}
+
+/// Sum of the toe of both wheels, as lengths at the rim.
+#[inline(always)]
+pub(crate) fn total_toe_at_rim<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
+    let at_rim = |side| {
+        let axis = state.wheel(side).reading.spin_axis();
+        let (heading, _) = Wheel::heading_and_outboard_of(axis);
+        -heading.y
+    };
+    let sum: T = at_rim(Side::Left) + at_rim(Side::Right);
+    sum.scaled(state.setup.constants.rim_diameter)
 }
 
 /// Derivative of steer by the roll angle.

@@ -2,12 +2,12 @@
 
 use super::super::error::Problems;
 use super::super::file::{self, File};
-use super::super::motion::{time_law, values};
+use super::super::motion::{list, time_law, values};
 use super::super::names::{choose, choose_or};
 use super::super::value::{Number, Values};
 use super::super::{MOST_STATIONS, TimeLaw};
 use super::coordinates;
-use crate::axle::{Axle, AxleMotion, AxleTime, Coordinate, Motion, WheelMotion};
+use crate::axle::{Axle, AxleMotion, AxleTime, Combine, Coordinate, Motion, WheelMotion};
 use crate::number::Each;
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -76,6 +76,22 @@ fn over_time(
     Some(Some((AxleTime { coordinate, law }, values)))
 }
 
+/// Stations that the lists of a motion give.
+fn combine(section: &file::Motion, problems: &mut Problems) -> Option<Combine> {
+    let Some(text) = &section.combine else {
+        return Some(Combine::All);
+    };
+    let kinds = [("all", Combine::All), ("rows", Combine::Rows)];
+    let combine = choose(text, "combine", &kinds, problems)?;
+    if combine == Combine::Rows
+        && let Some(time) = &section.time
+    {
+        let message = "rows have no time; expected lists of values, or no combine";
+        return problems.refuse(time.span(), message);
+    }
+    Some(combine)
+}
+
 /// A motion as written.
 struct MotionKeys<'a> {
     place: Span<usize>,
@@ -96,6 +112,27 @@ impl MotionKeys<'_> {
     ) -> Option<T> {
         let place = given.as_ref().map_or(self.place.clone(), Spanned::span);
         problems.refuse(place, message)
+    }
+
+    /// Makes all lists as long as the longest one. A single value is repeated. Reports a list of another length.
+    fn in_rows(&self, read: &mut [Given], problems: &mut Problems) -> Option<()> {
+        let rows = read.iter().flatten().map(Vec::len).max().unwrap_or(1);
+        let written = Coordinate::ALL.into_iter().zip(coordinates!(self.section));
+        for ((coordinate, written), values) in written.zip(read.iter_mut()) {
+            let Some(values) = values else { continue };
+            match values.len() {
+                1 => *values = vec![values[0]; rows],
+                own if own == rows => {}
+                own => {
+                    let key = coordinate.key();
+                    let message = format!(
+                        "{key} has {own} values, and another coordinate has {rows}: with combine = \"rows\" each list has one value per row"
+                    );
+                    return self.refuse(written, &message, problems);
+                }
+            }
+        }
+        Some(())
     }
 
     fn in_kernel(&self, coordinate: Coordinate, written: &[f64]) -> Vec<f64> {
@@ -207,25 +244,32 @@ pub(super) fn motion(
     };
     let at_load = at_load(file, section, axle, problems);
     let time = over_time(section, axle, problems)?;
+    let combine = combine(section, problems)?;
     let coordinates = Coordinate::ALL.into_iter().zip(coordinates!(section));
-    let mut read = coordinates.map(|(coordinate, given)| match (&time, given) {
+    let read = coordinates.map(|(coordinate, given)| match (&time, given) {
         (Some((time, values)), _) if time.coordinate == coordinate => Some(Some(values.clone())),
         (_, None) => Some(None),
+        (_, Some(given)) if combine == Combine::Rows => list(given, problems).map(Some),
         (_, Some(given)) => values(given, problems).map(Some),
     });
-    let mut next = || read.next().flatten();
-    let given = (next()?, next()?, next()?, next()?);
-    let racks = (next()?, next()?);
+    let mut read: Vec<Given> = read.collect::<Option<_>>()?;
     let written = MotionKeys {
         place: place.clone(),
         section,
         axle,
     };
-    let wheels = written.wheels(given, on_plane, at_load, problems)?;
-    let (racks, steering_wheel) = written.racks(racks, problems)?;
-    let motion = AxleMotion {
+    let has_rows = combine == Combine::Rows;
+    if has_rows {
+        written.in_rows(&mut read, problems)?;
+    }
+    let rows = read.iter().flatten().map(Vec::len).max().unwrap_or(1);
+    let [roll, heave, left, right, rack, angle] = std::array::from_fn(|k| read[k].take());
+    let wheels = written.wheels((roll, heave, left, right), on_plane, at_load, problems)?;
+    let (racks, steering_wheel) = written.racks((rack, angle), problems)?;
+    let mut motion = AxleMotion {
         wheels,
         racks,
+        combine,
         shows_rack: section.rack.is_some()
             || section.steering_wheel_angle.is_some()
             || time
@@ -234,6 +278,14 @@ pub(super) fn motion(
         steering_wheel,
         time: time.map(|(time, _)| time),
     };
+    if has_rows {
+        // A coordinate that the study does not give is 0 in every row.
+        for coordinate in Coordinate::ALL {
+            if let Some(values) = motion.along(coordinate).filter(|own| own.len() != rows) {
+                *values = vec![values[0]; rows];
+            }
+        }
+    }
     if motion.stations() > MOST_STATIONS {
         let message = format!(
             "{} stations; expected at most {MOST_STATIONS}",

@@ -91,6 +91,13 @@ impl Reader<'_> {
             let message = format!("the motion {name} gives the rack; leave rack out");
             return problems.refuse(rack.span(), message);
         }
+        if motion.has_rows() {
+            let message = format!(
+                "constraints cannot use the rows of the motion {name}; expected combine = \"all\" in [motions.{name}], or a \
+                 target with a band"
+            );
+            return problems.refuse(text.span(), message);
+        }
         let Some(travels) = motion.wheel_travels() else {
             let message = format!(
                 "on a plane ground the travels of the wheels follow from the design, and a constraint needs them: expected \

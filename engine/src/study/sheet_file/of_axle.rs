@@ -113,6 +113,7 @@ impl Reader<'_> {
         let values = vec![left];
         Ok(AxlePlace {
             site: AxleSite {
+                motion: None,
                 over,
                 values,
                 held,

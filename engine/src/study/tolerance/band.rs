@@ -21,6 +21,13 @@ pub(super) fn band(
         Some(axle) => axle_targets::band(spanned, axle, context, problems),
         None => {
             axle_targets::Where::from(written).refuse(true, problems);
+            if let Some(motion) = &written.motion {
+                let message =
+                    "a band of one wheel applies to [motion]; a named motion needs [axle]";
+                problems
+                    .add(motion.span(), message)
+                    .help("include its stations in [motion], or add [axle]");
+            }
             let name = &written.characteristic;
             let found = match context.elastic {
                 Some(elastic) => {
@@ -58,6 +65,13 @@ pub(super) fn band(
         }
         (Some(_), None) => None,
     };
+    let rows = site.filter(|site| site.held.has_rows());
+    if let (Some(site), Some(at)) = (rows, &written.at)
+        && !site.values.contains(&at.value)
+    {
+        let message = format!("no row of the motion has {}", at.value);
+        return problems.refuse(at.span.clone(), message);
+    }
     let ends = match (&written.between, &written.at_least, &written.at_most) {
         (Some(between), None, None) => match between.get_ref().as_slice() {
             [low, high] if low.value < high.value => Some([low.value, high.value]),

@@ -1,0 +1,90 @@
+//! Named motions in the page of a run and in its files.
+
+use super::*;
+
+const TURN: &str = "motions.turn={ roll = [-2.0, -1.0, 0.0, 1.0, 2.0] }";
+
+/// `solve` and `optimise` write the curves of each design over each named motion. The page has a chart of every output over
+/// them, and the targets of the motion.
+#[test]
+fn the_page_has_the_curves_of_named_motions() {
+    let text = study("macpherson_axle_front.toml");
+    let sets = [
+        "--set",
+        "motion={ heave = [-20.0, 0.0, 20.0] }",
+        "--set",
+        TURN,
+        "--set",
+        "outputs.characteristics=[\"camber_to_road\", \"bump_steer\"]",
+        "--set",
+        "optimise.starts=1",
+        "--set",
+        "optimise.targets=[{ characteristic = \"camber_to_road\", motion = \"turn\", over = \"roll\", points = [[-2.0, 1.9], [2.0, 1.9]], tolerance = 1.0, side = \"left\" }]",
+    ];
+    for (command, designs) in [
+        ("solve", &[("design", "curves_turn.csv")][..]),
+        (
+            "optimise",
+            &[
+                ("before", "curves_before_turn.csv"),
+                ("after", "curves_turn.csv"),
+            ],
+        ),
+    ] {
+        let run = Run::of(command, "motions", &text, &sets);
+        let page = run.page();
+        assert!(page.contains("<h3>Motion turn</h3>"), "{command}");
+        let data = run.data();
+        let motion = &data["record"]["motions"][0];
+        assert_eq!(motion["name"], "turn");
+        assert_eq!(motion["drive"], "roll_deg");
+        let own = data["record"]["designs"].as_array().unwrap().len();
+        assert_eq!(own, designs.len());
+        for (k, (label, file)) in designs.iter().enumerate() {
+            assert_eq!(motion["designs"][k]["label"], *label);
+            assert_eq!(motion["designs"][k]["curves"], *file);
+            let (header, columns) = run.csv(file);
+            let place = header
+                .iter()
+                .position(|name| name == "left_camber_to_road_deg");
+            let cells = &columns[place.unwrap()];
+            let cells: Vec<f64> = cells.iter().map(|c| c.parse().unwrap()).collect();
+            assert_eq!(cells.len(), 5);
+            // The tables of the named motion follow those of the study's own.
+            let table = &data["curves"][own + k];
+            let names = table["header"].as_array().unwrap();
+            let place = names
+                .iter()
+                .position(|name| name == "left_camber_to_road_deg");
+            assert_eq!(table["columns"][place.unwrap()], Value::from(cells));
+        }
+        let target = &motion["targets"][0];
+        assert_eq!(target["column"], "left_camber_to_road_deg");
+        assert_eq!(target["points"].as_array().unwrap().len(), 5);
+        assert_eq!(data["record"]["targets"].as_array().unwrap().len(), 0);
+        // Charts over roll belong to the named motion: the study's own has heave alone.
+        let charts = data["charts"].as_array().unwrap().iter();
+        let over_roll = charts.filter(|chart| chart["x"]["column"] == "roll_deg");
+        for chart in over_roll.clone() {
+            let lines = chart["lines"].as_array().unwrap().iter();
+            assert!(lines.clone().count() > 0);
+            for line in lines {
+                assert!(line["table"].as_u64().unwrap() as usize >= own, "{line}");
+            }
+        }
+        assert_eq!(over_roll.count(), 2, "camber and bump steer");
+    }
+}
+
+/// A name whose file would be that of the design before a tuning is refused.
+#[test]
+fn a_motion_cannot_have_the_name_of_another_file() {
+    let text = study("macpherson_solve.toml");
+    for name in ["before", "before_turn"] {
+        let motion = format!("{text}\n[motions.{name}]\ntravel = 0.0\n");
+        let error =
+            hardpoint::study::Study::from_text("m.toml", &motion, std::path::Path::new("."));
+        let error = error.unwrap_err().to_string();
+        assert!(error.contains("cannot begin with before"), "{error}");
+    }
+}

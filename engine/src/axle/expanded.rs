@@ -11,6 +11,7 @@
 //! ```
 
 use super::reading::{Parts, Reading, Snapshot, WheelParts, WheelPose};
+use super::series::Series;
 use super::solver::displace;
 use super::taylor::{Line, Taylor};
 use crate::characteristics::{DesignWheel, NumberPart, VectorPart};
@@ -20,9 +21,6 @@ use crate::mechanism::{Closure, Configuration, Driver, Pose};
 use crate::model::Mechanism;
 use crate::number::{Jet, Vector3, array_of};
 use std::cell::{Cell, RefCell};
-
-/// A number along a direction of the design, to second order.
-pub(crate) type Series = Jet<f64, 3>;
 
 /// Number of terms of the series of an independent wheel.
 const TERMS: usize = 5;

@@ -43,7 +43,7 @@ pub use coordinate::Coordinate;
 pub use curves::{AxleCurves, AxlePlan, axle_curves};
 pub(crate) use elastic::{AxleRead, Equilibria};
 pub use elastic::{TestFigure, not_in_equilibrium};
-pub(crate) use expanded::{Expandable, ExpandedWheel, Series};
+pub(crate) use expanded::{Expandable, ExpandedWheel};
 pub use force_ends::{BeyondCurve, ForcePart, Pull};
 pub(crate) use formulas::rigid::{FROM_DESIGN, place_of};
 pub use frames::{axle_frames, axle_sides};

@@ -26,7 +26,7 @@ use crate::model::Side;
 use crate::number::{Jet, Vector3};
 use std::borrow::Cow;
 
-/// A series to second order.
+/// A number along a direction of the design, to second order.
 pub(crate) type Series = Jet<f64, 3>;
 
 /// A wheel of a design as series.

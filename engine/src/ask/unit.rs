@@ -178,7 +178,7 @@ mod tests {
                 Unit::ForcePerLength,
                 mm,
                 pounds,
-                0.175_126_835_246_476_97,
+                0.175_126_835_246_476_38,
                 1.0,
             ),
             (Unit::Torque, m, pounds, 1.355_817_948_331_400_4, 1.0),

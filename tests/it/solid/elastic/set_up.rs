@@ -123,10 +123,10 @@ fn effects_predict_to_first_order() {
             };
             (0..summary.statics.len()).map(remainder).collect()
         };
-        let [whole, half] = [2.0, 1.0].map(remainders);
+        let [whole, half] = [0.5, 0.25].map(remainders);
         let mut looked_at = 0;
         for (i, (whole, half)) in whole.iter().zip(&half).enumerate() {
-            if whole.abs() < 1e-6 {
+            if whole.abs() < 1e-7 {
                 continue;
             }
             let ratio = half / whole;

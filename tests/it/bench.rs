@@ -272,8 +272,11 @@ fn cars_and_equilibria_are_timed() {
         let csv = String::from_utf8(said.get_output().stdout.clone()).unwrap();
         let mut reader = csv::Reader::from_reader(csv.as_bytes());
         let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
-        let names: Vec<&str> = rows.iter().map(|row| &row[0]).collect();
+        // Which lanes there are depends on the processor.
+        let names = rows.iter().map(|row| &row[0]);
+        let (lanes, names): (Vec<&str>, Vec<&str>) = names.partition(|name| name.contains("lanes"));
         assert_eq!(names, jobs, "{csv}");
+        assert!(!lanes.is_empty() || kind == "equilibria", "{csv}");
         for row in &rows {
             let [us, per_second] = [1, 3].map(|k| row[k].parse::<f64>().unwrap());
             assert!(us > 0.0, "{row:?}");

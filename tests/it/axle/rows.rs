@@ -66,7 +66,12 @@ fn each_row_is_a_station() {
         for (number, one) in alone.iter().enumerate() {
             let single = with(&given, &[&format!("motion={one}")]).unwrap();
             let single = single.curves().unwrap();
-            assert_eq!(own.stations[number].at, single.stations[0].at, "{one}");
+            // A station that follows another one is solved from it, so rounding differs.
+            let places = own.stations[number].at.iter().zip(&single.stations[0].at);
+            for (found, expected) in places {
+                let apart = found.unwrap() - expected.unwrap();
+                assert!(apart.abs() < 1e-9, "{one}: {found:?} {expected:?}");
+            }
             for name in single.columns.iter().map(|column| &column.name) {
                 let value = |curves: &Curves, station: usize| {
                     let place = curves.columns.iter().position(|own| own.name == *name);

@@ -145,6 +145,12 @@ impl Pass<'_> {
             let reason = "the file of designs has columns in the old units and axes; write the variables into the study";
             self.refuse(&at.and("designs"), reason);
         }
+        let has_rows = table.get("combine").and_then(Item::as_str) == Some("rows");
+        let rack = table.get("rack").and_then(Item::as_table_like);
+        if has_rows && rack.is_some() && along_y(&self.facts.ends[0]).reverses() {
+            let reason = "a range along a turned axis would exchange the rows; write its values as a list";
+            self.refuse(&at.and("rack"), reason);
+        }
         let keys: Vec<String> = table.iter().map(|(key, _)| key.to_owned()).collect();
         for key in &keys {
             if let Some(item) = table.get_mut(key) {

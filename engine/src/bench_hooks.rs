@@ -17,6 +17,10 @@ pub fn wheel_figures(wheel: &ElasticWheel, at: &Equilibrium) -> WheelFigures {
     wheel.figures(at)
 }
 
+/// Work of [`equilibria_in_lanes`]: it passes the figures of each equilibrium on. The number of the piece of work is its last
+/// argument.
+pub type LaneWork<'w> = dyn FnMut(&mut dyn FnMut(WheelFigures), usize) + 'w;
+
 /// Prepares equilibria of one wheel in lanes of a width, and passes two pieces of work to `measure`. The first one solves all
 /// loads from the equilibrium at the design height. The second one solves one load after the other in every lane, each from the
 /// equilibrium under the previous load. Both read the figures of the wheels. Returns false, and does not call `measure`, if
@@ -26,7 +30,7 @@ pub fn equilibria_in_lanes(
     wheel: &ElasticWheel,
     from_design: &[WheelLoads],
     levels: &[WheelLoads],
-    measure: &mut dyn FnMut(&mut dyn FnMut(&mut dyn FnMut(WheelFigures), usize)),
+    measure: &mut dyn FnMut(&mut LaneWork<'_>),
 ) -> bool {
     if wheel.fits_lanes() {
         width.run(LaneEquilibria {
@@ -43,7 +47,7 @@ struct LaneEquilibria<'w> {
     wheel: &'w ElasticWheel,
     from_design: &'w [WheelLoads],
     levels: &'w [WheelLoads],
-    measure: &'w mut dyn FnMut(&mut dyn FnMut(&mut dyn FnMut(WheelFigures), usize)),
+    measure: &'w mut dyn FnMut(&mut LaneWork<'_>),
 }
 
 impl SimdTask for LaneEquilibria<'_> {

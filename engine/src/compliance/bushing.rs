@@ -91,9 +91,9 @@ fn coefficient<T: Valued>(rotation: &Logarithm<T>) -> (T, T) {
 #[inline(always)]
 fn small_coefficient<T: Valued>(square: T) -> (T, T) {
     let (mut value, mut slope) = (square.constant(SERIES[0]), square.zero());
-    for k in 1..SERIES.len() {
+    for coefficient in &SERIES[1..] {
         slope = slope * square + value;
-        value = value * square + square.constant(SERIES[k]);
+        value = value * square + square.constant(*coefficient);
     }
     (value, slope + slope)
 }

@@ -222,10 +222,8 @@ impl<T: Valued> LinkBlocks<T> {
         }
         let mut followers = Followers::none(like);
         followers.count = N;
-        for k in 0..N {
-            followers.by[k] = by[k];
-            followers.rest[k] = rest[k];
-        }
+        followers.by[..N].copy_from_slice(&by);
+        followers.rest[..N].copy_from_slice(&rest);
         Some(Evaluated {
             followers,
             inner,

@@ -1,10 +1,5 @@
 //! Sums of the forces and tangents of a wheel's parts.
 
-#![expect(
-    clippy::needless_range_loop,
-    reason = "rows and columns of matrices are named by their numbers"
-)]
-
 use super::ground::{Frames, Holder};
 use super::limb::{Beside, Sum};
 use super::point::PointForce;

@@ -4,8 +4,14 @@
 //! that has converged keeps its state while others go on. So the bits of a lane depend neither on its neighbours nor on the
 //! number of lanes. Products with sums are rounded once, so lanes and the solver for one wheel differ by rounding errors.
 //!
-//! Lanes attempt the whole change of loads at once. A lane that would need smaller steps, or whose equilibrium is not stable,
-//! has no result. The solver for one wheel then starts anew and decides.
+//! Lanes attempt the whole change at once. Where this fails, a change of travel and rack is attempted in two halves. A lane that
+//! would need smaller steps, or whose equilibrium is not stable, has no result. The solver for one wheel then starts anew and
+//! decides.
+
+#![expect(
+    clippy::needless_range_loop,
+    reason = "lanes are named by their numbers"
+)]
 
 use super::algebra::Placed;
 use super::loads::WheelLoads;
@@ -63,6 +69,9 @@ pub(crate) struct WheelsInLanes<B> {
     bounds: Bounds,
     /// Number of wheels. Lanes beyond repeat the last wheel.
     count: usize,
+    /// True if the design position is an equilibrium. If not, the solver for one wheel holds it by external forces while it
+    /// approaches an equilibrium in parts.
+    starts_in_balance: bool,
 }
 
 /// Equilibria side by side.
@@ -113,6 +122,7 @@ impl<B: SimdReal> WheelsInLanes<B> {
             start: wheel.start.map(|_| memory.load(like)),
             bounds: wheel.bounds,
             count,
+            starts_in_balance: wheel.starts_in_balance(),
         })
     }
 
@@ -126,8 +136,25 @@ impl<B: SimdReal> WheelsInLanes<B> {
     #[inline(always)]
     pub(crate) fn at(&self, travel: f64, rack: f64) -> EquilibriaInLanes<B> {
         let like = self.start.vertical;
-        let task = level_task(like.constant(travel), like.constant(rack));
-        self.solved(&self.start, &task, self.all())
+        let task = |share: f64| {
+            let (travel, rack) = (travel * share, rack * share);
+            level_task(like.constant(travel), like.constant(rack))
+        };
+        let all = self.all();
+        let mut found = self.solved(&self.start, &task(1.0), all);
+        let mut open = all;
+        for lane in 0..MOST_LANES {
+            open[lane] &= found.steps[lane].is_none() && self.starts_in_balance;
+        }
+        if open.contains(&true) {
+            let half = self.solved(&self.start, &task(0.5), open);
+            for lane in 0..MOST_LANES {
+                open[lane] &= half.steps[lane].is_some();
+            }
+            let rest = self.solved(&half.state, &task(1.0), open);
+            found.take(&half, &rest);
+        }
+        found
     }
 
     /// Equilibria under loads in addition to those of a station, from neighbouring equilibria, like
@@ -262,6 +289,21 @@ fn is_stable_lane(entries: &[[[f64; MOST_LANES]; 6]], bounds: Bounds, lane: usiz
 }
 
 impl<B: SimdReal> EquilibriaInLanes<B> {
+    /// Takes the equilibria of other lanes, which were found in two parts.
+    #[inline(always)]
+    fn take(&mut self, half: &Self, rest: &Self) {
+        let mut is_taken = [0.0; MOST_LANES];
+        for lane in 0..MOST_LANES {
+            if let (Some(first), Some(second)) = (half.steps[lane], rest.steps[lane]) {
+                is_taken[lane] = 1.0;
+                self.steps[lane] = Some(first + second);
+            }
+        }
+        let zero = self.state.vertical.zero();
+        let taken = zero.less(zero.load(&is_taken));
+        self.state = State::choose(taken, &rest.state, &self.state);
+    }
+
     /// Writes the equilibria of the first wheels, one after the other; `None` without a result. The list has an entry for
     /// each of these wheels.
     #[inline(always)]

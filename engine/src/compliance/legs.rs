@@ -175,10 +175,7 @@ impl<T: Valued> LegSeat<T> {
         }
         let at_joint = frame.at_joint(&point, at.balance_only);
         sum.add_point(lever, &at_joint.leverless_if(at.balance_only));
-        let slide = match slide {
-            None => None,
-            Some(slide) => Some((frame.along * frame.arm.dot(slide.by), slide.rest)),
-        };
+        let slide = slide.map(|slide| (frame.along * frame.arm.dot(slide.by), slide.rest));
         let mut inner = [at.rack.zero(); 7];
         inner[6] = moment;
         Evaluated {

@@ -164,8 +164,8 @@ impl<T: Valued> WheelPart<T> {
         let Vector3 { x, y, z } = found.moment;
         sum.add_force(force, force.zero());
         let mut columns = [force; 3];
-        for k in 0..3 {
-            columns[k] = Vector3::new(-x.partials[k], -y.partials[k], -z.partials[k]);
+        for (k, column) in columns.iter_mut().enumerate() {
+            *column = Vector3::new(-x.partials[k], -y.partials[k], -z.partials[k]);
         }
         let tangent = Matrix3 { columns };
         sum.add_moment(Vector3::new(-x.value, -y.value, -z.value), &tangent);

@@ -16,11 +16,6 @@
 //! held height restrict these motions. This is checked first in every eliminated part, then in the remaining equations of
 //! the carrier. The fraction that is reached is accurate to 1e-6.
 
-#![expect(
-    clippy::needless_range_loop,
-    reason = "rows and columns of matrices are named by their numbers"
-)]
-
 use super::limb::is_positive;
 use super::system::{Equations, Held, Hold, Singular, State, Step, System, Task};
 use super::wheel::TURN_LEVER;

@@ -256,18 +256,22 @@ impl ElasticWheel {
         worst
     }
 
+    /// Returns true if the design position is an equilibrium.
+    pub(super) fn starts_in_balance(&self) -> bool {
+        self.relaxed == Relaxed::AtDesignLoad && !self.has_offset
+    }
+
     /// Equilibrium with the wheel centre at a height, without horizontal loads.
     pub fn at(&self, travel: f64, rack: f64) -> Result<Equilibrium, NoEquilibrium> {
         let (from, to) = (level_task(0.0, 0.0), level_task(travel, rack));
-        let held = match self.relaxed {
-            Relaxed::AtDesignLoad if !self.has_offset => None,
-            _ => {
-                let equations = self.built.system.equations(&self.start, &from, None);
-                equations.ok().map(|equations| Held {
-                    carrier: array_of(|i| equations.residual[i]),
-                    limbs: equations.inner,
-                })
-            }
+        let held = if self.starts_in_balance() {
+            None
+        } else {
+            let equations = self.built.system.equations(&self.start, &from, None);
+            equations.ok().map(|equations| Held {
+                carrier: array_of(|i| equations.residual[i]),
+                limbs: equations.inner,
+            })
         };
         self.solved(&self.start, &from, &to, held.as_ref())
     }

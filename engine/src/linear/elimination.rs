@@ -2,6 +2,11 @@
 //!
 //! Each lane has its own pivots. A lane with a pivot of zero gets numbers that are not finite.
 
+#![expect(
+    clippy::needless_range_loop,
+    reason = "rows and columns of matrices are named by their numbers"
+)]
+
 use crate::number::{MaskOf, SimdReal, Valued};
 
 /// Replaces the first `size` rows of B and c by the solutions of A X = B and A x = c. Afterwards the diagonal of `a` has the

@@ -37,6 +37,10 @@ pub type MaskOf<T> = <<T as Valued>::Plain as SimdReal>::Mask;
 
 /// The larger of two numbers of at least 0; NaN if either is NaN, so that no size with NaN counts as small.
 #[inline(always)]
+#[expect(
+    clippy::eq_op,
+    reason = "the difference is NaN if the number is not finite"
+)]
 pub(crate) fn larger<P: SimdReal>(a: P, b: P) -> P {
     // a - a is 0, or NaN if a is not finite.
     P::select(b.less(a), a, b + (a - a))

@@ -114,11 +114,30 @@ fn lanes_have_the_values_of_designs_one_by_one() {
     }
 }
 
+/// Lanes reach travels beyond the largest first correction, 60 mm, in two halves.
+#[test]
+fn long_travels_stay_in_lanes() {
+    let long = MOTION.replace("[-40.0, 0.0, 25.0]", "[-75.0, 0.0, 90.0]");
+    for (name, rates) in [ARMS, LINKS] {
+        let plan = planned(study(name, rates, &long, 5.0));
+        let mut lanes = worker(&plan, Some(Width::widest()));
+        lanes.rows(0);
+        let left = lanes.one_by_one();
+        assert!(left.len() <= DESIGNS / 10, "{name}: {left:?}");
+        let mut alone = worker(&plan, None);
+        alone.rows(0);
+        let toe = |worker: &Worker<'_>| values(worker, 1).remove(0);
+        for (a, b) in toe(&lanes).iter().zip(toe(&alone)) {
+            assert!((a - b).abs() < 1e-12, "{name}: {a} {b}");
+        }
+    }
+}
+
 /// A travel that only some designs reach: lanes refuse the other ones, with the status that they have alone, and the values
 /// of a design do not depend on its neighbours.
 #[test]
 fn a_design_without_equilibrium_does_not_disturb_its_neighbours() {
-    let far = MOTION.replace("[-40.0, 0.0, 25.0]", "[-40.0, 0.0, 178.0]");
+    let far = MOTION.replace("[-40.0, 0.0, 25.0]", "[-40.0, 0.0, 260.0]");
     let (name, rates) = ARMS;
     let plan = planned(study(name, rates, &far, 25.0));
     let mut alone = worker(&plan, None);

@@ -154,9 +154,7 @@ impl<T: Valued> Equations<T> {
         let carrier: [T; 6] = array_of(|i| solution[i]);
         let zero = carrier[0].zero();
         let mut joints = [zero; MOST_JOINTS];
-        for k in 0..self.joints {
-            joints[k] = solution[6 + k];
-        }
+        joints[..self.joints].copy_from_slice(&solution[6..6 + self.joints]);
         Step {
             carrier,
             limbs: array_of(|k| of_limb(k, &self.followers[k])),

@@ -236,7 +236,13 @@ fn a_key_that_cannot_be_converted_is_named_with_its_line() {
         .matches('\n')
         .count();
     let designs = format!("{macpherson}\n[sweep]\ndesigns = \"designs.csv\"\n");
-    let cases: [(&str, &[&str], &[&str]); 5] = [
+    let axle = fs::read_to_string(Path::new(ROOT).join("studies/double_wishbone_axle.toml"));
+    let (axle, _) = axle.as_deref().unwrap().split_once("[motion]").unwrap();
+    let motion =
+        "heave = [0.0, 5.0]\nrack = { from = -5.0, to = 5.0, steps = 2 }\ncombine = \"rows\"\n";
+    let rows = format!("{axle}[motion]\n{motion}");
+    let cases: [(&str, &[&str], &[&str]); 6] = [
+        (&rows, &METRES, &["motion.rack", "old.toml:", "list"]),
         (
             &tolerance,
             &METRES,

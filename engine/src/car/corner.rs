@@ -165,12 +165,11 @@ impl<T: Real> Corner<T> {
         lift: impl Fn(U) -> T + Copy,
     ) -> Self {
         let at = Displacement::of::<U, W>(carriers, &steps);
-        let vector = |part: VectorPart| at.vector(|p| wheel.read_vector(part, p).map(lift));
         let mirrored = |v: Vector3<T>| Vector3::new(v.x, v.y.scaled(sign), v.z);
         let zero = at.first.zero();
         let mut turns = [Vector3::new(zero, zero, zero); 2];
         for i in 0..3 {
-            let [column, first, second] = at.vector(|p| wheel.column(i, p).map(lift));
+            let [column, first, second] = column(&at, wheel, i, lift);
             turns[0] = turns[0] + column.cross(first);
             if carriers.is_rigid() {
                 turns[1] = turns[1] + column.cross(second);
@@ -185,7 +184,7 @@ impl<T: Real> Corner<T> {
             VectorPart::HeaveSpring,
         ];
         for (vectors, part) in vectors.iter_mut().zip(parts) {
-            *vectors = vector(part);
+            *vectors = vector(&at, wheel, part, lift);
         }
         let [
             [centre, centre_first, centre_second],
@@ -200,7 +199,7 @@ impl<T: Real> Corner<T> {
             NumberPart::RockerAngle,
         ];
         for (numbers, part) in numbers.iter_mut().zip(parts) {
-            *numbers = at.number(|p| lift(wheel.number(part, p)));
+            *numbers = number(&at, wheel, part, lift);
         }
         let [
             [spring, spring_first, spring_second],
@@ -217,7 +216,7 @@ impl<T: Real> Corner<T> {
         let axle = match (carriers, sign > 0.0) {
             (Carriers::Steered(held), true) => {
                 let columns = [0, 1].each(|i| at.vector(|p| wheel.axle_column(i, p).map(lift)));
-                let place = vector(VectorPart::SteeringPoint);
+                let place = vector(&at, wheel, VectorPart::SteeringPoint, lift);
                 Some(axle_motion(held, columns, place, offset))
             }
             _ => None,
@@ -273,8 +272,6 @@ struct Displacement<T> {
     second: Option<T>,
     /// True if the coefficients of the fourth power of the first step are known.
     has_fourth: bool,
-    /// True if both steps are zero.
-    is_none: bool,
 }
 
 impl<T: Real> Displacement<T> {
@@ -295,16 +292,12 @@ impl<T: Real> Displacement<T> {
             first,
             second,
             has_fourth: W::HAS_FOURTH,
-            is_none: W::IS_AT_TRAVELS,
         }
     }
 
     /// A number and its derivatives by both coordinates, from its coefficients by powers.
     #[inline(always)]
     fn number(&self, of: impl Fn([usize; 2]) -> T) -> [T; 3] {
-        if self.is_none {
-            return [of([0, 0]), of([1, 0]), self.first.zero()];
-        }
         polynomial(of, self.first, self.second, self.has_fourth)
     }
 
@@ -313,9 +306,6 @@ impl<T: Real> Displacement<T> {
     fn vector(&self, of: impl Fn([usize; 2]) -> Vector3<T>) -> [Vector3<T>; 3] {
         let (a, b) = (self.first, self.second);
         let zero = a.zero();
-        if self.is_none {
-            return [of([0, 0]), of([1, 0]), Vector3::new(zero, zero, zero)];
-        }
         // Each vector coefficient is read once and serves all three components.
         let mut table = [[Vector3::new(zero, zero, zero); 4]; 5];
         let degrees = if self.has_fourth { 5 } else { 4 };
@@ -335,6 +325,60 @@ impl<T: Real> Displacement<T> {
         ];
         [0, 1, 2].each(|k| Vector3::new(x[k], y[k], z[k]))
     }
+}
+
+/// A vector of a wheel and its derivatives by both coordinates. At the travels of the coefficients they are coefficients themselves, and
+/// then no closure is called, which a compiler would not inline for SIMD lanes.
+#[inline(always)]
+fn vector<T: Real, U: Real, W: WheelParts<U>>(
+    at: &Displacement<T>,
+    wheel: &W,
+    part: VectorPart,
+    lift: impl Fn(U) -> T + Copy,
+) -> [Vector3<T>; 3] {
+    if W::IS_AT_TRAVELS {
+        let zero = at.first.zero();
+        return [
+            wheel.read_vector(part, [0, 0]).map(lift),
+            wheel.read_vector(part, [1, 0]).map(lift),
+            Vector3::new(zero, zero, zero),
+        ];
+    }
+    at.vector(|p| wheel.read_vector(part, p).map(lift))
+}
+
+/// A column of the carrier's rotation and its derivatives, like [`vector`].
+#[inline(always)]
+fn column<T: Real, U: Real, W: WheelParts<U>>(
+    at: &Displacement<T>,
+    wheel: &W,
+    i: usize,
+    lift: impl Fn(U) -> T + Copy,
+) -> [Vector3<T>; 3] {
+    if W::IS_AT_TRAVELS {
+        let zero = at.first.zero();
+        return [
+            wheel.column(i, [0, 0]).map(lift),
+            wheel.column(i, [1, 0]).map(lift),
+            Vector3::new(zero, zero, zero),
+        ];
+    }
+    at.vector(|p| wheel.column(i, p).map(lift))
+}
+
+/// A number of a wheel and its derivatives, like [`vector`].
+#[inline(always)]
+fn number<T: Real, U: Real, W: WheelParts<U>>(
+    at: &Displacement<T>,
+    wheel: &W,
+    part: NumberPart,
+    lift: impl Fn(U) -> T + Copy,
+) -> [T; 3] {
+    if W::IS_AT_TRAVELS {
+        let [value, first] = [[0, 0], [1, 0]].each(|p| lift(wheel.number(part, p)));
+        return [value, first, at.first.zero()];
+    }
+    at.number(|p| lift(wheel.number(part, p)))
 }
 
 /// Rates by the wheel's own travel and by the other wheel's, from derivatives by the coordinates of the expansion.

@@ -146,10 +146,8 @@ fn compare(study: &CarStudy) -> [usize; 2] {
             0.5 * (one * one + two * two) + mixed * mixed,
         ];
         // Solutions have rounding errors of some 1e-13 of the largest numbers behind a result; weights add up to 8 per step squared.
-        let size = nominal[place].abs().max(match name.contains("load") {
-            true => 4000.0,
-            false => 1.0,
-        });
+        let unit = if name.contains("load") { 4000.0 } else { 1.0 };
+        let size = nominal[place].abs().max(unit);
         let error = 4.0 * (a + b + c) + 2e-13 * size * 8.0 / (0.25 * 0.25);
         let largest = one.abs() + two.abs() + mixed.abs() + error;
         assert!(

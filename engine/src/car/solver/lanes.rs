@@ -11,9 +11,14 @@
 //!
 //! The first step is s = -J r. So a step needs the residuals once, no tangent and no factors.
 
+#![allow(
+    clippy::needless_range_loop,
+    reason = "plain loops are inlined into the code for lanes"
+)]
+
 use super::super::corner::{Corner, Steps};
 use super::super::equations::{Body, Ground, Held, Loaded, Placed, UNKNOWNS};
-use super::super::parameters::{BodyParameter, Parameters};
+use super::super::parameters::{BodyParameter, Parameter, Parameters};
 use crate::axle::{CURVE_LANES, Carriers, CurveLanes, LaneCurveWheel};
 use crate::model::Side;
 use crate::number::{SimdReal, SimdTask, Vector3, array_of};
@@ -104,8 +109,7 @@ fn evaluate<B: SimdReal>(
     let (like, held) = (x[0], &shared.held);
     let mut parameters = Parameters(array_of(|k| like.constant(shared.parameters.0[k])));
     for (own, values) in OF_CASE.into_iter().zip(&lanes.of_case) {
-        let place = super::super::parameters::Parameter::Body(own).place();
-        parameters.0[place] = like.load(values);
+        parameters.0[Parameter::Body(own).place()] = like.load(values);
     }
     let ground = Ground::of(&parameters, [x[0], x[1], x[2]]);
     let on_ground = (&parameters, &ground);
@@ -195,7 +199,7 @@ impl SimdTask for Step<'_> {
             step.store(&mut lanes.step[k]);
             B::select(active, x[k] + step, x[k]).store(&mut lanes.x[k]);
         }
-        // The difference is NaN if any part is not finite.
-        (longest + (sum - sum)).store(&mut lanes.longest);
+        // The product is NaN if any part is not finite.
+        (longest + sum.scaled(0.0)).store(&mut lanes.longest);
     }
 }

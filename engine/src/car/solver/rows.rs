@@ -22,7 +22,7 @@ use crate::axle::{CURVE_LANES, CurveLanes, CurveWheel};
 use crate::number::{Vector3, Width, array_of};
 
 /// Number of states from one with an exact tangent to the next.
-const VERIFIED: usize = 4;
+const VERIFIED: usize = 8;
 /// Largest number of steps.
 const MOST_STEPS: usize = 10;
 /// Largest first step, relative to the sizes of the unknowns.
@@ -331,14 +331,18 @@ impl<'a> CarSolver<'a> {
             found.is_stiff() || before.any(|before| found.follows(before, self.car))
         };
         if let Some(last) = confirmed.filter(follows) {
-            for (k, (unknowns, parts)) in std::mem::take(&mut row.pending).into_iter().enumerate() {
+            for k in 0..count {
+                let (unknowns, parts) = row.pending[k];
                 let found = if k + 1 == count {
                     last.clone()
                 } else {
                     Equilibrium {
                         unknowns,
+                        lifted: last.lifted,
+                        evaluations: 1,
+                        racks: last.racks,
+                        placed: None,
                         factors: None,
-                        ..last.clone()
                     }
                 };
                 let state = RowState {
@@ -348,6 +352,7 @@ impl<'a> CarSolver<'a> {
                 };
                 take(self, [number, first + k], Ok(state));
             }
+            row.pending.clear();
             if let (Some(block), Some(factors)) = (block, &last.factors) {
                 block.enter(number, factors);
             }

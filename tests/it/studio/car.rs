@@ -347,6 +347,8 @@ const SHOWN: &str = "return Object.fromEntries([...document.querySelectorAll('#c
 
 /// Every value that the table shows is, to four digits, the one that `hardpoint solve` prints.
 fn assert_shown_as_solved(browser: &Browser, served: &Served) {
+    // Rows out of sight are renewed a little later.
+    browser.wait("[...document.querySelectorAll('#cases tbody tr')].every((row) => !row.isLate)");
     let shown = browser.run(SHOWN);
     let printed = columns(&solved(&served.study));
     let mut compared = 0;

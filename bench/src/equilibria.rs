@@ -146,8 +146,8 @@ impl Equilibria {
         }
         let names = match width {
             Width::Scalar => [
-                "equilibrium from the design, scalar form of the lanes",
-                "equilibrium from the level before, scalar form of the lanes",
+                "equilibrium from the design, portable lanes",
+                "equilibrium from the level before, portable lanes",
             ],
             Width::Avx2 => [
                 "equilibrium from the design, avx2 lanes",

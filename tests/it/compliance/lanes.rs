@@ -33,7 +33,7 @@ fn study(name: &str, rates: &str, head: &str, by: f64) -> Study {
 }
 
 const MOTION: &str = "[motion]\ntravel = [-40.0, 0.0, 25.0]\n[outputs]\ncharacteristics = [\"toe\", \"camber\", \"bump_steer\", \
-                      \"toe_by_lateral_force\", \"toe_by_lateral_force_secant\"]";
+                      \"toe_by_braking\", \"toe_by_braking_secant\"]";
 
 const ARMS: (&str, &str) = (
     "double_wishbone_compliance.toml",

@@ -66,13 +66,11 @@ fn each_row_is_a_station() {
         for (number, one) in alone.iter().enumerate() {
             let single = with(&given, &[&format!("motion={one}")]).unwrap();
             let single = single.curves().unwrap();
-            let pairs = own.stations[number].at.iter().zip(&single.stations[0].at);
-            for (found, expected) in pairs {
-                let (found, expected) = (found.unwrap(), expected.unwrap());
-                assert!(
-                    (found - expected).abs() < 1e-10,
-                    "{one}: {found} {expected}"
-                );
+            // A station that follows another one is solved from it, so rounding differs.
+            let places = own.stations[number].at.iter().zip(&single.stations[0].at);
+            for (found, expected) in places {
+                let apart = found.unwrap() - expected.unwrap();
+                assert!(apart.abs() < 1e-9, "{one}: {found:?} {expected:?}");
             }
             for name in single.columns.iter().map(|column| &column.name) {
                 let value = |curves: &Curves, station: usize| {

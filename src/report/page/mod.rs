@@ -8,6 +8,7 @@ mod charts;
 mod compare;
 mod escape;
 mod kc;
+mod motions;
 mod opening;
 mod policy;
 mod run;

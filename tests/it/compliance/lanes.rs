@@ -11,8 +11,7 @@ const DESIGNS: usize = 37;
 
 /// Every point moves by up to `by` mm, and rates change by up to a factor of 2.
 fn study(name: &str, rates: &str, head: &str, by: f64) -> Study {
-    // Without trail, the figures of both samples have the same names.
-    let text = with(name, "").replace("trail = 30.0, ", "");
+    let text = with(name, "");
     let text = text.split("\n[motion]").next().unwrap().to_owned()
         + "\n[compliance]"
         + text.split("\n[compliance]").nth(1).unwrap();

@@ -4,9 +4,9 @@
 //! that has converged keeps its state while others go on. So the bits of a lane depend neither on its neighbours nor on the
 //! number of lanes. Products with sums are rounded once, so lanes and the solver for one wheel differ by rounding errors.
 //!
-//! Lanes attempt the whole change at once. Where this fails, a change of travel and rack is attempted in two halves. A lane that
-//! would need smaller steps, or whose equilibrium is not stable, has no result. The solver for one wheel then starts anew and
-//! decides.
+//! Lanes attempt the whole change at once. Where this fails, a travel is attempted in two, four and eight equal parts. A lane
+//! that would need smaller steps, or whose equilibrium is not stable, has no result. The solver for one wheel then starts anew
+//! and decides.
 
 #![expect(
     clippy::needless_range_loop,
@@ -22,6 +22,9 @@ use crate::linear::square::MOST;
 use crate::number::{MOST_LANES, SimdReal, Vector3, outlined};
 use crate::threads::checkpoint;
 use std::cell::{Cell, RefCell};
+
+/// Numbers of equal parts of a travel, if it fails as a whole. All are powers of two, so that the last part ends at the travel.
+const PARTS: [usize; 3] = [2, 4, 8];
 
 /// Working memory that collects the numbers of several wheels.
 #[derive(Clone, Debug, Default)]
@@ -142,19 +145,44 @@ impl<B: SimdReal> WheelsInLanes<B> {
         };
         let all = self.all();
         let mut found = self.solved(&self.start, &task(1.0), all);
-        let mut open = all;
-        for lane in 0..MOST_LANES {
-            open[lane] &= found.steps[lane].is_none() && self.starts_in_balance;
+        if !self.starts_in_balance {
+            return found;
         }
-        if open.contains(&true) {
-            let half = self.solved(&self.start, &task(0.5), open);
+        for parts in PARTS {
+            let mut open = all;
             for lane in 0..MOST_LANES {
-                open[lane] &= half.steps[lane].is_some();
+                open[lane] &= found.steps[lane].is_none();
             }
-            let rest = self.solved(&half.state, &task(1.0), open);
-            found.take(&half, &rest);
+            if !open.contains(&true) {
+                break;
+            }
+            found.take(&self.in_parts(task, parts, open));
         }
         found
+    }
+
+    /// Equilibria at the end of a change in equal parts. `task` gives the task at a fraction of the change.
+    #[inline(always)]
+    fn in_parts(
+        &self,
+        task: impl Fn(f64) -> Task<B>,
+        parts: usize,
+        mut open: [bool; MOST_LANES],
+    ) -> EquilibriaInLanes<B> {
+        let step = 1.0 / parts as f64;
+        let mut reached = self.solved(&self.start, &task(step), open);
+        for part in 2..=parts {
+            let before = reached.steps;
+            for lane in 0..MOST_LANES {
+                open[lane] = before[lane].is_some();
+            }
+            let state = reached.state;
+            reached = self.solved(&state, &task(part as f64 * step), open);
+            for (steps, before) in reached.steps.iter_mut().zip(before) {
+                *steps = steps.zip(before).map(|(last, first)| first + last);
+            }
+        }
+        reached
     }
 
     /// Equilibria under loads in addition to those of a station, from neighbouring equilibria, like
@@ -289,19 +317,19 @@ fn is_stable_lane(entries: &[[[f64; MOST_LANES]; 6]], bounds: Bounds, lane: usiz
 }
 
 impl<B: SimdReal> EquilibriaInLanes<B> {
-    /// Takes the equilibria of other lanes, which were found in two parts.
+    /// Takes the equilibria that others have.
     #[inline(always)]
-    fn take(&mut self, half: &Self, rest: &Self) {
+    fn take(&mut self, others: &Self) {
         let mut is_taken = [0.0; MOST_LANES];
         for lane in 0..MOST_LANES {
-            if let (Some(first), Some(second)) = (half.steps[lane], rest.steps[lane]) {
+            if others.steps[lane].is_some() {
                 is_taken[lane] = 1.0;
-                self.steps[lane] = Some(first + second);
+                self.steps[lane] = others.steps[lane];
             }
         }
         let zero = self.state.vertical.zero();
         let taken = zero.less(zero.load(&is_taken));
-        self.state = State::choose(taken, &rest.state, &self.state);
+        self.state = State::choose(taken, &others.state, &self.state);
     }
 
     /// Writes the equilibria of the first wheels, one after the other; `None` without a result. The list has an entry for

@@ -114,10 +114,10 @@ fn lanes_have_the_values_of_designs_one_by_one() {
     }
 }
 
-/// Lanes reach travels beyond the largest first correction, 60 mm, in two halves.
+/// Lanes reach travels beyond the largest first correction, 60 mm, in parts.
 #[test]
 fn long_travels_stay_in_lanes() {
-    let long = MOTION.replace("[-40.0, 0.0, 25.0]", "[-75.0, 0.0, 90.0]");
+    let long = MOTION.replace("[-40.0, 0.0, 25.0]", "[-70.0, 0.0, 80.0]");
     for (name, rates) in [ARMS, LINKS] {
         let plan = planned(study(name, rates, &long, 5.0));
         let mut lanes = worker(&plan, Some(Width::widest()));

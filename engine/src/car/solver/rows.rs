@@ -1,8 +1,8 @@
 //! Rows of cases, each of which follows its neighbour, several rows side by side.
 //!
-//! The first state of a row is solved alone, from that of the row before if there is one. Then each row takes a lane ([`super::lanes`]). A state starts where the polynomial
-//! through the last states of its row leads, with the inverse tangent of the last ones. A row leaves its lane, and its case is solved
-//! alone, if
+//! The first state of a row is solved alone. Then each row takes a lane ([`super::lanes`]). A state starts where the polynomial through
+//! the last states of its row leads, with the inverse tangent of the last ones. So the numbers of a row do not depend on other rows. A
+//! row leaves its lane, and its case is solved alone, if
 //!
 //! - a wheel has no curve, or a step is not finite or too long,
 //! - the iteration does not converge,
@@ -170,7 +170,7 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Splits rows into blocks that [`CarSolver::solve_rows`] solves side by side. Results in a block do not depend on other blocks.
+    /// Splits rows into blocks that [`CarSolver::solve_rows`] solves side by side. Results of a row do not depend on other rows.
     pub fn blocks_of<'r, 'c>(rows: &'r [&'c [Case]]) -> impl Iterator<Item = &'r [&'c [Case]]> {
         let alike = |a: &&[Case], b: &&[Case]| match (a.first(), b.first()) {
             (Some(a), Some(b)) => fits(a, b),
@@ -192,13 +192,7 @@ impl<'a> CarSolver<'a> {
             if let Some(block) = &mut block {
                 self.in_lanes(block, &mut rows);
             }
-            for number in 0..rows.len() {
-                let (before, rows) = rows.split_at_mut(number);
-                let Some(row) = rows.first_mut() else { break };
-                if row.at.is_none() && row.next == 0 {
-                    // The first state of a row starts from that of the row before.
-                    row.at = before.last().and_then(|before| before.at.clone());
-                }
+            for (number, row) in rows.iter_mut().enumerate() {
                 // A row that has left its lane is behind.
                 if row.next <= column && row.case().is_some() {
                     self.confirm(&mut block, (number, row), take);

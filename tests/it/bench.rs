@@ -238,7 +238,6 @@ fn cars_and_equilibria_are_timed() {
             &[
                 "state from its neighbour",
                 "state from its neighbour with all results",
-                "state of a map, rows in lanes",
                 "state without a neighbour",
                 "all results of a state",
                 "member loads of a state",

@@ -142,6 +142,7 @@ class Band(TypedDict, total=False):
     at: float
     over: str
     side: Side
+    motion: str
     roll: Numbers
     heave: Numbers
     travel_left: Numbers

@@ -27,8 +27,8 @@ FUNCTIONS = {
     "compare": hp.compare,
     "schema": hp.schema,
 }
-# For shells and terminals: hp.run(["studio", ...]) and the like run them.
-TYPED = {"studio", "bench", "kc", "completions", "man", "help"}
+# For shells, terminals and files: hp.run(["studio", ...]) and the like run them.
+TYPED = {"studio", "bench", "kc", "convert", "completions", "man", "help"}
 
 
 def test_every_command_has_its_function():

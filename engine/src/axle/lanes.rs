@@ -150,7 +150,9 @@ impl Quantity {
         match self {
             Quantity::Corner(own, _) if own != side => Slots::default(),
             Quantity::Corner(_, c) => Slots::default().with(c.info().reads),
-            Quantity::Wheel(..) | Quantity::Axle(_) => Slots::default().with(ALWAYS),
+            Quantity::Wheel(..) | Quantity::Axle(_) => {
+                Slots::default().with(ALWAYS).with(self.info().reads)
+            }
             Quantity::Figure(_) => Slots::default(),
         }
     }

@@ -76,7 +76,7 @@ fn place(suspension: &Suspension, name: &str) -> Vector3<f64> {
 }
 
 /// Column of a summary's static value.
-fn column(summary: &SetUpSummary, name: &str) -> usize {
+pub(super) fn column(summary: &SetUpSummary, name: &str) -> usize {
     let of_name = |column: &str| {
         column
             .strip_prefix(name)
@@ -208,6 +208,36 @@ fn the_adjusted_axle_has_the_wanted_values() {
     }
 }
 
+/// Part of the change of each static value that the effects of the design do not explain.
+pub(super) fn linear_remainders(summary: &SetUpSummary) -> Vec<f64> {
+    let remainder = |i: usize| {
+        let own = &summary.statics[i];
+        let by = summary.adjustments.iter();
+        let linear: f64 = by.map(|a| a.amount * a.by_length[i].unwrap()).sum();
+        own.set.unwrap() - own.drawn.unwrap() - linear
+    };
+    (0..summary.statics.len()).map(remainder).collect()
+}
+
+/// Remainders of changes that are half as large are a quarter, or an eighth where the second order vanishes. Remainders below `least` are
+/// rounding. Returns the number of the others.
+pub(super) fn quarters([whole, half]: [&[f64]; 2], least: f64, name: &str) -> usize {
+    let mut looked_at = 0;
+    for (i, (whole, half)) in whole.iter().zip(half).enumerate() {
+        if whole.abs() < least {
+            assert!(half.abs() < least, "{name}, value {i}: {whole:e} {half:e}");
+            continue;
+        }
+        let ratio = half / whole;
+        assert!(
+            (0.12..0.28).contains(&ratio),
+            "{name}, value {i}: {whole:e} {half:e}"
+        );
+        looked_at += 1;
+    }
+    looked_at
+}
+
 /// The effects of the design predict every static value to first order: if the wanted changes are half as large, the remainder is a
 /// quarter.
 #[test]
@@ -219,30 +249,10 @@ fn effects_predict_to_first_order() {
                 &format!("{}\n{}", adjust(kind), table(&want(kind, scale))),
             );
             let summary = &found.wheels[0];
-            let remainder = |i: usize| {
-                let own = &summary.statics[i];
-                let by = summary.adjustments.iter();
-                let linear: f64 = by.map(|a| a.amount * a.by_length[i].unwrap()).sum();
-                own.set.unwrap() - own.drawn.unwrap() - linear
-            };
-            (0..summary.statics.len()).map(remainder).collect()
+            linear_remainders(summary)
         };
         let [whole, half] = [1.0, 0.5].map(remainders);
-        let mut looked_at = 0;
-        for (i, (whole, half)) in whole.iter().zip(&half).enumerate() {
-            if whole.abs() < 1e-6 {
-                assert!(half.abs() < 1e-6);
-                continue;
-            }
-            // A quarter, or an eighth where the second order vanishes.
-            let ratio = half / whole;
-            assert!(
-                (0.12..0.28).contains(&ratio),
-                "{}, value {i}: {whole:e} {half:e}",
-                kind.name
-            );
-            looked_at += 1;
-        }
+        let looked_at = quarters([&whole, &half], 1e-6, kind.name);
         assert!(looked_at >= 4, "{}: {looked_at}", kind.name);
     }
 }

@@ -1,5 +1,6 @@
 //! Set-ups of elastic solid axles: wanted values in equilibrium, effects to first order, and the rigid limit.
 
+use super::super::set_up::{column, linear_remainders, quarters};
 use super::rigid_limit::{rigid, stiffer};
 use super::{Kind, Scatter, elastic, made, results};
 use crate::support::random::Random;
@@ -47,16 +48,6 @@ fn found(text: &str, kind: Kind, want: [f64; 4], further: &str) -> FoundSetUp {
     let study = study.unwrap_or_else(|e| panic!("{e}\n{text}"));
     let found = set_up(&study, study.setup.as_ref().unwrap());
     found.unwrap_or_else(|why| panic!("{kind:?}: {}", why.reason()))
-}
-
-fn column(summary: &SetUpSummary, name: &str) -> usize {
-    let of_name = |column: &str| {
-        column
-            .strip_prefix(name)
-            .is_some_and(|unit| unit.starts_with('_'))
-    };
-    let place = summary.statics.iter().position(|s| of_name(&s.column));
-    place.unwrap_or_else(|| panic!("no {name}"))
 }
 
 /// All values are there: the direction of the axle from its points and from the equilibrium of the adjusted study, and camber and toe.
@@ -115,28 +106,10 @@ fn effects_predict_to_first_order() {
             let want = [0, 1, 2, 3].map(|k| drawn[k] + scale * WANT[k]);
             let found = found(&text, kind, want, "");
             let summary = &found.wheels[0];
-            let remainder = |i: usize| {
-                let own = &summary.statics[i];
-                let by = summary.adjustments.iter();
-                let linear: f64 = by.map(|a| a.amount * a.by_length[i].unwrap()).sum();
-                own.set.unwrap() - own.drawn.unwrap() - linear
-            };
-            (0..summary.statics.len()).map(remainder).collect()
+            linear_remainders(summary)
         };
         let [whole, half] = [0.5, 0.25].map(remainders);
-        let mut looked_at = 0;
-        for (i, (whole, half)) in whole.iter().zip(&half).enumerate() {
-            if whole.abs() < 1e-7 {
-                continue;
-            }
-            let ratio = half / whole;
-            // A quarter, or an eighth where the second order vanishes.
-            assert!(
-                (0.12..0.28).contains(&ratio),
-                "{kind:?}, value {i}: {whole:e} {half:e}"
-            );
-            looked_at += 1;
-        }
+        let looked_at = quarters([&whole, &half], 1e-7, &format!("{kind:?}"));
         assert!(looked_at >= 3, "{kind:?}: {looked_at}");
     }
 }

@@ -1,5 +1,6 @@
 //! Reads a CSV file of a run.
 
+use super::figure::to_digits;
 use serde::{Deserialize, Serialize};
 
 /// Columns of numbers, and the column `status` if there is one.
@@ -54,7 +55,7 @@ impl CurveTable {
     /// Rounds the numbers to six digits, which is more than a chart shows.
     pub fn with_six_digits(mut self) -> Self {
         for value in self.columns.iter_mut().flatten().flatten() {
-            *value = format!("{value:.5e}").parse().unwrap_or(*value);
+            *value = to_digits(*value, 6);
         }
         self
     }

@@ -121,9 +121,29 @@ pub fn with_minus_signs(text: &str) -> String {
 pub fn with_decimals(value: f64, decimals: usize) -> String {
     let text = format!("{value:.decimals$}");
     match text.strip_prefix('-') {
-        Some(zero) if !zero.contains(|c: char| ('1'..='9').contains(&c)) => zero.to_owned(),
+        Some(zero) if !has_digits(zero) => zero.to_owned(),
         _ => text,
     }
+}
+
+/// True if a printed number is not 0.
+pub fn has_digits(text: &str) -> bool {
+    text.contains(|c: char| ('1'..='9').contains(&c))
+}
+
+/// Writes a plus sign before a positive value whose text is not 0.
+pub fn with_plus(value: f64, text: String) -> String {
+    if value > 0.0 && has_digits(&text) {
+        format!("+{text}")
+    } else {
+        text
+    }
+}
+
+/// Rounds to this number of significant digits.
+pub fn to_digits(value: f64, digits: usize) -> f64 {
+    let decimals = digits.saturating_sub(1);
+    format!("{value:.decimals$e}").parse().unwrap_or(value)
 }
 
 /// Formats a number as the user wrote it, but without a trailing ".0".

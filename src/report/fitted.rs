@@ -1,6 +1,6 @@
 //! Confidence intervals of fitted variables, for files and tables.
 
-use super::figure::{brief, with_decimals};
+use super::figure::{brief, with_decimals, with_plus};
 use super::table::{Cell, Column};
 use crate::optimise::ConfidenceInterval;
 use serde::{Deserialize, Serialize};
@@ -96,12 +96,7 @@ impl FittedOffset {
     fn in_words(&self, decimals: Option<usize>) -> String {
         let show = |value: f64| {
             let text = decimals.map_or_else(|| brief(value), |d| with_decimals(value, d));
-            let is_zero = !text.contains(|c: char| ('1'..='9').contains(&c));
-            if value > 0.0 && !is_zero {
-                format!("+{text}")
-            } else {
-                text
-            }
+            with_plus(value, text)
         };
         match self.ends() {
             [Some(lower), Some(upper)] => format!("{} .. {}", show(lower), show(upper)),

@@ -66,7 +66,8 @@ pub use completeness::Completeness;
 pub use curve_table::CurveTable;
 pub use failures::FailureRange;
 pub use figure::{
-    as_written, brief, ends_at, figure, figures, resolution, with_decimals, with_minus_signs,
+    as_written, brief, ends_at, figure, figures, has_digits, resolution, to_digits, with_decimals,
+    with_minus_signs, with_plus,
 };
 pub use files::{curves_csv, history_csv, sensitivities_csv};
 pub use finished::{FinishedRun, NotARun};

@@ -1,6 +1,6 @@
 //! Side effects of a tuning, as tables and in words.
 
-use super::figure::{as_written, brief, with_decimals};
+use super::figure::{as_written, brief, has_digits, with_decimals, with_plus};
 use super::table::{Cell, Column, Table};
 use super::text::counted;
 use crate::{PlaceCoordinate, SideEffect};
@@ -40,16 +40,7 @@ fn in_three_digits(tolerance: f64) -> String {
 fn change(effect: &SideEffect) -> Option<String> {
     let change = effect.largest_change?;
     let text = with_decimals(change, decimals(effect));
-    Some(if change > 0.0 && has_digits(&text) {
-        format!("+{text}")
-    } else {
-        text
-    })
-}
-
-/// True if a printed number is not 0.
-fn has_digits(text: &str) -> bool {
-    text.contains(|c: char| ('1'..='9').contains(&c))
+    Some(with_plus(change, text))
 }
 
 /// True if the printed values show a change that no target asks for.

@@ -1,5 +1,6 @@
 //! Results of `kc` tests as tables for the terminal.
 
+use super::super::figure::{brief, to_digits};
 use super::super::table::{Cell, Table};
 use super::{KcResults, subject};
 use crate::ask::Unit;
@@ -123,6 +124,5 @@ impl KcResults<'_> {
 
 /// Formats a number with four digits, as on rig sheets.
 pub(in crate::report) fn four_figures(value: f64) -> String {
-    let rounded = format!("{value:.3e}").parse().unwrap_or(value);
-    super::super::brief(rounded)
+    brief(to_digits(value, 4))
 }

@@ -3,7 +3,7 @@
 use super::escape::{html, prose};
 use crate::report::chart::Scale;
 use crate::report::chart::mark::{number, path};
-use crate::report::{brief, with_minus_signs};
+use crate::report::{brief, to_digits, with_minus_signs};
 use std::fmt::Write;
 
 /// Width of the picture, equal to that of a chart.
@@ -126,7 +126,7 @@ fn rounded(value: f64, span: f64) -> f64 {
     if value.abs() < 1e-9 * span {
         return 0.0;
     }
-    format!("{value:.3e}").parse().unwrap_or(value)
+    to_digits(value, 4)
 }
 
 #[cfg(test)]

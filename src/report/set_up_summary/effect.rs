@@ -3,7 +3,7 @@
 use crate::ask::Unit;
 use crate::assembly::{SetUp, Static};
 use crate::model::LengthUnit;
-use crate::report::{brief, with_decimals};
+use crate::report::{brief, has_digits, to_digits, with_decimals, with_plus};
 
 /// Change of each static value in a step with its rounded amount. Without a set-up nothing changes.
 pub(super) fn effect_of_step(found: &SetUp, place: usize) -> Vec<Option<f64>> {
@@ -34,16 +34,14 @@ pub(super) fn effect_in_words(
             Unit::Length => with_decimals(change, length_decimals(length)),
             _ if change.abs() < 1e-9 => return None,
             // Three digits of a rate.
-            _ => format!("{change:.2e}")
-                .parse()
-                .map_or_else(|_| brief(change), brief),
+            _ => brief(to_digits(change, 3)),
         };
-        let is_visible = text.contains(|digit: char| ('1'..='9').contains(&digit));
+        let is_visible = has_digits(&text);
         let name = super::static_name(*value);
-        let sign = if change > 0.0 { "+" } else { "" };
+        let text = with_plus(change, text);
         let unit = unit.suffix(length).replace("_per_", "/").replace('_', " ");
         is_visible.then(|| {
-            format!("{} {sign}{text} {unit}", name.replace('_', " "))
+            format!("{} {text} {unit}", name.replace('_', " "))
                 .trim_end()
                 .to_owned()
         })

@@ -8,7 +8,7 @@ pub use words::interrupted_in_words;
 
 use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::choices::{FrontPoint, FrontRecord, PriceRecord};
-use super::figure::{as_written, brief, with_decimals};
+use super::figure::{as_written, brief, to_digits, with_decimals};
 use super::fitted::FittedOffset;
 use super::side_effects::side_effects_in_words;
 use super::table::{Cell, Column, Table};
@@ -131,8 +131,7 @@ impl VariableSummary {
         // Four digits are enough for the ends of an interval.
         let rate = |offset: f64| {
             let rate = design * offset.exp();
-            let text = format!("{rate:.3e}");
-            as_written(text.parse().unwrap_or(rate))
+            as_written(to_digits(rate, 4))
         };
         Some(match fitted.ends().map(|end| end.map(rate)) {
             [Some(lower), Some(upper)] => format!("{lower} .. {upper}"),

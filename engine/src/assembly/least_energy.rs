@@ -214,7 +214,7 @@ impl Assembler {
         None
     }
 
-    /// The assembled pose in another number type, with the tensions of the links. The values are those of `at`.
+    /// The assembled pose in another number type, with the tensions of the links. It has the values of `at`.
     pub(super) fn relaxed_series<T: Real>(
         &self,
         parts: &Parts<T>,

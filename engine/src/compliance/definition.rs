@@ -94,7 +94,7 @@ pub struct LinkPart<T = f64> {
     pub member: LinkMember,
     /// Axial stiffness of the member.
     pub stiffness: AxialStiffness<T>,
-    /// Constant tension, in addition to that of the stiffness.
+    /// Constant tension. The stiffness adds its own tension to it.
     pub preload: T,
 }
 

@@ -1,6 +1,6 @@
 //! Equilibria of several wheels at a time, one in each SIMD lane.
 //!
-//! The equations are those of one wheel (`system.rs`), and each lane has its own convergence check, that of `solve.rs`. A lane
+//! Each lane solves the equations of one wheel (`system.rs`) with the convergence check of `solve.rs`. A lane
 //! that has converged keeps its state while others go on. So the bits of a lane depend neither on its neighbours nor on the
 //! number of lanes. Products with sums are rounded once, so lanes and the solver for one wheel differ by rounding errors.
 //!
@@ -185,7 +185,7 @@ impl<B: SimdReal> WheelsInLanes<B> {
         reached
     }
 
-    /// Equilibria under loads in addition to those of a station, from neighbouring equilibria, like
+    /// Equilibria under loads that act in addition to the loads of a station. They start from neighbouring equilibria, like
     /// [`ElasticWheel::loaded_about`].
     #[inline(always)]
     pub(crate) fn loaded_about(

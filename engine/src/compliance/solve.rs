@@ -110,7 +110,7 @@ impl Equations<f64> {
 }
 
 impl<T: Valued> System<T> {
-    /// Newton step in a state. The equations there replace those of an earlier state.
+    /// Newton step in a state. It forms the equations of this state in the memory of the earlier ones.
     #[inline(always)]
     pub(super) fn newton_step(
         &self,

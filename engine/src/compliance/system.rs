@@ -250,7 +250,7 @@ impl<T: Valued> System<T> {
         Ok(equations)
     }
 
-    /// Forms the equations (1) like `equations`, in the memory of those of an earlier state.
+    /// Forms the equations (1) like `equations`, and overwrites the equations of an earlier state.
     #[inline(always)]
     pub(super) fn renew_equations(
         &self,

@@ -97,6 +97,6 @@ pub struct LinkStiffness {
     pub modulus: Option<Number>,
     /// Area of the cross-section.
     pub area: Option<Number>,
-    /// Constant tension, in addition to that of the stiffness.
+    /// Constant tension. The stiffness adds its own tension to it.
     pub preload: Option<Number>,
 }

@@ -16,9 +16,9 @@
 //! dh/dx = -(dl/dp dp/dx)/(dl/dp dp/dh)                                                       (10)
 //! ```
 //!
-//! A solid axle is assembled as a whole, once as each of its wheels sees it. Its place and direction count from the nominal design. With R
-//! and d the rotation and the displacement of the assembled axle from there, and Q and u those of the equilibrium from the assembled
-//! position, they follow from
+//! A solid axle is assembled as a whole, once as each of its wheels sees it. Its place and direction count from the nominal design. The
+//! assembled axle is rotated by R and displaced by d from there. In equilibrium it is rotated by Q and displaced by u from the assembled
+//! position. Both together are
 //!
 //! ```text
 //! Q R,   d + u                                                                               (11)
@@ -328,8 +328,8 @@ impl<'a> Elastic<'a> {
     }
 
     /// Part of each value that comes from the place of the assembled axle, (11), or its derivative by an adjustment. The direction of
-    /// the assembled axle is already part of the values, but not of their derivatives. 0 for other values than those of
-    /// [`FROM_DESIGN`].
+    /// the assembled axle is already part of the values, but not of their derivatives. 0 for all values that
+    /// [`FROM_DESIGN`] does not list.
     fn placed(&self, built: &[Built], found: &Found, adjustment: Option<usize>) -> Vec<f64> {
         let mut placed = vec![0.0; self.factors.len() + 1];
         let Reads::Axle(_, reads) = &self.reads else {

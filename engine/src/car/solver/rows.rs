@@ -1,4 +1,4 @@
-//! Rows of cases, each of which follows its neighbour, several rows side by side.
+//! Solves several rows of cases side by side. In a row, each case starts from its neighbour.
 //!
 //! The first state of a row is solved alone. Then each row takes a lane ([`super::lanes`]). A state starts where the polynomial through
 //! the last states of its row leads, with the inverse tangent of the last ones. So the numbers of a row do not depend on other rows. A
@@ -6,7 +6,7 @@
 //!
 //! - a wheel has no curve, or a step is not finite or too long,
 //! - the iteration does not converge,
-//! - the set of wheels in contact would change, or the settings of the case differ from those of the block.
+//! - the set of wheels in contact would change, or the case has other settings than its block.
 //!
 //! One state in [`VERIFIED`] gets its exact tangent. It must be stable in the same sense as a state that is solved alone
 //! ([`super::super::stability`]). Otherwise all states since the last one with a tangent are solved again, alone.
@@ -35,7 +35,7 @@ const POINTS: usize = 3;
 /// A state of a row.
 #[derive(Clone, Debug)]
 pub struct RowState {
-    /// Equilibrium. In lanes its numbers can differ from those of [`CarSolver::solve`] by rounding error.
+    /// Equilibrium. Lanes and [`CarSolver::solve`] may differ by rounding errors.
     pub found: Equilibrium,
     /// Parts of each wheel load: elastic, geometric, longitudinal, unsprung.
     pub parts: [[f64; 4]; 4],
@@ -289,7 +289,7 @@ impl<'a> CarSolver<'a> {
         Some(())
     }
 
-    /// Returns true if all wheels stay on the ground in a new state, and if body and wheels are near those of the last state.
+    /// Returns true if all wheels stay on the ground in a new state, and if body and wheels move little from the last state.
     fn keeps_contact(&self, row: &Row<'_>, x: &[f64; UNKNOWNS]) -> bool {
         let before = &row.points[0];
         let travel = LONGEST_TRAVEL * self.car.per_metre();

@@ -234,7 +234,7 @@ impl KcRun<'_> {
         station.values(wanted, |test| self.window_secant(at, test, &known))
     }
 
-    /// Loads at the ends of a test's window, added to those of the station.
+    /// Loads that the ends of a test's window add to the loads of the station.
     pub(crate) fn window_loads(&self, test: &KcTest) -> [WheelLoads; 2] {
         let (unit, _) = test.unit_load(&self.suspension.vehicle);
         [-1.0, 1.0].each(|sign: f64| end_loads(&unit, sign * test.window))

@@ -110,7 +110,7 @@ impl Facts<'_> {
         }
     }
 
-    /// Conversion of the axes that an entry uses: those of its axle, otherwise of the study or the car.
+    /// Conversion of the axes that an entry uses. An entry with an axle uses the axes of the axle, others the axes of the study or the car.
     pub(super) fn conversion(&self, table: &dyn TableLike) -> Result<Conversion, Refused> {
         let axles = Facts::axles(table);
         let own = axles.first().map_or(self.ends[0], |end| self.ends[*end]);

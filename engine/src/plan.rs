@@ -35,6 +35,11 @@ impl Output {
     pub fn quantity(&self) -> Option<Quantity> {
         self.of.quantity()
     }
+
+    /// Returns true if the output is itself a derivative by the drive.
+    pub fn is_rate(&self) -> bool {
+        self.quantity().is_some_and(Quantity::is_rate)
+    }
 }
 
 /// Complete description of a computation of curves: motion, outputs, gradients, loads.
@@ -134,11 +139,12 @@ impl Plan {
             }
         }
         for measure in &asked.measures {
+            let unit = measure.of.shown_unit();
             outputs.push(Output {
                 of: measure.of.clone(),
                 name: measure.name.clone(),
-                unit: measure.unit.suffix(length),
-                factor: measure.unit.printed_factor(length),
+                unit: unit.suffix(length),
+                factor: unit.printed_factor(length),
                 highest,
             });
         }

@@ -262,18 +262,9 @@ fn constant<B: SimdReal>(like: B, pose: &Pose<f64>) -> Pose<B> {
 
 #[inline(always)]
 fn selected<B: SimdReal>(mask: B::Mask, yes: &Pose<B>, no: &Pose<B>) -> Pose<B> {
-    let vector = |yes: Vector3<B>, no: Vector3<B>| {
-        Vector3::new(
-            B::select(mask, yes.x, no.x),
-            B::select(mask, yes.y, no.y),
-            B::select(mask, yes.z, no.z),
-        )
-    };
-    let ([a, b, c], [d, e, f]) = (yes.rotation.columns, no.rotation.columns);
+    let number = |yes, no| B::select(mask, yes, no);
     Pose {
-        origin: vector(yes.origin, no.origin),
-        rotation: Matrix3 {
-            columns: [vector(a, d), vector(b, e), vector(c, f)],
-        },
+        origin: yes.origin.zip(no.origin, number),
+        rotation: yes.rotation.zip(no.rotation, number),
     }
 }

@@ -141,18 +141,8 @@ fn selected<B: SimdReal>(
     no: &Pose<Series<B>>,
 ) -> Pose<Series<B>> {
     let number = |yes: Series<B>, no: Series<B>| Jet([no.0[0], B::select(mask, yes.0[1], no.0[1])]);
-    let vector = |yes: Vector3<Series<B>>, no: Vector3<Series<B>>| {
-        Vector3::new(
-            number(yes.x, no.x),
-            number(yes.y, no.y),
-            number(yes.z, no.z),
-        )
-    };
-    let ([a, b, c], [d, e, f]) = (yes.rotation.columns, no.rotation.columns);
     Pose {
-        origin: vector(yes.origin, no.origin),
-        rotation: Matrix3 {
-            columns: [vector(a, d), vector(b, e), vector(c, f)],
-        },
+        origin: yes.origin.zip(no.origin, number),
+        rotation: yes.rotation.zip(no.rotation, number),
     }
 }

@@ -17,7 +17,9 @@ mod input;
 #[cfg(test)]
 mod tests;
 
+use super::wheel_reading::each_derivative;
 use super::{CarriedForce, Quantity, Slot};
+use crate::ask::Unit;
 use crate::compliance::KcValue;
 use crate::derive::{Linearised, Seeds};
 use crate::mechanism::Configuration;
@@ -274,6 +276,15 @@ impl Measure {
         }
     }
 
+    /// Unit of the shown value of a geometric measure.
+    pub fn shown_unit(&self) -> Unit {
+        if self.is_versine() || matches!(self, Measure::RodEnd { .. }) {
+            Unit::Angle
+        } else {
+            Unit::Length
+        }
+    }
+
     /// Reason for a missing derivative of an angle.
     pub const KINK: &'static str = "the angle of the joint is 0, where it has a kink";
 
@@ -318,11 +329,7 @@ impl Measure {
                 input.push(self.by_vector(k, &vectors) * slope, at, seeds);
             }
         });
-        for order in 0..=highest {
-            for (point, series) in buffer.iter().enumerate() {
-                receive(order, PointId(point), series.map(|c| c.derivative(order)));
-            }
-        }
+        each_derivative(buffer, highest, receive);
     }
 
     /// Derivative of the formula by the vector with this index.

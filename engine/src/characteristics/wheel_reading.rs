@@ -97,11 +97,7 @@ impl<const N: usize> WheelReading<N> {
                 slot.push(seed, &linearised.at, seeds);
             }
         });
-        for order in 0..=highest {
-            for (point, series) in buffer.iter().enumerate() {
-                receive(order, PointId(point), series.map(|c| c.derivative(order)));
-            }
-        }
+        each_derivative(buffer, highest, receive);
     }
 
     /// Gradients of a quantity that contains velocities, from its derivatives by the inputs that it reads.
@@ -131,6 +127,19 @@ impl<const N: usize> WheelReading<N> {
                 let gradient = series.map(|c| c.derivative(order + 1) * share);
                 receive(order, PointId(point), gradient);
             }
+        }
+    }
+}
+
+/// Passes on the derivatives of gradients by the drive, up to the order `highest`. `buffer` has a gradient for each point.
+pub(super) fn each_derivative<const N: usize>(
+    buffer: &[Vector3<Jet<f64, N>>],
+    highest: usize,
+    receive: &mut dyn FnMut(usize, PointId, Vector3<f64>),
+) {
+    for order in 0..=highest {
+        for (point, series) in buffer.iter().enumerate() {
+            receive(order, PointId(point), series.map(|c| c.derivative(order)));
         }
     }
 }

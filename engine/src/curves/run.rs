@@ -313,13 +313,12 @@ impl<'a, const N: usize> Run<'a, N> {
                 Some(quantity) => view.value(at, quantity),
                 None => output.of.shown(at),
             };
-            let is_rate = output.quantity().is_some_and(Quantity::is_rate);
             let mut orders = [0.0; 3];
             for (order, value) in orders.iter_mut().enumerate().take(output.highest + 1) {
                 *value = series.derivative(order);
             }
             for column in columns {
-                let value = in_time.apply(is_rate, orders, column.order);
+                let value = in_time.apply(output.is_rate(), orders, column.order);
                 let printed = value * column.factor;
                 values.push(if printed.is_finite() {
                     Ok(printed)
@@ -386,12 +385,11 @@ impl<'a, const N: usize> Run<'a, N> {
                     }
                 }
             }
-            let is_rate = output.quantity().is_some_and(Quantity::is_rate);
             for column in columns {
                 for id in &plan.sensitivities {
                     for axis in Axis::ALL {
                         let orders = found[id.0].each(|g| g[axis]);
-                        let value = in_time.apply(is_rate, orders, column.order);
+                        let value = in_time.apply(output.is_rate(), orders, column.order);
                         gradients.push(Sensitivity {
                             station: 0,
                             column: index,

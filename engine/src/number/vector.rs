@@ -402,6 +402,19 @@ impl<T: Real> Matrix3<T> {
             columns: [x.map(f), y.map(f), z.map(f)],
         }
     }
+
+    /// Combines each entry with the same entry of another matrix.
+    #[inline(always)]
+    pub(crate) fn zip<U: Copy, V: Copy>(
+        self,
+        other: Matrix3<U>,
+        f: impl Fn(T, U) -> V + Copy,
+    ) -> Matrix3<V> {
+        let ([a, b, c], [d, e, g]) = (self.columns, other.columns);
+        Matrix3 {
+            columns: [a.zip(d, f), b.zip(e, f), c.zip(g, f)],
+        }
+    }
 }
 
 #[cfg(test)]

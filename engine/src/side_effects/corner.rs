@@ -56,19 +56,12 @@ pub(super) fn observe(
         if quantity.is_some_and(is_moved) {
             continue;
         }
-        let measure = output.filter(|output| output.quantity().is_none());
-        let unit = match quantity {
-            Some(Quantity::Characteristic(c)) => c.info().unit,
-            Some(Quantity::Coordinate(..)) => Unit::Length,
+        let unit = match (quantity, output) {
+            (Some(Quantity::Characteristic(c)), _) => c.info().unit,
+            (Some(Quantity::Coordinate(..)), _) => Unit::Length,
+            (None, Some(measured)) => measured.of.shown_unit(),
             // Angular velocities are not requested. Other columns are test figures, or forces under a load.
-            Some(Quantity::AngularVelocity(_)) | None => {
-                let measured = measure.and_then(|output| own.outputs.measured(&output.of));
-                let figure = figure.map(|figure| figure.unit);
-                measured
-                    .map(|own| own.unit)
-                    .or(figure)
-                    .unwrap_or(Unit::Force)
-            }
+            _ => figure.map_or(Unit::Force, |figure| figure.unit),
         };
         let at = Looked {
             motion,

@@ -200,9 +200,7 @@ fn moved(motion: &file::Motion, coordinate: Coordinate, problems: &mut Problems)
     let given = written.as_ref().and_then(|given| list(given, problems));
     let mut different: Vec<f64> = Vec::new();
     for value in given.unwrap_or_else(|| vec![0.0]) {
-        if !different.contains(&value) {
-            different.push(value);
-        }
+        index_or_push(&mut different, value);
     }
     different
 }
@@ -450,7 +448,7 @@ fn site(
     });
     let has_rows = held.has_rows();
     let over = match written.over {
-        // Of rows every coordinate may change at the same time.
+        // From row to row, all coordinates may change.
         None if has_rows => held.moving()[0],
         _ => over(written, place, motion, &available, problems)?,
     };

@@ -194,8 +194,6 @@ pub struct OutputMeasure {
     pub name: String,
     /// Measure.
     pub of: Measure,
-    /// Unit of the value.
-    pub unit: Unit,
 }
 
 /// Test figure of elastic parts, under the name that studies use.
@@ -217,11 +215,6 @@ impl ElasticFigure {
 }
 
 impl Outputs {
-    /// Entry of a geometric measure.
-    pub fn measured(&self, of: &Measure) -> Option<&OutputMeasure> {
-        self.measures.iter().find(|own| own.of == *of)
-    }
-
     /// Makes outputs that contain only the values of these characteristics.
     pub fn of(characteristics: Vec<Characteristic>) -> Self {
         Outputs {

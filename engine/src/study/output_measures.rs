@@ -6,7 +6,6 @@ use super::error::Problems;
 use super::file::{self, File};
 use super::resolve::each;
 use super::subject::{length, pair};
-use crate::ask::Unit;
 use crate::characteristics::Measure;
 use crate::model::Suspension;
 use std::ops::Range;
@@ -32,37 +31,24 @@ pub(super) fn measures(
     suspension: &Suspension,
     problems: &mut Problems,
 ) -> Option<Vec<OutputMeasure>> {
-    let measure = |name: String, of: Measure, unit: Unit| OutputMeasure { name, of, unit };
+    let measure = |name: String, of: Measure| OutputMeasure { name, of };
     let lengths = each(&section.lengths, |written| {
         let (name, ends) = length(written, suspension, problems)?;
-        Some(measure(
-            format!("{name}_length"),
-            Measure::Length(ends),
-            Unit::Length,
-        ))
+        Some(measure(format!("{name}_length"), Measure::Length(ends)))
     });
     let plunges = each(&section.plunges, |written| {
         let (name, ends) = length(written, suspension, problems)?;
-        Some(measure(
-            format!("{name}_plunge"),
-            Measure::Plunge(ends),
-            Unit::Length,
-        ))
+        Some(measure(format!("{name}_plunge"), Measure::Plunge(ends)))
     });
     let angles = each(&section.articulations, |name| {
         let of = joint_angle(name, file, suspension, problems)?;
-        Some(measure(
-            format!("{}_articulation", name.get_ref()),
-            of,
-            Unit::Angle,
-        ))
+        Some(measure(format!("{}_articulation", name.get_ref()), of))
     });
     let clearances = each(&section.clearances, |names| {
         let ([a, b], both) = pair(names, "two members", suspension, problems)?;
         Some(measure(
             format!("{a}_to_{b}_clearance"),
             Measure::Clearance(both),
-            Unit::Length,
         ))
     });
     let all = [lengths?, plunges?, angles?, clearances?].concat();

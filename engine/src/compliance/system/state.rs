@@ -3,7 +3,7 @@
 use super::super::algebra::Placed;
 use super::super::limb::{LimbState, LimbStep};
 use super::{MOST_JOINTS, MOST_LIMBS};
-use crate::number::{Each, MaskOf, Matrix3, Valued, Vector3};
+use crate::number::{Each, MaskOf, Valued};
 
 /// State of all unknowns.
 #[derive(Clone, Copy, Debug)]
@@ -66,19 +66,10 @@ impl<T: Valued> State<T> {
 /// Selects a position lane by lane.
 #[inline(always)]
 fn placed<T: Valued>(mask: MaskOf<T>, yes: &Placed<T>, no: &Placed<T>) -> Placed<T> {
-    let vector = |yes: Vector3<T>, no: Vector3<T>| {
-        Vector3::new(
-            T::choose(mask, yes.x, no.x),
-            T::choose(mask, yes.y, no.y),
-            T::choose(mask, yes.z, no.z),
-        )
-    };
-    let ([a, b, c], [d, e, f]) = (yes.turn.columns, no.turn.columns);
+    let number = |yes, no| T::choose(mask, yes, no);
     Placed {
-        shift: vector(yes.shift, no.shift),
-        turn: Matrix3 {
-            columns: [vector(a, d), vector(b, e), vector(c, f)],
-        },
+        shift: yes.shift.zip(no.shift, number),
+        turn: yes.turn.zip(no.turn, number),
     }
 }
 

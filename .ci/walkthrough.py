@@ -120,8 +120,8 @@ def main() -> None:
     for moved, found in zip(column(table, "spring_lower_dy_mm"), column(table, "springs_apart_design_mm"), strict=True):
         close(found, 2 * (DESIGN + moved), "design of a sweep in lanes")
 
-    target = f'{{ characteristic = "springs_apart", points = [[0.0, {2 * WANTED}]], tolerance = 0.01 }}'
-    tuning = f"\n[optimise]\nvariables = [{variables} }}]\ntargets = [{target}]\n"
+    target = f'{{ characteristic = "springs_apart", at = 0.0, value = {2 * WANTED}, tolerance = 0.01 }}'
+    tuning = f"\n[optimise]\ngood_enough = 0.001\nvariables = [{variables} }}]\ntargets = [{target}]\n"
     hardpoint("optimise", study("dummy_tuning.toml", tuning), "--out", "out/tuning")
     at = COPY / "out/tuning/curves.csv"
     tuned = column(at, "springs_apart_mm")[column(at, "heave_mm").index(0.0)]

@@ -4,7 +4,6 @@ use super::super::set_up::{column, linear_remainders, quarters};
 use super::rigid_limit::{rigid, stiffer};
 use super::{Kind, Scatter, elastic, made, results};
 use crate::support::random::Random;
-use hardpoint::report::SetUpSummary;
 use hardpoint::set_up::{FoundSetUp, set_up};
 use hardpoint::study::Study;
 use std::path::Path;

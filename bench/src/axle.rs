@@ -57,7 +57,7 @@ pub(super) fn measure(
     let mut found = Vec::new();
     let mut jobs: Vec<Job<'_>> = Vec::new();
     for question in &questions {
-        for width in Width::ALL.into_iter().filter(|width| width.is_available()) {
+        for width in Width::available() {
             let worker = question.many.worker_of_width(Some(width))?;
             if worker.not_in_lanes().is_none() {
                 found.push((question.asked, format!("lanes, {}", width.name()), 1));
@@ -73,9 +73,9 @@ pub(super) fn measure(
     let mut timings = clock.in_rounds(&mut jobs);
     // Jobs with several threads run alone, as for one wheel.
     let many = &questions[0].many;
-    let method = match many.worker()?.not_in_lanes() {
-        None => format!("lanes, {}", Width::widest().name()),
-        Some(_) => ONE_BY_ONE.to_owned(),
+    let method = match (Width::widest(), many.worker()?.not_in_lanes()) {
+        (Some(width), None) => format!("lanes, {}", width.name()),
+        _ => ONE_BY_ONE.to_owned(),
     };
     for threads in 2..=threads {
         found.push((ANGLES, method.clone(), threads));

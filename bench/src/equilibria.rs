@@ -133,19 +133,16 @@ impl Equilibria {
         let works: [Box<dyn FnMut()>; 3] =
             [Box::new(from_design), Box::new(levels), Box::new(sheet)];
         let mut found = Equilibria::timed(names, works, clock);
-        for width in Width::ALL {
+        for width in Width::available() {
             found.add_lanes(&own, width, clock);
         }
         Ok(found)
     }
 
-    /// Adds times of equilibria in lanes, if the processor has this width and lanes support the wheel.
+    /// Adds times of equilibria in lanes, if lanes support the wheel.
     fn add_lanes(&mut self, own: &ElasticWheel, width: Width, clock: &Clock) {
-        if !width.is_available() {
-            return;
-        }
         let names = match width {
-            Width::Scalar => [
+            Width::Portable => [
                 "equilibrium from the design, portable lanes",
                 "equilibrium from the level before, portable lanes",
             ],

@@ -151,12 +151,12 @@ impl DesignFunction {
     }
 
     fn values(&self) -> Result<Values<'_>, DesignFault> {
-        let evaluator = self.request.evaluator(Some(Width::widest()))?;
+        let evaluator = self.request.evaluator(Width::widest())?;
         Ok((evaluator, self.request.block()))
     }
 
     fn gradients(&self) -> Result<Gradients<'_>, (Side, DesignFault)> {
-        let width = Some(Width::widest());
+        let width = Width::widest();
         let evaluator = self.request.gradients(&self.moved, width)?;
         Ok((evaluator, Evaluated::default()))
     }

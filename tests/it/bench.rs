@@ -177,7 +177,7 @@ fn a_motion_of_two_stations_is_no_curve() {
 /// steering axis; the paper knows struts only.
 #[test]
 fn throughput_is_measured_by_every_way_there_is() {
-    let widths = Width::ALL.iter().filter(|w| w.is_available()).count();
+    let widths = Width::available().count();
     for (name, gradients, limit, paper) in [
         ("macpherson_solve.toml", 2, 1, 1),
         ("double_wishbone_solve.toml", 2, 1, 0),
@@ -277,7 +277,7 @@ fn cars_and_equilibria_are_timed() {
             names.into_iter().partition(|name| name.contains(" lanes"));
         assert_eq!(own, jobs, "{csv}");
         // Lanes of every width that the processor has, and their scalar form, for an elastic wheel; rows of a car's map.
-        let widths = Width::ALL.into_iter().filter(|width| width.is_available());
+        let widths = Width::available();
         let is_wheel = jobs.contains(&"sheet of one wheel with all derivatives");
         let expected = match kind {
             "cars" => 1,

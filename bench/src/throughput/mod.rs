@@ -171,7 +171,7 @@ impl<'a> Planned<'a> {
         threads: usize,
     ) -> Result<(), Unmeasurable> {
         let angles = &wanted.angles;
-        let widest = sweep.runs_in_lanes(angles).then(Width::widest);
+        let widest = Width::widest().filter(|_| sweep.runs_in_lanes(angles));
         for (asked, quantities) in [(ANGLES, angles), (GAINS, &wanted.gains)] {
             for width in sweep.widths(angles) {
                 self.add(
@@ -185,13 +185,11 @@ impl<'a> Planned<'a> {
             self.add(asked, ONE_BY_ONE.to_owned(), 1, job);
         }
         let has_limit = hardpoint_engine::solve::has_closed_form(&sweep.suspension.mechanism);
-        if has_limit && limit.runs_in_lanes(angles) {
-            self.add(
-                LIMIT,
-                lanes(Width::widest()),
-                1,
-                limit.job(angles, widest, 1)?,
-            );
+        if let Some(width) = widest
+            && has_limit
+            && limit.runs_in_lanes(angles)
+        {
+            self.add(LIMIT, lanes(width), 1, limit.job(angles, widest, 1)?);
         }
         let method = || widest.map_or(ONE_BY_ONE.to_owned(), lanes);
         for threads in 2..=threads {

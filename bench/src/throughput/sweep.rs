@@ -21,8 +21,7 @@ impl<'a> Sweep<'a> {
     /// Lane widths that this machine has. Empty if most of the designs need the scalar solver.
     pub(super) fn widths(&self, quantities: &[Quantity]) -> impl Iterator<Item = Width> + use<> {
         let has_lanes = self.runs_in_lanes(quantities);
-        let widths = Width::ALL.into_iter();
-        widths.filter(move |w| has_lanes && w.is_available())
+        Width::available().filter(move |_| has_lanes)
     }
 
     /// Makes a job that solves blocks of designs on this number of threads.

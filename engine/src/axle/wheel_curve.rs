@@ -20,7 +20,7 @@ use super::reading::{Reading, WheelParts};
 use super::solver::AxleSolver;
 use crate::characteristics::{DesignWheel, NumberPart, VectorPart};
 use crate::model::Side;
-use crate::number::{Each, SimdReal, SimdTask, Vector3, Width, array_of};
+use crate::number::{Each, SimdReal, SimdTask, Vector3, array_of, run_short};
 
 /// Number of pieces on each side of the design position.
 const MOST_PIECES: i32 = 48;
@@ -54,7 +54,6 @@ const COUNT: usize = (NUMBERS + SINGLE.len()).next_multiple_of(LANES);
 /// Count of numbers, and of wheels, that are evaluated at a time, on processors with such registers. In wider registers, a part of the last
 /// bundle would be unused.
 pub(crate) const LANES: usize = 8;
-const WIDTH: Width = Width::Avx2;
 
 /// All numbers of a wheel for each power of travel. Numbers that are not read are NaN.
 type Powers<const N: usize> = [[f64; COUNT]; N];
@@ -451,7 +450,7 @@ impl Piece {
     /// Writes the wheel at a place in the piece to `into`.
     #[inline]
     fn write(&self, t: f64, length: f64, into: &mut CurveWheel) {
-        WIDTH.run(Evaluation {
+        run_short(Evaluation {
             polynomials: &self.polynomials,
             at: [t, length],
             coefficients: &mut into.coefficients,

@@ -76,7 +76,7 @@ impl<'a> Evaluator<'a> {
         stations: &'a Stations,
         quantities: &'a [Quantity],
     ) -> Result<Self, DesignFault> {
-        Evaluator::with_width(suspension, stations, quantities, Some(Width::widest()))
+        Evaluator::with_width(suspension, stations, quantities, Width::widest())
     }
 
     /// Makes an evaluator like [`Evaluator::new`], with lanes of this width, or without lanes.

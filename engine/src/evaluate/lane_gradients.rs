@@ -184,8 +184,7 @@ impl<'a> Gradients<'a> {
         let mut history = std::mem::take(&mut self.history);
         history.clear();
         let mut racks = 0..self.stations.racks.len();
-        let is_solved =
-            racks.all(|rack| (self.batch).track_one(self.width, design, rack, &mut history));
+        let is_solved = racks.all(|rack| (self.batch).track_one(design, rack, &mut history));
         if is_solved {
             self.evaluate(design, Some(&history), task);
         }

@@ -157,7 +157,7 @@ impl<B: SimdReal> Outlined for AnyAngle<B> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::number::{SimdTask, Width};
+    use crate::number::{SimdTask, Width, run_one};
 
     /// Difference in units of the last place from the platform's library, which is itself accurate to one unit.
     fn apart(computed: f64, library: f64) -> f64 {
@@ -230,8 +230,8 @@ mod tests {
         let within = arguments().filter(|x| x.abs() <= 1.0);
         let x: Vec<f64> = within.take(7984).collect();
         let mut expected = vec![0.0; x.len()];
-        Width::Scalar.run(Arcs(&x, &mut expected));
-        for width in Width::ALL {
+        run_one(Arcs(&x, &mut expected));
+        for width in Width::available() {
             let mut found = vec![0.0; x.len()];
             width.run(Arcs(&x, &mut found));
             assert_eq!(found, expected, "{}", width.name());

@@ -22,6 +22,7 @@ pub use dual::Dual;
 pub use interval::Interval;
 pub use jet::Jet;
 pub use lanes::{LaneMask, Lanes, SimdTask, Width};
+pub(crate) use lanes::{run_one, run_short};
 pub use simd_real::{MOST_LANES, SimdReal};
 pub use tape::{Tape, Tracked};
 pub(crate) use valued::larger;

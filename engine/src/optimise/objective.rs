@@ -85,7 +85,8 @@ impl<'a> Objective<'a> {
                 }
                 _ => None,
             },
-            lanes: LaneRows::new(suspension, layout, true, Width::widest()),
+            lanes: (Width::widest())
+                .and_then(|width| LaneRows::new(suspension, layout, true, width)),
             robust: None,
             solver: Solver::new(&suspension.mechanism, design)?,
             toggles: Toggles::of(mechanism, rockers),

@@ -207,7 +207,7 @@ impl<'a> Tuner<'a> {
         let variables = &optimise.variables;
         let made = match (&optimise.scatter, self.assembled) {
             (Some(scatter), Some(assembled)) => {
-                let width = Some(Width::widest());
+                let width = Width::widest();
                 Objective::of_builds(assembled, variables, layout, scatter, width)
             }
             _ => Objective::new(self.suspension, variables, layout),

@@ -246,7 +246,7 @@ impl<'a> YieldSearch<'a> {
         layout: &'o TargetLayout,
         residual: Residual,
     ) -> SmoothYield<'o> {
-        let width = Some(Width::widest());
+        let width = Width::widest();
         let (assembled, variables) = (&self.assembled, &goals.variables);
         let scatter = self.scatter;
         let builds = Objective::of_builds(assembled, variables, layout, scatter, width);
@@ -333,7 +333,7 @@ impl<'a> YieldSearch<'a> {
         let layout = TargetLayout::of(goals, &vehicle);
         let refused = refused(&vehicle.wheel().mechanism);
         let assembled = vehicle.assembled().map_err(&refused)?;
-        let width = Some(Width::widest());
+        let width = Width::widest();
         let builds = Objective::of_builds(&assembled, &[], &layout, scatter, width);
         let mut builds = builds.map_err(&refused)?;
         let mut found = Linearisation::new(layout.residuals(), 0);

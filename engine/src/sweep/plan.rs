@@ -170,7 +170,7 @@ impl<'s> SweepPlan<'s> {
 
     /// Makes a worker. Each thread has one.
     pub fn worker(&self) -> Result<Worker<'_>, DesignFault> {
-        self.worker_of_width(Some(Width::widest()))
+        self.worker_of_width(Width::widest())
     }
 
     /// Makes a worker that solves designs in SIMD lanes of this width, or one by one if the width is `None`.

@@ -13,7 +13,7 @@ use crate::study::Vehicle;
 impl Problem<'_> {
     /// Reason why no build is solved in SIMD lanes. `None` if most builds are.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
-        let builder = Builder::new(self, Some(Width::widest())).ok()?;
+        let builder = Builder::new(self, Width::widest()).ok()?;
         builder.evaluator.not_in_lanes()
     }
 

@@ -190,7 +190,7 @@ pub fn monte_carlo(
     drawn: &[f64],
     note: impl FnMut(u64) -> ControlFlow<()> + Send,
 ) -> Result<MonteCarlo, DesignFault> {
-    monte_carlo_in(Some(Width::widest()), problem, drawn, note)
+    monte_carlo_in(Width::widest(), problem, drawn, note)
 }
 
 /// Runs builds like [`monte_carlo`], in lanes of this width, or one by one without lanes.

@@ -86,7 +86,7 @@ fn lanes_have_the_values_of_designs_one_by_one() {
         assert_eq!(alone.not_in_lanes(), Some(NotInLanes::Asked));
         alone.rows(0);
         let mut first: Option<Vec<u64>> = None;
-        for width in Width::ALL.into_iter().filter(|w| w.is_available()) {
+        for width in Width::available() {
             let mut lanes = worker(&plan, Some(width));
             assert_eq!(lanes.not_in_lanes(), None, "{name} {motion}");
             lanes.rows(0);
@@ -135,7 +135,7 @@ fn what_is_not_for_lanes_is_said() {
         study.axle_mut().unwrap().plan.quantities = Quantity::named(name);
         let study: &'static Study = Box::leak(Box::new(study));
         let plan = SweepPlan::of(study, study.sweep.as_ref().unwrap()).unwrap();
-        worker(&plan, Some(Width::widest())).not_in_lanes()
+        worker(&plan, Width::widest()).not_in_lanes()
     };
     assert_eq!(of(HEAVE, "toe"), None);
     assert_eq!(of(HEAVE, "steering_ratio"), None);

@@ -424,7 +424,7 @@ fn results_are_the_same_however_they_are_found() {
     assert_eq!(one.spreads, three.spreads);
     assert_eq!(one.in_bands, three.in_bands);
     let single = monte_carlo_in(None, &problem, &drawn, on).unwrap();
-    assert!(Width::ALL.iter().any(|w| w.is_available()));
+    assert!(Width::available().next().is_some());
     for (a, b) in one.spreads.iter().zip(&single.spreads) {
         let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * (1.0 + b.abs());
         assert!(

@@ -80,7 +80,7 @@ fn builds_in_lanes_are_those_one_by_one() {
             let size = study.wheel().size();
             let single = results(&problem, None);
             let mut first: Option<MonteCarlo> = None;
-            for width in Width::ALL.into_iter().filter(|w| w.is_available()) {
+            for width in Width::available() {
                 let lanes = results(&problem, Some(width));
                 assert_eq!(lanes.rejects, single.rejects);
                 assert_eq!(lanes.incomplete, single.incomplete);
@@ -104,7 +104,7 @@ fn builds_in_lanes_do_not_depend_on_their_neighbours() {
         let of_builds = |builds: usize| {
             let study = everything_scattered(name, adjust, false, builds);
             let problem = Problem::of(&study, study.tolerance.as_ref().unwrap()).unwrap();
-            results(&problem, Some(Width::widest()))
+            results(&problem, Width::widest())
         };
         let (two, three) = (of_builds(2), of_builds(3));
         for (two, three) in two.spreads.iter().zip(&three.spreads) {
@@ -131,7 +131,7 @@ fn builds_that_lanes_refuse_go_one_by_one() {
         );
         let problem = Problem::of(&study, study.tolerance.as_ref().unwrap()).unwrap();
         let expected = results(&problem, None);
-        let found = results(&problem, Some(Width::widest()));
+        let found = results(&problem, Width::widest());
         assert!(found.rejected() > 0 && found.rejected() < 120);
         let count = |results: &MonteCarlo| {
             let each = results.rejects.iter();

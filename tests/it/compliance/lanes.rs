@@ -86,7 +86,7 @@ fn lanes_have_the_values_of_designs_one_by_one() {
         let columns = plan.values().len();
         let expected = values(&alone, columns);
         let mut first: Option<Vec<u64>> = None;
-        for width in Width::ALL.into_iter().filter(|width| width.is_available()) {
+        for width in Width::available() {
             let mut lanes = worker(&plan, Some(width));
             assert_eq!(lanes.not_in_lanes(), None, "{name}");
             lanes.rows(0);
@@ -120,7 +120,7 @@ fn long_travels_stay_in_lanes() {
     let long = MOTION.replace("[-40.0, 0.0, 25.0]", "[-70.0, 0.0, 80.0]");
     for (name, rates) in [ARMS, LINKS] {
         let plan = planned(study(name, rates, &long, 5.0));
-        let mut lanes = worker(&plan, Some(Width::widest()));
+        let mut lanes = worker(&plan, Width::widest());
         lanes.rows(0);
         let left = lanes.one_by_one();
         assert!(left.len() <= DESIGNS / 10, "{name}: {left:?}");
@@ -142,7 +142,7 @@ fn a_design_without_equilibrium_does_not_disturb_its_neighbours() {
     let plan = planned(study(name, rates, &far, 25.0));
     let mut alone = worker(&plan, None);
     alone.rows(0);
-    let mut lanes = worker(&plan, Some(Width::widest()));
+    let mut lanes = worker(&plan, Width::widest());
     lanes.rows(0);
     let failures = |worker: &Worker<'_>| {
         let failures = worker.block().failures().iter();
@@ -158,14 +158,16 @@ fn a_design_without_equilibrium_does_not_disturb_its_neighbours() {
     assert_eq!(failed, failures(&lanes));
     let refused = lanes.one_by_one().to_vec();
     assert!(failed.iter().all(|(design, _)| refused.contains(design)));
-    // With one lane, no design has neighbours.
-    let mut single = worker(&plan, Some(Width::Scalar));
-    single.rows(0);
+    // In lanes of another width, designs have other neighbours.
     let columns = plan.values().len();
-    assert_eq!(
-        bits(&values(&single, columns)),
-        bits(&values(&lanes, columns))
-    );
+    for width in Width::available() {
+        let mut others = worker(&plan, Some(width));
+        others.rows(0);
+        assert_eq!(
+            bits(&values(&others, columns)),
+            bits(&values(&lanes, columns))
+        );
+    }
 }
 
 /// The elastic mount of a strut is not supported in lanes, and the worker says so.
@@ -174,6 +176,6 @@ fn a_strut_on_an_elastic_mount_goes_one_by_one() {
     let rates =
         "{ bushing = \"lower_arm_rear\", stiffness = \"y\", range = [0.5, 2.0], relative = true }";
     let plan = planned(study("macpherson_compliance.toml", rates, MOTION, 2.0));
-    let lanes = worker(&plan, Some(Width::widest()));
+    let lanes = worker(&plan, Width::widest());
     assert_eq!(lanes.not_in_lanes(), Some(NotInLanes::Elastic));
 }

@@ -298,7 +298,7 @@ fn second_order_is_that_of_builds() {
 /// is their standard deviation.
 #[test]
 fn builds_are_the_same_in_lanes_and_one_by_one() {
-    assert!(Width::ALL.iter().any(|width| width.is_available()));
+    assert!(Width::available().next().is_some());
     let on = |_: u64| ControlFlow::Continue(());
     let narrow = ALL
         .replace("1.5", "0.1")

@@ -92,7 +92,7 @@ fn lanes_have_the_values_of_designs_one_by_one() {
         assert_eq!(alone.not_in_lanes(), Some(NotInLanes::Asked));
         alone.rows(0);
         let mut first: Option<Vec<u64>> = None;
-        for width in Width::ALL.into_iter().filter(|w| w.is_available()) {
+        for width in Width::available() {
             let mut lanes = worker(&plan, Some(width));
             assert_eq!(lanes.not_in_lanes(), None, "{name} {motion}");
             lanes.rows(0);

@@ -120,7 +120,7 @@ fn margins_are_those_of_studs_fixed_in_the_carrier() {
             let count = optimise.variables.len();
             let x = DVector::from_fn(count, |j, _| 4.0 * ((j * 7 + 3) as f64).sin());
             let moved = study.moved(x.as_slice()).into_wheel();
-            for width in [None, Some(Width::widest())] {
+            for width in [None, Width::widest()] {
                 let problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();
                 let mut problem = problem.with_width(suspension, width);
                 assert_eq!(problem.is_in_lanes(&x), width.is_some(), "{file}");

@@ -103,7 +103,7 @@ fn builds_of_exact_parts_are_the_drawing() {
         &[TRAVEL, VARIABLES, TARGETS, "optimise.scatter=2", exact],
     );
     let x = DVector::from_fn(8, |j, _| ((j * 5 + 1) as f64).sin());
-    let wanted = drawing_at(&study, Some(Width::widest()), &x);
+    let wanted = drawing_at(&study, Width::widest(), &x);
     let found = with_problem(&study, None, |at| at(&x));
     for build in 0..2 {
         for row in 0..wanted.residuals.len() {
@@ -223,7 +223,7 @@ fn drawing_at(study: &Study, width: Option<Width>, x: &DVector<f64>) -> Linearis
 fn assert_same_at_every_width(what: &str, find: impl Fn(Option<Width>) -> Linearisation) {
     let expected = find(None);
     let mut first: Option<Linearisation> = None;
-    for width in Width::ALL.into_iter().filter(|w| w.is_available()) {
+    for width in Width::available() {
         let found = find(Some(width));
         for row in 0..expected.residuals.len() {
             let off = (found.residuals[row] - expected.residuals[row]).abs();

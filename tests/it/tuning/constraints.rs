@@ -37,7 +37,7 @@ fn rows_in_lanes_are_those_of_station_by_station() {
         problem.assess(&x, &mut at).unwrap();
         at
     };
-    let (alone, widest) = (at(None), at(Some(Width::widest())));
+    let (alone, widest) = (at(None), at(Width::widest()));
     let off = |a: f64, b: f64| (a - b).abs() / (1.0 + b.abs());
     let residuals = widest
         .rows
@@ -49,7 +49,7 @@ fn rows_in_lanes_are_those_of_station_by_station() {
     for (a, b) in residuals.chain(slopes) {
         assert!(off(*a, *b) < 1e-11, "{a} {b}");
     }
-    for width in Width::ALL.into_iter().filter(|w| w.is_available()) {
+    for width in Width::available() {
         assert_eq!(at(Some(width)), widest);
     }
 }

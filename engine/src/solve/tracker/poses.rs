@@ -3,7 +3,7 @@
 use super::{Acceptance, AdjointPose, CornerTracker, Rejection, Visit};
 use crate::mechanism::Pose;
 use crate::model::{Drive, Mechanism};
-use crate::number::{Each, Matrix3, SimdReal, SimdTask, Vector3, Width};
+use crate::number::{Each, Matrix3, SimdReal, SimdTask, Vector3, run_one};
 use crate::solve::StationOrder;
 
 /// Largest number of routes that are kept, each for a drive, a rack displacement and an order of stations.
@@ -15,7 +15,6 @@ pub(crate) struct PoseTracker<'m> {
     mechanism: &'m Mechanism,
     /// Design near which other designs are expected.
     base: Vec<Vector3<f64>>,
-    width: Width,
     prepared: Vec<PreparedBatch<'m>>,
     /// Buffer for the unknowns at the places of a route.
     history: Vec<f64>,
@@ -55,7 +54,6 @@ impl<'m> PoseTracker<'m> {
         PoseTracker {
             mechanism,
             base: base.to_vec(),
-            width: Width::widest(),
             prepared: Vec::new(),
             history: Vec::new(),
         }
@@ -95,7 +93,7 @@ impl<'m> PoseTracker<'m> {
         };
         if let Some(tracker) = &self.prepared[number].tracker {
             self.history.clear();
-            let legs = self.width.run_one(Tracking {
+            let legs = run_one(Tracking {
                 tracker,
                 design,
                 number: 0,
@@ -124,12 +122,11 @@ impl CornerTracker<'_> {
     /// [`CornerTracker::visit_stations_in_lanes`] needs. Returns true if every station was accepted.
     pub(crate) fn track_one(
         &self,
-        width: Width,
         design: &[Vector3<f64>],
         rack: usize,
         history: &mut Vec<f64>,
     ) -> bool {
-        let legs = width.run_one(Tracking {
+        let legs = run_one(Tracking {
             tracker: self,
             design,
             number: rack,

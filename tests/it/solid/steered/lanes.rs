@@ -82,7 +82,7 @@ fn compare(world: &World, motion: &str, scatter: f64) -> [usize; 2] {
     let alone = worker(study, None);
     let mut first: Option<Vec<u64>> = None;
     let mut rejected = 0;
-    for width in Width::ALL.into_iter().filter(|w| w.is_available()) {
+    for width in Width::available() {
         let lanes = worker(study, Some(width));
         assert_eq!(lanes.not_in_lanes(), None, "{motion}");
         rejected = lanes.one_by_one().len();

@@ -33,7 +33,7 @@ pub fn equilibria_in_lanes(
     measure: &mut dyn FnMut(&mut LaneWork<'_>),
 ) -> bool {
     if wheel.fits_lanes() {
-        width.run(LaneEquilibria {
+        width.run_in_avx2_lanes(LaneEquilibria {
             wheel,
             from_design,
             levels,

@@ -77,6 +77,7 @@ pub mod plan;
 pub mod side_effects;
 #[doc(hidden)]
 pub mod solve;
+mod sorting;
 #[doc(hidden)]
 pub mod study;
 #[doc(hidden)]

@@ -3,6 +3,7 @@
 use super::state::Motion;
 use super::{Axle, AxleMotion, Placement, WheelMotion};
 use crate::model::{Axis, LengthUnit};
+use crate::sorting::{sort_by_key, sort_numbers};
 
 /// Coordinate of an axle's motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,7 +128,7 @@ impl AxleMotion {
             let mut motion = self.clone();
             let mut different = |c: Coordinate| {
                 let mut values = motion.along(c).cloned().unwrap_or_default();
-                values.sort_by(f64::total_cmp);
+                sort_numbers(&mut values);
                 values.dedup();
                 values.len()
             };
@@ -165,7 +166,7 @@ impl AxleMotion {
         }
         // Steering comes before the other coordinates that are not the abscissa of curves.
         let steers = |c: &Coordinate| matches!(c, Coordinate::Rack | Coordinate::SteeringWheel);
-        moving[1..].sort_by_key(|c| !steers(c));
+        sort_by_key(&mut moving[1..], |c| !steers(c));
         moving
     }
 

@@ -3,6 +3,7 @@
 use super::{Car, CarGradient, CarQuantity, CarSolver, Case, NoEquilibrium};
 use crate::mechanism::DesignFault;
 use crate::model::Side;
+use crate::sorting::sort_by_key;
 
 /// A result of a load case.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -57,7 +58,7 @@ impl<'c> CarRequest<'c> {
             }
         }
         // The sort is stable: within a case the order of the study remains.
-        results.sort_by_key(|result| result.case);
+        sort_by_key(&mut results, |result| result.case);
         CarRequest { cases, results }
     }
 

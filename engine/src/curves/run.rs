@@ -12,6 +12,7 @@ use crate::model::{Axis, PointId, RockerId, Rod, Suspension};
 use crate::number::{Each, Jet, Vector3};
 use crate::plan::{Output, Plan};
 use crate::solve::{LEAST_DIGITS, Rejection, Solver, Toggles, rate_digits};
+use crate::sorting::sort_by_key;
 use crate::study::{Drive, Formulation};
 use crate::threads::on_large_stacks;
 use std::collections::BTreeMap;
@@ -122,7 +123,7 @@ impl<'a, const N: usize> Run<'a, N> {
             Formulation::PointCoordinates => self.by_point_coordinates()?,
         }
         // Stations are visited outward, but results are in the order of the motion.
-        self.sensitivities.sort_by_key(|s| s.station);
+        sort_by_key(&mut self.sensitivities, |s| s.station);
         let bounds = if self.plan.certify {
             ["position_error", "uniqueness"]
                 .map(|bound| format!("{bound}_{}", self.suspension.length_unit.symbol()))

@@ -37,7 +37,7 @@ impl SolvesInLanes for ElasticLanes<'_> {
         block: &mut Block,
         fallback: &mut Vec<usize>,
     ) {
-        self.width.run(ElasticTask {
+        self.width.run_in_avx2_lanes(ElasticTask {
             solver: self,
             designs,
             interrupt,

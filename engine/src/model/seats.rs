@@ -2,6 +2,7 @@
 
 use super::{Body, Mechanism, PointId};
 use crate::number::Vector3;
+use crate::sorting::sort_by;
 
 /// Ratio of distances below which a body counts as clearly nearer than the usual one.
 const CLEARLY_NEARER: f64 = 0.5;
@@ -27,7 +28,7 @@ impl Mechanism {
             distance: self.distance(design, id, body),
         };
         let mut seats: Vec<Seat> = possible.map(seat).collect();
-        seats.sort_by(|a, b| a.distance.total_cmp(&b.distance));
+        sort_by(&mut seats, |a, b| a.distance.total_cmp(&b.distance));
         seats
     }
 

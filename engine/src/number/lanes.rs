@@ -239,21 +239,29 @@ impl Width {
     /// # Panics
     /// If the width is not available.
     pub fn run<T: SimdTask>(self, task: T) -> T::Output {
-        #[cfg(any(not(target_arch = "x86_64"), hardpoint_portable))]
-        if self == Width::Portable {
-            return task.run(Single(Plain).splat(0.0));
-        }
         #[cfg(target_arch = "x86_64")]
         if self == Width::Avx512
             && let Some(simd) = Avx512::detect()
         {
             return simd.outlined(Task(task, simd));
         }
-        #[cfg(target_arch = "x86_64")]
-        if self == Width::Avx2
-            && let Some(simd) = Avx2::detect()
+        self.run_in_avx2_lanes(task)
+    }
+
+    /// Runs a task in lanes of this width, but in AVX2 lanes instead of AVX-512 lanes. The bits are the same. For tasks that
+    /// take long to compile and gain little from wider registers.
+    ///
+    /// # Panics
+    /// If the width is not available.
+    pub(crate) fn run_in_avx2_lanes<T: SimdTask>(self, task: T) -> T::Output {
+        #[cfg(any(not(target_arch = "x86_64"), hardpoint_portable))]
+        if self == Width::Portable {
+            return task.run(Single(Plain).splat(0.0));
+        }
+        if self != Width::Portable
+            && let Ok(output) = Width::run_in_avx2(task)
         {
-            return simd.outlined(Task(task, simd));
+            return output;
         }
         panic!("the processor has no lanes of width {}", self.name());
     }

@@ -2,6 +2,7 @@
 
 use super::identifiability::right_singular_vectors;
 use super::{Bounds, Linearisation};
+use crate::sorting::sort_by;
 use nalgebra::{DMatrix, DVector};
 
 /// Correlations above this are reported.
@@ -82,7 +83,7 @@ impl Covariance {
                 }
             }
         }
-        correlations.sort_by(|a, b| b.2.abs().total_cmp(&a.2.abs()));
+        sort_by(&mut correlations, |a, b| b.2.abs().total_cmp(&a.2.abs()));
         correlations
     }
 }

@@ -28,6 +28,7 @@
 use super::constrained::{Assessment, Constrained, constrained_fit};
 use super::trade::{ConstrainedTrade, Criterion, Distance};
 use super::{Bounds, Control, Options};
+use crate::sorting::sort_by;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -248,7 +249,9 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         // Widest gap between neighbours that was not searched. Wider gaps were searched and contain no design.
         let unknown = gaps.iter().map(|gap| gap.width(extent)).fold(0.0, f64::max);
         let mut kept: Vec<usize> = best_of(&points);
-        kept.sort_by(|a, b| points[*a].amounts[0].total_cmp(&points[*b].amounts[0]));
+        sort_by(&mut kept, |a, b| {
+            points[*a].amounts[0].total_cmp(&points[*b].amounts[0])
+        });
         let is_break = |pair: &[usize]| {
             let apart = Gap::between(&points, pair[0], pair[1]).width(extent);
             apart > (2.0 * unknown).max(2.0 / POINTS as f64)
@@ -313,7 +316,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             .map(|k| points[k].clone())
             .collect();
         let mut kept = farthest_apart(best, &ranges);
-        kept.sort_by(|a, b| {
+        sort_by(&mut kept, |a, b| {
             let order = a
                 .amounts
                 .iter()

@@ -1,6 +1,7 @@
 //! Directions in which the residuals change at a solution, and directions in which they do not.
 
 use super::{Bounds, Linearisation};
+use crate::sorting::sort_by;
 use nalgebra::{DMatrix, DVector};
 
 /// A direction in the space of the variables.
@@ -162,7 +163,7 @@ pub(super) fn right_singular_vectors(a: &DMatrix<f64>) -> (Vec<f64>, DMatrix<f64
     }
     let values: Vec<f64> = columns.column_iter().map(|column| column.norm()).collect();
     let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|&i, &j| values[j].total_cmp(&values[i]));
+    sort_by(&mut order, |&i, &j| values[j].total_cmp(&values[i]));
     let sorted = order.iter().map(|&j| values[j]).collect();
     (sorted, vectors.select_columns(&order))
 }

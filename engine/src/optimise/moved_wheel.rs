@@ -1,6 +1,6 @@
 //! Wheels whose nominal designs the variables move, with the rates of their points.
 
-use super::moves::{PointRate, moved_design, point_rates};
+use super::moves::{PointRate, moved_design, point_rates, sort_by_point};
 use crate::model::{Frame, PointId, RigidAxle, Suspension};
 use crate::number::{Dual, Vector3};
 use crate::study::Variable;
@@ -106,7 +106,7 @@ impl<'a> MovedWheel<'a> {
             wheel
                 .design
                 .extend(duals.iter().map(|p| p.map(|c| c.value)));
-            wheel.point_rates.sort_by_key(|rate| rate.point);
+            sort_by_point(&mut wheel.point_rates);
         }
     }
 }

@@ -177,7 +177,12 @@ pub fn point_rates(
             into.push(PointRate { column, point, by });
         }
     }
-    into.sort_by_key(|rate| rate.point);
+    sort_by_point(into);
+}
+
+/// Sorts rates by their points. Rates of a point keep their order.
+pub(super) fn sort_by_point(rates: &mut [PointRate]) {
+    rates.sort_by_key(|rate| rate.point);
 }
 
 #[cfg(test)]

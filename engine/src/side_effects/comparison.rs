@@ -2,6 +2,7 @@
 
 use super::SideEffect;
 use super::observed::{Observed, Series, Station};
+use crate::sorting::sort_by;
 use std::collections::HashMap;
 
 /// Share of the values, or of the tolerance, up to which a change counts as rounding.
@@ -22,7 +23,7 @@ impl RequestedChanges {
             let shifts = Wanted::of(from, to, &before.stations).shifts.into_iter();
             let drive = |number: usize| before.stations[number].drive();
             let mut by_drive: Vec<_> = shifts.map(|(_, k, change)| (drive(k), change)).collect();
-            by_drive.sort_by(|a, b| a.0.total_cmp(&b.0));
+            sort_by(&mut by_drive, |a, b| a.0.total_cmp(&b.0));
             (from.output.clone(), by_drive)
         });
         RequestedChanges(asked.collect())
@@ -179,7 +180,7 @@ impl Wanted {
         };
         let wanted = before.wanted.iter().filter(counts);
         let mut shifts: Vec<_> = wanted.filter_map(shift).collect();
-        shifts.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        sort_by(&mut shifts, |a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         shifts.dedup_by_key(|shift| shift.1);
         Wanted { shifts }
     }

@@ -29,6 +29,7 @@ mod observed;
 pub use car::side_effects_of_car;
 
 use crate::mechanism::DesignFault;
+use crate::sorting::sort_by;
 use crate::study::Study;
 use serde::{Deserialize, Serialize};
 
@@ -132,7 +133,7 @@ fn over_all_motions(before: &Study, after: &Study) -> Result<Vec<SideEffect>, De
 
 /// Sorts side effects, the worst first.
 fn by_severity(effects: &mut [SideEffect]) {
-    effects.sort_by(|one, other| {
+    sort_by(effects, |one, other| {
         let (one, other) = (severity(one), severity(other));
         one.0.cmp(&other.0).then(other.1.total_cmp(&one.1))
     });

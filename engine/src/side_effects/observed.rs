@@ -5,6 +5,7 @@ use super::{PlaceCoordinate, axle, corner, customary};
 use crate::ask::Unit;
 use crate::mechanism::DesignFault;
 use crate::model::LengthUnit;
+use crate::sorting::sort_numbers;
 use crate::study::{Study, Vehicle};
 use std::collections::HashMap;
 
@@ -108,7 +109,7 @@ impl Grid {
         let count = places.first().map_or(0, Vec::len);
         let axis = |k: usize| {
             let mut values: Vec<f64> = places.iter().map(|place| place[k]).collect();
-            values.sort_by(f64::total_cmp);
+            sort_numbers(&mut values);
             values.dedup();
             values
         };

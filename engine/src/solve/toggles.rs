@@ -4,6 +4,7 @@ use super::{Solver, StationOrder};
 use crate::mechanism::{Configuration, DesignFault, Pose, RodReach, is_effective};
 use crate::model::{Drive, Mechanism, RockerId, Rod};
 use crate::number::{Each, Jet, Matrix3, Real, Vector3};
+use crate::sorting::sort_by_key;
 use std::cell::{Cell, RefCell};
 use std::ops::ControlFlow;
 
@@ -52,7 +53,7 @@ impl Toggles {
             let before = mechanism.rockers_moving(mechanism.rocker(rocker).outer);
             watched.extend(before.chain([rocker]));
         }
-        watched.sort_by_key(|id| id.0);
+        sort_by_key(&mut watched, |id| id.0);
         watched.dedup();
         Toggles {
             watched,

@@ -3,6 +3,7 @@
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::source::{LONGEST_TEXT, read_text};
 use super::value::{Number, Text};
+use crate::sorting::sort_by;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -155,7 +156,7 @@ fn function(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
             point[1] = values.sum::<f64>() / ways.len() as f64;
         }
     }
-    sorted.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    sort_by(&mut sorted, |a, b| a[0].total_cmp(&b[0]));
     let same = sorted.chunk_by(|a, b| a[0] == b[0]);
     same.map(|at| {
         let sum: f64 = at.iter().map(|p| p[1]).sum();

@@ -8,6 +8,7 @@ use super::{Drive, MOST_STATIONS, Motion, TimeLaw};
 use crate::mechanism::raises_its_joint;
 use crate::model::{self, LengthUnit, Suspension};
 use crate::number::Each;
+use crate::sorting::sort_by;
 use std::ops::{Range as Span, RangeInclusive};
 use toml::Spanned;
 
@@ -266,7 +267,7 @@ pub(super) fn values(written: &Spanned<Values>, problems: &mut Problems) -> Opti
         Values::One(_) | Values::Range(_) => list(written, problems),
         Values::List(numbers) => {
             let mut sorted: Vec<&Number> = numbers.iter().collect();
-            sorted.sort_by(|a, b| a.value.total_cmp(&b.value));
+            sort_by(&mut sorted, |a, b| a.value.total_cmp(&b.value));
             if let Some(pair) = sorted
                 .windows(2)
                 .find(|pair| pair[0].value == pair[1].value)

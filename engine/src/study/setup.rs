@@ -13,6 +13,7 @@ use super::suspension::positive;
 use super::{Adjustment, Increment, Setup, Want};
 use crate::assembly::{BuildParameter, Static};
 use crate::model::Suspension;
+use crate::sorting::sort_by_key;
 use toml::Spanned;
 
 /// Reads the set-up. `None` if it has an error.
@@ -85,7 +86,7 @@ fn want_of_wheel(
         sound.then_some(())?;
     }
     // Sorts by the order of the catalogue, whatever their order in the file.
-    want.sort_by_key(|(characteristic, _)| *characteristic);
+    sort_by_key(&mut want, |(characteristic, _)| *characteristic);
     let want = want.into_iter().map(|(characteristic, value)| Want {
         of: Static::Characteristic(characteristic),
         value,

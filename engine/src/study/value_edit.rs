@@ -1,5 +1,6 @@
 //! Changes of single values in a study's text. Comments do not change.
 
+use crate::sorting::sort_by_key;
 use serde::{Deserialize, Serialize};
 use serde_json::Value as Json;
 use toml_edit::{Array, ArrayOfTables, DocumentMut, InlineTable, Item, Table, TableLike, Value};
@@ -247,7 +248,7 @@ fn in_usual_order(values: &serde_json::Map<String, Json>) -> Vec<(&String, &Json
     const FIRST: [&str; 5] = ["hardpoint", "characteristic", "side", "over", "axis"];
     let mut entries: Vec<_> = values.iter().collect();
     let rank = |key: &str| FIRST.iter().position(|first| *first == key);
-    entries.sort_by_key(|(key, _)| rank(key).unwrap_or(FIRST.len()));
+    sort_by_key(&mut entries, |(key, _)| rank(key).unwrap_or(FIRST.len()));
     entries
 }
 

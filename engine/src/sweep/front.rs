@@ -1,6 +1,7 @@
 //! Pareto front: designs for which every other design that is better in one target is worse in another.
 
 use super::Failing;
+use crate::sorting::sort_by_key;
 use serde::{Deserialize, Serialize};
 
 /// A stored design with its row.
@@ -63,7 +64,7 @@ impl Front {
     /// Designs in the order of their numbers.
     pub fn sorted(&self) -> Vec<&Candidate> {
         let mut designs: Vec<&Candidate> = self.designs.iter().collect();
-        designs.sort_by_key(|c| c.design);
+        sort_by_key(&mut designs, |c| c.design);
         designs
     }
 }

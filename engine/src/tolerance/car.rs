@@ -13,6 +13,7 @@ use crate::assembly::SetUpError;
 use crate::axle::Axle;
 use crate::car::{Car, CarFault, CarGradient, CarRequest, Case, CaseResult};
 use crate::model::Side;
+use crate::sorting::sort_numbers;
 use crate::study::{CarContributor, CarStudy, CarTolerance, Source};
 use crate::sweep::{in_order, uniform};
 use std::ops::ControlFlow;
@@ -354,7 +355,7 @@ fn spread(mut values: Vec<f64>, nominal: f64) -> Spread {
         }
     }
     let [mean, sigma, sigma_error] = moments(powers);
-    values.sort_unstable_by(f64::total_cmp);
+    sort_numbers(&mut values);
     let at = |percent: f64| {
         let number = (percent / 100.0 * values.len() as f64).ceil().max(1.0) as usize;
         values.get(number - 1).copied().unwrap_or(f64::NAN)

@@ -34,7 +34,7 @@ impl<'a> LaneBuilder<'a> {
 
     /// Assembles the first `count` builds from their random numbers, `[source][build]`.
     pub(super) fn assemble(&mut self, draws: &[f64], count: usize) {
-        self.width.run(Assembling {
+        self.width.run_in_avx2_lanes(Assembling {
             builder: self,
             draws,
             count,

@@ -5,6 +5,7 @@
 //! Monte Carlo analysis plus the change of the linear yield.
 
 use super::{Expansion, MonteCarlo, Problem};
+use crate::sorting::sort_by;
 
 /// Number of random draws in the sample.
 const SAMPLE: u64 = 20_000;
@@ -196,7 +197,7 @@ impl Forecast {
             })
             .collect();
         // Equal gains are ordered by the loss from doubling, then by share.
-        ranking.sort_by(|a, b| {
+        sort_by(&mut ranking, |a, b| {
             let gain = b.halved.total_cmp(&a.halved);
             gain.then(a.doubled.total_cmp(&b.doubled))
                 .then(b.share.total_cmp(&a.share))

@@ -22,6 +22,7 @@ use crate::number::{Each, Interval};
 use crate::solve::closed_form::Circle;
 use crate::solve::closed_form::Roles;
 use crate::solve::{Solver, StationOrder};
+use crate::sorting::sort_by;
 use std::ops::ControlFlow;
 
 /// One assembly of a design.
@@ -123,7 +124,7 @@ fn merge(undecided: &mut Vec<Undecided>) {
             other => others.push(other),
         }
     }
-    ranges.sort_by(|a, b| a.0.total_cmp(&b.0));
+    sort_by(&mut ranges, |a, b| a.0.total_cmp(&b.0));
     for (low, high) in ranges {
         match undecided.last_mut() {
             Some(Undecided::ArmAngle(_, end)) if low <= *end => *end = end.max(high),
@@ -162,7 +163,7 @@ impl Solver<'_> {
         let mut all = search.all;
         merge(&mut all.undecided);
         let place = |a: &Assembly| a.arm_angle.unwrap_or_else(|| a.turn());
-        all.found.sort_by(|a, b| place(a).total_cmp(&place(b)));
+        sort_by(&mut all.found, |a, b| place(a).total_cmp(&place(b)));
         Some(all)
     }
 }

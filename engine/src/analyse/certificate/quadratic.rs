@@ -22,6 +22,7 @@ use crate::number::Dual;
 use crate::number::Interval;
 use crate::number::Real;
 use crate::number::{Each, Matrix3, Vector3, array_of};
+use crate::sorting::sort_by_key;
 
 /// Number of variables: the pose, the rack, and two for the drive.
 const V: usize = N + 3;
@@ -87,7 +88,7 @@ fn pose_bends(bends: &[Bend]) -> Vec<PoseBend> {
             }
         })
         .collect();
-    pose_bends.sort_by_key(|b| b.pair);
+    sort_by_key(&mut pose_bends, |b| b.pair);
     pose_bends
 }
 

@@ -3,6 +3,7 @@
 use super::levels::{End, Levels, least_step};
 use super::problem::Problem;
 use super::{AdjustedSuspension, MET, SetUpError};
+use crate::sorting::sort_by;
 use nalgebra::{DMatrix, DVector};
 
 /// Largest number of shims for which both neighbours are tried, which gives 2^10 combinations. Further shims are rounded.
@@ -147,7 +148,7 @@ impl Problem<'_> {
         // The shims whose step has the largest effect come first.
         let effect =
             |(column, _, step, _): &(usize, usize, f64, f64)| by.column(*column).norm() * step;
-        open.sort_by(|a, b| effect(b).total_cmp(&effect(a)));
+        sort_by(&mut open, |a, b| effect(b).total_cmp(&effect(a)));
         open.truncate(MOST_ENUMERATED);
         let errors = self.errors(real, &levels.rest);
         let mut ranked: Vec<(f64, f64, Vec<f64>)> = (0..1usize << open.len())
@@ -166,7 +167,9 @@ impl Problem<'_> {
                 (left.norm_squared(), distance, amounts)
             })
             .collect();
-        ranked.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+        sort_by(&mut ranked, |a, b| {
+            a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1))
+        });
         ranked.truncate(MOST_ASSEMBLED);
         let mut neighbours: Vec<Vec<f64>> =
             ranked.into_iter().map(|(.., amounts)| amounts).collect();

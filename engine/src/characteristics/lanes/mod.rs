@@ -17,6 +17,7 @@ use crate::derive::DesignedSpinAxis;
 use crate::model::{Axis, Body, Drive, Mechanism, PointId, RockerId, SteeringAxis};
 use crate::number::{SimdReal, Vector3};
 use crate::solve::{CornerTracker, KnucklePoint, KnuckleVector, LaneDesign};
+use crate::sorting::sort_by_key;
 use watching::ToggleWatch;
 
 /// Reads quantities from poses in lanes.
@@ -201,13 +202,13 @@ impl<'a> LaneReader<'a> {
             .chain(steered)
             .flat_map(|id| mechanism.rockers_moving(mechanism.rocker(id).inner))
             .collect();
-        rockers.sort_unstable_by_key(|id| id.0);
+        sort_by_key(&mut rockers, |id| id.0);
         rockers.dedup();
         let is_carried = |id: &PointId| mechanism.body(*id) == Body::Knuckle;
         let reads_others = !rockers.is_empty() || !asked.points.iter().all(is_carried);
         let mut carried = asked.points;
         carried.retain(is_carried);
-        carried.sort_unstable_by_key(|id| id.0);
+        sort_by_key(&mut carried, |id| id.0);
         carried.dedup();
         let all = (0..mechanism.points.len()).map(PointId);
         Some(LaneReader {

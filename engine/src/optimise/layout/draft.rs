@@ -5,6 +5,7 @@ use super::{Extremes, Leg, TargetSample};
 use crate::evaluate::index_or_push;
 use crate::model::{Axis, Drive, Frame};
 use crate::solve::StationOrder;
+use crate::sorting::sort_by;
 use crate::study::{Motion, Sample, Site};
 
 /// Index of the measure of a target of one wheel, and its scale.
@@ -69,7 +70,9 @@ impl Draft {
             checks[station].push(numbers.check(part, number, station));
         }
         let mut by_drive: Vec<usize> = (0..self.values.len()).collect();
-        by_drive.sort_by(|a, b| self.values[*a].total_cmp(&self.values[*b]));
+        sort_by(&mut by_drive, |a, b| {
+            self.values[*a].total_cmp(&self.values[*b])
+        });
         let extremes = self.extremes.iter().flat_map(|part| {
             let of_part = |sign| Extremes::of(*part, sign, &by_drive, &checks);
             [-1.0, 1.0].into_iter().filter_map(of_part)

@@ -1,5 +1,7 @@
 //! Order in which the solver visits stations.
 
+use crate::sorting::sort_by;
+
 /// Order in which the solver visits stations: outward from the design position, so that every step starts at a neighbour.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StationOrder {
@@ -16,8 +18,8 @@ impl StationOrder {
     pub fn through(values: &[f64]) -> Self {
         let (mut up, mut down): (Vec<_>, Vec<_>) =
             (0..values.len()).partition(|i| values[*i] >= 0.0);
-        up.sort_by(|a, b| values[*a].total_cmp(&values[*b]));
-        down.sort_by(|a, b| values[*b].total_cmp(&values[*a]));
+        sort_by(&mut up, |a, b| values[*a].total_cmp(&values[*b]));
+        sort_by(&mut down, |a, b| values[*b].total_cmp(&values[*a]));
         StationOrder {
             values: values.to_vec(),
             up,

@@ -7,6 +7,7 @@
 
 use crate::number::Jet;
 use crate::solve::StationOrder;
+use crate::sorting::sort_by;
 
 /// Number of places from which values are predicted.
 const NEIGHBOURS: usize = 8;
@@ -198,7 +199,9 @@ impl Legs {
                 before = value;
             }
         }
-        stations.sort_by(|a, b| a.0.abs().total_cmp(&b.0.abs()).then(b.0.total_cmp(&a.0)));
+        sort_by(&mut stations, |a, b| {
+            a.0.abs().total_cmp(&b.0.abs()).then(b.0.total_cmp(&a.0))
+        });
         Legs {
             stations,
             design_station,
@@ -256,7 +259,7 @@ impl Visited {
         let latest = own.iter().rev().take(count);
         let innermost = across.iter().take(count);
         let mut numbers: Vec<usize> = latest.chain(innermost).copied().chain([0]).collect();
-        numbers.sort_by(|a, b| {
+        sort_by(&mut numbers, |a, b| {
             let distance = |i: &usize| (self.values[*i] - value).abs();
             distance(a).total_cmp(&distance(b)).then(a.cmp(b))
         });

@@ -6,6 +6,7 @@ use super::super::value::Text;
 use super::WheelParts;
 use crate::compliance::{LinkMember, LinkPart};
 use crate::model::Mechanism;
+use crate::sorting::sort_by_key;
 
 fn is_single_link(mechanism: &Mechanism, part: &LinkPart) -> bool {
     match part.member {
@@ -17,10 +18,8 @@ fn is_single_link(mechanism: &Mechanism, part: &LinkPart) -> bool {
 impl WheelParts {
     /// Moves the parts that exist only once to the end. Then the other parts have the same numbers in both halves.
     pub(super) fn order(&mut self, mechanism: &Mechanism) {
-        self.bushings
-            .sort_by_key(|part| mechanism.is_single(part.point));
-        self.links
-            .sort_by_key(|(_, part)| is_single_link(mechanism, part));
+        sort_by_key(&mut self.bushings, |part| mechanism.is_single(part.point));
+        sort_by_key(&mut self.links, |(_, part)| is_single_link(mechanism, part));
     }
 
     /// Removes the parts that exist only once, because they belong to the left half.

@@ -10,6 +10,7 @@ use crate::assembly::BuildParameter;
 use crate::axle::{AxleQuantity, Quantity};
 use crate::model::{Mechanism, Side, Suspension};
 use crate::number::Each;
+use crate::sorting::sort_by_key;
 use crate::study::names::choose;
 use toml::Spanned;
 
@@ -100,7 +101,7 @@ pub(super) fn want(
             want.push((place, Want { of, value }));
         }
     }
-    want.sort_by_key(|(place, _)| *place);
+    sort_by_key(&mut want, |(place, _)| *place);
     Some(want.into_iter().map(|(_, want)| want).collect())
 }
 

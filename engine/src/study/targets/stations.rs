@@ -2,6 +2,7 @@
 
 use super::super::{Limit, Motion, Site, Wanted};
 use super::ends;
+use crate::sorting::sort_numbers;
 
 /// Rack displacements of a site.
 pub(super) fn rack_displacements(site: &Site, motion: &Motion) -> Vec<f64> {
@@ -46,7 +47,7 @@ pub(super) fn added_stations(wanted: &Wanted, motion: &Motion) -> Vec<f64> {
             added.extend(knots.iter().filter(|k| !motion.values.contains(k)));
         }
     }
-    added.sort_by(f64::total_cmp);
+    sort_numbers(&mut added);
     added.dedup();
     added
 }

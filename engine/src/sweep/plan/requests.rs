@@ -1,6 +1,7 @@
 //! Requests to the evaluators: for one wheel, for elastic parts and for an axle.
 
 use super::*;
+use crate::sorting::sort_by_key;
 
 /// Request of a sweep, the derivatives of each column in the design position, and the target values of each target.
 pub(super) type Planned<'s> = (Request<'s>, Vec<Vec<Gain>>, Vec<Vec<SweptWish>>);
@@ -134,7 +135,7 @@ pub(super) fn of_axle<'s>(
     rates: Vec<AxleParameter>,
 ) -> Planned<'s> {
     // Test figures come last, because they apply only to the design position.
-    plan.quantities.sort_by_key(is_figure);
+    sort_by_key(&mut plan.quantities, is_figure);
     let further = samples.iter().flatten().map(|sample| sample.placement);
     let mut stations = AxleStations::of(Cow::Borrowed(&both.axle), &plan, further);
     let mut gains = vec![Vec::new(); stations.quantities.len()];

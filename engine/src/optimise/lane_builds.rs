@@ -96,7 +96,7 @@ impl LaneBuilds {
                 Parts::of_drawing(mechanism, &moved)
             })
             .collect();
-        self.width.run_in_avx2_lanes(Assembling {
+        self.width.run(Assembling {
             lanes: self,
             wheel,
             along: &along,

@@ -86,6 +86,11 @@ impl Tape {
         self.nodes.get_mut().clear();
     }
 
+    /// Removes all entries but the first `length`. The numbers that they record must not be used any more.
+    pub fn truncate(&self, length: usize) {
+        self.nodes.borrow_mut().truncate(length);
+    }
+
     /// Adds an input. If all inputs are made first, their indices start from 0 in order.
     pub fn input(&self, value: f64) -> Tracked<'_> {
         self.note(value, [(0, 0.0); 2])

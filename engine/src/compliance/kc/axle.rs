@@ -84,6 +84,11 @@ impl<T: Scalar> Here<T> {
         }
     }
 
+    /// True for each tangent that has been computed.
+    fn known_tangents(&self) -> [bool; 2] {
+        self.tangents.each_ref().map(Option::is_some)
+    }
+
     /// Axle and its tangent with one quantity held; `None` without a tangent.
     pub(crate) fn moving(
         &mut self,

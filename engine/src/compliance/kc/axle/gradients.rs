@@ -36,28 +36,57 @@ impl AxleKcRun<'_> {
             let mut station = self.on_tape(conditions, &plain, &inputs, tape)?;
             let mut places = Vec::new();
             let mut results = Vec::new();
-            for number in own {
-                let test = &tests[number];
-                let secants = if test.load.is_motion() || test.levels == 0 {
-                    None
-                } else {
-                    self.secants_on_tape(&plain, &station, test)
-                };
-                let figures = self.figures(&mut station, test, secants);
-                gradients[number] = vec![[None, None]; figures.len()];
+            for number in &own {
+                let figures = self.figures(&mut station, &tests[*number], None);
+                gradients[*number] = vec![[None, None]; figures.len()];
                 for (figure, of) in figures.iter().enumerate() {
-                    for (kind, value) in [of.value, of.secant].into_iter().enumerate() {
-                        places.extend(value.map(|_| [number, figure, kind]));
-                        results.extend(value);
-                    }
+                    places.extend(of.value.map(|_| [*number, figure]));
+                    results.extend(of.value);
                 }
             }
             tape.gradients(&results, parameters.len(), |result, by| {
-                let [number, figure, kind] = places[result];
-                gradients[number][figure][kind] = Some(by.to_vec());
+                let [number, figure] = places[result];
+                gradients[number][figure][0] = Some(by.to_vec());
             });
+            for number in own {
+                self.secant_gradients(
+                    &plain,
+                    &mut station,
+                    &tests[number],
+                    (tape, parameters.len()),
+                    &mut gradients[number],
+                );
+            }
         }
         Some(gradients)
+    }
+
+    /// Derivatives of the secants of a test by the first `inputs` numbers on the tape. The window's ends leave the tape again:
+    /// a tape with the ends of all tests would not fit into the processor's cache. The station must have its tangents.
+    fn secant_gradients<'t>(
+        &self,
+        plain: &Here,
+        station: &mut Here<Tracked<'t>>,
+        test: &KcTest,
+        (tape, inputs): (&'t Tape, usize),
+        gradients: &mut [FigureGradients],
+    ) {
+        if test.load.is_motion() || test.levels == 0 {
+            return;
+        }
+        let (length, known) = (tape.len(), station.known_tangents());
+        let secants = self.secants_on_tape(plain, station, test);
+        let figures = self.figures(station, test, secants);
+        let (places, results): (Vec<usize>, Vec<_>) = figures
+            .iter()
+            .enumerate()
+            .filter_map(|(figure, of)| Some((figure, of.secant?)))
+            .unzip();
+        tape.gradients(&results, inputs, |result, by| {
+            gradients[places[result]][1] = Some(by.to_vec());
+        });
+        assert_eq!(station.known_tangents(), known, "tangents stay on the tape");
+        tape.truncate(length);
     }
 
     /// Station over numbers on a tape. The inputs are the first numbers on the tape.

@@ -462,6 +462,9 @@ fn the_design_position_is_the_design_itself_beside_a_toggle() {
 
 #[test]
 fn ordinary_designs_stay_in_the_lanes() {
+    if !crate::support::has_lanes() {
+        return;
+    }
     // With 30 mm at the rear axle's toe links some of the five-links, steered by ten degrees, are no longer
     // ordinary.
     for (name, rack) in [
@@ -591,6 +594,9 @@ fn a_degenerate_design_leaves_its_lane_as_it_was() {
 /// it cannot solve.
 #[test]
 fn the_evaluator_of_gradients_falls_back_one_by_one() {
+    if !crate::support::has_lanes() {
+        return;
+    }
     let mut left_of_all = 0;
     for (name, by) in [
         ("macpherson_solve.toml", 90.0),
@@ -659,6 +665,9 @@ fn the_evaluator_of_gradients_falls_back_one_by_one() {
 /// A design's stations side by side, or designs side by side: the same bits.
 #[test]
 fn one_design_alone_has_the_bits_it_has_among_others() {
+    if !crate::support::has_lanes() {
+        return;
+    }
     let mut alone_in_lanes = 0;
     for (name, rack, by) in [
         ("macpherson_solve.toml", "[0.0, 12.0, -20.0]", 60.0),

@@ -378,6 +378,9 @@ fn an_axle_is_tuned() {
 /// A sweep of axles has the same bytes on one thread and on two, and a page.
 #[test]
 fn axles_are_swept() {
+    if !crate::support::has_lanes() {
+        return;
+    }
     let text = fs::read_to_string(study("macpherson_axle_front.toml")).unwrap();
     let head = text.split("[optimise]").next().unwrap();
     let place = folder("swept");

@@ -328,6 +328,9 @@ fn second_order_is_that_of_built_axles() {
 /// First order and Monte Carlo agree where scatter is small; both wheels of a mirrored axle scatter alike and independently.
 #[test]
 fn first_order_is_the_monte_carlo_where_scatter_is_small() {
+    if !crate::support::has_lanes() {
+        return;
+    }
     let same_sides = "tolerance.scatter=[{hardpoints=[\"lower_arm_front\",\"tie_rod_inner\"],sigma=0.1},{length=\"tie_rod\",sigma=0.05}]";
     let study = axle("builds=1500", &[same_sides]);
     let problem = problem(&study);
@@ -408,6 +411,9 @@ fn each_wheel_is_aligned() {
 /// look, and their yields ranked.
 #[test]
 fn results_are_the_same_however_they_are_found() {
+    if !crate::support::has_lanes() {
+        return;
+    }
     let bands = "tolerance.bands=[\
         {characteristic=\"toe\",over=\"heave\",at=0.0,between=[-0.3,0.4]},\
         {characteristic=\"roll_steer\",over=\"roll\",heave=[10.0,-20.0],at_least=-0.06},\

@@ -117,6 +117,9 @@ fn lanes_have_the_values_of_designs_one_by_one() {
 /// Lanes reach travels beyond the largest first correction, 60 mm, in parts.
 #[test]
 fn long_travels_stay_in_lanes() {
+    if !crate::support::has_lanes() {
+        return;
+    }
     let long = MOTION.replace("[-40.0, 0.0, 25.0]", "[-70.0, 0.0, 80.0]");
     for (name, rates) in [ARMS, LINKS] {
         let plan = planned(study(name, rates, &long, 5.0));
@@ -173,6 +176,9 @@ fn a_design_without_equilibrium_does_not_disturb_its_neighbours() {
 /// The elastic mount of a strut is not supported in lanes, and the worker says so.
 #[test]
 fn a_strut_on_an_elastic_mount_goes_one_by_one() {
+    if !crate::support::has_lanes() {
+        return;
+    }
     let rates =
         "{ bushing = \"lower_arm_rear\", stiffness = \"y\", range = [0.5, 2.0], relative = true }";
     let plan = planned(study("macpherson_compliance.toml", rates, MOTION, 2.0));

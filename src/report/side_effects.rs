@@ -69,7 +69,9 @@ fn place(effect: &SideEffect) -> String {
 /// Station of the largest change in a short form: a travel alone without its name, else without coordinates that are 0.
 fn short_place(effect: &SideEffect) -> String {
     match (effect.at.as_slice(), &effect.wheel) {
-        ([only], None) if only.name == "travel" => format!("{} {}", as_written(only.value), only.unit),
+        ([only], None) if only.name == "travel" => {
+            format!("{} {}", as_written(only.value), only.unit)
+        }
         (all, _) => {
             let away = || all.iter().filter(|c| c.value != 0.0);
             let at = match away().next() {

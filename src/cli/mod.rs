@@ -165,7 +165,7 @@ enum Names {
     Adams,
     /// Altair MotionView
     Altair,
-    /// Rigs of the SPMM kind
+    /// Rigs of the SPMM kind: refused, because no published definition gives all signs
     Spmm,
 }
 

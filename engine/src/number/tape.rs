@@ -14,9 +14,16 @@ const AT_ONCE: usize = 8;
 /// Record of one computation.
 #[derive(Clone, Debug, Default)]
 pub struct Tape {
-    /// For each number, the indices of up to two operands and the derivatives by them.
-    nodes: RefCell<Vec<[(usize, f64); 2]>>,
+    nodes: RefCell<Vec<Node>>,
     adjoints: RefCell<Adjoints>,
+}
+
+/// Record of a number: up to two operands, and the derivatives by them. Indices have four bytes, because a long computation
+/// writes and reads many records.
+#[derive(Clone, Copy, Debug, Default)]
+struct Node {
+    operands: [u32; 2],
+    slopes: [f64; 2],
 }
 
 /// Derivatives of some results by each number. All are zero between two passes.
@@ -44,13 +51,14 @@ impl Adjoints {
 
     /// Adds the derivatives by a number to those by its operands. A zero derivative adds nothing, even if a slope is NaN.
     #[inline(always)]
-    fn pass_on(&mut self, number: usize, node: &[(usize, f64); 2]) {
+    fn pass_on(&mut self, number: usize, node: &Node) {
         let weights = self.of[number];
-        for (operand, slope) in *node {
+        for k in 0..2 {
+            let slope = node.slopes[k];
             if slope == 0.0 {
                 continue;
             }
-            let sums = self.note(operand);
+            let sums = self.note(node.operands[k] as usize);
             *sums = if slope.is_finite() {
                 array_of(|k| sums[k] + weights[k] * slope)
             } else {
@@ -64,7 +72,7 @@ impl Adjoints {
 
     /// Processes all marked numbers below `end`, from last to first. Only the derivatives by the first `inputs` numbers
     /// remain.
-    fn pass_back(&mut self, end: usize, inputs: usize, nodes: &[[(usize, f64); 2]]) {
+    fn pass_back(&mut self, end: usize, inputs: usize, nodes: &[Node]) {
         for word in (0..end.div_ceil(64)).rev() {
             // Operands have lower indices than their results, often in the same word.
             while self.noted[word] != 0 {
@@ -93,7 +101,7 @@ impl Tape {
 
     /// Adds an input. If all inputs are made first, their indices start from 0 in order.
     pub fn input(&self, value: f64) -> Tracked<'_> {
-        self.note(value, [(0, 0.0); 2])
+        self.note(value, Node::default())
     }
 
     /// Number of entries on the tape, which is the index of the next one.
@@ -106,12 +114,16 @@ impl Tape {
         self.len() == 0
     }
 
-    fn note(&self, value: f64, node: [(usize, f64); 2]) -> Tracked<'_> {
+    /// # Panics
+    /// If the tape has 2^32 entries, which need 100 GB.
+    #[inline(always)]
+    fn note(&self, value: f64, node: Node) -> Tracked<'_> {
         let mut nodes = self.nodes.borrow_mut();
+        let index = u32::try_from(nodes.len()).expect("fewer than 2^32 entries");
         nodes.push(node);
         Tracked {
             value,
-            origin: Some((self, nodes.len() - 1)),
+            origin: Some((self, index)),
         }
     }
 
@@ -168,14 +180,17 @@ impl Tape {
 
 /// Follows a number back through operations with one operand. Returns the number where they start, and the derivative by it. In
 /// this way, numbers that differ only by a factor share their derivatives.
-fn origin_of(number: usize, inputs: usize, nodes: &[[(usize, f64); 2]]) -> (usize, f64) {
+fn origin_of(number: usize, inputs: usize, nodes: &[Node]) -> (usize, f64) {
     let (mut number, mut factor) = (number, 1.0);
     while number >= inputs {
-        let [(operand, slope), (_, other)] = nodes[number];
+        let Node {
+            operands: [operand, _],
+            slopes: [slope, other],
+        } = nodes[number];
         if other != 0.0 || slope == 0.0 || !slope.is_finite() {
             break;
         }
-        (number, factor) = (operand, factor * slope);
+        (number, factor) = (operand as usize, factor * slope);
     }
     (number, factor)
 }
@@ -184,7 +199,7 @@ fn origin_of(number: usize, inputs: usize, nodes: &[[(usize, f64); 2]]) -> (usiz
 #[derive(Clone, Copy, Debug)]
 pub struct Tracked<'t> {
     value: f64,
-    origin: Option<(&'t Tape, usize)>,
+    origin: Option<(&'t Tape, u32)>,
 }
 
 impl<'t> Tracked<'t> {
@@ -204,7 +219,7 @@ impl<'t> Tracked<'t> {
 
     /// Index of the number on the tape. `None` for a constant.
     pub fn index(self) -> Option<usize> {
-        self.origin.map(|(_, index)| index)
+        self.origin.map(|(_, index)| index as usize)
     }
 
     #[inline(never)]
@@ -213,14 +228,26 @@ impl<'t> Tracked<'t> {
             // A number that does not change with its operand needs no record.
             Some(_) if slope == 0.0 => Tracked::constant(value),
             None => Tracked::constant(value),
-            Some((tape, index)) => tape.note(value, [(index, slope), (index, 0.0)]),
+            Some((tape, index)) => tape.note(
+                value,
+                Node {
+                    operands: [index, index],
+                    slopes: [slope, 0.0],
+                },
+            ),
         }
     }
 
     #[inline(never)]
     fn of_two(self, other: Self, value: f64, [by_self, by_other]: [f64; 2]) -> Self {
         match (self.origin, other.origin) {
-            (Some((tape, a)), Some((_, b))) => tape.note(value, [(a, by_self), (b, by_other)]),
+            (Some((tape, a)), Some((_, b))) => tape.note(
+                value,
+                Node {
+                    operands: [a, b],
+                    slopes: [by_self, by_other],
+                },
+            ),
             (Some(_), None) => self.of_one(value, by_self),
             (None, _) => other.of_one(value, by_other),
         }

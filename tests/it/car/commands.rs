@@ -280,6 +280,10 @@ fn wrong_inputs_of_cars_are_refused() {
     let with_case = |line: &str| format!("{good}{case}{line}\n");
     let ay = "ay = { from = 0.0, to = 0.8, steps = 5 }";
     let with_map = |line: &str| good.replace(ay, line);
+    let with_cg = |point: &str| {
+        let line = good.lines().find(|line| line.starts_with("cg = "));
+        good.replace(line.expect("a centre of gravity"), &format!("cg = {point}"))
+    };
     for (text, place, reason) in [
         (
             with_case("speed = -50.0"),
@@ -290,6 +294,21 @@ fn wrong_inputs_of_cars_are_refused() {
             with_case("lateral_share_left = [0.5, 1.2]"),
             "cases[4].lateral_share_left",
             "expected shares from 0 to 1, found 1.2",
+        ),
+        (
+            with_cg("[-1200.0, 0.0, -520.0]"),
+            "car.cg",
+            "below the ground; does z have the wrong sign?",
+        ),
+        (
+            with_cg("[1200.0, 0.0, 520.0]"),
+            "car.cg",
+            "ahead of the front axle, so the rear wheels would lift",
+        ),
+        (
+            with_cg("[-9200.0, 0.0, 520.0]"),
+            "car.cg",
+            "behind the rear axle, so the front wheels would lift",
         ),
         (
             with_map("ay = { from = 0.0, to = 0.8, steps = 1 }"),

@@ -11,11 +11,11 @@
 
 use super::super::floating::Floating;
 use super::super::ground::{Coupling, Frames, MIRROR, RACK, SHARED, Surroundings, TWIST};
-use super::super::limb::tangent_of;
+use super::super::limb::{is_positive, tangent_of};
 use super::super::preload::NoPreload;
 use super::super::solve::{Bounds, Obstacle};
-use super::super::system::{Equations, Held, Limb, Singular, State, Step, Task};
-use super::super::wheel::ElasticWheel;
+use super::super::system::{Equations, Held, LOOSE, Limb, Singular, State, Step, Task};
+use super::super::wheel::{ElasticWheel, TURN_LEVER};
 use super::corners::Corners;
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Each, Scalar, Valued, Vector3, array_of, larger};
@@ -233,6 +233,9 @@ impl<T: Scalar> SharedParts<T> {
                 }
             }
         }
+        if purpose == Purpose::Preload && !holds(&matrix, &active, wheels[0].bounds) {
+            return Err(AxleSingular::Shared);
+        }
         let factors = if active.is_empty() {
             None
         } else {
@@ -293,6 +296,32 @@ impl<T: Scalar> SharedParts<T> {
             around,
         })
     }
+}
+
+/// Returns true if the matrix of equation (1) is positive definite on the shared unknowns that move. Its pivots must exceed
+/// [`LOOSE`] times the largest, with rotations as movements at the end of a lever. Rounding alone then holds no body.
+fn holds<T: Scalar>(matrix: &[[T; MOST]; MOST], active: &[usize], bounds: Bounds) -> bool {
+    let lever = TURN_LEVER * bounds.millimetre;
+    let scale = |i: usize| {
+        if (3..RACK).contains(&i) {
+            1.0 / lever
+        } else {
+            1.0
+        }
+    };
+    let mut scaled = [[0.0; SHARED]; SHARED];
+    let mut largest = 0.0_f64;
+    for (a, i) in active.iter().enumerate() {
+        for (b, j) in active.iter().enumerate() {
+            scaled[a][b] = scale(*i) * matrix[a][b].value() * scale(*j);
+        }
+        largest = largest.max(scaled[a][a]);
+    }
+    // Unknowns that do not move have the largest stiffness.
+    for (k, row) in scaled.iter_mut().enumerate().skip(active.len()) {
+        row[k] = if active.is_empty() { 1.0 } else { largest };
+    }
+    is_positive(&scaled, LOOSE)
 }
 
 impl<T: Scalar> AxleEquations<T> {

@@ -165,12 +165,20 @@ impl<T: Scalar> ElasticAxle<T> {
                     part: AXLE.to_owned(),
                 },
             },
-            AxleSingular::Shared => AxleFault {
-                side: None,
-                fault: ElasticFault::NoBalance {
-                    part: SHARED_NAME.to_owned(),
-                },
-            },
+            AxleSingular::Shared => {
+                // Without force, the bar holds nothing and is left out.
+                let part = match (self.shared.has_subframe, self.shared.rack.is_some()) {
+                    (true, false) => "the subframe",
+                    (false, true) => "the rack",
+                    _ => "the subframe or the rack",
+                };
+                AxleFault {
+                    side: None,
+                    fault: ElasticFault::NoBalance {
+                        part: part.to_owned(),
+                    },
+                }
+            }
         }
     }
 

@@ -71,6 +71,7 @@ impl Resolver<'_> {
         let mass_unit = mass_unit(&section.mass_unit, self.problems)?;
         let rear_offset = self.rear_offset(&axles)?;
         let (masses, mass, cg) = self.masses(mass_unit)?;
+        self.check_centre_of_gravity(&axles, rear_offset, masses, cg)?;
         let share = |written: &Option<Number>, problems: &mut Problems| match written {
             Some(share) if !(0.0..=1.0).contains(&share.value) => {
                 let message = format!("expected a share from 0 to 1, found {}", share.value);
@@ -106,16 +107,49 @@ impl Resolver<'_> {
         })
     }
 
+    /// Refuses a centre of gravity under the ground, and one of the whole car that is not between the axles: one axle would
+    /// then bear a negative load at rest.
+    fn check_centre_of_gravity(
+        &mut self,
+        axles: &[Axle; 2],
+        rear_offset: Vector3<f64>,
+        masses: Masses,
+        cg: Vector3<f64>,
+    ) -> Option<()> {
+        let section = self.file.car.get_ref();
+        let written = match masses {
+            Masses::Whole => section.cg.as_ref(),
+            Masses::Sprung => section.sprung_cg.as_ref(),
+        };
+        let place = written.map(|point| point.span())?;
+        let unit = axles[0].left.length_unit.symbol();
+        let front = middle(&axles[0]);
+        let ground = front.z - axles[0].setup.wheel_radius.unwrap_or(0.0);
+        let behind = middle(&axles[1]).x + rear_offset.x - cg.x;
+        let ahead = cg.x - front.x;
+        let message = if cg.z <= ground {
+            format!(
+                "the centre of gravity is {:.1} {unit} below the ground; does z have the wrong sign?",
+                ground - cg.z
+            )
+        } else if masses == Masses::Whole && ahead >= 0.0 {
+            format!(
+                "the centre of gravity is {ahead:.1} {unit} ahead of the front axle, so the rear wheels would lift"
+            )
+        } else if masses == Masses::Whole && behind >= 0.0 {
+            format!(
+                "the centre of gravity is {behind:.1} {unit} behind the rear axle, so the front wheels would lift"
+            )
+        } else {
+            return Some(());
+        };
+        self.problems.refuse(place, message)
+    }
+
     fn rear_offset(&mut self, axles: &[Axle; 2]) -> Option<Vector3<f64>> {
         let file = self.file;
         let section = file.car.get_ref();
-        let mid = |axle: &Axle| {
-            let centre = |side: Side| {
-                let wheel = axle.suspension(side);
-                wheel.design[wheel.mechanism.wheel_centre.0].x
-            };
-            0.5 * (centre(Side::Left) + centre(Side::Right))
-        };
+        let mid = |axle: &Axle| middle(axle).x;
         match (&section.wheelbase, &section.rear_offset) {
             (Some(wheelbase), None) => {
                 let length = above_zero(wheelbase, self.problems)?;
@@ -251,4 +285,13 @@ impl Resolver<'_> {
             drag,
         }))
     }
+}
+
+/// Point midway between both wheel centres of an axle.
+fn middle(axle: &Axle) -> Vector3<f64> {
+    let [left, right] = [Side::Left, Side::Right].each(|side: Side| {
+        let wheel = axle.suspension(side);
+        wheel.design[wheel.mechanism.wheel_centre.0]
+    });
+    (left + right) * 0.5
 }

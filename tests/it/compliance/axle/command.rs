@@ -150,6 +150,34 @@ fn check_lists_mounts_and_commands_of_rigid_mechanisms_refuse() {
     assert_eq!(named.status.code(), Some(2));
 }
 
+/// Mounts on one line hold a subframe against turning about it by torsion alone, in which no forces stand at the design load.
+#[test]
+fn mounts_on_one_line_do_not_hold_the_subframe() {
+    let directory = tempfile::tempdir().unwrap();
+    let with_front_at = |x: &str| {
+        let mounts = format!(
+            "subframe.mounts={{ subframe_front = [{x}, 350.0, 160.0], subframe_rear = [0.0, 250.0, 160.0] }}"
+        );
+        let torsion = "bushings.subframe_front.stiffness=[4000.0, 5000.0, 3500.0, 2e7, 3e7, 2e7]";
+        let tests = "compliance.tests=[{ load = \"braking\", levels = 3 }]";
+        let study = study();
+        let sets = ["--set", &mounts, "--set", torsion, "--set", tests];
+        hardpoint(
+            &[&["kc", &study, "--out", "-"][..], &sets].concat(),
+            directory.path(),
+        )
+    };
+    let refused = with_front_at("0.0");
+    let errors = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert_eq!(refused.status.code(), Some(2), "{errors}");
+    assert!(
+        errors.contains("without torsion nothing holds the subframe"),
+        "{errors}"
+    );
+    // A millimetre is a lever, if a short one.
+    assert_eq!(with_front_at("1.0").status.code(), Some(0));
+}
+
 /// Without elastic parts an axle has the tests of its rigid mechanism, and they agree with its curves.
 #[test]
 fn kc_tests_the_rigid_mechanism_of_an_axle() {

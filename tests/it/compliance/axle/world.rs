@@ -335,8 +335,31 @@ impl World {
         }
     }
 
-    /// Newton's method; the tangent by central differences. `loads` gives the loads in the present state.
+    /// Solves under loads, which `loads` gives in the present state: at once, or else in eight parts.
     pub fn solve(&mut self, loads: impl Fn(&World) -> Vec<Load>) {
+        let start = self.copy();
+        if self.settle(&loads).is_ok() {
+            return;
+        }
+        *self = start;
+        for part in 1..=8 {
+            let share = f64::from(part) / 8.0;
+            let scaled = |world: &World| {
+                let mut loads = loads(world);
+                for load in &mut loads {
+                    load.force = load.force * share;
+                    load.moment = load.moment * share;
+                }
+                loads
+            };
+            if let Err(size) = self.settle(&scaled) {
+                panic!("the second formulation does not settle: its last step is {size:e}");
+            }
+        }
+    }
+
+    /// Newton's method; the tangent by central differences. Fails with the size of the last step.
+    fn settle(&mut self, loads: &impl Fn(&World) -> Vec<Load>) -> Result<(), f64> {
         let mut tape = Tape::default();
         self.multipliers = vec![0.0; self.rows()];
         let (_, count) = self.sizes();
@@ -368,10 +391,10 @@ impl World {
             size = step[..count].iter().fold(0.0_f64, |m, s| m.max(s.abs()));
             self.step(&step);
             if size < 1e-12 {
-                return;
+                return Ok(());
             }
         }
-        panic!("the second formulation does not settle: its last step is {size:e}");
+        Err(size)
     }
 
     fn copy(&self) -> World {

@@ -280,9 +280,11 @@ fn wrong_inputs_of_cars_are_refused() {
     let with_case = |line: &str| format!("{good}{case}{line}\n");
     let ay = "ay = { from = 0.0, to = 0.8, steps = 5 }";
     let with_map = |line: &str| good.replace(ay, line);
+    // The template gives the sprung mass.
     let with_cg = |point: &str| {
-        let line = good.lines().find(|line| line.starts_with("cg = "));
-        good.replace(line.expect("a centre of gravity"), &format!("cg = {point}"))
+        let line = good.lines().find(|line| line.starts_with("sprung_cg = "));
+        let whole = good.replace(line.expect("a centre of gravity"), &format!("cg = {point}"));
+        whole.replace("sprung_mass = ", "mass = ")
     };
     for (text, place, reason) in [
         (
@@ -299,6 +301,11 @@ fn wrong_inputs_of_cars_are_refused() {
             with_cg("[-1200.0, 0.0, -520.0]"),
             "car.cg",
             "below the ground; does z have the wrong sign?",
+        ),
+        (
+            good.replace("5.0, 560.0]", "5.0, -560.0]"),
+            "car.sprung_cg",
+            "below the ground",
         ),
         (
             with_cg("[1200.0, 0.0, 520.0]"),

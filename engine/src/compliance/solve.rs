@@ -18,11 +18,12 @@
 
 use super::limb::is_positive;
 use super::system::{Equations, Held, Hold, Singular, State, Step, System, Task};
-use super::wheel::TURN_LEVER;
 use crate::linear::square::MOST;
 use crate::number::{Each, Scalar, Valued, array_of, larger};
 use crate::threads::checkpoint;
 
+/// Lever, mm, by which a rotation is converted to a movement for comparison with a shift.
+const TURN_LEVER: f64 = 300.0;
 /// Largest first correction in shift, mm.
 const LONGEST_SHIFT: f64 = 60.0;
 /// Largest first correction in rotation, radians.
@@ -81,6 +82,11 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
+    /// Lever, in the study's length unit, by which a rotation is converted to a movement.
+    pub(super) fn lever(&self) -> f64 {
+        TURN_LEVER * self.millimetre
+    }
+
     fn size(&self, [shift, turn]: [f64; 2]) -> f64 {
         larger(shift / self.millimetre, turn * TURN_LEVER)
     }
@@ -348,7 +354,7 @@ pub(super) fn is_definite_on(
     bounds: Bounds,
     least_share: f64,
 ) -> bool {
-    let lever = TURN_LEVER * bounds.millimetre;
+    let lever = bounds.lever();
     let scale = |i: usize| if i < 3 { 1.0 } else { 1.0 / lever };
     for row in &mut *rows {
         for (j, entry) in row.iter_mut().enumerate() {
@@ -374,12 +380,21 @@ pub(super) fn is_definite_on(
             }
         }
     }
-    // With fewer than six motions, copies of the largest diagonal entry fill the matrix.
-    let largest = (0..free).map(|a| projected[a][a]).fold(0.0, f64::max);
-    for (a, row) in projected.iter_mut().enumerate().skip(free) {
+    is_positive_on(projected, free, least_share)
+}
+
+/// Returns true if the first `free` rows and columns of a matrix are positive definite. The pivots must exceed this fraction of
+/// the largest. Copies of the largest diagonal entry fill the rest of the matrix.
+pub(super) fn is_positive_on<const N: usize>(
+    mut matrix: [[f64; N]; N],
+    free: usize,
+    least_share: f64,
+) -> bool {
+    let largest = (0..free).map(|a| matrix[a][a]).fold(0.0, f64::max);
+    for (a, row) in matrix.iter_mut().enumerate().skip(free) {
         row[a] = if free == 0 { 1.0 } else { largest };
     }
-    is_positive(&projected, least_share)
+    is_positive(&matrix, least_share)
 }
 
 /// Basis of the motions that keep all rows at zero, and their number. `None` if the rows depend on each other.

@@ -14,8 +14,6 @@ use crate::linear::square::MOST;
 use crate::model::{Axis, Suspension};
 use crate::number::{Scalar, Valued, Vector3, array_of, larger};
 
-/// Lever, mm, by which a rotation is converted to a movement for comparison with a shift.
-pub(super) const TURN_LEVER: f64 = 300.0;
 /// Number of inverse iterations that find the softest motion.
 const SOFT_STEPS: usize = 8;
 /// Ratio of wheel load to spring force below which the spring has no leverage.
@@ -235,7 +233,7 @@ impl ElasticWheel {
 
     /// Largest residual force of the equations.
     pub(super) fn largest_force(&self, equations: &Equations<f64>) -> f64 {
-        let lever = TURN_LEVER * self.bounds.millimetre;
+        let lever = self.bounds.lever();
         let mut worst = 0.0;
         let mut note = |force: f64| worst = larger(worst, force);
         for (k, force) in equations.residual[..6].iter().enumerate() {
@@ -369,7 +367,7 @@ impl ElasticWheel {
             step = Some(equations.step(&solution, true));
         }
         let step = step?;
-        let lever = TURN_LEVER * self.bounds.millimetre;
+        let lever = self.bounds.lever();
         let [x, y, z, a, b, c] = step.carrier;
         let (shift, turn) = (Vector3::new(x, y, z), Vector3::new(a, b, c));
         let mut found = if shift.norm() > turn.norm() * lever {

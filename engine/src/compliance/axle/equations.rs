@@ -11,11 +11,11 @@
 
 use super::super::floating::Floating;
 use super::super::ground::{Coupling, Frames, MIRROR, RACK, SHARED, Surroundings, TWIST};
-use super::super::limb::{is_positive, tangent_of};
+use super::super::limb::tangent_of;
 use super::super::preload::NoPreload;
-use super::super::solve::{Bounds, Obstacle};
+use super::super::solve::{Bounds, Obstacle, is_positive_on};
 use super::super::system::{Equations, Held, LOOSE, Limb, Singular, State, Step, Task};
-use super::super::wheel::{ElasticWheel, TURN_LEVER};
+use super::super::wheel::ElasticWheel;
 use super::corners::Corners;
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Each, Scalar, Valued, Vector3, array_of, larger};
@@ -298,30 +298,26 @@ impl<T: Scalar> SharedParts<T> {
     }
 }
 
-/// Returns true if the matrix of equation (1) is positive definite on the shared unknowns that move. Its pivots must exceed
-/// [`LOOSE`] times the largest, with rotations as movements at the end of a lever. Rounding alone then holds no body.
+/// Lever that converts a shared unknown to a movement; 1 if it is a movement.
+pub(super) fn lever_of(shared: usize, bounds: Bounds) -> f64 {
+    if (3..RACK).contains(&shared) || shared == TWIST {
+        bounds.lever()
+    } else {
+        1.0
+    }
+}
+
+/// Returns true if the matrix of equation (1) is positive definite on the shared unknowns that move, with rotations as movements
+/// at the end of a lever. With [`LOOSE`], rounding alone holds no body.
 fn holds<T: Scalar>(matrix: &[[T; MOST]; MOST], active: &[usize], bounds: Bounds) -> bool {
-    let lever = TURN_LEVER * bounds.millimetre;
-    let scale = |i: usize| {
-        if (3..RACK).contains(&i) {
-            1.0 / lever
-        } else {
-            1.0
-        }
-    };
+    let scale = |shared: usize| 1.0 / lever_of(shared, bounds);
     let mut scaled = [[0.0; SHARED]; SHARED];
-    let mut largest = 0.0_f64;
     for (a, i) in active.iter().enumerate() {
         for (b, j) in active.iter().enumerate() {
             scaled[a][b] = scale(*i) * matrix[a][b].value() * scale(*j);
         }
-        largest = largest.max(scaled[a][a]);
     }
-    // Unknowns that do not move have the largest stiffness.
-    for (k, row) in scaled.iter_mut().enumerate().skip(active.len()) {
-        row[k] = if active.is_empty() { 1.0 } else { largest };
-    }
-    is_positive(&scaled, LOOSE)
+    is_positive_on(scaled, active.len(), LOOSE)
 }
 
 impl<T: Scalar> AxleEquations<T> {

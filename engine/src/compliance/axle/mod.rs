@@ -154,31 +154,26 @@ impl<T: Scalar> ElasticAxle<T> {
     }
 
     fn singular(&self, why: AxleSingular) -> AxleFault {
-        match why {
-            AxleSingular::Wheel(side, why) => AxleFault {
-                side: Some(Side::ALL[side]),
-                fault: preload_fault(&self.wheels[side].built.names, NoPreload::Singular(why)),
-            },
-            AxleSingular::Carrier => AxleFault {
-                side: None,
-                fault: ElasticFault::NoBalance {
-                    part: AXLE.to_owned(),
-                },
-            },
-            AxleSingular::Shared => {
-                // Without force, the bar holds nothing and is left out.
-                let part = match (self.shared.has_subframe, self.shared.rack.is_some()) {
-                    (true, false) => "the subframe",
-                    (false, true) => "the rack",
-                    _ => "the subframe or the rack",
+        let part = match why {
+            AxleSingular::Wheel(side, why) => {
+                return AxleFault {
+                    side: Some(Side::ALL[side]),
+                    fault: preload_fault(&self.wheels[side].built.names, NoPreload::Singular(why)),
                 };
-                AxleFault {
-                    side: None,
-                    fault: ElasticFault::NoBalance {
-                        part: part.to_owned(),
-                    },
-                }
             }
+            AxleSingular::Carrier => AXLE,
+            // Without force, the bar holds nothing and is left out.
+            AxleSingular::Shared => match (self.shared.has_subframe, self.shared.rack.is_some()) {
+                (true, false) => "the subframe",
+                (false, true) => "the rack",
+                _ => "the subframe or the rack",
+            },
+        };
+        AxleFault {
+            side: None,
+            fault: ElasticFault::NoBalance {
+                part: part.to_owned(),
+            },
         }
     }
 

@@ -1,14 +1,14 @@
 //! Equilibria of an axle. The method is that of `compliance/solve.rs` and `compliance/wheel.rs` for one wheel.
 
-use super::equations::{AxleHeld, AxleSingular, AxleState, AxleStep, AxleTask, Purpose};
+use super::equations::{AxleHeld, AxleSingular, AxleState, AxleStep, AxleTask, Purpose, lever_of};
 use super::{AXLE, AxleEquilibrium, ElasticAxle};
 use crate::compliance::definition::Relaxed;
 use crate::compliance::fault::{Motion, NoEquilibrium};
-use crate::compliance::ground::{RACK, SHARED, TWIST};
+use crate::compliance::ground::SHARED;
 use crate::compliance::loads::WheelLoads;
 use crate::compliance::solve::{Judge, Obstacle, Unraised, Verdict, between, raised};
 use crate::compliance::system::{Held, Singular};
-use crate::compliance::wheel::{CARRIER, HeldQuantity, TURN_LEVER, largest_axis};
+use crate::compliance::wheel::{CARRIER, HeldQuantity, largest_axis};
 use crate::linear::square::MOST;
 use crate::model::{Axis, Side};
 use crate::number::{Each, Vector3, array_of, larger};
@@ -202,7 +202,7 @@ impl ElasticAxle {
 
     /// Largest motion of a step, with the name of its part.
     fn largest_motion(&self, step: &AxleStep<f64>) -> (String, Motion) {
-        let lever = TURN_LEVER * self.wheels[0].bounds.millimetre;
+        let lever = self.wheels[0].bounds.lever();
         let mut found = (-1.0, String::new(), Motion::Turn(Axis::X));
         let mut note = |size: f64, name: String, motion: Motion| {
             if size > found.0 {
@@ -259,14 +259,8 @@ impl ElasticAxle {
             let own = wheel.largest_force(&equations.sides[side].equations);
             worst = larger(worst, own);
         }
-        let lever = TURN_LEVER * self.wheels[0].bounds.millimetre;
         for k in self.shared.active(Purpose::Balance) {
-            let unit = if (3..RACK).contains(&k) || k == TWIST {
-                lever
-            } else {
-                1.0
-            };
-            let force = equations.force[k].abs() / unit;
+            let force = equations.force[k].abs() / lever_of(k, self.wheels[0].bounds);
             worst = larger(worst, force);
         }
         worst

@@ -296,8 +296,7 @@ impl<'a> AxleKcRun<'a> {
         let (load, place) = test.unit_load(&self.vehicle.suspensions[0].vehicle);
         let factors = test.factors();
         let loads = |force: f64| factors.each(|factor| end_loads(&load, force * factor));
-        let has_levels = !test.load.is_motion() && test.levels > 0;
-        let levels = if has_levels {
+        let levels = if test.has_levels() {
             let (axle, at) = (&here.axle, &here.at);
             let next = |from: &AxleEquilibrium, force: f64| {
                 axle.loaded_about(at, from, &loads(force), test.held)

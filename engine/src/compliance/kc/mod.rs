@@ -228,10 +228,10 @@ impl<'a> KcRun<'a> {
 
     fn outcome(&self, station: &mut Station<'_, f64>, test: &KcTest) -> KcOutcome {
         let (load, place) = test.unit_load(&self.suspension.vehicle);
-        let levels = if test.load.is_motion() || test.levels == 0 {
-            Vec::new()
-        } else {
+        let levels = if test.has_levels() {
             self.levels(&station.at, test, &load)
+        } else {
+            Vec::new()
         };
         let values = station.figures(test);
         let secants = station.secants(test, secant(&levels, 0));

@@ -112,6 +112,11 @@ pub struct KcTest {
 }
 
 impl KcTest {
+    /// True if the test has levels of a load. Motions have none.
+    pub(super) fn has_levels(&self) -> bool {
+        !self.load.is_motion() && self.levels > 0
+    }
+
     /// Makes a test with the defaults of studies.
     pub fn new(load: TestLoad, length: LengthUnit) -> Self {
         KcTest {

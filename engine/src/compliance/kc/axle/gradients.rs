@@ -71,7 +71,7 @@ impl AxleKcRun<'_> {
         (tape, inputs): (&'t Tape, usize),
         gradients: &mut [FigureGradients],
     ) {
-        if test.load.is_motion() || test.levels == 0 {
+        if !test.has_levels() {
             return;
         }
         let (length, known) = (tape.len(), station.known_tangents());

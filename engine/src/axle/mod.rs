@@ -105,6 +105,15 @@ impl Axle {
         }
     }
 
+    /// Mean of both wheel centres, each in the frame of its side. So its y is half the track.
+    pub(crate) fn mean_wheel_centre(&self) -> Vector3<f64> {
+        let centre = |side: Side| {
+            let wheel = self.suspension(side);
+            wheel.design[wheel.mechanism.wheel_centre.0]
+        };
+        (centre(Side::Left) + centre(Side::Right)) * 0.5
+    }
+
     /// Right wheel with its own independent hardpoints. `None` for a mirror image, and if one mechanism carries both wheels.
     pub fn own_right(&self) -> Option<&Suspension> {
         self.right.as_ref().filter(|_| !self.is_rigid())

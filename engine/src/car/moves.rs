@@ -3,7 +3,7 @@
 use super::parameters::{AxleParameter, BodyParameter, Parameter};
 use super::{Car, CarGradient};
 use crate::axle::Law;
-use crate::model::{Axis, PointId, Side};
+use crate::model::{Axis, PointId};
 
 /// Part of the car that a design variable moves.
 #[derive(Clone, Debug, PartialEq)]
@@ -148,13 +148,7 @@ impl Moves {
                 }
             }
             Moves::Wheelbase => {
-                let mid = |axle: usize| {
-                    let centre = |side: Side| {
-                        let wheel = car.axles[axle].suspension(side);
-                        wheel.design[wheel.mechanism.wheel_centre.0].x
-                    };
-                    0.5 * (centre(Side::Left) + centre(Side::Right))
-                };
+                let mid = |axle: usize| car.axles[axle].mean_wheel_centre().x;
                 Some(mid(0) - mid(1) - car.rear_offset.x)
             }
         }

@@ -22,7 +22,7 @@ use crate::car::{
     CarVariable, Case, LateralShares, Longitudinal, LongitudinalShares, Masses, Moves, RigGoals,
     Tyre, TyreAxes,
 };
-use crate::model::{Axis, AxlePosition, Frame, LengthUnit, MassUnit, Side};
+use crate::model::{Axis, AxlePosition, Frame, LengthUnit, MassUnit};
 use crate::number::Vector3;
 use hardpoint_study_file::car_file::{self, CarFile};
 use hardpoint_study_file::error::Source;

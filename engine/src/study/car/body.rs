@@ -123,9 +123,9 @@ impl Resolver<'_> {
         };
         let place = written.map(|point| point.span())?;
         let unit = axles[0].left.length_unit.symbol();
-        let front = middle(&axles[0]);
+        let front = axles[0].mean_wheel_centre();
         let ground = front.z - axles[0].setup.wheel_radius.unwrap_or(0.0);
-        let behind = middle(&axles[1]).x + rear_offset.x - cg.x;
+        let behind = axles[1].mean_wheel_centre().x + rear_offset.x - cg.x;
         let ahead = cg.x - front.x;
         let message = if cg.z <= ground {
             format!(
@@ -149,7 +149,7 @@ impl Resolver<'_> {
     fn rear_offset(&mut self, axles: &[Axle; 2]) -> Option<Vector3<f64>> {
         let file = self.file;
         let section = file.car.get_ref();
-        let mid = |axle: &Axle| middle(axle).x;
+        let mid = |axle: &Axle| axle.mean_wheel_centre().x;
         match (&section.wheelbase, &section.rear_offset) {
             (Some(wheelbase), None) => {
                 let length = above_zero(wheelbase, self.problems)?;
@@ -285,13 +285,4 @@ impl Resolver<'_> {
             drag,
         }))
     }
-}
-
-/// Point midway between both wheel centres of an axle.
-fn middle(axle: &Axle) -> Vector3<f64> {
-    let [left, right] = [Side::Left, Side::Right].each(|side: Side| {
-        let wheel = axle.suspension(side);
-        wheel.design[wheel.mechanism.wheel_centre.0]
-    });
-    (left + right) * 0.5
 }

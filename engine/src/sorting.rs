@@ -44,7 +44,7 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// The order is that of the standard library, also of equal items.
+        /// `sort_by_key` gives the order of the standard library, also for equal items.
         #[test]
         fn the_order_is_that_of_a_stable_sort(keys in proptest::collection::vec(0..20_u8, 0..60)) {
             let mut found: Vec<(u8, usize)> = keys.into_iter().zip(0..).collect();

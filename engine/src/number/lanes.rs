@@ -177,8 +177,8 @@ logic!(Not, not, not);
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Width {
     /// One value, with the instructions that every processor has. x86-64 does without: there, a processor that lacks AVX2
-    /// solves each design alone, which is faster and saves a third of the code in lanes. `--cfg hardpoint_portable` compiles
-    /// it on x86-64, too, where the tests then compare its bits with those of the other widths.
+    /// solves each design alone, which is faster and saves a third of the code in lanes. With `--cfg hardpoint_portable`, x86-64
+    /// has this width, too, and the tests check that it gives the bits of the other widths.
     Portable,
     /// AVX2: registers of four values.
     Avx2,
@@ -249,7 +249,8 @@ impl Width {
     }
 
     /// Runs a task in lanes of this width, but in AVX2 lanes instead of AVX-512 lanes. The bits are the same. For tasks that
-    /// take long to compile and gain little from wider registers.
+    /// take long to compile and gain little from wider registers. Such a task must count with its own lanes, not with
+    /// [`Width::lanes`].
     ///
     /// # Panics
     /// If the width is not available.
@@ -282,7 +283,7 @@ pub(crate) fn run_short<T: SimdTask>(task: T) -> T::Output {
     Width::run_in_avx2(task).unwrap_or_else(|task| task.run(Single(Plain).splat(0.0)))
 }
 
-/// Runs a task on one value at a time, with the processor's fused products and sums if it has them. The bits are those of the
+/// Runs a task on one value at a time. A processor with fused products and sums uses them. The task gives the same bits as in
 /// lanes. AVX-512 has no advantage for one value, so no code is compiled for it here.
 pub(crate) fn run_one<T: SimdTask>(task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]

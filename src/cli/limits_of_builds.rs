@@ -279,14 +279,21 @@ impl Least {
 
 /// Table of the limits of the nominal design, and of the nearest limits of all builds.
 fn table(drawn: &LimitRanges, least: &Least) -> Table {
+    // A nearer limit can be among the unknown ones.
+    let (unknown, _) = least.unknown;
+    let builds = if unknown == 0 {
+        "of all builds"
+    } else {
+        "of builds with a known limit"
+    };
     let mut table = Table::with_columns([
         Column::from("quantity"),
         "at".into(),
         Column::named("lower limit, nominal", "from"),
-        Column::named("of all builds", "nearest"),
+        Column::named(builds, "nearest"),
         Column::named("build", "in build"),
         Column::named("upper limit, nominal", "to"),
-        Column::named("of all builds", "nearest there"),
+        Column::named(builds, "nearest there"),
         Column::named("build", "in build there"),
     ]);
     let mut builds = least.rows.iter();

@@ -171,13 +171,15 @@ fn of_axle(study: &Study, both: &AxleStudy) -> Result<Found, String> {
         } else {
             end.side.about(&why)
         };
-        (end.value, why)
+        (Some(end.value), why)
     };
     if let Some(ends) = &limits.rack {
         table.push(Row::axle_rack(axle).cells(ends.each_ref().map(end)));
     }
-    if let [Some(lower), Some(upper)] = &limits.roll {
-        table.push(Row::roll().cells([lower, upper].map(end)));
+    if limits.roll.iter().any(Option::is_some) {
+        let ends = limits.roll.each_ref().map(Option::as_ref);
+        let unknown = || (None, "not known".to_owned());
+        table.push(Row::roll().cells(ends.map(|known| known.map_or_else(unknown, end))));
     }
     let mut notes = Vec::new();
     if axle.setup.wheel_radius.is_some() && limits.roll.iter().any(Option::is_none) {
@@ -282,10 +284,10 @@ pub(crate) fn rod_travel(study: &Study, rocker: RockerId) -> String {
 }
 
 /// Travels at which the rod of a rocker is at toggle, or ends of the wheel's travel if these come first.
-fn toggles(range: &RockerRange, travel: &Range) -> [(f64, String); 2] {
+fn toggles(range: &RockerRange, travel: &Range) -> [(Option<f64>, String); 2] {
     let end = |toggle: Option<Toggle>, end: &RangeEnd| match toggle {
-        Some(Toggle { travel, rod }) => (travel, format!("the {rod} is at toggle")),
-        None => (end.value(), "the wheel's travel ends".to_owned()),
+        Some(Toggle { travel, rod }) => (Some(travel), format!("the {rod} is at toggle")),
+        None => (Some(end.value()), "the wheel's travel ends".to_owned()),
     };
     [
         end(range.lower, &travel.lower),

@@ -18,10 +18,11 @@ pub(super) fn at_toggle(rod: Rod) -> String {
     )
 }
 
-/// Row of a quantity with its limits and causes. `factor` multiplies the values; a negative factor swaps the limits.
-pub(super) fn row(what: [&str; 2], factor: f64, ends: [(f64, String); 2]) -> [Cell; 6] {
+/// Row of a quantity with its limits and causes. `factor` multiplies the values; a negative factor swaps the limits. A limit
+/// without a value has an empty cell.
+pub(super) fn row(what: [&str; 2], factor: f64, ends: [(Option<f64>, String); 2]) -> [Cell; 6] {
     let [quantity, at] = what.map(Cell::from);
-    let [mut from, mut to] = ends.map(|(value, why)| (value * factor, why));
+    let [mut from, mut to] = ends.map(|(value, why)| (value.map(|value| value * factor), why));
     if factor < 0.0 {
         (from, to) = (to, from);
     }
@@ -52,17 +53,17 @@ impl Row {
             _ => "no limit within half a turn",
         };
         let end = |end: &RangeEnd, turn: f64| match end {
-            RangeEnd::Fold(limit) => (limit.value, because(limit, study)),
-            RangeEnd::FullTurn => (turn, beyond.to_owned()),
-            RangeEnd::Toggle { value, rod } => (*value, at_toggle(*rod)),
-            RangeEnd::Unresolved(value) => (*value, LOST.to_owned()),
+            RangeEnd::Fold(limit) => (Some(limit.value), because(limit, study)),
+            RangeEnd::FullTurn => (Some(turn), beyond.to_owned()),
+            RangeEnd::Toggle { value, rod } => (Some(*value), at_toggle(*rod)),
+            RangeEnd::Unresolved(value) => (Some(*value), LOST.to_owned()),
         };
         let turn = std::f64::consts::PI;
         self.cells([end(lower, -turn), end(upper, turn)])
     }
 
     /// Cells of limits with their causes.
-    pub(super) fn cells(&self, ends: [(f64, String); 2]) -> [Cell; 6] {
+    pub(super) fn cells(&self, ends: [(Option<f64>, String); 2]) -> [Cell; 6] {
         row([&self.quantity, &self.at], self.factor, ends)
     }
 
@@ -105,16 +106,7 @@ impl Row {
 
     /// Makes the row without a range, for a rack position that the mechanism cannot reach.
     pub(super) fn of_no_rack(&self) -> [Cell; 6] {
-        let [quantity, at] = [&self.quantity, &self.at].map(|text| Cell::from(text.as_str()));
-        let [why, also] = [(); 2].map(|()| Cell::from("the rack cannot reach this position"));
-        [
-            quantity,
-            at,
-            None::<f64>.into(),
-            why,
-            None::<f64>.into(),
-            also,
-        ]
+        self.cells([(); 2].map(|()| (None, "the rack cannot reach this position".to_owned())))
     }
 }
 

@@ -56,6 +56,9 @@ const BEFORE_END: f64 = 0.999;
 /// The share [`BEFORE_END`] for a rigid axle. Near its fold the heights of the wheels change with the square root of the distance
 /// to the fold.
 const BEFORE_FOLD: f64 = 0.97;
+/// Shares of the travel at a toggle. The axle has a pose at one of them. There, the heights of the wheels are those at the toggle
+/// to 1e-8 of the travel.
+const BEFORE_TOGGLE: [f64; 3] = [1.0 - 1e-12, 1.0 - 1e-10, 1.0 - 1e-8];
 /// Displacement of a steering gear, relative to the mechanism's size, beyond which toggles are not searched for.
 const FARTHEST_GEAR: f64 = 2.0;
 
@@ -94,13 +97,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         };
         let (left, right) = (left.travel, right.travel);
         // In roll to the left, the left wheel is in droop.
-        let mut roll = |ends: [&RangeEnd; 2]| {
-            let end = nearer([(ends[0], 1.0), (ends[1], -1.0)]);
-            let value = self.roll_at(&end)?;
-            Some(AxleEnd { value, ..end })
-        };
-        let upper = roll([&left.lower, &right.upper]);
-        let lower = roll([&left.upper, &right.lower]);
+        let upper = self.roll_end([&left.lower, &right.upper]);
+        let lower = self.roll_end([&left.upper, &right.lower]);
         let roll = [lower, upper];
         let travels = if self.is_rigid() {
             TravelRanges::OfAxle {
@@ -201,19 +199,20 @@ impl<const N: usize> AxleSolver<'_, N> {
         limits.map_err(|fault| (Side::Left, fault))
     }
 
-    /// Roll angle at which the first wheel reaches its end. There, half the difference of travels has the end's value.
-    fn roll_at(&mut self, end: &AxleEnd) -> Option<f64> {
-        let RangeEnd::Fold(limit) = &end.end else {
-            return None;
+    /// End of the roll angle, where the first wheel reaches its end. The ends are those of the left and the right wheel in one
+    /// direction of roll. `None` if the angle there is not known.
+    fn roll_end(&mut self, ends: [&RangeEnd; 2]) -> Option<AxleEnd> {
+        let end = match ends {
+            // The axle's parts have their names as seen from the left wheel.
+            [left, _] if self.is_rigid() => nearer([(left, 1.0), (left, 1.0)]),
+            [left, right] => nearer([(left, 1.0), (right, -1.0)]),
         };
-        let other = match end.side {
-            Side::Left => Side::Right,
-            Side::Right => Side::Left,
-        };
-        let other = self.pose(other, -limit.value)?;
-        let poses: [Pose<f64>; 2] = match end.side {
-            Side::Left => [limit.pose, other],
-            Side::Right => [other, limit.pose],
+        let poses = match ends {
+            // Both ends are one position of the axle, seen from each wheel.
+            [RangeEnd::Fold(left), RangeEnd::Fold(right)] if self.is_rigid() => {
+                [left.pose, right.pose]
+            }
+            _ => self.poses_at(&end)?,
         };
         let roll = self.plane_under(&poses).filter(|roll| roll.is_finite())?;
         let share = if self.is_rigid() {
@@ -226,7 +225,33 @@ impl<const N: usize> AxleSolver<'_, N> {
             roll: share * roll,
             rack: 0.0,
         };
-        self.place(&before).is_ok().then_some(roll)
+        let is_reached = self.place(&before).is_ok();
+        is_reached.then_some(AxleEnd { value: roll, ..end })
+    }
+
+    /// Poses of both wheels where the first one reaches its end. The other wheel has the opposite travel. At the toggle of a rod
+    /// there is no pose, so these are the poses just before it.
+    fn poses_at(&mut self, end: &AxleEnd) -> Option<[Pose<f64>; 2]> {
+        let mut opposite = |side: Side, travel: f64| match side {
+            Side::Left => self.pose(Side::Left, travel),
+            Side::Right => self.pose(Side::Right, -travel),
+        };
+        match (&end.end, end.side) {
+            (RangeEnd::Fold(limit), Side::Left) => {
+                Some([limit.pose, opposite(Side::Right, end.value)?])
+            }
+            (RangeEnd::Fold(limit), Side::Right) => {
+                Some([opposite(Side::Left, end.value)?, limit.pose])
+            }
+            (RangeEnd::Toggle { .. }, _) => {
+                let mut before = BEFORE_TOGGLE.iter().map(|share| share * end.value);
+                before.find_map(|travel| {
+                    let left = opposite(Side::Left, travel)?;
+                    Some([left, opposite(Side::Right, travel)?])
+                })
+            }
+            _ => None,
+        }
     }
 }
 

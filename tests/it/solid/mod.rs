@@ -17,6 +17,7 @@ mod rates;
 mod reference;
 mod refused;
 mod robust;
+mod roll_limits;
 mod set_up;
 mod steered;
 mod tolerance;

@@ -1,0 +1,98 @@
+//! Limits of roll: an axle rolls up to them and no further, and the part that ends the roll is the one that ends the travel
+//! difference.
+
+use crate::support::random::Random;
+use hardpoint::analyse::RangeEnd;
+use hardpoint::axle::{Axle, AxleLimits, AxleSolver, Placement, TravelRanges};
+use hardpoint::study::Study;
+use std::path::Path;
+
+/// Parts of the solid axle of `new`, and its twist beam.
+const AXLES: [(&str, &str); 6] = [
+    ("solid_axle", ""),
+    ("solid_axle", "panhard"),
+    ("solid_axle", "watt"),
+    ("solid_axle", "drag_link"),
+    ("solid_axle", "watt,drag_link"),
+    ("twist_beam", ""),
+];
+
+fn templates() -> impl Iterator<Item = (String, Axle)> {
+    AXLES.into_iter().map(|(topology, with)| {
+        let parts: Vec<String> = with.split(',').map(str::to_owned).collect();
+        let parts = if with.is_empty() { Vec::new() } else { parts };
+        let text = hardpoint::cli::template(topology, &parts).unwrap();
+        let study = Study::from_text("axle.toml", &text, Path::new(""));
+        let study = study.unwrap_or_else(|errors| panic!("{topology} with {with}: {errors}"));
+        let name = format!("{topology} with {with}");
+        (name, study.axle().unwrap().axle.clone())
+    })
+}
+
+/// The axle with all points of its left half moved by up to this distance along each axis. The right half follows.
+fn scattered(axle: &Axle, most: f64, random: &mut Random) -> Axle {
+    let mut moved = axle.clone();
+    let rigid = axle.left.mechanism.rigid_axle.as_ref().unwrap();
+    // Points of the right half follow those of the left one.
+    let mut design = random.scattered(&axle.left.design, most);
+    rigid.complete(&axle.left.design, &mut design);
+    if let Some(right) = &mut moved.right {
+        rigid.turn_over(&design, &mut right.design);
+    }
+    moved.left.design = design;
+    moved
+}
+
+fn rolled(axle: &Axle, roll: f64) -> bool {
+    let placement = Placement::Roll {
+        heave: 0.0,
+        roll,
+        rack: 0.0,
+    };
+    let mut solver = AxleSolver::<1>::new(axle, &[], false).unwrap();
+    solver.place(&placement).is_ok()
+}
+
+/// Ends of the roll angle, and of the travel difference in the same direction.
+fn ends(limits: &AxleLimits) -> [Option<(f64, &RangeEnd, &RangeEnd)>; 2] {
+    let TravelRanges::OfAxle {
+        half_difference, ..
+    } = &limits.travels
+    else {
+        panic!("an axle of one body");
+    };
+    // In roll to the left, which is positive, the left wheel is in droop.
+    let of_travel = [&half_difference.upper, &half_difference.lower];
+    let mut of_roll = limits.roll.iter();
+    of_travel.map(|travel| {
+        let end = of_roll.next().unwrap().as_ref()?;
+        Some((end.value, &end.end, travel))
+    })
+}
+
+#[test]
+fn axles_of_each_kind_roll_up_to_their_limits() {
+    let mut random = Random(46);
+    for (name, template) in templates() {
+        for number in 0..12 {
+            let axle = if number == 0 {
+                template.clone()
+            } else {
+                scattered(&template, 20.0, &mut random)
+            };
+            let limits = axle.limits().unwrap();
+            for end in ends(&limits) {
+                let (roll, of_roll, of_travel) =
+                    end.unwrap_or_else(|| panic!("{name} {number}: an unknown limit"));
+                assert!(rolled(&axle, roll * 0.97), "{name} {number}: {roll}");
+                assert!(!rolled(&axle, roll * 1.001), "{name} {number}: {roll}");
+                match (of_roll, of_travel) {
+                    (RangeEnd::Fold(of_roll), RangeEnd::Fold(of_travel)) => {
+                        assert_eq!(of_roll.dependent, of_travel.dependent, "{name} {number}");
+                    }
+                    _ => assert_eq!(of_roll, of_travel, "{name} {number}"),
+                }
+            }
+        }
+    }
+}

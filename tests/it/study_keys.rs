@@ -63,7 +63,11 @@ const TABLES: &[(&str, &str, &str)] = &[
     ("heave_bar", "[heave_bar]", "[heave_bar]\nbogus = 1"),
     ("tyre", "[tyre]", "[tyre]\nbogus = 1"),
     ("compliance", "[compliance]", "[compliance]\nbogus = 1"),
-    ("compliance.tests", "tests = []", "tests = [{ bogus = 1 }]"),
+    (
+        "compliance.tests",
+        "tests = [{ load = \"lateral\" }]",
+        "tests = [{ bogus = 1 }]",
+    ),
     (
         "bushings.NAME",
         "[motion]",
@@ -182,7 +186,7 @@ torque = 1.0
 [tyre]
 rate = 1.0
 [compliance]
-tests = []
+tests = [{ load = "lateral" }]
 [motion]
 travel = { from = 0.0, to = 1.0, steps = 2 }
 [solver]

@@ -114,7 +114,7 @@ impl<'s> SweepPlan<'s> {
             Vehicle::Axle(both) => {
                 let targets: Vec<_> = swept.iter().map(|t| t.axle_samples(&both.axle)).collect();
                 let rates = samples.rates().map(|rate| rate.parameter.into()).collect();
-                of_axle(both, both.plan_with(swept), &targets, rates)
+                of_axle(both, both.plan_with(swept), &targets, rates, sweep.curves)
             }
             Vehicle::Wheel(own) => {
                 let stations = Stations::of(&own.motion, &suspension.frame, &further);
@@ -123,7 +123,8 @@ impl<'s> SweepPlan<'s> {
                     None => of_corner(suspension, &plan, stations, swept, &wanted),
                     Some(elastic) => {
                         let rates = samples.rates().map(|rate| rate.parameter).collect();
-                        of_elastic(own, elastic, &plan, stations, swept, &wanted, rates)
+                        let targets = (swept, &wanted[..]);
+                        of_elastic(own, elastic, &plan, stations, targets, rates, sweep.curves)
                     }
                 }
             }

@@ -454,3 +454,52 @@ fn two_runs_of_kc_are_compared() {
     assert_eq!(mixed.status.code(), Some(2));
     assert!(said.contains("runs of `hardpoint kc` only"), "{said}");
 }
+
+/// Curves of a swept design contain its test figures at every station, as the curves of `solve` do.
+#[test]
+fn curves_of_a_sweep_have_figures_at_every_station() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    std::fs::write(here.join("own.csv"), "tie_rod_inner_dz\n0.0\n").unwrap();
+    let outputs = "\n[outputs]\ncharacteristics = [\"toe\", \"toe_by_lateral_force\"]\n\
+                   [sweep]\ndesigns = \"own.csv\"\ncurves = true\n";
+    for (name, trail) in [
+        ("double_wishbone_compliance.toml", ""),
+        ("subframe_axle_compliance.toml", "_trail_30"),
+    ] {
+        let text = std::fs::read_to_string(study(name)).unwrap();
+        let outputs = outputs.replace("_force\"", &format!("_force{trail}\""));
+        std::fs::write(here.join("study.toml"), text + &outputs).unwrap();
+        for command in ["sweep", "solve"] {
+            let ran = hardpoint(&[command, "study.toml", "--out", command, "--force"], here);
+            let errors = String::from_utf8_lossy(&ran.stderr);
+            assert_eq!(ran.status.code(), Some(0), "{name} {command}: {errors}");
+        }
+        let read = |command: &str| {
+            let path = here.join(command).join("curves.csv");
+            rows_by_column(&std::fs::read(path).unwrap())
+        };
+        let (swept, alone) = (read("sweep"), read("solve"));
+        assert_eq!(swept.len(), alone.len(), "{name}");
+        assert!(swept.len() > 1, "{name}");
+        for (swept, alone) in swept.iter().zip(&alone) {
+            for (column, text) in alone {
+                if column == "status" || column == "reason" {
+                    continue;
+                }
+                let Some(found) = swept.get(column) else {
+                    continue;
+                };
+                let [found, expected] = [found, text].map(|text| text.parse::<f64>());
+                let (found, expected) = (found.unwrap(), expected.unwrap());
+                let most = 1e-10 * expected.abs().max(1.0);
+                assert!((found - expected).abs() <= most, "{name} {column}");
+            }
+            let is_figure = |column: &&String| {
+                column.starts_with("toe_by_lateral") || column.contains("_toe_by_lateral")
+            };
+            let figures: Vec<_> = swept.keys().filter(is_figure).collect();
+            assert!(!figures.is_empty(), "{name}: {:?}", swept.keys());
+        }
+    }
+}

@@ -24,12 +24,26 @@ pub(super) fn tests(
     let Some(list) = &section.get_ref().tests else {
         return Some(KcTest::defaults(false, has_spring, suspension.length_unit));
     };
+    refuse_none(list, problems)?;
     let tests = each(list.get_ref(), |written| {
         refuse_of_axles(written.get_ref(), problems)?;
         test(written, suspension, has_spring, problems)
     })?;
     refuse_twins(list.get_ref(), &tests, problems)?;
     Some(tests)
+}
+
+/// Refuses a list without tests.
+fn refuse_none(
+    list: &Spanned<Vec<Spanned<file::ComplianceTest>>>,
+    problems: &mut Problems,
+) -> Option<()> {
+    if list.get_ref().is_empty() {
+        let message = "expected at least one test, found an empty list; a study without the key \
+                       has the usual tests";
+        return problems.refuse(list.span(), message);
+    }
+    Some(())
 }
 
 /// Refuses loads and keys of both wheels in a study of one wheel.
@@ -69,6 +83,7 @@ pub(super) fn tests_of_axle(
         tests.iter_mut().for_each(|test| test.has_bar = has_bar);
         return Some(tests);
     };
+    refuse_none(list, problems)?;
     let mut tests = Vec::new();
     for written in list.get_ref() {
         let found = test(written, suspension, has_spring, problems)?;

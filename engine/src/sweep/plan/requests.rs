@@ -50,15 +50,16 @@ pub(super) fn of_corner<'s>(
     (request.with_slopes(|k| !gains[k].is_empty()), gains, wishes)
 }
 
-/// Plans the sweep of a wheel with elastic parts: characteristics over the motion, test figures in the design position.
+/// Plans the sweep of a wheel with elastic parts: characteristics over the motion, test figures in the design position. With
+/// `curves` it also reads test figures over the motion.
 pub(super) fn of_elastic<'s>(
     own: &WheelStudy,
     elastic: &ComplianceStudy,
     plan: &Plan,
     stations: Stations,
-    swept: &[Target],
-    wanted: &[Vec<Sample>],
+    (swept, wanted): (&[Target], &[Vec<Sample>]),
     rates: Vec<Parameter>,
+    curves: bool,
 ) -> Planned<'s> {
     let length = own.suspension.length_unit;
     let (mut reads, mut columns, mut gains) = (Vec::new(), Vec::new(), Vec::new());
@@ -109,11 +110,7 @@ pub(super) fn of_elastic<'s>(
         .zip(wanted)
         .map(|(target, wanted)| wanted.iter().map(|w| wish(target, w)).collect())
         .collect();
-    let further: Vec<[usize; 2]> = wishes
-        .iter()
-        .flatten()
-        .map(|w| [w.quantity, w.station])
-        .collect();
+    let further = read_further(&wishes, curves, [reads.len(), stations.count()]);
     let quantities = ElasticQuantities::of(own, elastic, &stations, reads, &further, rates);
     (
         Request::of_elastic(quantities, stations, columns),
@@ -122,17 +119,33 @@ pub(super) fn of_elastic<'s>(
     )
 }
 
+/// Values to read besides those that a sweep reads anyway, as pairs of value and station: those of targets, and with `curves`
+/// all. The last argument has the numbers of values and of stations.
+fn read_further(
+    wishes: &[Vec<SweptWish>],
+    curves: bool,
+    [values, stations]: [usize; 2],
+) -> Vec<[usize; 2]> {
+    if curves {
+        let of_value = |value| (0..stations).map(move |station| [value, station]);
+        return (0..values).flat_map(of_value).collect();
+    }
+    let wishes = wishes.iter().flatten();
+    wishes.map(|w| [w.quantity, w.station]).collect()
+}
+
 /// Returns true if a quantity of an axle is a test figure.
 pub(super) fn is_figure(quantity: &crate::axle::Quantity) -> bool {
     matches!(quantity, crate::axle::Quantity::Figure(_))
 }
 
-/// Plans the sweep of an axle with the target values.
+/// Plans the sweep of an axle with the target values. With `curves` it also reads test figures over the motion.
 pub(super) fn of_axle<'s>(
     both: &'s AxleStudy,
     mut plan: AxlePlan,
     samples: &[Vec<AxleSample>],
     rates: Vec<AxleParameter>,
+    curves: bool,
 ) -> Planned<'s> {
     // Test figures come last, because they apply only to the design position.
     sort_by_key(&mut plan.quantities, is_figure);
@@ -160,8 +173,8 @@ pub(super) fn of_axle<'s>(
     let wishes = samples.iter().map(|own| own.iter().map(wish).collect());
     let wishes: Vec<Vec<SweptWish>> = wishes.collect();
     if both.axle.elastic.is_some() {
-        let wanted = wishes.iter().flatten();
-        let further = wanted.map(|w| [w.quantity, w.station]).collect();
+        let all = [stations.quantities.len(), stations.placements.len()];
+        let further = read_further(&wishes, curves, all);
         stations.elastic = Some(ElasticAxleParts { rates, further });
     }
     (Request::of_axle(stations), gains, wishes)

@@ -1,8 +1,8 @@
 //! `kc` tests on a study: tables and summary for the command line and for other programs.
 
-use crate::axle::{AxleMotion, Placement};
+use crate::axle::Placement;
 use crate::compliance::{AxleCompliance, AxleKcRun, Compliance, KcRun, KcTest};
-use crate::model::{Constraint, Suspension};
+use crate::model::{Axis, Constraint, Suspension};
 use crate::report::{KcResults, OtherProgram};
 use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Drive, Study};
 use serde_json::{Value, json};
@@ -82,7 +82,7 @@ impl<'s> RigTests<'s> {
             design_loads: loads.into_iter().flatten().collect(),
             is_axle: true,
             links: elastic.link_names.clone(),
-            stations: run.run(&stations(&axle.plan.motion), &elastic.tests),
+            stations: run.run(&stations(axle), &elastic.tests),
             tyre_rate: elastic.tyre_rate,
             other,
             bushings,
@@ -130,12 +130,14 @@ impl<'s> RigTests<'s> {
     }
 }
 
-/// Travels of both wheels and rack displacement, at each station of an axle's motion.
-fn stations(motion: &AxleMotion) -> Vec<([f64; 2], f64)> {
-    let placements = motion.placements();
+/// Travels of both wheels and rack displacement along the study's +y, at each station of an axle's motion.
+fn stations(both: &AxleStudy) -> Vec<([f64; 2], f64)> {
+    let placements = both.plan.motion.placements();
+    let along = both.axle.left.frame.sign(Axis::Y);
     // The reader of elastic axles has already refused motions that roll on a plane.
     let on_pads = placements.iter().filter_map(Placement::on_level_pads);
-    on_pads.collect()
+    let in_study = |(travels, rack): ([f64; 2], f64)| (travels, along * rack + 0.0);
+    on_pads.map(in_study).collect()
 }
 
 /// Refuses rigid mechanisms that the tests do not support.
@@ -169,7 +171,7 @@ fn rigid_axle(study: &AxleStudy) -> Result<AxleComplianceStudy, String> {
     let suspension = &study.axle.left;
     check_rigid(suspension)?;
     let motion = &study.plan.motion;
-    if motion.time.is_some() || stations(motion).is_empty() {
+    if motion.time.is_some() || stations(study).is_empty() {
         return Err(
             "`hardpoint kc` of an axle needs stations on level pads: expected heave, or travel_left and travel_right, in [motion]"
                 .to_owned(),

@@ -88,13 +88,13 @@ impl<'a> AxleLoads<'a> {
         columns
     }
 
-    /// Values of the columns at these travels and this rack displacement along the study's +y. A load without equilibrium has
+    /// Values of the columns at these travels and this rack displacement along the kernel's +y. A load without equilibrium has
     /// none.
     pub(super) fn values(&self, (travels, rack): ([f64; 2], f64)) -> Vec<Option<f64>> {
         if self.cases.is_empty() {
             return Vec::new();
         }
-        let station = self.axle.at(travels, self.along * rack).ok();
+        let station = self.axle.at(travels, rack).ok();
         let mut values = Vec::new();
         for case in &self.cases {
             match station.and_then(|station| self.case(case, &station)) {

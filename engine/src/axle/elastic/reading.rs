@@ -20,7 +20,7 @@ use crate::compliance::{
     not_of_equilibrium,
 };
 use crate::mechanism::DesignFault;
-use crate::model::{Axis, Side};
+use crate::model::Side;
 use crate::number::{Each, Jet, Matrix3, Real, Scalar, Tape, Tracked, Valued, Vector3};
 use crate::study::AxleComplianceStudy;
 
@@ -347,8 +347,6 @@ fn by_conditions(wanted: &[AxleRead]) -> Vec<(Conditions, Vec<usize>)> {
 /// An axle with elastic parts, ready for the evaluation of stations.
 pub(crate) struct Equilibria<'a> {
     run: AxleKcRun<'a>,
-    /// Sign of the study's rack axis along y of the kernel's frame.
-    along: f64,
     /// Rotation of a solid axle in its design position from the position that its direction counts from; `None` if that is the design
     /// position.
     home: Option<Matrix3<f64>>,
@@ -384,11 +382,7 @@ impl Axle {
             let side = fault.side.unwrap_or(Side::Left);
             (side, DesignFault::Elastic(words))
         })?;
-        Ok(Equilibria {
-            run,
-            along: self.left.frame.sign(Axis::Y),
-            home: None,
-        })
+        Ok(Equilibria { run, home: None })
     }
 }
 
@@ -417,7 +411,7 @@ impl Equilibria<'_> {
 
     /// Equilibrium of the axle at given travels and a rack displacement towards the kernel's +y.
     pub(crate) fn here(&self, (travels, rack): ([f64; 2], f64)) -> Result<Here, NoEquilibrium> {
-        self.run.here(USUAL, travels, self.along * rack, [])
+        self.run.here(USUAL, travels, rack, [])
     }
 
     /// Values at given travels and a rack displacement towards the kernel's +y. `None` for missing values.
@@ -429,7 +423,6 @@ impl Equilibria<'_> {
         let mut found = vec![None; wanted.len()];
         for (conditions, numbers) in by_conditions(wanted) {
             let own: Vec<AxleRead> = numbers.iter().map(|k| wanted[*k]).collect();
-            let rack = self.along * rack;
             let mut here = self.run.here(conditions, travels, rack, tests(&own))?;
             let values = read(&self.run, &mut here, &own, self.home, |here, test| {
                 self.run.window_secants(here, test)
@@ -458,7 +451,6 @@ impl Equilibria<'_> {
         };
         for (conditions, numbers) in by_conditions(wanted) {
             let own: Vec<AxleRead> = numbers.iter().map(|k| wanted[*k]).collect();
-            let rack = self.along * rack;
             let plain = self.run.here(conditions, travels, rack, tests(&own))?;
             if numbers.is_empty() {
                 continue;

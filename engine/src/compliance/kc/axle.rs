@@ -212,7 +212,12 @@ impl<'a> AxleKcRun<'a> {
         found
     }
 
-    /// Solves the station at these travels and this rack displacement along the study's +y, ready for these tests.
+    /// Sign of the study's +y along the kernel's +y.
+    pub(super) fn along(&self) -> f64 {
+        self.vehicle.suspensions[0].frame.sign(Axis::Y)
+    }
+
+    /// Solves the station at these travels and this rack displacement along the kernel's +y, ready for these tests.
     pub(crate) fn here<'t>(
         &self,
         conditions: Conditions,
@@ -220,18 +225,17 @@ impl<'a> AxleKcRun<'a> {
         rack: f64,
         tests: impl IntoIterator<Item = &'t KcTest>,
     ) -> Result<Here, NoEquilibrium> {
-        let along = self.vehicle.suspensions[0].frame.sign(Axis::Y);
         let axle = self.variant(conditions).map_err(|_| NoEquilibrium {
             share: 0.0,
             is_unstable: true,
             softest: None,
         })?;
-        let at = axle.at(travels, along * rack)?;
+        let at = axle.at(travels, rack)?;
         // Only the roll test has a figure of the links alone.
         let rolls = tests.into_iter().any(|test| test.load == TestLoad::Roll);
         let alone = rolls.then(|| axle.on_its_links()).flatten();
         let links = alone.and_then(|links| {
-            let at = links.at(travels, along * rack).ok()?;
+            let at = links.at(travels, rack).ok()?;
             Some((links, at))
         });
         Ok(Here {
@@ -248,6 +252,7 @@ impl<'a> AxleKcRun<'a> {
             let conditions = test.conditions();
             if !known.iter().any(|(of, _)| *of == conditions) {
                 let own = tests.iter().filter(|test| test.conditions() == conditions);
+                let rack = self.along() * rack;
                 known.push((conditions, self.here(conditions, travels, rack, own)));
             }
             let Some((_, here)) = known.iter_mut().find(|(of, _)| *of == conditions) else {
@@ -371,7 +376,7 @@ impl<'a> AxleKcRun<'a> {
             tensions: axle.tensions(at, side),
         };
         let wheels: Vec<KcWheelState> = Side::ALL.into_iter().map(wheel).collect();
-        let along = self.vehicle.suspensions[0].frame.sign(Axis::Y);
+        let along = self.along();
         KcState {
             axle: Some(KcAxleState {
                 mean_steer: 0.5 * (wheels[1].figures.toe - wheels[0].figures.toe),

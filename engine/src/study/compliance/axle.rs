@@ -98,8 +98,8 @@ pub(in super::super) fn axle_compliance<'m>(
     let parts = AxleCompliance {
         wheels: [wheel, right],
         subframe: own,
-        rack_rate: rack_rate.filter(|_| steers),
-        column: column.filter(|_| steers),
+        rack_rate,
+        column,
         bar_rate: setup.bar_rate,
     };
     match AxleKcRun::new(axle.on_rig(tyre_rate), &parts) {
@@ -271,6 +271,13 @@ fn steering(
     let Some(steering) = file.steering.as_ref().map(Spanned::get_ref) else {
         return Some((None, None));
     };
+    let rates = [&steering.rack_stiffness, &steering.column_stiffness];
+    if let Some(rate) = rates.into_iter().flatten().next()
+        && !axle.left.mechanism.has_rack()
+    {
+        let message = "this axle has no rack; leave rack_stiffness and column_stiffness out";
+        return problems.refuse(rate.span.clone(), message);
+    }
     let rack = match &steering.rack_stiffness {
         Some(rate) => Some(above_zero(rate, problems)?),
         None => None,

@@ -1,6 +1,7 @@
 //! Elastic axles against a second formulation (`world.rs`) and against mechanics.
 
 mod command;
+mod frames;
 mod mechanics;
 mod names;
 mod robust;

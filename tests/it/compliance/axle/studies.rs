@@ -702,6 +702,18 @@ fn what_an_elastic_axle_does_not_have_is_refused() {
     }
 }
 
+/// Wheels without a rack have no stiffness of rack and column.
+#[test]
+fn the_stiffness_of_a_missing_rack_is_refused() {
+    let parts = ["bushings", "axle"].map(str::to_owned);
+    let text = hardpoint::cli::template("semi_trailing_arm", &parts).unwrap();
+    elastic(&text);
+    let text = text + "\n[steering]\nrack_stiffness = 1000.0\n";
+    let read = Study::elastic_from_text("case.toml", &text, Path::new(""));
+    let said = read.unwrap_err().to_string();
+    assert!(said.contains("this axle has no rack"), "{said}");
+}
+
 /// Every figure has a name of its own, and the number of `hardpoint kc` under this name.
 #[test]
 fn figures_have_names_of_their_own() {

@@ -6,7 +6,7 @@ use super::super::{KcSubject, end_loads};
 use super::{AxleFigure, AxleKcRun, Here, roll};
 use crate::ask::Unit;
 use crate::compliance::{AxleChange, HeldQuantity, WheelFigures, WheelLoads};
-use crate::model::{Axis, AxlePosition, Side};
+use crate::model::{AxlePosition, Side};
 use crate::number::{Each, Scalar};
 
 impl AxleKcRun<'_> {
@@ -68,7 +68,9 @@ impl AxleKcRun<'_> {
             },
             _ => test.factors().each(|factor| one.scaled(factor)),
         };
-        let rates = self.wheel_rates(here, test);
+        // Wheel load per rise of the contact point, as both wheels rise together.
+        let rates = by.filter(|_| test.load == TestLoad::Heave);
+        let rates = rates.map(|by| by.each(|by| by.vertical / by.contact.z));
         let mut found = Vec::new();
         for (k, side) in Side::ALL.into_iter().enumerate() {
             if units[k].value() == 0.0 {
@@ -98,18 +100,6 @@ impl AxleKcRun<'_> {
             );
         }
         found
-    }
-
-    /// Wheel load per rise of the contact point, with both contact points rising together; for ride rates by heave.
-    fn wheel_rates<T: Scalar>(&self, here: &mut Here<T>, test: &KcTest) -> Option<[T; 2]> {
-        if test.load != TestLoad::Heave || self.vehicle.tyre_rate.is_none() {
-            return None;
-        }
-        let mut load = WheelLoads::none(0.0);
-        load.contact.z = 1.0;
-        let loads = here.loads(&[load; 2]);
-        let by = here.by(HeldQuantity::WheelLoad, &loads)?;
-        Some(by.each(|by| by.contact.z.one() / by.contact.z))
     }
 
     /// Computes the figures of the axle as a whole.
@@ -157,7 +147,7 @@ impl AxleKcRun<'_> {
                 }
             }
             (TestLoad::Steering, _) => {
-                let along = self.vehicle.suspensions[0].frame.sign(Axis::Y);
+                let along = self.along();
                 push("steer_by_rack", Unit::AnglePerLength, &|by| {
                     steer(by).scaled(along)
                 });

@@ -12,7 +12,7 @@ pub type FigureGradients = [Option<Vec<f64>>; 2];
 impl AxleKcRun<'_> {
     /// Derivatives of the figures of tests at a station by inputs, for each test in the order of its outcome. Hardpoints and
     /// parts of both wheels change together. Tests under the same conditions share the station's equilibrium and its tape.
-    /// `None` if the station has no equilibrium. `tape` is working memory.
+    /// The rack displacement is along the study's +y. `None` if the station has no equilibrium. `tape` is working memory.
     pub fn gradients(
         &self,
         travels: [f64; 2],
@@ -32,7 +32,9 @@ impl AxleKcRun<'_> {
             tape.clear();
             let tape = &*tape;
             let own_tests = own.iter().map(|test| &tests[*test]);
-            let plain = self.here(conditions, travels, rack, own_tests).ok()?;
+            let along_kernel = self.along() * rack;
+            let plain = self.here(conditions, travels, along_kernel, own_tests);
+            let plain = plain.ok()?;
             let mut station = self.on_tape(conditions, &plain, &inputs, tape)?;
             let mut places = Vec::new();
             let mut results = Vec::new();

@@ -30,6 +30,9 @@ const TYRE_WIDTH: [f64; 2] = [0.005, 2.0];
 const RIM_DIAMETER: [f64; 2] = [0.02, 2.0];
 const WHEELBASE: [f64; 2] = [0.1, 20.0];
 const CG_HEIGHT: [f64; 2] = [0.01, 5.0];
+/// Plausible ranges in wheel radii. Wheels of a wheelbase below two radii would overlap.
+const WHEELBASE_IN_RADII: [f64; 2] = [2.0, 30.0];
+const CG_HEIGHT_IN_RADII: [f64; 2] = [0.4, 6.0];
 /// Smallest plausible distance of a wheel from the centre plane, relative to its distance from the points on the
 /// body.
 const WHEEL_AT_CENTRE: f64 = 0.5;
@@ -390,6 +393,30 @@ impl<'a> PlausibilityRemarks<'a> {
             {
                 self.say(format!(
                     "{name} is {length} {unit}. Every length in the study must be in length_unit"
+                ));
+            }
+        }
+        // In wheel radii if it is plausible in metres.
+        for (name, length, in_metres, [least, most]) in [
+            (
+                "wheelbase",
+                vehicle.wheelbase,
+                WHEELBASE,
+                WHEELBASE_IN_RADII,
+            ),
+            (
+                "cg_height",
+                vehicle.cg_height,
+                CG_HEIGHT,
+                CG_HEIGHT_IN_RADII,
+            ),
+        ] {
+            if let (Some(length), Some(radius)) = (length, *wheel_radius)
+                && (in_metres[0] * metre..=in_metres[1] * metre).contains(&length)
+                && !(least * radius..=most * radius).contains(&length)
+            {
+                self.say(format!(
+                    "[vehicle] {name} is {length} {unit} at a wheel radius of {radius} {unit}. Is one of them in another unit?"
                 ));
             }
         }

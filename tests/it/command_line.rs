@@ -743,6 +743,14 @@ fn doubtful_studies_are_called_so() {
             "wheelbase is 1.55 mm",
         ),
         (
+            good.replace("[motion]", "[vehicle]\nwheelbase = 270.0\n\n[motion]"),
+            "wheelbase is 270 mm at a wheel radius of",
+        ),
+        (
+            good.replace("[motion]", "[vehicle]\ncg_height = 29.0\n\n[motion]"),
+            "cg_height is 29 mm at a wheel radius of",
+        ),
+        (
             good.replace("[motion]", "[vehicle]\ntrack = 1000.0\n\n[motion]"),
             "620 mm from the centre plane",
         ),

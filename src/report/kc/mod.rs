@@ -45,11 +45,13 @@ pub struct KcResults<'a> {
 pub fn no_equilibrium(why: &NoEquilibrium) -> String {
     let softest = why.softest.as_ref();
     let motion = softest.map(|(part, motion)| weakest_motion(part, *motion));
-    let motion = motion.unwrap_or_else(|| "no equilibrium is found".to_owned());
-    if why.is_unstable {
-        format!("found, but it is not stable: {motion}")
-    } else {
-        format!("exists for {:.6} of the way; then {motion}", why.share)
+    match (why.is_unstable, motion) {
+        (true, Some(motion)) => format!("found, but it is not stable: {motion}"),
+        (true, None) => "found, but it is not stable".to_owned(),
+        (false, motion) => {
+            let motion = motion.unwrap_or_else(|| "no equilibrium is found".to_owned());
+            format!("exists for {:.6} of the way; then {motion}", why.share)
+        }
     }
 }
 

@@ -9,7 +9,7 @@ impl KcResults<'_> {
         self.failures().is_empty()
     }
 
-    /// Stations and levels without equilibrium, one per line.
+    /// Stations and levels without equilibrium, one per line. Of the levels of a test it lists the nearest one in each direction.
     pub fn failures(&self) -> Vec<String> {
         let u = self.length().symbol();
         let mut failures = Vec::new();
@@ -19,12 +19,16 @@ impl KcResults<'_> {
                 Err(why) => failures.push(format!("{at}: {}", no_equilibrium(why))),
                 Ok(outcomes) => {
                     for outcome in outcomes {
-                        let first = outcome
-                            .levels
-                            .iter()
+                        let levels = outcome.levels.iter();
+                        let missing = levels
                             .filter_map(|level| Some((level.load, level.state.as_ref().err()?)));
-                        let nearest = first.min_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()));
-                        if let Some((load, why)) = nearest {
+                        let (negative, positive): (Vec<_>, Vec<_>) =
+                            missing.partition(|(load, _)| *load < 0.0);
+                        let nearest = [negative, positive].map(|found| {
+                            let found = found.into_iter();
+                            found.min_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()))
+                        });
+                        for (load, why) in nearest.into_iter().flatten() {
                             let unit = match outcome.test.load {
                                 TestLoad::Aligning => format!("N {u}"),
                                 _ => "N".to_owned(),

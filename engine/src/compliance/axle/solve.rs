@@ -95,7 +95,7 @@ impl ElasticAxle {
                 task: *to,
                 steps,
             }),
-            Err(stuck) => Err(self.explained(&stuck, side, way)),
+            Err(stuck) => Err(self.explained(start, &stuck, side, way)),
         }
     }
 
@@ -135,6 +135,7 @@ impl ElasticAxle {
 
     fn explained(
         &self,
+        start: &AxleState<f64>,
         stuck: &Unraised<AxleState<f64>>,
         side: Option<usize>,
         way: impl Fn(f64) -> AxleTask<f64>,
@@ -146,14 +147,18 @@ impl ElasticAxle {
             ) => Some(self.limb_of(side, limb)),
             _ => None,
         };
+        let softest = |state: &AxleState<f64>| {
+            let found = self.softest(state, &way(stuck.share));
+            found.map(|(_, motion)| motion)
+        };
         let last = stuck.last.as_ref();
         NoEquilibrium {
             share: stuck.share,
             is_unstable: stuck.share == 0.0 && matches!(stuck.obstacle, Obstacle::Unstable(_)),
             softest: last
-                .and_then(|state| self.softest(state, &way(stuck.share)))
-                .map(|(_, motion)| motion)
-                .or(by_limb),
+                .and_then(softest)
+                .or(by_limb)
+                .or_else(|| softest(start)),
         }
     }
 

@@ -213,3 +213,26 @@ fn kc_tests_the_rigid_mechanism_of_an_axle() {
     assert!((steer - curve("right_bump_steer_deg_per_mm")).abs() < 1e-9 * steer.abs());
     value("axle", "steer_by_roll");
 }
+
+/// If there is no equilibrium from the start, the message names the part that gives way.
+#[test]
+fn a_loose_subframe_is_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let here = directory.path();
+    let text = std::fs::read_to_string(study()).unwrap();
+    let loose = text
+        .replace("relaxed = \"at_design_load\"", "relaxed = \"free\"")
+        .replace(
+            "[4000.0, 5000.0, 3500.0, 2.0e5, 3.0e5, 2.0e5]",
+            "[0.2, 0.2, 0.2, 10.0, 10.0, 10.0]",
+        )
+        .replace(
+            "[3000.0, 4000.0, 2500.0, 2.0e5, 3.0e5, 2.0e5]",
+            "[0.2, 0.2, 0.2, 10.0, 10.0, 10.0]",
+        );
+    std::fs::write(here.join("loose.toml"), loose).unwrap();
+    let ran = hardpoint(&["kc", "loose.toml", "--out", "kc"], here);
+    let said = String::from_utf8_lossy(&ran.stdout);
+    assert_eq!(ran.status.code(), Some(1), "{said}");
+    assert!(said.contains("then the subframe moves along"), "{said}");
+}

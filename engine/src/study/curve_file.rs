@@ -3,6 +3,9 @@
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::source::{LONGEST_TEXT, read_text};
 use super::value::{Number, Text};
+use crate::evaluate::index_or_push;
+use crate::model::LengthUnit;
+use crate::number::Each;
 use crate::sorting::sort_by;
 use std::path::Path;
 use std::sync::Arc;
@@ -13,17 +16,37 @@ pub(super) struct WantedColumns<'a> {
     pub drive: &'a str,
     /// Name of the column of target values.
     pub value: &'a str,
-    /// Name of the column of rack displacements. If the file has it, only rows with the requested displacements are used.
-    pub rack: &'a str,
-    /// Rack displacements to read.
+    /// Unit of lengths in the study. It is part of the names of columns.
+    pub length_unit: LengthUnit,
+    /// Rack displacements of the target. If the file has a column of rack displacements, only rows with one of these are used.
     pub racks: &'a [f64],
     /// True if the measured points are used unchanged. Otherwise they are sorted, and the two directions of a hysteresis loop are
     /// averaged.
     pub as_measured: bool,
 }
 
+/// Refuses columns of positions in another unit than the study's. `stems` are the names of the columns without the unit.
+pub(super) fn refuse_other_units(
+    header: &csv::StringRecord,
+    stems: &[&str],
+    unit: LengthUnit,
+) -> Result<(), String> {
+    let own = unit.symbol();
+    for stem in stems {
+        let has = |symbol: &str| header.iter().any(|name| name == format!("{stem}_{symbol}"));
+        let mut others = LengthUnit::ALL.each(LengthUnit::symbol).into_iter();
+        if let (false, Some(other)) = (has(own), others.find(|other| has(other))) {
+            return Err(format!(
+                "the study is in {own}: expected the column {stem}_{own}, found {stem}_{other}"
+            ));
+        }
+    }
+    Ok(())
+}
+
 /// Reads a curve from a file with one column of drive values and one of target values. Its path is relative to the study's
-/// directory. Commas, semicolons or tabs separate columns. Other columns are ignored, and rows without a value are left out.
+/// directory. Commas, semicolons or tabs separate columns. Other columns are ignored, and rows without a value are left out. A
+/// file with a column of rack displacements has a curve for each rack, so the target must have one rack.
 pub(super) fn read(
     path: &Text,
     directory: &Path,
@@ -63,18 +86,22 @@ fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2
         .trim(csv::Trim::All)
         .from_reader(source.text.as_bytes());
     let expected = format!("expected the columns {},{}", wanted.drive, wanted.value);
+    let rack_column = format!("rack_{}", wanted.length_unit.symbol());
     let mut columns: Option<([usize; 2], Option<usize>)> = None;
     let mut points: Vec<[f64; 2]> = Vec::new();
+    let mut other_racks: Vec<f64> = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| StudyError::of_file(&source.name, e.to_string()))?;
-        let error = |message: String| Err(at_record(source, &record, message));
+        let at = |message: String| at_record(source, &record, message);
+        let error = |message: String| Err(at(message));
         let Some((places, rack)) = columns else {
             let place = |name: &str| record.iter().position(|column| column == name);
             let (Some(drive), Some(value)) = (place(wanted.drive), place(wanted.value)) else {
                 let found = record.iter().collect::<Vec<_>>().join(",");
                 return error(format!("{expected}, found {found}"));
             };
-            columns = Some(([drive, value], place(wanted.rack)));
+            refuse_other_units(&record, &["rack"], wanted.length_unit).map_err(at)?;
+            columns = Some(([drive, value], place(&rack_column)));
             continue;
         };
         let number = |place: usize, column: &str| {
@@ -85,7 +112,7 @@ fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2
             };
             parsed.map(Some).map_err(|wanted| {
                 let message = format!("expected {wanted} as {column}, found {text:?}");
-                at_record(source, &record, message)
+                at(message)
             })
         };
         if record.len() <= places[0].max(places[1]) {
@@ -94,10 +121,18 @@ fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2
             return error(format!("expected {many} values, found {}", record.len()));
         }
         if let Some(rack) = rack
-            && let Some(rack) = number(rack, wanted.rack)?
-            && !wanted.racks.contains(&rack)
+            && let Some(rack) = number(rack, &rack_column)?
         {
-            continue;
+            if wanted.racks.len() > 1 {
+                return error(format!(
+                    "this row is for {rack_column} = {rack}, but the target has the racks {}: expected one target for each rack",
+                    in_words(wanted.racks)
+                ));
+            }
+            if !wanted.racks.contains(&rack) {
+                index_or_push(&mut other_racks, rack);
+                continue;
+            }
         }
         let pair = [
             number(places[0], wanted.drive)?,
@@ -113,13 +148,25 @@ fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2
         function(points)
     };
     if curve.len() < 2 {
-        let message = match columns {
-            None => format!("the file is empty; {expected}"),
-            Some(_) => format!("a curve has at least two points, found {}", curve.len()),
+        let found = curve.len();
+        let message = match (columns, other_racks.as_slice()) {
+            (None, _) => format!("the file is empty; {expected}"),
+            (Some(_), []) => format!("a curve has at least two points, found {found}"),
+            (Some(_), others) => format!(
+                "a curve has at least two points, found {found} at {rack_column} = {}; other rows are at {}",
+                in_words(wanted.racks),
+                in_words(others)
+            ),
         };
         return Err(StudyError::of_file(&source.name, message).into());
     }
     Ok(curve)
+}
+
+/// Numbers in a list for a message.
+fn in_words(numbers: &[f64]) -> String {
+    let texts: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+    texts.join(", ")
 }
 
 /// The character that separates columns: the first of tab, semicolon and comma that the first line has.
@@ -221,6 +268,10 @@ mod tests {
     use super::*;
 
     fn read(text: &str, as_measured: bool) -> Vec<[f64; 2]> {
+        read_at(&[0.0], text, as_measured).unwrap()
+    }
+
+    fn read_at(racks: &[f64], text: &str, as_measured: bool) -> Result<Vec<[f64; 2]>, String> {
         let source = Arc::new(Source {
             name: "curve.csv".to_owned(),
             text: text.to_owned(),
@@ -228,11 +279,11 @@ mod tests {
         let wanted = WantedColumns {
             drive: "travel_mm",
             value: "camber_deg",
-            rack: "rack_mm",
-            racks: &[0.0],
+            length_unit: LengthUnit::Millimetre,
+            racks,
             as_measured,
         };
-        curve(&source, &wanted).unwrap()
+        curve(&source, &wanted).map_err(|errors| errors.to_string())
     }
 
     #[test]
@@ -267,5 +318,26 @@ mod tests {
             &found[..4],
             [[0.0, 0.0], [1.0, 3.0], [2.0, 3.0], [3.0, 1.0]]
         );
+    }
+
+    /// Rows of different racks are different curves. Neither their mean nor rows of a missing rack are the target of any rack.
+    #[test]
+    fn each_rack_has_its_own_rows() {
+        let text = "travel_mm,rack_mm,camber_deg\n-1,0,1\n1,0,2\n-1,10,5\n1,10,6\n";
+        assert_eq!(
+            read_at(&[10.0], text, false).unwrap(),
+            [[-1.0, 5.0], [1.0, 6.0]]
+        );
+        for as_measured in [false, true] {
+            let error = read_at(&[0.0, 10.0], text, as_measured).unwrap_err();
+            assert!(error.contains("curve.csv:2"), "{error}");
+            assert!(error.contains("one target for each rack"), "{error}");
+        }
+        let error = read_at(&[5.0], text, false).unwrap_err();
+        assert!(error.contains("found 0 at rack_mm = 5"), "{error}");
+        assert!(error.contains("other rows are at 0, 10"), "{error}");
+        // Without racks in the file, every rack has the same curve.
+        let text = "travel_mm,rack_mm,camber_deg\n-1,,1\n1,,2\n";
+        assert_eq!(read_at(&[0.0, 10.0], text, false).unwrap().len(), 2);
     }
 }

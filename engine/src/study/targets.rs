@@ -301,7 +301,7 @@ impl TargetContext<'_> {
                         .column
                         .as_ref()
                         .map_or(&*self.of.column, |c| c.get_ref()),
-                    rack: &format!("rack_{}", context.suspension.length_unit.symbol()),
+                    length_unit: context.suspension.length_unit,
                     racks: &rack_displacements(site, self.motion),
                     as_measured: is_fit,
                 };

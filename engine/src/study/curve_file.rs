@@ -25,6 +25,18 @@ pub(super) struct WantedColumns<'a> {
     pub as_measured: bool,
 }
 
+/// Finds a column by its name. Refuses a file in which several columns have this name.
+pub(super) fn only_column(header: &csv::StringRecord, name: &str) -> Result<Option<usize>, String> {
+    let mut places = (0..header.len()).filter(|place| &header[*place] == name);
+    let first = places.next();
+    match places.next() {
+        None => Ok(first),
+        Some(_) => Err(format!(
+            "several columns have the name {name}: expected one"
+        )),
+    }
+}
+
 /// Refuses columns of positions in another unit than the study's. `stems` are the names of the columns without the unit.
 pub(super) fn refuse_other_units(
     header: &csv::StringRecord,
@@ -95,13 +107,13 @@ fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2
         let at = |message: String| at_record(source, &record, message);
         let error = |message: String| Err(at(message));
         let Some((places, rack)) = columns else {
-            let place = |name: &str| record.iter().position(|column| column == name);
-            let (Some(drive), Some(value)) = (place(wanted.drive), place(wanted.value)) else {
+            let place = |name: &str| only_column(&record, name).map_err(at);
+            let (Some(drive), Some(value)) = (place(wanted.drive)?, place(wanted.value)?) else {
                 let found = record.iter().collect::<Vec<_>>().join(",");
                 return error(format!("{expected}, found {found}"));
             };
             refuse_other_units(&record, &["rack"], wanted.length_unit).map_err(at)?;
-            columns = Some(([drive, value], place(&rack_column)));
+            columns = Some(([drive, value], place(&rack_column)?));
             continue;
         };
         let number = |place: usize, column: &str| {
@@ -134,13 +146,17 @@ fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2
                 continue;
             }
         }
-        let pair = [
-            number(places[0], wanted.drive)?,
-            number(places[1], wanted.value)?,
-        ];
-        if let [Some(drive), Some(value)] = pair {
-            points.push([drive, value]);
-        }
+        let drive = number(places[0], wanted.drive)?;
+        let Some(value) = number(places[1], wanted.value)? else {
+            continue;
+        };
+        let Some(drive) = drive else {
+            let (column, value_column) = (wanted.drive, wanted.value);
+            return error(format!(
+                "{column} is empty, but {value_column} is {value}: expected a number as {column}"
+            ));
+        };
+        points.push([drive, value]);
     }
     let curve = if wanted.as_measured {
         points
@@ -339,5 +355,33 @@ mod tests {
         // Without racks in the file, every rack has the same curve.
         let text = "travel_mm,rack_mm,camber_deg\n-1,,1\n1,,2\n";
         assert_eq!(read_at(&[0.0, 10.0], text, false).unwrap().len(), 2);
+    }
+
+    #[test]
+    fn rows_and_columns_that_may_mean_two_things_are_refused() {
+        for (text, line, reason) in [
+            (
+                "travel_mm,rack_in,camber_deg\n-1,0,1\n1,0,2\n",
+                1,
+                "expected the column rack_mm, found rack_in",
+            ),
+            (
+                "travel_mm,camber_deg,camber_deg\n-1,1,2\n1,1,2\n",
+                1,
+                "several columns have the name camber_deg",
+            ),
+            (
+                "travel_mm,camber_deg\n-1,1\n,7\n1,2\n",
+                3,
+                "travel_mm is empty, but camber_deg is 7",
+            ),
+        ] {
+            let error = read_at(&[0.0], text, true).unwrap_err();
+            assert!(error.contains(reason), "{error}");
+            assert!(error.contains(&format!("curve.csv:{line}")), "{error}");
+        }
+        // Rows without a value are left out, and other columns may have the same name.
+        let text = "note,travel_mm,note,camber_deg\na,-1,b,1\n,,,\nc,0,,\n,1,,2\n";
+        assert_eq!(read(text, true), [[-1.0, 1.0], [1.0, 2.0]]);
     }
 }

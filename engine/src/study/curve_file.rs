@@ -23,6 +23,8 @@ pub(super) struct WantedColumns<'a> {
     /// True if the measured points are used unchanged. Otherwise they are sorted, and the two directions of a hysteresis loop are
     /// averaged.
     pub as_measured: bool,
+    /// Returns the reason if a measured point cannot be compared at a drive value.
+    pub refuse_measured: &'a dyn Fn(f64) -> Option<String>,
 }
 
 /// Finds a column by its name. Refuses a file in which several columns have this name.
@@ -156,6 +158,9 @@ fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2
                 "{column} is empty, but {value_column} is {value}: expected a number as {column}"
             ));
         };
+        if let (true, Some(reason)) = (wanted.as_measured, (wanted.refuse_measured)(drive)) {
+            return error(reason);
+        }
         points.push([drive, value]);
     }
     let curve = if wanted.as_measured {
@@ -298,6 +303,7 @@ mod tests {
             length_unit: LengthUnit::Millimetre,
             racks,
             as_measured,
+            refuse_measured: &|drive| (drive > 99.0).then(|| format!("{drive} is too far")),
         };
         curve(&source, &wanted).map_err(|errors| errors.to_string())
     }
@@ -374,6 +380,11 @@ mod tests {
                 "travel_mm,camber_deg\n-1,1\n,7\n1,2\n",
                 3,
                 "travel_mm is empty, but camber_deg is 7",
+            ),
+            (
+                "travel_mm,camber_deg\n-1,1\n1,2\n100,3\n",
+                4,
+                "100 is too far",
             ),
         ] {
             let error = read_at(&[0.0], text, true).unwrap_err();

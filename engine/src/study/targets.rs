@@ -294,6 +294,13 @@ impl TargetContext<'_> {
         );
         let wanted = match given {
             (Some(points), None, None, None, false) => {
+                let drives = points.get_ref().iter();
+                let drives = drives.filter_map(|point| point.get_ref().first());
+                for drive in drives.filter(|_| is_fit) {
+                    if let Some(message) = self.drives.refuse_measured(drive.value) {
+                        return problems.refuse(drive.span.clone(), message);
+                    }
+                }
                 let curve = curve(points.get_ref(), points.span(), is_fit, problems)?;
                 self.curve(&curve, points.span(), is_fit, problems)
             }
@@ -308,6 +315,9 @@ impl TargetContext<'_> {
                     length_unit: context.suspension.length_unit,
                     racks: &rack_displacements(site, self.motion),
                     as_measured: is_fit,
+                    refuse_measured: &|drive| {
+                        self.drives.refuse_measured(self.drives.of_column(drive))
+                    },
                 };
                 let curve = curve_file::read(path, context.directory, &columns, problems)?;
                 let curve = curve
@@ -359,25 +369,24 @@ impl TargetContext<'_> {
         problems: &mut Problems,
     ) -> Option<Wanted> {
         let motion = self.motion;
-        let mut points: Vec<[f64; 2]> = curve
+        let points: Vec<[f64; 2]> = curve
             .iter()
             .map(|[drive, value]| [self.drives.in_kernel(*drive), self.of.from_printed(*value)])
             .collect();
+        if as_measured {
+            return Some(Wanted::Points(points));
+        }
         let (lowest, highest) = ends(&motion.values);
         let within = |p: &[f64; 2]| (lowest..=highest).contains(&p[0]);
         let ends = points[0][0]..=points[points.len() - 1][0];
         let has_station = motion.values.iter().any(|station| ends.contains(station));
-        if !(has_station && !as_measured || points.iter().any(within)) {
+        if !has_station && !points.iter().any(within) {
             let [first, last] = [curve[0][0], curve[curve.len() - 1][0]];
             let message = format!(
                 "no station of the motion, which {}, is on this curve, which runs from {first} to {last}",
                 self.drives.range_in_words()
             );
             return problems.refuse(place, message);
-        }
-        if as_measured {
-            points.retain(within);
-            return Some(Wanted::Points(points));
         }
         Some(Wanted::Curve {
             points,

@@ -1,4 +1,4 @@
-//! Targets from measured curves: each row counts at its own rack.
+//! Targets from measured curves: each row counts at its own rack and at its own travel.
 
 use hardpoint::curves::curves;
 use hardpoint::optimise::{Control, tune};
@@ -66,4 +66,31 @@ fn a_sheet_of_several_racks_has_a_curve_for_each() {
         assert!(error.contains("sheet.csv:2"), "{error}");
         assert!(error.contains("one target for each rack"), "{error}");
     }
+}
+
+/// A measurement that the motion does not reach is refused with its line, like a single value there. Beyond the motion a wanted
+/// curve without measurements has no effect.
+#[test]
+fn measurements_outside_of_the_motion_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let place = directory.path();
+    let rows = "travel_mm,toe_deg\n-60,0.3\n0,0.1\n60,0.2\n-200,5\n";
+    std::fs::write(place.join("sheet.csv"), rows).unwrap();
+    let target = |what: &str| {
+        format!("targets = [{{ characteristic = \"toe\", {what}, tolerance = 0.01 }}]")
+    };
+    let points = "points = [[-200.0, 5.0], [0.0, 0.1], [60.0, 0.2]]";
+    let outside = "-200 is outside of the motion, which runs from -80 to 80";
+    for what in ["file = \"sheet.csv\"", points] {
+        let error = read(place, &format!("fit = true\n{}", target(what))).unwrap_err();
+        assert!(error.contains(outside), "{error}");
+        assert!(error.contains("extend the motion"), "{error}");
+        assert!(
+            !what.starts_with("file") || error.contains("sheet.csv:5"),
+            "{error}"
+        );
+        assert!(read(place, &target(what)).is_ok());
+    }
+    let error = read(place, &target("at = -200.0, value = 5.0")).unwrap_err();
+    assert!(error.contains(outside), "{error}");
 }

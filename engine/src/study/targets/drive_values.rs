@@ -68,6 +68,14 @@ impl<'a> DriveValues<'a> {
         })
     }
 
+    /// Message if a measured point cannot be compared at its drive value.
+    pub(super) fn refuse_measured(&self, written: f64) -> Option<String> {
+        let message = self.outside(written)?;
+        Some(format!(
+            "{message}: extend the motion, or remove the measured point"
+        ))
+    }
+
     /// Describes the range of the motion, in the study's unit.
     pub(super) fn range_in_words(&self) -> String {
         let (lowest, highest) = ends(&self.motion.values);

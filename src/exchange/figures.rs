@@ -4,7 +4,7 @@ use super::ImportOptions;
 use super::corner::Corner;
 use super::figure_names::{FigureKind, figure};
 use super::names::cut;
-use super::table::{Figure, PointTable};
+use super::table::{Figure, Marks, PointTable};
 use crate::model::LengthUnit;
 
 /// Values of the chosen wheel. Angles are in degrees with the signs of studies; lengths are in the study's unit.
@@ -45,7 +45,7 @@ pub(super) fn read(
     notes: &mut Vec<String>,
 ) -> Result<Figures, String> {
     let mut found = Figures::default();
-    let mut given: Vec<(FigureKind, f64, &Figure)> = Vec::new();
+    let mut given: Vec<(FigureKind, f64, Marks)> = Vec::new();
     for row in &table.figures {
         let Some((kind, named, own_unit)) = figure(&row.read_as) else {
             if !found.unused.contains(&row.name) {
@@ -79,19 +79,22 @@ pub(super) fn read(
                 (kind, value)
             }
         };
-        if let Some((_, other, at)) = given.iter().find(|(known, ..)| *known == kind)
+        // A value of the wheel itself has priority over a value without a side.
+        if let Some((_, other, of)) = given.iter().find(|(known, ..)| *known == kind)
             && *other != value
         {
-            // A value of the wheel itself has priority over a value without a side.
-            if at.marks.side.is_some() && marks.side.is_none() {
-                continue;
+            match (of.side, marks.side) {
+                (Some(_), None) => continue,
+                (None, Some(_)) => given.retain(|(known, ..)| *known != kind),
+                _ => {
+                    return Err(format!(
+                        "{}: {} is {value} here and {other} above",
+                        row.place, row.name
+                    ));
+                }
             }
-            return Err(format!(
-                "{}: {} is {value} here and {other} above",
-                row.place, row.name
-            ));
         }
-        given.push((kind, value, row));
+        given.push((kind, value, marks));
         let place = match kind {
             FigureKind::StaticCamber => &mut found.camber,
             FigureKind::StaticToe => &mut found.toe,

@@ -150,10 +150,21 @@ fn of_subsystem(path: &Path, text: &str) -> Result<PointTable, String> {
             place: format!("line {}", point.line),
         });
     }
+    let has_right: Vec<String> = subsystem
+        .parameters
+        .iter()
+        .filter(|parameter| parameter.symmetry == Symmetry::Right)
+        .map(|parameter| parameter.name.clone())
+        .collect();
     for parameter in subsystem.parameters {
-        // Only these two parameters are geometry. In nearly every file they are equal for both wheels.
+        // Only these two parameters are geometry. A value of the left wheel alone applies to both wheels.
         let is_angle = ["camber_angle", "toe_angle"].contains(&parameter.name.as_str());
-        if is_angle && parameter.symmetry != Symmetry::Right {
+        let side = match parameter.symmetry {
+            Symmetry::Right => Some(Side::Right),
+            Symmetry::Left if has_right.contains(&parameter.name) => Some(Side::Left),
+            _ => None,
+        };
+        if is_angle {
             let degrees = if subsystem.degrees {
                 parameter.value
             } else {
@@ -163,7 +174,7 @@ fn of_subsystem(path: &Path, text: &str) -> Result<PointTable, String> {
                 read_as: parameter.name.clone(),
                 name: parameter.name,
                 value: degrees,
-                marks: Marks::default(),
+                marks: Marks { side, axle: None },
                 remark: String::new(),
                 place: format!("line {}", parameter.line),
             });

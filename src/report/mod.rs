@@ -105,7 +105,7 @@ pub use sweep::{
 pub use table::{Cell, Column, Format, Table, Tables};
 pub use text::{counted, is_printable, printable, wrapped};
 pub use tolerance_summary::{RankingRecord, RejectRecord, ToleranceSummary, ValueRecord, rejected};
-pub use tuning_summary::{TuningSummary, interrupted_in_words, misfit_in_words};
+pub use tuning_summary::{TuningSummary, interrupted_in_words, misfit_in_words, misfit_table};
 pub use yields::YieldRecord;
 
 /// Formats a number for files: the shortest decimal that reads back to the same bits, without a negative zero.

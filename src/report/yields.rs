@@ -149,15 +149,18 @@ impl YieldRecord {
         })
     }
 
-    /// Table of the yields of the single bands.
+    /// Table of the yields of the single bands, and of all bands together.
     pub fn table(&self) -> Table {
         let columns = ["band", "before", "without scatter", "after"].map(Column::from);
         let mut table = Table::with_columns(columns);
+        let mut push = |band: &str, shares: [Option<f64>; 2], plain: Option<f64>| {
+            let [before, after] = shares.map(|share| Cell::by(share, percent));
+            table.push([Cell::from(band), before, Cell::by(plain, percent), after]);
+        };
         for band in &self.bands {
-            let [before, after] = band.shares.map(|share| Cell::by(share, percent));
-            let plain = Cell::by(band.plain, percent);
-            table.push([Cell::from(band.band.as_str()), before, plain, after]);
+            push(&band.band, band.shares, band.plain);
         }
+        push("all", self.all, self.plain);
         table
     }
 }

@@ -398,6 +398,7 @@ fn optimisations_that_make_no_sense() {
         ("[0.0, -0.5]", "[0.0, -0.5, 1.0]", "camber", "optimise.targets[0].points", &["expected a pair"]),
         ("[[-80.0, 0.2], [0.0, -0.5], [80.0, -1.9]]", "[[90.0, 0.0], [100.0, 1.0]]", "camber", "optimise.targets[0].points", &["runs from -80 to 80", "runs from 90 to 100"]),
         ("at = 0.0", "at = 81.0", "at = 81", "optimise.targets[1].at", &["81 is outside of the motion, which runs from -80 to 80"]),
+        ("targets = [\n  { characteristic = \"camber\", points = [[-80.0", "fit = true\ntargets = [\n  { characteristic = \"camber\", points = [[-200.0", "-200.0", "optimise.targets[0].points", &["-200 is outside of the motion, which runs from -80 to 80", "extend the motion"]),
         ("value = 0.0, ", "", "at = 0.0", "optimise.targets[1].at", &["at needs value"]),
         ("at = 0.0, ", "", "value = 0.0", "optimise.targets[1].value", &["value needs at"]),
         ("at = 0.0, value = 0.0, ", "", "bump_steer", "optimise.targets[1]", &["expected points = [[drive, value], ...]"]),

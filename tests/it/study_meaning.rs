@@ -215,6 +215,63 @@ time = { polynomial = [0.0, 1.0, 1.0], from = 0.0, to = 0.5, steps = 11 }
     assert_eq!(study.one_wheel().unwrap().outputs.characteristics.len(), 4);
 }
 
+/// Drive values of targets have the unit of the motion, so the same targets in degrees and in radians are equal. A file has
+/// degrees, as the name of its column says.
+#[test]
+fn drive_values_of_targets_are_in_the_unit_of_the_motion() {
+    let directory = tempfile::tempdir().unwrap();
+    let rows = "arm_angle_deg,camber_deg\n-4,0.2\n0,-0.5\n4,-1.0\n";
+    fs::write(directory.path().join("curve.csv"), rows).unwrap();
+    let motions = |unit: &str, angle: f64| {
+        format!(
+            "drive = \"arm_angle\"\nangle_unit = \"{unit}\"\narm_angle = [{:?}, 0.0, {angle:?}]\n",
+            -angle
+        )
+    };
+    let study = |unit: &str, per_degree: f64| {
+        let (head, _) = SOLVE.split_once("[motion]").unwrap();
+        let angle = |degrees: f64| format!("{:?}", degrees * per_degree);
+        let own = motions(unit, 4.0 * per_degree);
+        let text = format!(
+            "{head}[motion]\n{own}[motions.other]\n{own}[optimise]\n\
+             variables = [{{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-5.0, 5.0] }}]\n\
+             targets = [\n\
+             {{ characteristic = \"camber\", at = {two}, value = -0.5, tolerance = 0.1 }},\n\
+             {{ characteristic = \"camber\", at = {two}, value = -0.5, tolerance = 0.1, motion = \"other\" }},\n\
+             {{ characteristic = \"toe\", points = [[0.0, 0.1], [{two}, 0.2]], tolerance = 0.1 }},\n\
+             {{ characteristic = \"toe\", at_least = [[0.0, -0.1], [{two}, -0.2]], tolerance = 0.1 }},\n\
+             {{ characteristic = \"camber\", file = \"curve.csv\", tolerance = 0.1 }},\n\
+             ]\n",
+            two = angle(2.0)
+        );
+        Study::from_text("study.toml", &text, directory.path()).unwrap_or_else(|e| panic!("{e}"))
+    };
+    let [degrees, radians] =
+        [("deg", 1.0), ("rad", 1.0_f64.to_radians())].map(|(u, f)| study(u, f));
+    let targets = |study: &Study| study.optimise.as_ref().unwrap().targets.clone();
+    assert_eq!(targets(&degrees), targets(&radians));
+    assert!(
+        matches!(targets(&radians)[0].wanted, Wanted::At { drive, .. } if drive == 2.0_f64.to_radians())
+    );
+    // The study with the curve inside has the same targets.
+    let inside = Study::from_text("inside.toml", &radians.text, Path::new(".")).unwrap();
+    assert_eq!(targets(&inside), targets(&radians));
+}
+
+/// A drive value beyond a motion in radians is refused in radians.
+#[test]
+fn the_range_of_a_motion_in_radians_is_told_in_radians() {
+    let (head, _) = SOLVE.split_once("[motion]").unwrap();
+    let text = format!(
+        "{head}[motion]\ndrive = \"arm_angle\"\nangle_unit = \"rad\"\narm_angle = [-0.1, 0.0, 0.1]\n[optimise]\n\
+         variables = [{{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-5.0, 5.0] }}]\n\
+         targets = [{{ characteristic = \"camber\", at = 2.0, value = -0.5, tolerance = 0.1 }}]\n"
+    );
+    let error = Study::from_text("study.toml", &text, Path::new(".")).unwrap_err();
+    let said = "2 is outside of the motion, which runs from -0.1 to 0.1 radians";
+    assert!(error.to_string().contains(said), "{error}");
+}
+
 #[test]
 fn overrides_edit_the_text_and_keep_its_comments() {
     let study = with_overrides(&[

@@ -110,6 +110,20 @@ impl Stations {
         Some(self.number(self.home, value))
     }
 
+    /// Indices of the stations at which a target evaluates this drive value, one for each of its rack displacements. These are
+    /// towards the kernel's +y; without them the rack is that of the design position. Stations that do not exist are left out.
+    pub fn at_racks(&self, value: f64, racks: &[f64]) -> Vec<usize> {
+        let Some(value) = self.values().iter().position(|v| *v == value) else {
+            return Vec::new();
+        };
+        if racks.is_empty() {
+            return vec![self.number(self.home, value)];
+        }
+        let rack_of = |rack: &f64| self.racks.iter().position(|own| own == rack);
+        let racks = racks.iter().filter_map(rack_of);
+        racks.map(|rack| self.number(rack, value)).collect()
+    }
+
     /// Indices of the motion's own stations, rack displacement by rack displacement.
     pub fn of_motion(&self) -> impl Iterator<Item = usize> + '_ {
         let racks = 0..self.racks_of_motion;

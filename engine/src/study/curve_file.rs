@@ -3,6 +3,9 @@
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::source::{LONGEST_TEXT, read_text};
 use super::value::{Number, Text};
+use crate::evaluate::index_or_push;
+use crate::model::LengthUnit;
+use crate::number::Each;
 use crate::sorting::sort_by;
 use std::path::Path;
 use std::sync::Arc;
@@ -13,17 +16,51 @@ pub(super) struct WantedColumns<'a> {
     pub drive: &'a str,
     /// Name of the column of target values.
     pub value: &'a str,
-    /// Name of the column of rack displacements. If the file has it, only rows with the requested displacements are used.
-    pub rack: &'a str,
-    /// Rack displacements to read.
+    /// Unit of lengths in the study. It is part of the names of columns.
+    pub length_unit: LengthUnit,
+    /// Rack displacements of the target. If the file has a column of rack displacements, only rows with one of these are used.
     pub racks: &'a [f64],
     /// True if the measured points are used unchanged. Otherwise they are sorted, and the two directions of a hysteresis loop are
     /// averaged.
     pub as_measured: bool,
+    /// Returns the reason if a measured point cannot be compared at a drive value.
+    pub refuse_measured: &'a dyn Fn(f64) -> Option<String>,
+}
+
+/// Finds a column by its name. Refuses a file in which several columns have this name.
+pub(super) fn only_column(header: &csv::StringRecord, name: &str) -> Result<Option<usize>, String> {
+    let mut places = (0..header.len()).filter(|place| &header[*place] == name);
+    let first = places.next();
+    match places.next() {
+        None => Ok(first),
+        Some(_) => Err(format!(
+            "several columns have the name {name}: expected one"
+        )),
+    }
+}
+
+/// Refuses columns of positions in another unit than the study's. `stems` are the names of the columns without the unit.
+pub(super) fn refuse_other_units(
+    header: &csv::StringRecord,
+    stems: &[&str],
+    unit: LengthUnit,
+) -> Result<(), String> {
+    let own = unit.symbol();
+    for stem in stems {
+        let has = |symbol: &str| header.iter().any(|name| name == format!("{stem}_{symbol}"));
+        let mut others = LengthUnit::ALL.each(LengthUnit::symbol).into_iter();
+        if let (false, Some(other)) = (has(own), others.find(|other| has(other))) {
+            return Err(format!(
+                "the study is in {own}: expected the column {stem}_{own}, found {stem}_{other}"
+            ));
+        }
+    }
+    Ok(())
 }
 
 /// Reads a curve from a file with one column of drive values and one of target values. Its path is relative to the study's
-/// directory. Commas, semicolons or tabs separate columns. Other columns are ignored, and rows without a value are left out.
+/// directory. Commas, semicolons or tabs separate columns. Other columns are ignored, and rows without a value are left out. A
+/// file with a column of rack displacements has a curve for each rack, so the target must have one rack.
 pub(super) fn read(
     path: &Text,
     directory: &Path,
@@ -63,18 +100,22 @@ fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2
         .trim(csv::Trim::All)
         .from_reader(source.text.as_bytes());
     let expected = format!("expected the columns {},{}", wanted.drive, wanted.value);
+    let rack_column = format!("rack_{}", wanted.length_unit.symbol());
     let mut columns: Option<([usize; 2], Option<usize>)> = None;
     let mut points: Vec<[f64; 2]> = Vec::new();
+    let mut other_racks: Vec<f64> = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|e| StudyError::of_file(&source.name, e.to_string()))?;
-        let error = |message: String| Err(at_record(source, &record, message));
+        let at = |message: String| at_record(source, &record, message);
+        let error = |message: String| Err(at(message));
         let Some((places, rack)) = columns else {
-            let place = |name: &str| record.iter().position(|column| column == name);
-            let (Some(drive), Some(value)) = (place(wanted.drive), place(wanted.value)) else {
+            let place = |name: &str| only_column(&record, name).map_err(at);
+            let (Some(drive), Some(value)) = (place(wanted.drive)?, place(wanted.value)?) else {
                 let found = record.iter().collect::<Vec<_>>().join(",");
                 return error(format!("{expected}, found {found}"));
             };
-            columns = Some(([drive, value], place(wanted.rack)));
+            refuse_other_units(&record, &["rack"], wanted.length_unit).map_err(at)?;
+            columns = Some(([drive, value], place(&rack_column)?));
             continue;
         };
         let number = |place: usize, column: &str| {
@@ -85,7 +126,7 @@ fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2
             };
             parsed.map(Some).map_err(|wanted| {
                 let message = format!("expected {wanted} as {column}, found {text:?}");
-                at_record(source, &record, message)
+                at(message)
             })
         };
         if record.len() <= places[0].max(places[1]) {
@@ -94,18 +135,33 @@ fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2
             return error(format!("expected {many} values, found {}", record.len()));
         }
         if let Some(rack) = rack
-            && let Some(rack) = number(rack, wanted.rack)?
-            && !wanted.racks.contains(&rack)
+            && let Some(rack) = number(rack, &rack_column)?
         {
+            if wanted.racks.len() > 1 {
+                return error(format!(
+                    "this row is for {rack_column} = {rack}, but the target has the racks {}: expected one target for each rack",
+                    in_words(wanted.racks)
+                ));
+            }
+            if !wanted.racks.contains(&rack) {
+                index_or_push(&mut other_racks, rack);
+                continue;
+            }
+        }
+        let drive = number(places[0], wanted.drive)?;
+        let Some(value) = number(places[1], wanted.value)? else {
             continue;
+        };
+        let Some(drive) = drive else {
+            let (column, value_column) = (wanted.drive, wanted.value);
+            return error(format!(
+                "{column} is empty, but {value_column} is {value}: expected a number as {column}"
+            ));
+        };
+        if let (true, Some(reason)) = (wanted.as_measured, (wanted.refuse_measured)(drive)) {
+            return error(reason);
         }
-        let pair = [
-            number(places[0], wanted.drive)?,
-            number(places[1], wanted.value)?,
-        ];
-        if let [Some(drive), Some(value)] = pair {
-            points.push([drive, value]);
-        }
+        points.push([drive, value]);
     }
     let curve = if wanted.as_measured {
         points
@@ -113,13 +169,25 @@ fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2
         function(points)
     };
     if curve.len() < 2 {
-        let message = match columns {
-            None => format!("the file is empty; {expected}"),
-            Some(_) => format!("a curve has at least two points, found {}", curve.len()),
+        let found = curve.len();
+        let message = match (columns, other_racks.as_slice()) {
+            (None, _) => format!("the file is empty; {expected}"),
+            (Some(_), []) => format!("a curve has at least two points, found {found}"),
+            (Some(_), others) => format!(
+                "a curve has at least two points, found {found} at {rack_column} = {}; other rows are at {}",
+                in_words(wanted.racks),
+                in_words(others)
+            ),
         };
         return Err(StudyError::of_file(&source.name, message).into());
     }
     Ok(curve)
+}
+
+/// Numbers in a list for a message.
+fn in_words(numbers: &[f64]) -> String {
+    let texts: Vec<String> = numbers.iter().map(ToString::to_string).collect();
+    texts.join(", ")
 }
 
 /// The character that separates columns: the first of tab, semicolon and comma that the first line has.
@@ -221,6 +289,10 @@ mod tests {
     use super::*;
 
     fn read(text: &str, as_measured: bool) -> Vec<[f64; 2]> {
+        read_at(&[0.0], text, as_measured).unwrap()
+    }
+
+    fn read_at(racks: &[f64], text: &str, as_measured: bool) -> Result<Vec<[f64; 2]>, String> {
         let source = Arc::new(Source {
             name: "curve.csv".to_owned(),
             text: text.to_owned(),
@@ -228,11 +300,12 @@ mod tests {
         let wanted = WantedColumns {
             drive: "travel_mm",
             value: "camber_deg",
-            rack: "rack_mm",
-            racks: &[0.0],
+            length_unit: LengthUnit::Millimetre,
+            racks,
             as_measured,
+            refuse_measured: &|drive| (drive > 99.0).then(|| format!("{drive} is too far")),
         };
-        curve(&source, &wanted).unwrap()
+        curve(&source, &wanted).map_err(|errors| errors.to_string())
     }
 
     #[test]
@@ -267,5 +340,59 @@ mod tests {
             &found[..4],
             [[0.0, 0.0], [1.0, 3.0], [2.0, 3.0], [3.0, 1.0]]
         );
+    }
+
+    /// Rows of different racks are different curves. Neither their mean nor rows of a missing rack are the target of any rack.
+    #[test]
+    fn each_rack_has_its_own_rows() {
+        let text = "travel_mm,rack_mm,camber_deg\n-1,0,1\n1,0,2\n-1,10,5\n1,10,6\n";
+        assert_eq!(
+            read_at(&[10.0], text, false).unwrap(),
+            [[-1.0, 5.0], [1.0, 6.0]]
+        );
+        for as_measured in [false, true] {
+            let error = read_at(&[0.0, 10.0], text, as_measured).unwrap_err();
+            assert!(error.contains("curve.csv:2"), "{error}");
+            assert!(error.contains("one target for each rack"), "{error}");
+        }
+        let error = read_at(&[5.0], text, false).unwrap_err();
+        assert!(error.contains("found 0 at rack_mm = 5"), "{error}");
+        assert!(error.contains("other rows are at 0, 10"), "{error}");
+        // Without racks in the file, every rack has the same curve.
+        let text = "travel_mm,rack_mm,camber_deg\n-1,,1\n1,,2\n";
+        assert_eq!(read_at(&[0.0, 10.0], text, false).unwrap().len(), 2);
+    }
+
+    #[test]
+    fn rows_and_columns_that_may_mean_two_things_are_refused() {
+        for (text, line, reason) in [
+            (
+                "travel_mm,rack_in,camber_deg\n-1,0,1\n1,0,2\n",
+                1,
+                "expected the column rack_mm, found rack_in",
+            ),
+            (
+                "travel_mm,camber_deg,camber_deg\n-1,1,2\n1,1,2\n",
+                1,
+                "several columns have the name camber_deg",
+            ),
+            (
+                "travel_mm,camber_deg\n-1,1\n,7\n1,2\n",
+                3,
+                "travel_mm is empty, but camber_deg is 7",
+            ),
+            (
+                "travel_mm,camber_deg\n-1,1\n1,2\n100,3\n",
+                4,
+                "100 is too far",
+            ),
+        ] {
+            let error = read_at(&[0.0], text, true).unwrap_err();
+            assert!(error.contains(reason), "{error}");
+            assert!(error.contains(&format!("curve.csv:{line}")), "{error}");
+        }
+        // Rows without a value are left out, and other columns may have the same name.
+        let text = "note,travel_mm,note,camber_deg\na,-1,b,1\n,,,\nc,0,,\n,1,,2\n";
+        assert_eq!(read(text, true), [[-1.0, 1.0], [1.0, 2.0]]);
     }
 }

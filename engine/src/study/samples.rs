@@ -2,6 +2,7 @@
 
 use super::{Interpolation, Limit, Target, TargetKind, Wanted};
 use crate::axle::{Axle, Placement, Quantity};
+use crate::number::Each;
 
 /// Range of target values at a drive value, from `low` to `high`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,16 +72,15 @@ impl Wanted {
         match self {
             Wanted::Band { at, lower, upper } => {
                 let stations = at.as_ref().map_or(stations, std::slice::from_ref);
-                let limit = |limit: &Option<Limit>, none: f64, drive: f64| match limit {
-                    None => Some(none),
-                    Some(limit) => limit.at(drive),
-                };
+                let limit = |limit: &Option<Limit>, drive: f64| limit.as_ref()?.at(drive);
+                // Each limit has effect at its own stations only. A station without a limit has no sample.
                 let sample = |drive: &f64| {
-                    let (low, high) = (f64::NEG_INFINITY, f64::INFINITY);
-                    Some(Sample {
+                    let limits = [lower, upper].each(|own| limit(own, *drive));
+                    let [low, high] = limits;
+                    limits.iter().any(Option::is_some).then(|| Sample {
                         drive: *drive,
-                        low: limit(lower, low, *drive)?,
-                        high: limit(upper, high, *drive)?,
+                        low: low.unwrap_or(f64::NEG_INFINITY),
+                        high: high.unwrap_or(f64::INFINITY),
                     })
                 };
                 stations.iter().filter_map(sample).collect()
@@ -221,6 +221,30 @@ mod tests {
         let wanted = curve(&[[-1.0, 2.0], [1.0, 4.0]], Interpolation::MonotoneCubic);
         let found = wanted.at_stations(&[-2.0, -1.0, 0.0, 0.5, 1.0, 1.5]);
         assert_eq!(found, [(-1.0, 2.0), (0.0, 3.0), (0.5, 3.5), (1.0, 4.0)]);
+    }
+
+    #[test]
+    fn limits_of_a_band_do_not_shorten_each_other() {
+        let lower = Limit::Curve {
+            points: vec![[-1.0, -2.0], [1.0, -1.0]],
+            interpolation: Interpolation::Linear,
+        };
+        let band = |upper| Wanted::Band {
+            at: None,
+            lower: Some(lower.clone()),
+            upper,
+        };
+        let limits = |band: Wanted| -> Vec<[f64; 3]> {
+            let samples = band.samples(&[-3.0, 0.0, 3.0]).into_iter();
+            samples.map(|s| [s.drive, s.low, s.high]).collect()
+        };
+        let none = f64::NEG_INFINITY;
+        assert_eq!(
+            limits(band(Some(Limit::Value(-0.5)))),
+            [[-3.0, none, -0.5], [0.0, -1.5, -0.5], [3.0, none, -0.5]]
+        );
+        // Outside of its range the curve is no limit.
+        assert_eq!(limits(band(None)), [[0.0, -1.5, f64::INFINITY]]);
     }
 
     #[test]

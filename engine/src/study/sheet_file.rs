@@ -2,7 +2,7 @@
 
 mod of_axle;
 
-use super::curve_file::{at_record, delimiter};
+use super::curve_file::{at_record, delimiter, only_column, refuse_other_units};
 use super::elastic_targets;
 use super::elastic_targets::ElasticQuantity;
 use super::error::{Problems, Source, StudyErrors};
@@ -191,6 +191,10 @@ impl Row<'_> {
         place.and_then(|place| self.record.get(place)).unwrap_or("")
     }
 
+    fn has(&self, name: &str) -> bool {
+        self.header.iter().any(|column| column == name)
+    }
+
     fn wrong<T>(&self, message: String) -> Result<T, StudyErrors> {
         Err(at_record(self.source, self.record, message))
     }
@@ -203,6 +207,17 @@ impl Row<'_> {
                 Ok(number) => Ok(Some(number)),
                 Err(wanted) => self.wrong(format!("expected {wanted} as {name}, found {text:?}")),
             },
+        }
+    }
+
+    /// Reads a wheel travel or a rack displacement. Without such a column it is 0.
+    fn position(&self, name: &str) -> Result<f64, StudyErrors> {
+        match self.number(name)? {
+            Some(position) => Ok(position),
+            None if self.has(name) => self.wrong(format!(
+                "{name} is empty, but the row has a value: expected a number as {name}"
+            )),
+            None => Ok(0.0),
         }
     }
 }
@@ -225,7 +240,11 @@ impl Reader<'_> {
                 ))
             })?;
             match &header {
-                None => header = Some(record),
+                None => {
+                    self.check_header(&record)
+                        .map_err(|message| at_record(self.source, &record, message))?;
+                    header = Some(record);
+                }
                 Some(header) => self.row(
                     &Row {
                         source: self.source,
@@ -237,6 +256,15 @@ impl Reader<'_> {
             }
         }
         Ok(found)
+    }
+
+    /// Refuses columns with the same name, and positions in another unit.
+    fn check_header(&self, header: &csv::StringRecord) -> Result<(), String> {
+        for name in header.iter().filter(|name| !name.is_empty()) {
+            only_column(header, name)?;
+        }
+        let positions = ["travel", "travel_left", "travel_right", "rack", "trail"];
+        refuse_other_units(header, &positions, self.context.suspension.length_unit)
     }
 
     /// Adds the targets of a row: its value, and its secant.
@@ -258,7 +286,7 @@ impl Reader<'_> {
             };
             let expected = figure.of.unit.suffix(self.context.suspension.length_unit);
             let unit = row.cell("unit");
-            if unit != expected && row.header.iter().any(|column| column == "unit") {
+            if unit != expected && row.has("unit") {
                 let quantity = row.cell("quantity");
                 return row.wrong(format!(
                     "expected {expected:?} as the unit of {quantity}, found {unit:?}"
@@ -380,8 +408,8 @@ impl Reader<'_> {
         let mut words = vec![("figure", figure.name)];
         let (site, drive, mut numbers) = match self.of {
             SheetOf::Wheel(_) => {
-                let travel = row.number(&format!("travel_{u}"))?.unwrap_or(0.0);
-                let rack = row.number(&format!("rack_{u}"))?.unwrap_or(0.0);
+                let travel = row.position(&format!("travel_{u}"))?;
+                let rack = row.position(&format!("rack_{u}"))?;
                 let site = Site {
                     racks: vec![rack],
                     ..Site::default()

@@ -175,9 +175,23 @@ impl Target {
         }
     }
 
-    /// Returns true for a characteristic in the study's own motion. Sweeps compare only such targets.
-    pub fn is_in_motion(&self) -> bool {
-        self.site.is_whole_motion(None) && self.has_curve()
+    /// Reason why a sweep cannot evaluate the target. `None` if it can: for targets of an axle, and for characteristics and
+    /// figures at the racks of `motion`, the study's own motion.
+    pub fn not_swept(&self, motion: &Motion) -> Option<String> {
+        if self.site.axle.is_some() {
+            return None;
+        }
+        if !self.has_curve() {
+            return Some("it is not a characteristic".to_owned());
+        }
+        if let Some((name, _)) = &self.site.motion {
+            return Some(format!("it is in the motion {name}"));
+        }
+        // Each sweep solves the design position straight ahead.
+        let is_solved =
+            |rack: &f64| motion.rack.contains(rack) || motion.rack_moves && *rack == 0.0;
+        let other = self.site.racks.iter().find(|rack| !is_solved(rack))?;
+        Some(format!("[motion] does not have the rack {other}"))
     }
 
     /// Returns true if a chart can show the target as a line: a value or curve of a characteristic.

@@ -1,5 +1,6 @@
 //! `targets` of `[optimise]`: target curves, values and bands.
 
+mod drive_values;
 mod stations;
 
 use super::axle_targets;
@@ -14,7 +15,7 @@ use super::subject::{site, subject};
 use super::suspension::above_zero;
 use super::value::{LimitText, Number, Text};
 use super::{Interpolation, Limit, Motion, Site, Target, TargetQuantity, Wanted};
-use crate::number::Each;
+use drive_values::DriveValues;
 use stations::{added_stations, rack_displacements};
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -112,8 +113,10 @@ fn target(
     }
     let (of, site) = (of?, site?);
     let motion = site.motion.as_ref().map(|(_, motion)| motion);
+    let motion = axle_motion.as_ref().or(motion).or(context.motion)?;
     let target = TargetContext {
-        motion: axle_motion.as_ref().or(motion).or(context.motion)?,
+        motion,
+        drives: DriveValues::of(motion, &site, context),
         place,
         of: &of,
         interpolation: interpolation?,
@@ -234,6 +237,7 @@ fn curve(
 /// Place of a target in the file, its subject and its motion.
 struct TargetContext<'a> {
     motion: &'a Motion,
+    drives: DriveValues<'a>,
     place: Span<usize>,
     of: &'a TargetQuantity,
     interpolation: Interpolation,
@@ -290,6 +294,13 @@ impl TargetContext<'_> {
         );
         let wanted = match given {
             (Some(points), None, None, None, false) => {
+                let drives = points.get_ref().iter();
+                let drives = drives.filter_map(|point| point.get_ref().first());
+                for drive in drives.filter(|_| is_fit) {
+                    if let Some(message) = self.drives.refuse_measured(drive.value) {
+                        return problems.refuse(drive.span.clone(), message);
+                    }
+                }
                 let curve = curve(points.get_ref(), points.span(), is_fit, problems)?;
                 self.curve(&curve, points.span(), is_fit, problems)
             }
@@ -301,11 +312,18 @@ impl TargetContext<'_> {
                         .column
                         .as_ref()
                         .map_or(&*self.of.column, |c| c.get_ref()),
-                    rack: &format!("rack_{}", context.suspension.length_unit.symbol()),
+                    length_unit: context.suspension.length_unit,
                     racks: &rack_displacements(site, self.motion),
                     as_measured: is_fit,
+                    refuse_measured: &|drive| {
+                        self.drives.refuse_measured(self.drives.of_column(drive))
+                    },
                 };
                 let curve = curve_file::read(path, context.directory, &columns, problems)?;
+                let curve = curve
+                    .iter()
+                    .map(|[d, value]| [self.drives.of_column(*d), *value]);
+                let curve: WrittenCurve = curve.collect();
                 let wanted = self.curve(&curve, path.span(), is_fit, problems);
                 from_file = Some(curve);
                 wanted
@@ -351,25 +369,24 @@ impl TargetContext<'_> {
         problems: &mut Problems,
     ) -> Option<Wanted> {
         let motion = self.motion;
-        let mut points: Vec<[f64; 2]> = curve
+        let points: Vec<[f64; 2]> = curve
             .iter()
-            .map(|[drive, value]| [self.drive_value(*drive), self.of.from_printed(*value)])
+            .map(|[drive, value]| [self.drives.in_kernel(*drive), self.of.from_printed(*value)])
             .collect();
+        if as_measured {
+            return Some(Wanted::Points(points));
+        }
         let (lowest, highest) = ends(&motion.values);
         let within = |p: &[f64; 2]| (lowest..=highest).contains(&p[0]);
         let ends = points[0][0]..=points[points.len() - 1][0];
         let has_station = motion.values.iter().any(|station| ends.contains(station));
-        if !(has_station && !as_measured || points.iter().any(within)) {
+        if !has_station && !points.iter().any(within) {
             let [first, last] = [curve[0][0], curve[curve.len() - 1][0]];
             let message = format!(
                 "no station of the motion, which {}, is on this curve, which runs from {first} to {last}",
-                range_in_words(motion)
+                self.drives.range_in_words()
             );
             return problems.refuse(place, message);
-        }
-        if as_measured {
-            points.retain(within);
-            return Some(Wanted::Points(points));
         }
         Some(Wanted::Curve {
             points,
@@ -379,17 +396,10 @@ impl TargetContext<'_> {
 
     /// A single drive value, which must be within the motion.
     fn single(&self, at: &Number, problems: &mut Problems) -> Option<f64> {
-        let drive = self.drive_value(at.value);
-        let (lowest, highest) = ends(&self.motion.values);
-        if drive < lowest || drive > highest {
-            let message = format!(
-                "{} is outside of the motion, which {}",
-                at.value,
-                range_in_words(self.motion)
-            );
-            return problems.refuse(at.span.clone(), message);
+        match self.drives.outside(at.value) {
+            None => Some(self.drives.in_kernel(at.value)),
+            Some(message) => problems.refuse(at.span.clone(), message),
         }
-        Some(drive)
     }
 
     fn band(
@@ -427,7 +437,8 @@ impl TargetContext<'_> {
             Some((LimitText::Many(points), place)) => {
                 let curve = curve(points, place, false, problems)?;
                 let points = curve.iter();
-                let points = points.map(|[d, v]| [self.drive_value(*d), self.of.from_printed(*v)]);
+                let points =
+                    points.map(|[d, v]| [self.drives.in_kernel(*d), self.of.from_printed(*v)]);
                 Some(Some(Limit::Curve {
                     points: points.collect(),
                     interpolation: self.interpolation,
@@ -459,27 +470,18 @@ impl TargetContext<'_> {
         if samples.is_empty() {
             let message = format!(
                 "no station of the motion, which {}, is within this band",
-                range_in_words(self.motion)
+                self.drives.range_in_words()
             );
             return problems.refuse(self.place.clone(), message);
         }
         if let Some(sample) = samples.iter().find(|s| s.low > s.high) {
             let message = format!(
                 "the band is empty at {}: its lower limit is above the upper one",
-                self.motion.drive.printed(sample.drive)
+                self.drives.as_written(sample.drive)
             );
             return problems.refuse(self.place.clone(), message);
         }
         Some(wanted)
-    }
-
-    /// Converts a target's drive value from degrees to radians if it is an angle.
-    fn drive_value(&self, written: f64) -> f64 {
-        if self.motion.drive.is_angle() {
-            written.to_radians()
-        } else {
-            written
-        }
     }
 }
 
@@ -488,15 +490,4 @@ pub(super) fn ends(values: &[f64]) -> (f64, f64) {
     let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
     let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     (lowest, highest)
-}
-
-/// Describes the range of the motion, in the unit of the targets' drive values.
-fn range_in_words(motion: &Motion) -> String {
-    let (lowest, highest) = ends(&motion.values);
-    let [lowest, highest] = [lowest, highest].each(|value| motion.drive.printed(value));
-    if motion.drive.is_angle() {
-        format!("runs from {lowest} to {highest} degrees")
-    } else {
-        format!("runs from {lowest} to {highest}")
-    }
 }

@@ -98,15 +98,26 @@ pub struct FrontGoal {
 }
 
 impl Optimise {
-    /// Targets for the designs of a sweep: all of them, or none if a sweep cannot evaluate one of them. It can evaluate
-    /// targets of an axle, and targets of a characteristic in the study's own motion, but no measurements.
-    pub fn swept_targets(&self) -> &[Target] {
-        let is_swept = |target: &Target| target.site.axle.is_some() || target.is_in_motion();
-        if self.targets.iter().all(is_swept) && !self.fit {
+    /// Targets for the designs of a sweep: all of them, or none if a sweep cannot evaluate one of them. `motion` is the study's
+    /// own motion.
+    pub fn swept_targets(&self, motion: &Motion) -> &[Target] {
+        if !self.fit && self.targets.iter().all(|t| t.not_swept(motion).is_none()) {
             &self.targets
         } else {
             &[]
         }
+    }
+
+    /// Reasons why a sweep cannot compute the misfit, one for each target that it cannot evaluate. Empty if it can compute it.
+    pub fn not_swept(&self, motion: &Motion, length: LengthUnit) -> Vec<String> {
+        if self.fit {
+            return vec!["fit = true, so the targets are measurements".to_owned()];
+        }
+        let reason = |target: &Target| {
+            let reason = target.not_swept(motion)?;
+            Some(format!("{}: {reason}", target.name(length)))
+        };
+        self.targets.iter().filter_map(reason).collect()
     }
 }
 

@@ -256,6 +256,7 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
         variables: variables.collect(),
         outputs: Vec::new(),
         targets: targets.collect(),
+        not_swept: Vec::new(),
         curves: false,
         format: match sweep.format {
             FileFormat::Csv => "csv".to_owned(),

@@ -18,7 +18,7 @@ use crate::evaluate::{
     Request, Stations,
 };
 use crate::mechanism::DesignFault;
-use crate::model::Suspension;
+use crate::model::{Axis, Frame, Suspension};
 use crate::number::{Vector3, Width};
 use crate::plan::{Output, Plan};
 use crate::study::{
@@ -74,6 +74,30 @@ struct SweptWish {
     wanted: Sample,
 }
 
+impl SweptWish {
+    /// Target values of one wheel at the stations of the target: at each drive value and each of its racks.
+    fn of(
+        target: &Target,
+        wanted: &[Sample],
+        quantity: usize,
+        stations: &Stations,
+        frame: &Frame,
+    ) -> Vec<Self> {
+        let sign = frame.sign(Axis::Y);
+        let racks: Vec<f64> = target.site.racks.iter().map(|rack| rack * sign).collect();
+        let at = |wanted: &Sample| {
+            let stations = stations.at_racks(wanted.drive, &racks).into_iter();
+            let wanted = *wanted;
+            stations.map(move |station| SweptWish {
+                quantity,
+                station,
+                wanted,
+            })
+        };
+        wanted.iter().flat_map(at).collect()
+    }
+}
+
 /// Reason why a sweep cannot start.
 #[derive(Debug)]
 pub enum NotBegun {
@@ -103,7 +127,7 @@ impl<'s> SweepPlan<'s> {
             Designs::Given(table) => Samples::Table(table.clone()),
         };
         let swept = study.optimise.as_ref();
-        let swept = swept.map_or(&[][..], |o| o.swept_targets());
+        let swept = swept.map_or(&[][..], |o| o.swept_targets(study.motion()));
         let samples_in = |target: &Target| {
             let stations = target.stations_in(study.motion());
             target.wanted.samples(&stations)
@@ -396,14 +420,23 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
             })
             .collect(),
     });
-    let targets = study.optimise.iter().flat_map(|o| o.swept_targets());
-    let targets = targets.map(|t| {
+    let tuning = study.optimise.as_ref();
+    let targets = tuning.map_or(&[][..], |o| o.swept_targets(motion));
+    let targets = targets.iter().map(|t| {
         let factor = t.of.factor();
         let stations = match &t.site.axle {
             Some(site) => t.stations_among(&site.values),
             None => t.stations_in(motion),
         };
+        // The page shows the curves at the rack of the design position.
+        let home = if motion.rack_moves {
+            0.0
+        } else {
+            motion.rack[0]
+        };
+        let is_shown = t.site.racks.is_empty() || t.site.racks.contains(&home);
         let wanted = t.wanted.at_stations(&stations).into_iter();
+        let wanted = wanted.filter(|_| is_shown);
         TargetColumn {
             column: t.of.column.clone(),
             tolerance: t.tolerance * factor,
@@ -432,6 +465,7 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
         variables: variables.collect(),
         outputs: Vec::new(),
         targets: targets.collect(),
+        not_swept: tuning.map_or_else(Vec::new, |o| o.not_swept(motion, unit)),
         curves: sweep.curves,
         format: match sweep.format {
             FileFormat::Csv => "csv".to_owned(),

@@ -56,6 +56,9 @@ pub struct SweepRecord {
     pub outputs: Vec<OutputColumn>,
     /// Targets with which designs are compared.
     pub targets: Vec<TargetColumn>,
+    /// Reasons why the results have no misfit although the study has targets, each with the name of a target.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_swept: Vec<String>,
     /// True if the sweep keeps the curves of every design.
     pub curves: bool,
     /// Extension of the files' names: `csv` or `parquet`.

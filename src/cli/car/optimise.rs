@@ -8,8 +8,8 @@ use super::{headline, keep, open, page, solver};
 use crate::optimise::Control;
 use crate::report::{
     CarConstraintRecord, CarResults, CarTargetRecord, car_constraints_table, car_targets_json,
-    car_targets_table, interrupted_in_words, misfit_in_words, optimised_car, side_effects_in_words,
-    side_effects_table,
+    car_targets_table, interrupted_in_words, misfit_in_words, misfit_table, optimised_car,
+    side_effects_in_words, side_effects_table,
 };
 use crate::side_effects::{SideEffect, side_effects_of_car};
 use crate::study::{CarStudy, TunedCar};
@@ -139,6 +139,9 @@ impl TuningResults<'_> {
             words.unwrap_or_default(),
             fit.ended()
         ))?;
+        output.table_for_programs("misfit", || {
+            misfit_table(self.tuned.misfit_before, Some(fit.misfit()))
+        });
         output.table("targets", &car_targets_table(&self.targets))?;
         output.text_only("\n")?;
         if let Some(table) = car_constraints_table(&self.constraints) {

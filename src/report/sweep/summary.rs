@@ -267,6 +267,13 @@ impl SweepSummary {
 /// Notes: outputs that solved designs do not have, by reason; and the meaning of the variance shares if designs fail.
 fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     let mut notes = Vec::new();
+    if !record.not_swept.is_empty() {
+        notes.push(format!(
+            "warning: the sweep has no deviations from the targets, no misfit and no best designs, because it cannot evaluate \
+             every target: {}",
+            record.not_swept.join("; ")
+        ));
+    }
     for (output, range) in record.outputs.iter().zip(&statistics.ranges) {
         let lacking = statistics.solved - range.map_or(0, |r| r.count).min(statistics.solved);
         if lacking == 0 {

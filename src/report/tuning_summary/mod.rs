@@ -4,6 +4,7 @@ mod of_tuning;
 mod tables;
 mod words;
 
+pub use tables::misfit_table;
 pub use words::interrupted_in_words;
 
 use super::accuracy::{CertificateSummary, ConditionSummary};

@@ -2,6 +2,13 @@
 
 use super::*;
 
+/// Table of the misfits before and after a tuning, in tolerances.
+pub fn misfit_table(before: Option<f64>, after: Option<f64>) -> Table {
+    let mut table = Table::new(["before", "after"]);
+    table.push([before, after]);
+    table
+}
+
 impl TuningSummary {
     /// Table of the smallest misfit by size of the change. `None` if it was not requested.
     pub fn prices_table(&self) -> Option<Table> {
@@ -10,9 +17,7 @@ impl TuningSummary {
 
     /// Table of the misfit in tolerances, for programs.
     pub fn misfit_table(&self) -> Table {
-        let mut table = Table::new(["before", "after"]);
-        table.push([self.misfit_before, self.misfit_after]);
-        table
+        misfit_table(self.misfit_before, self.misfit_after)
     }
 
     /// Table of the variables and their moves.

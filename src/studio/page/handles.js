@@ -1,7 +1,7 @@
 // Handles on targets: points of wanted curves and edges of bands, dragged or moved by arrow keys.
 import { brief, centred, heldByFinger, niceStep, set, svg } from './draw.js';
 import { state } from './design.js';
-import { setTarget, writtenTarget } from './targets.js';
+import { degreesPerDrive, setTarget, writtenTarget } from './targets.js';
 
 // Handles per target; longer curves are changed in the file.
 const MOST = 16;
@@ -12,11 +12,12 @@ const numbersOf = (target, k, [first, last]) => {
   if (!written) return [];
   const edge = first + 0.97 * (last - first);
   const isNumber = Number.isFinite;
-  if (isNumber(written.value) && isNumber(written.at)) return [{ path: ['value'], place: written.at, value: written.value, name: 'wanted value' }];
+  const onChart = (drive) => drive * degreesPerDrive(written.motion);
+  if (isNumber(written.value) && isNumber(written.at)) return [{ path: ['value'], place: onChart(written.at), value: written.value, name: 'wanted value' }];
   if (Array.isArray(written.points) && written.points.length <= MOST) {
-    return written.points.map(([place, value], i) => ({ path: ['points', i, 1], place, value, name: `target value at ${brief(place)}` }));
+    return written.points.map(([drive, value], i) => ({ path: ['points', i, 1], place: onChart(drive), value, name: `target value at ${brief(onChart(drive))}` }));
   }
-  const place = isNumber(written.at) ? written.at : edge;
+  const place = isNumber(written.at) ? onChart(written.at) : edge;
   const found = [];
   if (Array.isArray(written.between) && written.between.every(isNumber)) {
     found.push({ path: ['between', 0], place, value: written.between[0], name: 'lower limit', end: 1 }, { path: ['between', 1], place, value: written.between[1], name: 'upper limit', end: 2 });

@@ -7,6 +7,12 @@ import { post } from './server.js';
 
 const words = (text) => text.replaceAll(/[_.]/g, ' ');
 const optimise = () => state.overview.written.optimise;
+// Degrees on a chart per unit of a target's drive value. A study may write the angles of a motion in radians.
+export const degreesPerDrive = (motion) => {
+  const { motion: own, motions } = state.overview.written;
+  const section = motion ? motions?.[motion] : own;
+  return (section?.drive ?? 'travel') !== 'travel' && section.angle_unit === 'rad' ? 180 / Math.PI : 1;
+};
 export const writtenTarget = (k) => optimise()?.targets?.[k];
 
 // Sends edits, and takes the study that they give.
@@ -224,9 +230,10 @@ const placesOnChart = () => {
     words: ['stays between two limits', 'has a value at one place'],
     // The keys of the target; null if a field has no number.
     keys: (isBand, low, high) => {
-      if (!isBand) return parsed(place.value) === null ? null : { at: parsed(place.value), value: low };
+      const drive = ({ value }) => (parsed(value) === null ? null : parsed(value) / degreesPerDrive(state.motion));
+      if (!isBand) return drive(place) === null ? null : { at: drive(place), value: low };
       if (ends.every(({ value }) => value.trim() === '')) return { between: [low, high] };
-      const [first, last] = ends.map(({ value }) => parsed(value));
+      const [first, last] = ends.map(drive);
       if (first === null || last === null) return null;
       return { between: [low, high].map((limit) => [[first, limit], [last, limit]]) };
     },

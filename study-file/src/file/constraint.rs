@@ -55,7 +55,7 @@ pub struct Constraint {
     pub rack: Option<Spanned<Numbers>>,
     /// Name of a motion.
     pub motion: Option<Text>,
-    /// For the motion of an axle, the only wheel to which the constraint applies.
+    /// For an axle, the only wheel to which the constraint applies.
     pub side: Option<Text>,
 }
 

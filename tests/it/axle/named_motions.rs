@@ -130,8 +130,8 @@ fn motions_that_do_not_fit_are_refused() {
         "leave rack out",
     );
     refused(
-        &["motions.m={ travel = 1.0 }", &limit(", side = \"left\"")],
-        "side needs a motion of an axle",
+        &["motions.m={ travel = 1.0 }", &limit(", side = \"right\"")],
+        "the motion m moves the left wheel alone",
     );
     refused(
         &["motions.m={ heave = 1.0 }", &limit(", side = \"both\"")],

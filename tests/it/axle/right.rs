@@ -273,3 +273,42 @@ fn mistakes_in_a_right_wheel_are_named() {
     );
     assert!(said.contains("[axle.right.hardpoints]"), "{said}");
 }
+
+/// A constraint would check the dimensions of the left wheel only. If those of the right wheel differ, the study must say that
+/// it means the left wheel, in the design position as through a motion.
+#[test]
+fn constraints_of_different_wheels_name_the_left_one() {
+    let own = "[axle.right.hardpoints]\ntie_rod_inner = [-120.0, -350.0, 255.0]\n";
+    let constrained = |axle: &str, constraint: &str| {
+        let more = format!(
+            "[motions.one]\ntravel = [-10.0, 0.0, 10.0]\n[optimise]\n\
+             variables = [{{ hardpoint = \"tie_rod_outer\", axis = \"z\", range = [-20.0, 20.0] }}]\n\
+             targets = [{{ characteristic = \"camber\", at = 0.0, value = -1.0, tolerance = 0.1 }}]\n\
+             constraints = [{{ {constraint} }}]\n"
+        );
+        let study = study(&text(STEEP, axle, &format!("{SOFT}{more}")))?;
+        let constraints = &study.optimise.as_ref().unwrap().constraints;
+        Ok::<_, String>(
+            constraints
+                .iter()
+                .map(|c| c.name.clone())
+                .collect::<Vec<_>>(),
+        )
+    };
+    let length = "length = \"tie_rod\", between = [300.0, 303.0]";
+    for place in ["", ", at = \"design\"", ", motion = \"one\""] {
+        let constraint = format!("{length}{place}");
+        for side in ["", ", side = \"right\""] {
+            let error = constrained(own, &format!("{constraint}{side}")).unwrap_err();
+            assert!(
+                error.contains("the right wheel has different dimensions"),
+                "{error}"
+            );
+            assert!(error.contains("expected side = \"left\""), "{error}");
+        }
+        let of_left = constrained(own, &format!("{constraint}, side = \"left\"")).unwrap();
+        assert_eq!(of_left, ["length tie_rod between 300 and 303, left wheel"]);
+        // Of mirror images one check is enough.
+        assert_eq!(constrained("[axle]\n", &constraint).unwrap().len(), 1);
+    }
+}

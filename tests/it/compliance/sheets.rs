@@ -150,6 +150,25 @@ fn mistakes_in_a_sheet_are_named_with_their_line() {
         (",tolerance\n", ",error\n", 2, "a column tolerance"),
         // Trail 0 and trail 30 have this figure.
         ("trail_mm", "other", 2, "several tests"),
+        (
+            "trail_mm",
+            "trail_in",
+            1,
+            "expected the column trail_mm, found trail_in",
+        ),
+        (
+            ",tolerance\n",
+            ",tolerance,value\n",
+            1,
+            "several columns have the name value",
+        ),
+        // A row without travel is not one at travel 0.
+        (
+            "tolerance\nlateral,0.0,camber_by_lateral_force,0.02,deg_per_kN,0.001\n",
+            "tolerance,travel_mm\nlateral,0.0,camber_by_lateral_force,0.02,deg_per_kN,0.001,\n",
+            2,
+            "travel_mm is empty, but the row has a value",
+        ),
     ] {
         let directory = tempfile::tempdir().unwrap();
         std::fs::write(directory.path().join("sheet.csv"), good.replace(from, to)).unwrap();

@@ -18,12 +18,7 @@ pub(super) fn studies() -> Vec<Study> {
     let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
     let read = |name: &str| std::fs::read_to_string(samples.join(name)).unwrap();
     texts.push(read("double_wishbone_pushrod.toml"));
-    // One without a point of the spin axis.
-    let by_angles = texts[0]
-        .replace("spindle_inner    =", "# spindle_inner =")
-        .replace("# static_camber =", "static_camber =")
-        .replace("# static_toe =", "static_toe =");
-    texts.push(by_angles);
+    texts.push(by_angles(&texts[0]));
     let mut studies = Vec::new();
     for text in &texts {
         let study = Study::from_text("s.toml", text, Path::new(".")).unwrap();
@@ -36,6 +31,14 @@ pub(super) fn studies() -> Vec<Study> {
         }
     }
     studies
+}
+
+/// A template without a point of the spin axis.
+fn by_angles(template: &str) -> String {
+    template
+        .replace("spindle_inner    =", "# spindle_inner =")
+        .replace("# static_camber =", "static_camber =")
+        .replace("# static_toe =", "static_toe =")
 }
 
 /// The same wheel as another study would have it.
@@ -291,4 +294,41 @@ fn the_wheels_of_a_subsystem_are_told_apart() {
             .iter()
             .any(|note| note.contains("mirror images of the other wheel"))
     );
+}
+
+/// Each wheel of an axle comes back with its own angles.
+#[test]
+fn wheels_with_different_angles_come_back_with_their_own() {
+    let directory = tempfile::tempdir().unwrap();
+    let template = Topology::named("double_wishbone").unwrap().template;
+    let text = by_angles(template).replace("static_camber = -0.5", "static_camber = -1.0");
+    let text = format!("{text}\n[axle.right.wheel]\nstatic_camber = -1.7\nstatic_toe = -0.1\n")
+        .replace("\ntravel = {", "\nheave = {");
+    let study = Study::from_text("s.toml", &text, Path::new(".")).unwrap();
+    let outgoing = Outgoing::of(&study, None, None);
+    let rows = point_rows(&outgoing);
+    let page = Page {
+        name: "hardpoints".to_owned(),
+        rows: rows.clone(),
+    };
+    let files = [
+        file(&directory, "axle.sub", &subsystem(&outgoing).bytes),
+        file(&directory, "axle.csv", &csv(&rows)),
+        file(&directory, "axle.xlsx", &workbook(&[page])),
+    ];
+    for path in files {
+        for (side, angles) in [(Side::Left, [-1.0, 0.1]), (Side::Right, [-1.7, -0.1])] {
+            let said = Said {
+                side: Some(side),
+                ..Said::default()
+            };
+            let back = imported(&path, "double_wishbone", &said).unwrap();
+            let found = [back.static_camber, back.static_toe].map(Option::unwrap);
+            let off = [0, 1].map(|k| (found[k] - angles[k]).abs());
+            assert!(
+                off.iter().all(|off| *off < 1e-13),
+                "{path:?} {side:?} {found:?}"
+            );
+        }
+    }
 }

@@ -122,6 +122,77 @@ fn a_row_says_what_solve_and_optimise_say() {
     assert!(output(&summary, "misfit")["effects"][0]["share"].is_null());
 }
 
+/// Targets at racks of the motion have the deviations of the optimisation, at each of their racks.
+#[test]
+fn targets_at_racks_of_the_motion_are_compared() {
+    let from = STUDY.find("targets = [").unwrap();
+    let with = |targets: &str| {
+        let study = STUDY[..from].replace("[motion]\n", "[motion]\nrack = [-10.0, 10.0]\n");
+        Bench::new(
+            &format!("{study}targets = [{targets}]\n").replace("samples = 700", "samples = 3"),
+        )
+    };
+    let toe = |rack: &str| {
+        format!(
+            "{{ characteristic = \"toe\", points = [[-60.0, 0.1], [60.0, 0.1]], rack = {rack}, tolerance = 0.01 }}"
+        )
+    };
+    // Straight ahead, where every sweep has the design position, is no rack of this motion.
+    let targets = [toe("-10.0"), toe("[-10.0, 10.0]"), toe("0.0")].join(", ");
+    let bench = with(&targets);
+    bench.sweep("run", &[]).success();
+    bench.run(&[
+        "optimise",
+        "study.toml",
+        "--out",
+        "tuned",
+        "--set",
+        "optimise.max_iterations=1",
+    ]);
+    let [swept, tuned] = ["run", "tuned"].map(|run| bench.json(&format!("{run}/summary.json")));
+    let misfit = tuned["misfit_before"].as_f64().unwrap();
+    let at_design = output(&swept, "misfit")["at_design"].as_f64().unwrap();
+    assert!(
+        (at_design / misfit - 1.0).abs() < 1e-11,
+        "{at_design} {misfit}"
+    );
+    for (target, column) in ["rms_toe", "rms_toe_2", "rms_toe_3"].iter().enumerate() {
+        let rms = tuned["targets"][target]["before"]["rms"].as_f64().unwrap();
+        let found = output(&swept, column)["at_design"].as_f64().unwrap();
+        assert!((found / rms - 1.0).abs() < 1e-11, "{column}: {found} {rms}");
+    }
+    assert_eq!(swept["best"].as_array().unwrap().len(), 3);
+    assert!(!swept["notes"].to_string().contains("cannot evaluate"));
+}
+
+/// If the sweep cannot evaluate a target, terminal and summary name it with the reason.
+#[test]
+fn targets_that_a_sweep_cannot_evaluate_are_named() {
+    let from = STUDY.find("targets = [").unwrap();
+    let targets = "targets = [\n\
+        { characteristic = \"camber\", at = 0.0, value = -0.5, tolerance = 0.05 },\n\
+        { characteristic = \"toe\", rack = 5.0, at = 0.0, value = 0.0, tolerance = 0.05 },\n\
+        { length = \"tie_rod\", at = 0.0, value = 360.0, tolerance = 1.0 } ]\n";
+    let study = format!("{}{targets}", &STUDY[..from]).replace("samples = 700", "samples = 3");
+    let bench = Bench::new(&study);
+    let (stdout, stderr) = said(&bench.sweep("run", &[]).success());
+    let summary = bench.json("run/summary.json");
+    let notes = summary["notes"].to_string();
+    for words in [
+        "toe: [motion] does not have the rack 5",
+        "tie_rod_length: it is not a characteristic",
+    ] {
+        assert!(notes.contains(words), "{notes}");
+        let printed = format!("{stdout}{stderr}")
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ");
+        assert!(printed.contains(words), "{printed}");
+    }
+    assert!(!notes.contains("camber"), "{notes}");
+    assert!(summary["best"].as_array().unwrap().is_empty());
+}
+
 /// The gain of what is made of velocities is its derivative by travel where `solve` gives it; what is a gain itself
 /// has none.
 #[test]

@@ -4,7 +4,7 @@ use super::Called;
 use serde_json::Value;
 
 /// The calls whose tables are compared, and the names of their tables.
-const CALLS: [(&str, &str, &[&str], &[&str]); 12] = [
+const CALLS: [(&str, &str, &[&str], &[&str]); 14] = [
     (
         "solve",
         "macpherson_solve",
@@ -68,6 +68,32 @@ const CALLS: [(&str, &str, &[&str], &[&str]); 12] = [
             "targets",
             "variables",
         ],
+    ),
+    (
+        "optimise",
+        "double_wishbone_robust",
+        &[
+            "--set",
+            "optimise.max_iterations=1",
+            "--set",
+            "optimise.scatter=4",
+            "--set",
+            "tolerance.builds=100",
+        ],
+        &[
+            "misfit",
+            "side_effects",
+            "starts",
+            "targets",
+            "variables",
+            "yields",
+        ],
+    ),
+    (
+        "optimise",
+        "formula_student_car",
+        &["--set", "optimise.max_iterations=1"],
+        &["misfit", "side_effects", "targets", "variables"],
     ),
 ];
 
@@ -201,6 +227,51 @@ fn the_tables_have_the_numbers_of_the_files() {
             assert_eq!(output[key], same[key], "{key} of {output}");
         }
     }
+}
+
+/// No more builds are within all bands than within any one of them.
+#[test]
+fn yields_end_with_those_of_all_bands() {
+    let mut more = vec!["--format", "json"];
+    for set in [
+        "optimise.max_iterations=1",
+        "optimise.scatter=4",
+        "tolerance.builds=100",
+    ] {
+        more.extend(["--set", set]);
+    }
+    let called = Called::on("optimise", "double_wishbone_robust", &more);
+    let tables: Value = serde_json::from_str(&called.said()).unwrap();
+    let (all, bands) = tables["yields"].as_array().unwrap().split_last().unwrap();
+    assert_eq!(all["band"], "all");
+    assert_eq!(bands.len(), 3);
+    for design in ["before", "without_scatter", "after"] {
+        let share = |row: &Value| row[design].as_f64().unwrap();
+        assert!(
+            bands.iter().all(|band| share(band) >= share(all)),
+            "{design}"
+        );
+    }
+}
+
+/// The misfits of a car are those of its targets: before of the given car, after of the tuned one.
+#[test]
+fn the_misfit_of_a_car_is_a_table() {
+    let more = ["--set", "optimise.max_iterations=1", "--format", "json"];
+    let called = Called::on("optimise", "formula_student_car", &more);
+    let tables: Value = serde_json::from_str(&called.said()).unwrap();
+    let summary: Value = serde_json::from_str(&called.file("summary.json")).unwrap();
+    let misfit = |key: &str| tables["misfit"][0][key].as_f64().unwrap();
+    assert_eq!(Some(misfit("after")), summary["misfit"].as_f64());
+    assert!(misfit("before") > misfit("after"));
+    // The tuned car is the given car of a next run.
+    let more = ["--set", "optimise.max_iterations=1", "--format", "json"];
+    let tuned = called.directory.path().join("run/optimised.toml");
+    let arguments = ["optimise", tuned.to_str().unwrap(), "--out", "again"];
+    let again = Called::with(&[&arguments[..], &more[..]].concat(), &[]);
+    let tables: Value = serde_json::from_str(&again.said()).unwrap();
+    let before = tables["misfit"][0]["before"].as_f64().unwrap();
+    assert!((before / misfit("after") - 1.0).abs() < 1e-6, "{before}");
 }
 
 /// Unsolved stations are a table as well, with their reasons.

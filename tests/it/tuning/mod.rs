@@ -4,6 +4,7 @@ mod articulation;
 mod builds;
 mod constraints;
 mod intervals;
+mod measured;
 mod minima;
 mod mixes;
 pub mod robust_axle;

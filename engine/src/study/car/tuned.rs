@@ -12,6 +12,8 @@ pub struct TunedCar {
     pub fit: Fit,
     /// Study with the tuned car.
     pub study: CarStudy,
+    /// Misfit of the given car. `None` if its cases have no solution, or if a variable is outside of its range.
+    pub misfit_before: Option<f64>,
     /// Number of starts that were interrupted, and total number of starts.
     pub interrupted: [usize; 2],
 }
@@ -21,6 +23,12 @@ impl CarStudy {
     pub fn tuned(&self, wanted: &CarOptimise, control: Control<'_>) -> Result<TunedCar, String> {
         let tuning = tune(&self.car, self.goals(wanted), wanted.run, control)?;
         let interrupted = [tuning.interrupted(), tuning.starts.len()];
+        // The first start is the given car, moved into the ranges.
+        let first = &tuning.starts[0];
+        let given = wanted.variables.iter().map(|v| v.moves.value(&self.car));
+        let is_given = given.eq(first.x.iter().map(|value| Some(*value)));
+        let of_first = first.outcome.as_ref().ok().filter(|_| is_given);
+        let misfit_before = of_first.and_then(|fit| Some(fit.history.first()?.misfit));
         let fit = tuning.best_fit().cloned();
         let fit = fit.ok_or("no start produced a design")?;
         let study = CarStudy {
@@ -30,6 +38,7 @@ impl CarStudy {
         Ok(TunedCar {
             fit,
             study,
+            misfit_before,
             interrupted,
         })
     }

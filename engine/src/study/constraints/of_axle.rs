@@ -65,17 +65,7 @@ impl Reader<'_> {
             let named = both.motions.iter().find(|(name, _)| name == text.get_ref());
             Some((text, both, named?))
         });
-        let side = match &written.side {
-            None => None,
-            Some(text) => {
-                if of_axle.is_none() {
-                    let message = "side needs a motion of an axle: heave, or travel_left and travel_right, in [motions.NAME]";
-                    return problems.refuse(text.span(), message);
-                }
-                let sides = Side::ALL.each(|side| (side.name(), side));
-                Some(choose(text, "side", &sides, problems)?)
-            }
-        };
+        let side = self.side(of_axle.is_some(), problems)?;
         if let Some((text, both, _)) = of_axle
             && both.axle.is_rigid()
         {
@@ -83,9 +73,9 @@ impl Reader<'_> {
                            \"design\", and no motion";
             return problems.refuse(text.span(), message);
         }
-        let Some((text, both, (name, motion))) = of_axle else {
+        let Some((text, _, (name, motion))) = of_axle else {
             let site = site(&written.motion, &written.rack, self.context, problems)?;
-            return Some(vec![(None, site)]);
+            return Some(vec![(side, site)]);
         };
         if let Some(rack) = &written.rack {
             let message = format!("the motion {name} gives the rack; leave rack out");
@@ -105,11 +95,6 @@ impl Reader<'_> {
             );
             return problems.refuse(text.span(), message);
         };
-        if both.axle.right.is_some() && side != Some(Side::Left) {
-            let message = "the right wheel has different dimensions, for which constraints are \
-                           not available: expected side = \"left\"";
-            return problems.refuse(self.place.clone(), message);
-        }
         let sign = self.suspension().frame.sign(Axis::Y);
         let of_side = |side: Side| {
             // The right wheel is treated as a left wheel, so its rack moves with the opposite sign.
@@ -131,5 +116,39 @@ impl Reader<'_> {
             .into_iter()
             .filter(|own| side.is_none_or(|s| s == *own));
         Some(sides.map(|side| (Some(side), of_side(side))).collect())
+    }
+    /// Reads the wheel of the constraint. `None` for both wheels. If the wheels have different dimensions, the study must name
+    /// the left one, because constraints are not available for the dimensions of the right one.
+    fn side(&self, moves_axle: bool, problems: &mut Problems) -> Option<Option<Side>> {
+        let written = self.written;
+        let Some(both) = self.context.axle else {
+            return match &written.side {
+                None => Some(None),
+                Some(text) => {
+                    let message = "side needs [axle]; this study describes one wheel";
+                    problems.refuse(text.span(), message)
+                }
+            };
+        };
+        let side = match &written.side {
+            None => None,
+            Some(text) => {
+                let sides = Side::ALL.each(|side| (side.name(), side));
+                Some(choose(text, "side", &sides, problems)?)
+            }
+        };
+        if both.axle.right.is_some() && side != Some(Side::Left) {
+            let message = "the right wheel has different dimensions, for which constraints are \
+                           not available: expected side = \"left\"";
+            return problems.refuse(self.place.clone(), message);
+        }
+        if let (false, Some(motion), Some(Side::Right)) = (moves_axle, &written.motion, side) {
+            let name = motion.get_ref();
+            let message = format!(
+                "the motion {name} moves the left wheel alone: expected side = \"left\", or a motion of the axle"
+            );
+            return problems.refuse(self.place.clone(), message);
+        }
+        Some(side)
     }
 }

@@ -69,11 +69,12 @@ impl Reader<'_> {
         let axle = &both.axle;
         let u = axle.left.length_unit.symbol();
         let travel = |side: &str| -> Result<f64, StudyErrors> {
-            let own = row.number(&format!("travel_{side}_{u}"))?;
-            Ok(own.or(row.number(&format!("travel_{u}"))?).unwrap_or(0.0))
+            let own = format!("travel_{side}_{u}");
+            let both = format!("travel_{u}");
+            row.position(if row.has(&own) { &own } else { &both })
         };
         let [left, right] = [travel("left")?, travel("right")?];
-        let rack = row.number(&format!("rack_{u}"))?.unwrap_or(0.0);
+        let rack = row.position(&format!("rack_{u}"))?;
         let mut held = both.plan.motion.clone();
         let by_wheel = held.steering_wheel.take().is_some();
         if by_wheel && rack != 0.0 {

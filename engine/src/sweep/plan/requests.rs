@@ -35,15 +35,7 @@ pub(super) fn of_corner<'s>(
         let measure = target.of.of_wheel().and_then(|of| of.quantity());
         let quantity = quantities.iter().position(|q| measure == Some(*q));
         let quantity = quantity.expect("the plan contains the characteristics of the targets");
-        let wish = |wanted: &Sample| {
-            let station = stations.at(wanted.drive);
-            SweptWish {
-                quantity,
-                station: station.expect("each drive value has a station"),
-                wanted: *wanted,
-            }
-        };
-        wanted.iter().map(wish).collect()
+        SweptWish::of(target, wanted, quantity, &stations, &suspension.frame)
     });
     let wishes = wishes.collect();
     let request = Request::of_corner(Cow::Borrowed(suspension), stations, quantities, values);
@@ -92,24 +84,15 @@ pub(super) fn of_elastic<'s>(
         gains.push(Vec::new());
         columns.push(figure.as_column(length));
     }
-    let wish = |target: &Target, wanted: &Sample| {
+    let wishes = swept.iter().zip(wanted).map(|(target, wanted)| {
         let TargetKind::Elastic(value) = target.of.kind else {
             unreachable!("the target belongs to a study with elastic parts");
         };
         let quantity = reads.iter().position(|read| read.value == value);
-        SweptWish {
-            quantity: quantity.expect("the plan contains the quantities of the targets"),
-            station: stations
-                .at(wanted.drive)
-                .expect("each drive value has a station"),
-            wanted: *wanted,
-        }
-    };
-    let wishes: Vec<Vec<SweptWish>> = swept
-        .iter()
-        .zip(wanted)
-        .map(|(target, wanted)| wanted.iter().map(|w| wish(target, w)).collect())
-        .collect();
+        let quantity = quantity.expect("the plan contains the quantities of the targets");
+        SweptWish::of(target, wanted, quantity, &stations, &own.suspension.frame)
+    });
+    let wishes: Vec<Vec<SweptWish>> = wishes.collect();
     let further = read_further(&wishes, curves, [reads.len(), stations.count()]);
     let quantities = ElasticQuantities::of(own, elastic, &stations, reads, &further, rates);
     (

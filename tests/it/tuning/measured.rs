@@ -1,0 +1,96 @@
+//! Targets from measured curves: each row counts at its own rack and at its own travel.
+
+use hardpoint::curves::curves;
+use hardpoint::optimise::{Control, tune};
+use hardpoint::plan::Plan;
+use hardpoint::study::Study;
+use std::path::Path;
+
+const SOLVE: &str = include_str!("../../../studies/double_wishbone_solve.toml");
+
+/// The wishbone with two racks and these targets for the height of the inner joint of its tie rod.
+fn text(targets: &str) -> String {
+    let of_racks = SOLVE.replace("\nrack = 0.0 ", "\nrack = [0.0, 10.0] ");
+    assert_ne!(of_racks, SOLVE);
+    format!(
+        "{of_racks}\n[optimise]\nmax_iterations = 2\nvariables = [{{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-5.0, 5.0] }}]\n\
+         {targets}\n"
+    )
+}
+
+fn read(directory: &Path, targets: &str) -> Result<Study, String> {
+    Study::from_text("study.toml", &text(targets), directory).map_err(|e| e.to_string())
+}
+
+/// The toe of the wishbone at both racks as a sheet.
+fn sheet(study: &Study) -> String {
+    let plan = Plan::with_targets(study.one_wheel().unwrap(), study.optimise.as_ref());
+    let curves = curves(study.wheel(), &plan).unwrap();
+    let toe = curves.columns.iter().position(|c| c.name == "toe_deg");
+    let mut sheet = "travel_mm,rack_mm,toe_deg\n".to_owned();
+    for station in &curves.stations {
+        let [travel, rack] = [0, 1].map(|k| station.at[k].unwrap());
+        sheet += &format!("{travel},{rack},{}\n", station.value(toe.unwrap()).unwrap());
+    }
+    sheet
+}
+
+/// A design meets a sheet of its own curves at two racks, with a target for each rack. A single target for both racks, which
+/// would compare each rack with the mean of both, is refused.
+#[test]
+fn a_sheet_of_several_racks_has_a_curve_for_each() {
+    let directory = tempfile::tempdir().unwrap();
+    let place = directory.path();
+    let any = "targets = [{ characteristic = \"toe\", at = 0.0, value = 0.0, tolerance = 1.0 }]";
+    let sheet = sheet(&read(place, any).unwrap());
+    assert_eq!(sheet.lines().count(), 1 + 2 * 41);
+    std::fs::write(place.join("sheet.csv"), sheet).unwrap();
+    let target = |rack: &str| {
+        format!(
+            "{{ characteristic = \"toe\", file = \"sheet.csv\", rack = {rack}, tolerance = 0.01 }}"
+        )
+    };
+    for fit in ["", "fit = true\n"] {
+        let each = format!("{fit}targets = [{}, {}]", target("0.0"), target("10.0"));
+        let study = read(place, &each).unwrap();
+        let tuning = tune(
+            &study.vehicle,
+            study.optimise.as_ref().unwrap(),
+            Control::default(),
+        );
+        let before = tuning.unwrap().before.unwrap();
+        assert_eq!(before.targets.len(), 2);
+        assert!(before.misfit < 1e-9, "{fit}{}", before.misfit);
+        let both = format!("{fit}targets = [{}]", target("[0.0, 10.0]"));
+        let error = read(place, &both).unwrap_err();
+        assert!(error.contains("sheet.csv:2"), "{error}");
+        assert!(error.contains("one target for each rack"), "{error}");
+    }
+}
+
+/// A measurement that the motion does not reach is refused with its line, like a single value there. Beyond the motion a wanted
+/// curve without measurements has no effect.
+#[test]
+fn measurements_outside_of_the_motion_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let place = directory.path();
+    let rows = "travel_mm,toe_deg\n-60,0.3\n0,0.1\n60,0.2\n-200,5\n";
+    std::fs::write(place.join("sheet.csv"), rows).unwrap();
+    let target = |what: &str| {
+        format!("targets = [{{ characteristic = \"toe\", {what}, tolerance = 0.01 }}]")
+    };
+    let points = "points = [[-200.0, 5.0], [0.0, 0.1], [60.0, 0.2]]";
+    let outside = "-200 is outside of the motion, which runs from -80 to 80";
+    for what in ["file = \"sheet.csv\"", points] {
+        let error = read(place, &format!("fit = true\n{}", target(what))).unwrap_err();
+        assert!(error.contains(outside), "{error}");
+        assert!(error.contains("extend the motion"), "{error}");
+        assert!(
+            !what.starts_with("file") || error.contains("sheet.csv:5"),
+            "{error}"
+        );
+        assert!(read(place, &target(what)).is_ok());
+    }
+    let error = read(place, &target("at = -200.0, value = 5.0")).unwrap_err();
+    assert!(error.contains(outside), "{error}");
+}

@@ -65,6 +65,9 @@ impl<T: Real> Vector3<T> {
     /// True if products are small pieces. This holds for nested numbers, and for numbers in registers. The compiler then
     /// optimises each operation once instead of at each use.
     const IN_PIECES: bool = T::IS_NESTED || T::IN_REGISTERS;
+    /// True for derivative numbers outside registers. Their operations are functions that the compiler optimises once and then
+    /// inlines where that is worth it.
+    const IN_FUNCTIONS: bool = T::IS_LARGE && !T::IN_REGISTERS;
 }
 
 /// The arithmetic itself. Code in SIMD registers must be inlined, and closures are not inlined reliably. So such code uses
@@ -116,6 +119,44 @@ impl<T: Real> Vector3<T> {
     }
 }
 
+/// The same operations for derivative numbers outside registers.
+impl<T: Real> Vector3<T> {
+    #[inline]
+    fn dot_called(self, other: Self) -> T {
+        self.dot_inline(other)
+    }
+
+    #[inline]
+    fn cross_called(self, other: Self) -> Self {
+        self.cross_inline(other)
+    }
+
+    #[inline]
+    fn plus_scaled_called(self, other: Self, factor: T) -> Self {
+        self.plus_scaled_inline(other, factor)
+    }
+
+    #[inline]
+    fn normalised_called(self) -> Self {
+        self.normalised_inline()
+    }
+
+    #[inline]
+    fn plus_called(self, other: Self) -> Self {
+        self.plus_inline(other)
+    }
+
+    #[inline]
+    fn minus_called(self, other: Self) -> Self {
+        self.minus_inline(other)
+    }
+
+    #[inline]
+    fn times_called(self, factor: T) -> Self {
+        self.times_inline(factor)
+    }
+}
+
 impl<T: Real> Vector3<T> {
     /// Scalar product.
     #[inline(always)]
@@ -124,6 +165,8 @@ impl<T: Real> Vector3<T> {
             outlined!(
                 small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => T { a.dot_inline(b) }
             )
+        } else if Self::IN_FUNCTIONS {
+            self.dot_called(other)
         } else {
             self.dot_inline(other)
         }
@@ -136,6 +179,8 @@ impl<T: Real> Vector3<T> {
             outlined!(
                 small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => Vector3<T> { a.cross_inline(b) }
             )
+        } else if Self::IN_FUNCTIONS {
+            self.cross_called(other)
         } else {
             self.cross_inline(other)
         }
@@ -149,6 +194,8 @@ impl<T: Real> Vector3<T> {
                 small [T: Real] self.x;
                 a: Vector3<T> = self, b: Vector3<T> = other, f: T = factor => Vector3<T> { a.plus_scaled_inline(b, f) }
             )
+        } else if Self::IN_FUNCTIONS {
+            self.plus_scaled_called(other, factor)
         } else {
             self.plus_scaled_inline(other, factor)
         }
@@ -187,6 +234,8 @@ impl<T: Real> Vector3<T> {
     pub fn normalised(self) -> Self {
         if Self::IN_PIECES {
             outlined!(small [T: Real] self.x; a: Vector3<T> = self => Vector3<T> { a.normalised_inline() })
+        } else if Self::IN_FUNCTIONS {
+            self.normalised_called()
         } else {
             self.normalised_inline()
         }
@@ -219,6 +268,7 @@ impl<T: Real> Add for Vector3<T> {
             false if T::IN_REGISTERS => outlined!(
                 small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => Vector3<T> { a.plus_inline(b) }
             ),
+            false if Self::IN_FUNCTIONS => self.plus_called(other),
             false => self.plus_inline(other),
         }
     }
@@ -233,6 +283,7 @@ impl<T: Real> Sub for Vector3<T> {
             false if T::IN_REGISTERS => outlined!(
                 small [T: Real] self.x; a: Vector3<T> = self, b: Vector3<T> = other => Vector3<T> { a.minus_inline(b) }
             ),
+            false if Self::IN_FUNCTIONS => self.minus_called(other),
             false => self.minus_inline(other),
         }
     }
@@ -254,6 +305,8 @@ impl<T: Real> Mul<T> for Vector3<T> {
             outlined!(
                 small [T: Real] self.x; v: Vector3<T> = self, f: T = factor => Vector3<T> { v.times_inline(f) }
             )
+        } else if Self::IN_FUNCTIONS {
+            self.times_called(factor)
         } else {
             self.times_inline(factor)
         }
@@ -317,9 +370,16 @@ impl<T: Real> Matrix3<T> {
             outlined!(
                 small [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_inline(v) }
             )
+        } else if Vector3::<T>::IN_FUNCTIONS {
+            self.apply_called(v)
         } else {
             self.apply_inline(v)
         }
+    }
+
+    #[inline]
+    fn apply_called(&self, v: Vector3<T>) -> Vector3<T> {
+        self.apply_inline(v)
     }
 
     #[inline(always)]
@@ -337,9 +397,16 @@ impl<T: Real> Matrix3<T> {
             outlined!(
                 small [T: Real] v.x; m: &'p Matrix3<T> = self, v: Vector3<T> = v => Vector3<T> { m.apply_transposed_inline(v) }
             )
+        } else if Vector3::<T>::IN_FUNCTIONS {
+            self.apply_transposed_called(v)
         } else {
             self.apply_transposed_inline(v)
         }
+    }
+
+    #[inline]
+    fn apply_transposed_called(&self, v: Vector3<T>) -> Vector3<T> {
+        self.apply_transposed_inline(v)
     }
 
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Prepares studies for a comparison: each one is solved over the motion of the first study.
 
 use crate::axle::{Axle, AxleMotion};
-use crate::model::{Axis, LengthUnit, Suspension};
+use crate::model::{Axis, Frame, LengthUnit, Side, Suspension};
 use crate::report::{Compared, ComparedPoints, CurveTable, NamedPoints};
 use crate::solved::Solved;
 use crate::study::{Drive, Motion, Study, Vehicle};
@@ -15,6 +15,8 @@ pub enum FirstMotion {
         motion: Motion,
         /// Unit of the lengths in the motion.
         unit: LengthUnit,
+        /// Axes of the rack displacements.
+        frame: Frame,
     },
     /// Motion of both wheels of an axle.
     Axle {
@@ -33,23 +35,18 @@ impl FirstMotion {
                 let (motion, axle) = (both.plan.motion.clone(), Box::new(both.axle.clone()));
                 Some(FirstMotion::Axle { motion, axle })
             }
-            Vehicle::Wheel(own) => {
-                let (motion, unit) = (own.motion.clone(), own.suspension.length_unit);
-                is_over_travel(&motion).then_some(FirstMotion::Wheel { motion, unit })
-            }
+            Vehicle::Wheel(own) => is_over_travel(&own.motion).then(|| FirstMotion::Wheel {
+                motion: own.motion.clone(),
+                unit: own.suspension.length_unit,
+                frame: own.suspension.frame,
+            }),
         }
     }
 
     /// Replaces the motion of another study of the same kind. `Comparison::of` refuses a mixture of wheels and axles.
     fn replace_in(&self, study: &mut Study) -> Result<(), String> {
-        let to = study.wheel().length_unit;
         match (self, &mut study.vehicle) {
             (FirstMotion::Axle { motion, axle }, Vehicle::Axle(both)) => {
-                let [own, other] = [&**axle, &both.axle].map(|axle| axle.left.frame.sign(Axis::Y));
-                if motion.shows_rack && own != other {
-                    let why = "rack: the first study's y axis points the other way; give both studies the same frame";
-                    return Err(why.to_owned());
-                }
                 both.plan.motion = motion.for_axle(axle, &both.axle)?;
                 if both.axle.elastic.is_some() && !both.plan.motion.is_on_level_pads() {
                     let why = "axles with [compliance] are on level pads: the first study needs \
@@ -57,19 +54,32 @@ impl FirstMotion {
                     return Err(why.to_owned());
                 }
             }
-            (FirstMotion::Wheel { motion, unit }, Vehicle::Wheel(own))
-                if is_over_travel(&own.motion) =>
-            {
-                let ratio = to.per_metre() / unit.per_metre();
-                let scaled = |lengths: &[f64]| lengths.iter().map(|l| l * ratio).collect();
-                own.motion.values = scaled(&motion.values);
-                own.motion.rack = scaled(&motion.rack);
-                own.motion.rack_moves = motion.rack_moves;
+            (
+                FirstMotion::Wheel {
+                    motion,
+                    unit,
+                    frame,
+                },
+                Vehicle::Wheel(own),
+            ) if is_over_travel(&own.motion) => {
+                own.motion = motion_in(motion, (*unit, *frame), &own.suspension);
             }
             _ => (),
         }
         Ok(())
     }
+}
+
+/// Motion of another wheel, in the unit and axes of this wheel.
+fn motion_in(motion: &Motion, (unit, frame): (LengthUnit, Frame), wheel: &Suspension) -> Motion {
+    let ratio = wheel.length_unit.per_metre() / unit.per_metre();
+    let axes = [frame, wheel.frame].map(|frame| Frame::new(frame.meaning().0, Side::Left));
+    let [from, to] = axes.map(|frame| frame.sign(Axis::Y));
+    let mut own = motion.clone();
+    own.values.iter_mut().for_each(|value| *value *= ratio);
+    let rack = own.rack.iter_mut();
+    rack.for_each(|rack| *rack = from * to * ratio * *rack + 0.0);
+    own
 }
 
 fn is_over_travel(motion: &Motion) -> bool {
@@ -102,8 +112,15 @@ pub fn of_study(
 }
 
 /// Makes a design with these curves. If the right wheel of its axle is not mirrored, the points of both wheels are included.
-pub fn compared(label: String, study: &Study, curves: CurveTable) -> Compared {
+pub fn compared(label: String, study: &Study, mut curves: CurveTable) -> Compared {
     let suspension = study.wheel();
+    if let Some(motion) = study.one_wheel().map(|own| &own.motion)
+        && let [rack] = motion.rack[..]
+        && rack != 0.0
+    {
+        // Curves at a single rack displacement do not show it.
+        curves.set_constant(&format!("rack_{}", suspension.length_unit.symbol()), rack);
+    }
     let axle = study.axle().map(|both| &both.axle);
     let right = axle.and_then(|axle| axle.right.as_ref());
     let points = match right {
@@ -115,6 +132,7 @@ pub fn compared(label: String, study: &Study, curves: CurveTable) -> Compared {
         topology: Some(suspension.mechanism.topology.name.to_owned()),
         curves,
         unit: suspension.length_unit,
+        axes: Some(suspension.frame.meaning().0),
         points: Some(points),
         mechanism: None,
     }

@@ -219,6 +219,7 @@ fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
         topology: None,
         curves: table,
         unit,
+        axes: None,
         points: None,
         mechanism: None,
     })

@@ -73,6 +73,146 @@ fn axle() -> String {
     )
 }
 
+/// Compares two sources. Returns the number of rows, and the largest difference of each column relative to its largest value.
+fn compare(directory: &Path, sources: [&str; 2]) -> (usize, BTreeMap<String, f64>) {
+    let [one, other] = sources;
+    let [_, said] = run(
+        directory,
+        &["compare", one, other, "--out", "sides", "--force"],
+        0,
+    );
+    assert!(!said.contains("only in"), "{sources:?}: {said}");
+    let mut reader = csv::Reader::from_path(directory.join("sides/comparison.csv")).unwrap();
+    let header = reader.headers().unwrap().clone();
+    let rows: Vec<_> = reader.records().map(|row| row.unwrap()).collect();
+    let largest = |column: usize| {
+        let cells = rows
+            .iter()
+            .filter_map(|row| row[column].parse::<f64>().ok());
+        cells.fold(0.0, |most: f64, value| most.max(value.abs()))
+    };
+    let columns = header.iter().enumerate();
+    let differences = columns.filter(|(_, name)| name.contains(" - "));
+    let relative = differences.map(|(column, name)| {
+        // The column before it has the value of the second design.
+        (
+            name.to_owned(),
+            largest(column) / largest(column - 1).max(1e-3),
+        )
+    });
+    (rows.len(), relative.collect())
+}
+
+#[track_caller]
+fn assert_same(directory: &Path, sources: [&str; 2], rows: usize, columns: usize) {
+    let (found, differences) = compare(directory, sources);
+    assert_eq!(found, rows, "{sources:?}");
+    assert!(
+        differences.len() >= columns,
+        "{sources:?}: {}",
+        differences.len()
+    );
+    for (name, difference) in differences {
+        assert!(difference <= 1e-12, "{sources:?} {name}: {difference}");
+    }
+}
+
+/// Racks, points, velocities, accelerations, angular velocities and forces, of studies and of runs, in both orders.
+#[test]
+fn a_design_is_the_same_in_other_axes() {
+    for (text, rows, columns) in [(wheel(), 9, 50), (axle(), 6, 140)] {
+        let directory = tempfile::tempdir().unwrap();
+        let at = directory.path();
+        fs::write(at.join("own.toml"), text).unwrap();
+        run(at, &["--quiet", "solve", "own.toml", "--out", "run"], 0);
+        for frame in FRAMES {
+            let [file, out] = [format!("{frame}.toml"), format!("run_{frame}")];
+            run(
+                at,
+                &["convert", "own.toml", "--frame", frame, "--out", &file],
+                0,
+            );
+            run(at, &["--quiet", "solve", &file, "--out", &out], 0);
+            for sources in [
+                ["own.toml", &*file],
+                [&*file, "own.toml"],
+                ["run", &*out],
+                [&*out, "own.toml"],
+                ["run", &*file],
+            ] {
+                assert_same(at, sources, rows, columns);
+            }
+        }
+    }
+}
+
+/// Curves at a single rack displacement do not show the rack. They are still those of this displacement.
+#[test]
+fn a_fixed_rack_is_part_of_the_station() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    let fixed = changed(&wheel(), &[("rack = ", "rack = 10.0")]);
+    fs::write(at.join("fixed.toml"), fixed).unwrap();
+    fs::write(at.join("all.toml"), wheel()).unwrap();
+    run(
+        at,
+        &[
+            "convert",
+            "fixed.toml",
+            "--frame",
+            "x_rear",
+            "--out",
+            "other.toml",
+        ],
+        0,
+    );
+    for (study, out) in [("all.toml", "all"), ("other.toml", "other")] {
+        run(at, &["--quiet", "solve", study, "--out", out], 0);
+    }
+    for sources in [
+        ["fixed.toml", "other.toml"],
+        ["all", "other"],
+        ["other", "all"],
+    ] {
+        assert_same(at, sources, 3, 50);
+    }
+}
+
+/// Forces in pounds-force are shown in the newtons of the first study, and the other way round.
+#[test]
+fn a_design_is_the_same_in_other_units() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    let text = changed(&wheel(), &[("rack = ", "rack = 0.0")]);
+    fs::write(at.join("own.toml"), text).unwrap();
+    let inches = ["convert", "own.toml", "--unit", "in", "--out", "in.toml"];
+    run(at, &inches, 0);
+    run(
+        at,
+        &[
+            "convert",
+            "in.toml",
+            "--force-unit",
+            "lbf",
+            "--out",
+            "lbf.toml",
+        ],
+        0,
+    );
+    for sources in [
+        ["own.toml", "lbf.toml"],
+        ["in.toml", "lbf.toml"],
+        ["lbf.toml", "own.toml"],
+    ] {
+        let (rows, differences) = compare(at, sources);
+        assert!(rows == 3 && differences.len() > 50, "{sources:?}");
+        for (name, difference) in differences {
+            // Accelerations are second derivatives of rounded coordinates.
+            assert!(difference <= 1e-9, "{sources:?} {name}: {difference}");
+        }
+    }
+}
+
 /// Exported curves are those of the converted study: components of points and forces, and the rack.
 #[test]
 fn exported_curves_are_those_of_the_converted_study() {

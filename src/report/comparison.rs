@@ -13,7 +13,7 @@ use super::optional;
 use super::record::{Record, readable_unit};
 use super::table::{Cell, Table};
 use crate::model::{FrameConvention, LengthUnit};
-pub use kc::KcComparison;
+pub use kc::{ComparedKc, KcComparison};
 use moved::{Moved, moved};
 use serde::Serialize;
 

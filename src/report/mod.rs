@@ -62,7 +62,8 @@ pub use car::{
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
 pub use column::{ColumnConversion, ConvertedColumn, split_unit};
 pub use comparison::{
-    Compared, ComparedOutput, ComparedPoints, Comparison, KcComparison, NamedPoints, StationColumn,
+    Compared, ComparedKc, ComparedOutput, ComparedPoints, Comparison, KcComparison, NamedPoints,
+    StationColumn,
 };
 pub use completeness::Completeness;
 pub use curve_table::CurveTable;

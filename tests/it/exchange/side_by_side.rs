@@ -213,6 +213,56 @@ fn a_design_is_the_same_in_other_units() {
     }
 }
 
+/// Results of rig tests at the same positions of the rack are the same, and they are shown at the first run's positions.
+#[test]
+fn rig_tests_are_the_same_in_other_axes() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    let text = changed(
+        &sample("double_wishbone_compliance.toml"),
+        &[
+            ("travel = ", "travel = 0.0\nrack = [-4.0, 0.0, 8.0]"),
+            (
+                "[compliance]",
+                "[compliance]\ntests = [{ load = \"steering\", stations = \"all\" }]",
+            ),
+        ],
+    );
+    fs::write(at.join("own.toml"), text).unwrap();
+    run(at, &["--quiet", "kc", "own.toml", "--out", "own"], 0);
+    for frame in FRAMES {
+        let file = format!("{frame}.toml");
+        run(
+            at,
+            &["convert", "own.toml", "--frame", frame, "--out", &file],
+            0,
+        );
+        run(at, &["--quiet", "kc", &file, "--out", frame], 0);
+        run(at, &["compare", "own", frame, "--out", "sides"], 0);
+        let mut reader = csv::Reader::from_path(at.join("sides/comparison.csv")).unwrap();
+        let header = reader.headers().unwrap().clone();
+        let column = |name: &str| header.iter().position(|own| own == name).unwrap();
+        let [rack, quantity] = ["rack_mm", "quantity"].map(column);
+        let difference = column(&format!("{frame}_difference"));
+        let mut found = Vec::new();
+        for row in reader.records() {
+            let row = row.unwrap();
+            let apart = row[difference].parse::<f64>().unwrap();
+            assert!(apart.abs() <= 1e-9, "{row:?}");
+            found.push(format!("{} {}", &row[quantity], &row[rack]));
+        }
+        for name in ["steer_by_rack", "caster_by_rack", "rack_force"] {
+            for rack in ["-4.0", "0.0", "8.0"] {
+                assert!(found.contains(&format!("{name} {rack}")), "{found:?}");
+            }
+        }
+    }
+    // Without its study, the axes of a run are unknown.
+    fs::remove_file(at.join("x_rear/study.toml")).unwrap();
+    let [_, said] = run(at, &["compare", "own", "x_rear", "--out", "sides"], 2);
+    assert!(said.contains("depends on the axes"), "{said}");
+}
+
 /// Exported curves are those of the converted study: components of points and forces, and the rack.
 #[test]
 fn exported_curves_are_those_of_the_converted_study() {

@@ -263,6 +263,55 @@ fn rig_tests_are_the_same_in_other_axes() {
     assert!(said.contains("depends on the axes"), "{said}");
 }
 
+/// A car in other axes has no changed input.
+#[test]
+fn a_car_is_the_same_in_other_axes() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    for name in ["off_road_car", "off_road_car_front", "off_road_car_rear"] {
+        let name = format!("{name}.toml");
+        fs::write(at.join(&name), sample(&name)).unwrap();
+    }
+    let file = "off_road_car.toml";
+    for frame in FRAMES {
+        run(at, &["convert", file, "--frame", frame, "--out", frame], 0);
+        let other = format!("{frame}/{file}");
+        let arguments = ["compare", file, &other, "--out", "sides", "--format", "csv"];
+        let [printed, _] = run(at, &arguments, 0);
+        let rows = printed
+            .lines()
+            .filter(|line| !line.is_empty() && !line.starts_with("table,"));
+        assert_eq!(rows.count(), 0, "{printed}");
+    }
+    // A change is shown in the axes of the first car.
+    let other = format!("{}/{file}", FRAMES[0]);
+    let text = fs::read_to_string(at.join(&other)).unwrap();
+    let centre = text.lines().find(|line| line.starts_with("cg = "));
+    let centre = centre.unwrap_or_else(|| panic!("{text}")).to_owned();
+    let numbers = |line: &str| -> Vec<f64> {
+        let (_, list) = line.split_once('[').unwrap();
+        let (list, _) = list.split_once(']').unwrap();
+        list.split(',')
+            .map(|number| number.trim().parse().unwrap())
+            .collect()
+    };
+    let place = numbers(&centre);
+    let lower = format!(
+        "cg = [{:?}, {:?}, {:?}]",
+        place[0],
+        place[1],
+        place[2] + 10.0
+    );
+    fs::write(at.join(&other), text.replace(&centre, &lower)).unwrap();
+    let arguments = ["compare", file, &other, "--out", "sides", "--format", "csv"];
+    let [printed, _] = run(at, &arguments, 0);
+    let [up, lower] = [-place[2], -place[2] - 10.0];
+    assert!(
+        printed.contains(&format!("cg_z,mm,{up:?},{lower:?}")),
+        "{printed}"
+    );
+}
+
 /// Exported curves are those of the converted study: components of points and forces, and the rack.
 #[test]
 fn exported_curves_are_those_of_the_converted_study() {

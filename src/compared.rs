@@ -1,17 +1,18 @@
 //! Prepares studies for a comparison: each one is solved over the motion of the first study.
 
 use crate::axle::{Axle, AxleMotion};
+use crate::mechanism::raises_its_joint;
 use crate::model::{Axis, Frame, LengthUnit, Side, Suspension};
 use crate::report::{Compared, ComparedPoints, CurveTable, NamedPoints};
 use crate::solved::Solved;
-use crate::study::{Drive, Motion, Study, Vehicle};
+use crate::study::{Drive, Motion, Study, Vehicle, WheelStudy};
 
 /// Motion of the first study. The other studies are solved over it.
 #[derive(Clone, Debug)]
 pub enum FirstMotion {
-    /// Motion of one wheel over travel.
+    /// Motion of one wheel.
     Wheel {
-        /// Wheel travels and rack displacements.
+        /// Values of the drive and rack displacements.
         motion: Motion,
         /// Unit of the lengths in the motion.
         unit: LengthUnit,
@@ -28,18 +29,18 @@ pub enum FirstMotion {
 }
 
 impl FirstMotion {
-    /// Returns the motion of a study. `None` if other studies keep their own motion.
-    pub fn of(study: &Study) -> Option<FirstMotion> {
+    /// Returns the motion of a study.
+    pub fn of(study: &Study) -> FirstMotion {
         match &study.vehicle {
             Vehicle::Axle(both) => {
                 let (motion, axle) = (both.plan.motion.clone(), Box::new(both.axle.clone()));
-                Some(FirstMotion::Axle { motion, axle })
+                FirstMotion::Axle { motion, axle }
             }
-            Vehicle::Wheel(own) => is_over_travel(&own.motion).then(|| FirstMotion::Wheel {
+            Vehicle::Wheel(own) => FirstMotion::Wheel {
                 motion: own.motion.clone(),
                 unit: own.suspension.length_unit,
                 frame: own.suspension.frame,
-            }),
+            },
         }
     }
 
@@ -61,8 +62,14 @@ impl FirstMotion {
                     frame,
                 },
                 Vehicle::Wheel(own),
-            ) if is_over_travel(&own.motion) => {
+            ) => {
+                check_drive(motion, own)?;
                 own.motion = motion_in(motion, (*unit, *frame), &own.suspension);
+                if motion.drive == Drive::PaperTheta {
+                    // This drive has no sensitivities and no certificates.
+                    own.outputs.sensitivities.clear();
+                    own.outputs.certify = false;
+                }
             }
             _ => (),
         }
@@ -76,14 +83,39 @@ fn motion_in(motion: &Motion, (unit, frame): (LengthUnit, Frame), wheel: &Suspen
     let axes = [frame, wheel.frame].map(|frame| Frame::new(frame.meaning().0, Side::Left));
     let [from, to] = axes.map(|frame| frame.sign(Axis::Y));
     let mut own = motion.clone();
-    own.values.iter_mut().for_each(|value| *value *= ratio);
+    if !motion.drive.is_angle() {
+        own.values.iter_mut().for_each(|value| *value *= ratio);
+        let law = own.time.iter_mut().flat_map(|law| &mut law.polynomial);
+        law.for_each(|coefficient| *coefficient *= ratio);
+    }
     let rack = own.rack.iter_mut();
     rack.for_each(|rack| *rack = from * to * ratio * *rack + 0.0);
     own
 }
 
-fn is_over_travel(motion: &Motion) -> bool {
-    motion.drive == Drive::Travel && motion.time.is_none()
+/// Checks that a wheel can follow the motion of the first study.
+fn check_drive(motion: &Motion, own: &WheelStudy) -> Result<(), String> {
+    let name = motion.drive.name();
+    let lacks = |why: &str| {
+        Err(format!(
+            "the first study has drive = \"{name}\", which this study cannot have: {why}; give the \
+             first study travel in [motion]"
+        ))
+    };
+    let is_over_travel = motion.drive == Drive::Travel && motion.time.is_none();
+    if own.compliance.is_some() && !is_over_travel {
+        let why = "studies with [compliance] are solved over travel: give the first study travel \
+                   in [motion]";
+        return Err(why.to_owned());
+    }
+    let mechanism = &own.suspension.mechanism;
+    match mechanism.arms.first() {
+        _ if !motion.drive.is_angle() => Ok(()),
+        None => lacks(&format!("{} has no arm", mechanism.topology.name)),
+        Some(_) if motion.drive == Drive::PaperTheta => Ok(()),
+        Some(arm) if raises_its_joint(*arm, &own.suspension.design) => Ok(()),
+        Some(_) => lacks("its arm is at dead centre in the design position"),
+    }
 }
 
 /// Returns the curves and points of a study, and true if every curve is complete. `first` is the motion of the first study. If it
@@ -97,7 +129,7 @@ pub fn of_study(
     first: &mut Option<FirstMotion>,
 ) -> Result<(Compared, bool), String> {
     match first {
-        None => *first = FirstMotion::of(&study),
+        None => *first = Some(FirstMotion::of(&study)),
         Some(first) => first.replace_in(&mut study)?,
     }
     let solved = Solved::of(&study)?;

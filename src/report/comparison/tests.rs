@@ -111,3 +111,31 @@ fn values_of_unknown_axes_are_refused() {
         }
     }
 }
+
+/// At an angle of the arm, two designs have different travels.
+#[test]
+fn the_travel_is_a_result_if_an_angle_is_given() {
+    let mm = LengthUnit::Millimetre;
+    let own = "travel_mm,arm_angle_deg,camber_deg,status\n-4,-1,1,ok\n4,1,2,ok\n";
+    let other = "travel_mm,arm_angle_deg,camber_deg,status\n-5,-1,1,ok\n5,1,2,ok\n";
+    let comparison = Comparison::of(&[design("a", mm, own), design("b", mm, other)]).unwrap();
+    assert_eq!(comparison.stations, [[-1.0], [1.0]]);
+    assert_eq!(comparison.outputs[0].column, "travel_mm");
+    assert_eq!(comparison.outputs[0].values[1], [Some(-5.0), Some(5.0)]);
+}
+
+/// Curves over different drives have positions in common only by chance.
+#[test]
+fn curves_over_different_drives_are_refused() {
+    let mm = LengthUnit::Millimetre;
+    let travel = "travel_mm,camber_deg,status\n0,1,ok\n1,2,ok\n";
+    let angle = "travel_mm,arm_angle_deg,camber_deg,status\n0,0,1,ok\n4,1,2,ok\n";
+    for pair in [[travel, angle], [angle, travel]] {
+        let refused = Comparison::of(&[design("a", mm, pair[0]), design("b", mm, pair[1])]);
+        assert!(
+            refused
+                .unwrap_err()
+                .contains("run them over the same motion")
+        );
+    }
+}

@@ -213,6 +213,61 @@ fn a_design_is_the_same_in_other_units() {
     }
 }
 
+/// Every other study is solved over the drive of the first study, or the reason is given.
+#[test]
+fn studies_follow_the_drive_of_the_first_study() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    let travel = sample("double_wishbone_solve.toml");
+    let with = |motion: &str| changed(&travel, &[("travel = ", motion)]);
+    let write = |name: &str, text: &str| fs::write(at.join(name), text).unwrap();
+    write("travel.toml", &travel);
+    write(
+        "angle.toml",
+        &with("drive = \"arm_angle\"\narm_angle = { from = -5.0, to = 5.0, steps = 5 }"),
+    );
+    write(
+        "time.toml",
+        &with("time = { polynomial = [0.0, 20.0], from = -1.0, to = 1.0, steps = 7 }"),
+    );
+    write("macpherson.toml", &sample("macpherson_solve.toml"));
+    write("five_link.toml", &sample("five_link_solve.toml"));
+    write("elastic.toml", &sample("double_wishbone_compliance.toml"));
+    for (first, rows, columns) in [
+        ("travel.toml", 41, 9),
+        ("angle.toml", 5, 10),
+        ("time.toml", 7, 9),
+    ] {
+        for other in ["travel.toml", "angle.toml", "time.toml"] {
+            assert_same(at, [first, other], rows, columns);
+        }
+    }
+    // Another design has other travels at the same angles.
+    let sources = ["compare", "angle.toml", "macpherson.toml", "--out", "-"];
+    let [csv, _] = run(at, &sources, 0);
+    assert!(csv.starts_with("arm_angle_deg,travel_mm [angle],"), "{csv}");
+    assert_eq!(csv.lines().count(), 1 + 5);
+    for (other, reason) in [
+        ("five_link.toml", "five_link has no arm"),
+        (
+            "elastic.toml",
+            "studies with [compliance] are solved over travel",
+        ),
+    ] {
+        let [_, said] = run(at, &["compare", "angle.toml", other, "--out", "-"], 2);
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains(reason), "{said}");
+    }
+    // Runs cannot be solved again.
+    run(at, &["--quiet", "solve", "angle.toml", "--out", "run"], 0);
+    let [_, said] = run(at, &["compare", "run", "travel.toml", "--out", "-"], 2);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        said.contains("the curves of run are over arm_angle_deg"),
+        "{said}"
+    );
+}
+
 /// Results of rig tests at the same positions of the rack are the same, and they are shown at the first run's positions.
 #[test]
 fn rig_tests_are_the_same_in_other_axes() {

@@ -1,20 +1,23 @@
 //! Prepares studies for a comparison: each one is solved over the motion of the first study.
 
 use crate::axle::{Axle, AxleMotion};
-use crate::model::{Axis, LengthUnit, Suspension};
+use crate::mechanism::raises_its_joint;
+use crate::model::{Axis, Frame, LengthUnit, Side, Suspension};
 use crate::report::{Compared, ComparedPoints, CurveTable, NamedPoints};
 use crate::solved::Solved;
-use crate::study::{Drive, Motion, Study, Vehicle};
+use crate::study::{Drive, Motion, Study, Vehicle, WheelStudy};
 
 /// Motion of the first study. The other studies are solved over it.
 #[derive(Clone, Debug)]
 pub enum FirstMotion {
-    /// Motion of one wheel over travel.
+    /// Motion of one wheel.
     Wheel {
-        /// Wheel travels and rack displacements.
+        /// Values of the drive and rack displacements.
         motion: Motion,
         /// Unit of the lengths in the motion.
         unit: LengthUnit,
+        /// Axes of the rack displacements.
+        frame: Frame,
     },
     /// Motion of both wheels of an axle.
     Axle {
@@ -26,30 +29,25 @@ pub enum FirstMotion {
 }
 
 impl FirstMotion {
-    /// Returns the motion of a study. `None` if other studies keep their own motion.
-    pub fn of(study: &Study) -> Option<FirstMotion> {
+    /// Returns the motion of a study.
+    pub fn of(study: &Study) -> FirstMotion {
         match &study.vehicle {
             Vehicle::Axle(both) => {
                 let (motion, axle) = (both.plan.motion.clone(), Box::new(both.axle.clone()));
-                Some(FirstMotion::Axle { motion, axle })
+                FirstMotion::Axle { motion, axle }
             }
-            Vehicle::Wheel(own) => {
-                let (motion, unit) = (own.motion.clone(), own.suspension.length_unit);
-                is_over_travel(&motion).then_some(FirstMotion::Wheel { motion, unit })
-            }
+            Vehicle::Wheel(own) => FirstMotion::Wheel {
+                motion: own.motion.clone(),
+                unit: own.suspension.length_unit,
+                frame: own.suspension.frame,
+            },
         }
     }
 
     /// Replaces the motion of another study of the same kind. `Comparison::of` refuses a mixture of wheels and axles.
     fn replace_in(&self, study: &mut Study) -> Result<(), String> {
-        let to = study.wheel().length_unit;
         match (self, &mut study.vehicle) {
             (FirstMotion::Axle { motion, axle }, Vehicle::Axle(both)) => {
-                let [own, other] = [&**axle, &both.axle].map(|axle| axle.left.frame.sign(Axis::Y));
-                if motion.shows_rack && own != other {
-                    let why = "rack: the first study's y axis points the other way; give both studies the same frame";
-                    return Err(why.to_owned());
-                }
                 both.plan.motion = motion.for_axle(axle, &both.axle)?;
                 if both.axle.elastic.is_some() && !both.plan.motion.is_on_level_pads() {
                     let why = "axles with [compliance] are on level pads: the first study needs \
@@ -57,14 +55,21 @@ impl FirstMotion {
                     return Err(why.to_owned());
                 }
             }
-            (FirstMotion::Wheel { motion, unit }, Vehicle::Wheel(own))
-                if is_over_travel(&own.motion) =>
-            {
-                let ratio = to.per_metre() / unit.per_metre();
-                let scaled = |lengths: &[f64]| lengths.iter().map(|l| l * ratio).collect();
-                own.motion.values = scaled(&motion.values);
-                own.motion.rack = scaled(&motion.rack);
-                own.motion.rack_moves = motion.rack_moves;
+            (
+                FirstMotion::Wheel {
+                    motion,
+                    unit,
+                    frame,
+                },
+                Vehicle::Wheel(own),
+            ) => {
+                check_drive(motion, own)?;
+                own.motion = motion_in(motion, (*unit, *frame), &own.suspension);
+                if motion.drive == Drive::PaperTheta {
+                    // This drive has no sensitivities and no certificates.
+                    own.outputs.sensitivities.clear();
+                    own.outputs.certify = false;
+                }
             }
             _ => (),
         }
@@ -72,8 +77,45 @@ impl FirstMotion {
     }
 }
 
-fn is_over_travel(motion: &Motion) -> bool {
-    motion.drive == Drive::Travel && motion.time.is_none()
+/// Motion of another wheel, in the unit and axes of this wheel.
+fn motion_in(motion: &Motion, (unit, frame): (LengthUnit, Frame), wheel: &Suspension) -> Motion {
+    let ratio = wheel.length_unit.per_metre() / unit.per_metre();
+    let axes = [frame, wheel.frame].map(|frame| Frame::new(frame.meaning().0, Side::Left));
+    let [from, to] = axes.map(|frame| frame.sign(Axis::Y));
+    let mut own = motion.clone();
+    if !motion.drive.is_angle() {
+        own.values.iter_mut().for_each(|value| *value *= ratio);
+        let law = own.time.iter_mut().flat_map(|law| &mut law.polynomial);
+        law.for_each(|coefficient| *coefficient *= ratio);
+    }
+    let rack = own.rack.iter_mut();
+    rack.for_each(|rack| *rack = from * to * ratio * *rack + 0.0);
+    own
+}
+
+/// Checks that a wheel can follow the motion of the first study.
+fn check_drive(motion: &Motion, own: &WheelStudy) -> Result<(), String> {
+    let name = motion.drive.name();
+    let lacks = |why: &str| {
+        Err(format!(
+            "the first study has drive = \"{name}\", which this study cannot have: {why}; give the \
+             first study travel in [motion]"
+        ))
+    };
+    let is_over_travel = motion.drive == Drive::Travel && motion.time.is_none();
+    if own.compliance.is_some() && !is_over_travel {
+        let why = "studies with [compliance] are solved over travel: give the first study travel \
+                   in [motion]";
+        return Err(why.to_owned());
+    }
+    let mechanism = &own.suspension.mechanism;
+    match mechanism.arms.first() {
+        _ if !motion.drive.is_angle() => Ok(()),
+        None => lacks(&format!("{} has no arm", mechanism.topology.name)),
+        Some(_) if motion.drive == Drive::PaperTheta => Ok(()),
+        Some(arm) if raises_its_joint(*arm, &own.suspension.design) => Ok(()),
+        Some(_) => lacks("its arm is at dead centre in the design position"),
+    }
 }
 
 /// Returns the curves and points of a study, and true if every curve is complete. `first` is the motion of the first study. If it
@@ -87,7 +129,7 @@ pub fn of_study(
     first: &mut Option<FirstMotion>,
 ) -> Result<(Compared, bool), String> {
     match first {
-        None => *first = FirstMotion::of(&study),
+        None => *first = Some(FirstMotion::of(&study)),
         Some(first) => first.replace_in(&mut study)?,
     }
     let solved = Solved::of(&study)?;
@@ -102,8 +144,15 @@ pub fn of_study(
 }
 
 /// Makes a design with these curves. If the right wheel of its axle is not mirrored, the points of both wheels are included.
-pub fn compared(label: String, study: &Study, curves: CurveTable) -> Compared {
+pub fn compared(label: String, study: &Study, mut curves: CurveTable) -> Compared {
     let suspension = study.wheel();
+    if let Some(motion) = study.one_wheel().map(|own| &own.motion)
+        && let [rack] = motion.rack[..]
+        && rack != 0.0
+    {
+        // Curves at a single rack displacement do not show it.
+        curves.set_constant(&format!("rack_{}", suspension.length_unit.symbol()), rack);
+    }
     let axle = study.axle().map(|both| &both.axle);
     let right = axle.and_then(|axle| axle.right.as_ref());
     let points = match right {
@@ -115,6 +164,7 @@ pub fn compared(label: String, study: &Study, curves: CurveTable) -> Compared {
         topology: Some(suspension.mechanism.topology.name.to_owned()),
         curves,
         unit: suspension.length_unit,
+        axes: Some(suspension.frame.meaning().0),
         points: Some(points),
         mechanism: None,
     }

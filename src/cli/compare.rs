@@ -6,8 +6,8 @@ use super::output::kept_study;
 use super::terminal::{eprint, is_quiet, note, print, width};
 use crate::compared::{FirstMotion, compared};
 use crate::report::{
-    Compared, Comparison, CurveTable, Format, KcComparison, Tables, comparison_page, counted,
-    printable,
+    Compared, ComparedKc, Comparison, CurveTable, Format, KcComparison, Tables, comparison_page,
+    counted, printable,
 };
 use crate::results::{Claim, RunDirectory};
 use crate::study::{LONGEST_TABLE, Study, read_bytes};
@@ -131,8 +131,11 @@ fn of_kc_runs(arguments: &CompareArguments) -> Result<Exit, Stop> {
     let mut runs = Vec::new();
     for (path, label) in arguments.sources.iter().zip(labels(&arguments.sources)) {
         let file = path.join(KC);
-        let text = read_bytes(&file, LONGEST_TABLE);
-        runs.push((label, text.map_err(|reason| Stop::in_file(&file, reason))?));
+        let csv = read_bytes(&file, LONGEST_TABLE);
+        let csv = csv.map_err(|reason| Stop::in_file(&file, reason))?;
+        let study = kept_study(path, &[])?;
+        let axes = study.map(|study| study.wheel().frame.meaning().0);
+        runs.push(ComparedKc { label, csv, axes });
     }
     let comparison = KcComparison::of(&runs).map_err(Stop::wrong_input)?;
     write(arguments, &arguments.sources, &comparison.csv(), None)?;
@@ -219,6 +222,7 @@ fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
         topology: None,
         curves: table,
         unit,
+        axes: None,
         points: None,
         mechanism: None,
     })

@@ -7,11 +7,11 @@ use super::terminal::{note, width};
 use crate::checked::{Checked, motion_alone};
 use crate::exchange::{
     Grid, Outgoing, Page, Rounded, Value, curves_in, moved_coordinates, page_of_csv, point_rows,
-    rounded, tuned_coordinates, unit_of_column,
+    rounded, tuned_coordinates,
 };
 use crate::model::{FrameConvention, LengthUnit};
 use crate::number::Vector3;
-use crate::report::{Cell, Table};
+use crate::report::{Cell, Table, split_unit};
 use crate::results::Manifest;
 use crate::solved::Solved;
 use crate::study::{LONGEST_TABLE, Study, read_bytes};
@@ -390,7 +390,7 @@ fn changes(before: &Page, after: &Page) -> Table {
             .filter_map(|(a, b)| Some((number(b)? - number(a)?).abs()))
             .collect();
         if let Some(largest) = changes.into_iter().reduce(f64::max) {
-            let figure = Cell::figure(largest, unit_of_column(name));
+            let figure = Cell::figure(largest, split_unit(name).1);
             table.push([Cell::from(name.as_str()), figure]);
         }
     }

@@ -1,35 +1,26 @@
 //! Curves in another unit, in other axes, and with the names of other tools.
-//!
-//! The name of a column ends with its unit (`bump_steer_deg_per_mm`), so the name shows which columns contain lengths.
-//! Coordinates of points, angular velocities and rack displacements change their signs with the axes. All other columns have
-//! signs that refer to the car and do not change ([`Characteristic::info`]).
-//!
-//! [`Characteristic::info`]: crate::characteristics::Characteristic::info
 
 use super::outgoing::Outgoing;
 use super::workbook::{Page, Value};
-use crate::model::{Axis, LengthUnit, Side};
+use crate::model::{FrameConvention, LengthUnit, Side};
+use crate::report::{ColumnConversion, split_unit};
+use crate::study::CarStudy;
 
 /// Converts curves from the unit and axes of the study to those of the file, and renames the columns accordingly.
 pub fn curves_in(outgoing: &Outgoing<'_>, mut page: Page) -> Page {
+    let suspension = outgoing.study.wheel();
+    let (own, side) = suspension.frame.meaning();
+    let conversion = ColumnConversion {
+        from: suspension.length_unit,
+        to: with_forces_of(suspension.length_unit, outgoing.unit),
+        axes: [own, outgoing.convention],
+    };
+    convert(&mut page, |_| conversion);
     let Some((header, rows)) = page.rows.split_first_mut() else {
         return page;
     };
-    let from = outgoing.study.wheel().length_unit;
-    for (column, name) in header.iter_mut().enumerate() {
-        let Value::Text(name) = name else { continue };
-        let (renamed, power) = in_unit(name, from, outgoing.unit);
-        let sign = sign(outgoing, &name[..unit_start(name)]);
-        *name = renamed;
-        for value in rows.iter_mut().filter_map(|row| row.get_mut(column)) {
-            if let Value::Number(number) = value {
-                *number = sign * in_power(*number, power, from, outgoing.unit);
-            }
-        }
-    }
     let text = |text: &str| Value::Text(text.to_owned());
     let of_one_wheel = outgoing.study.axle().is_none();
-    let (_, side) = outgoing.study.wheel().frame.meaning();
     if of_one_wheel {
         header.push(text("side"));
     }
@@ -43,112 +34,53 @@ pub fn curves_in(outgoing: &Outgoing<'_>, mut page: Page) -> Page {
     page
 }
 
-/// Converts a number whose unit contains a power of a length.
-fn in_power(number: f64, power: i32, from: LengthUnit, to: LengthUnit) -> f64 {
-    match power {
-        _ if from == to => number,
-        1 => to.convert(number, from),
-        -1 => from.convert(number, to),
-        _ => number * to.convert(1.0, from).powi(power),
-    }
-}
-
-/// Words in units that are not lengths.
-const UNIT_WORDS: [&str; 9] = ["deg", "percent", "N", "lbf", "ft", "per", "rad", "s", "Hz"];
-
-/// Position in a column name at which the unit starts, including the separator before it.
-fn unit_start(name: &str) -> usize {
-    let is_unit = |word: &str| {
-        let word = word.trim_end_matches(|c: char| c.is_ascii_digit());
-        UNIT_WORDS.contains(&word) || LengthUnit::ALL.iter().any(|unit| unit.symbol() == word)
-    };
-    let mut start = name.len();
-    while let Some(at) = name[..start].rfind('_') {
-        if !is_unit(&name[at + 1..start]) {
-            break;
-        }
-        start = at;
-    }
-    start
-}
-
-/// Unit in the name of a column. Empty for a dimensionless number.
-pub fn unit_of_column(name: &str) -> &str {
-    name[unit_start(name)..].trim_start_matches('_')
-}
-
-/// Name of a column in another unit of length, and the power of the length in its unit. Newton metres do not change: they are
-/// printed in metres with every unit of length.
-fn in_unit(name: &str, from: LengthUnit, to: LengthUnit) -> (String, i32) {
-    let start = unit_start(name);
-    let (mut renamed, mut power) = (name[..start].to_owned(), 0);
-    let (mut sign, mut before) = (1, "");
-    for word in name[start..].split('_').skip(1) {
-        let letters = word.trim_end_matches(|c: char| c.is_ascii_digit());
-        let digits = &word[letters.len()..];
-        renamed.push('_');
-        if letters == from.symbol() && before != "N" {
-            power += sign * digits.parse().unwrap_or(1);
-            renamed += to.symbol();
-            renamed += digits;
+/// Converts the results of a car's load cases from the unit and axes of the car to those of the file.
+pub fn cases_in(
+    study: &CarStudy,
+    unit: Option<LengthUnit>,
+    frame: Option<FrameConvention>,
+    mut page: Page,
+) -> Page {
+    let from = study.car.length_unit;
+    let to = with_forces_of(from, unit.unwrap_or(from));
+    let [front, rear] = study.axles.each_ref().map(|axle| {
+        let (own, _) = axle.wheel().frame.meaning();
+        let axes = [own, frame.unwrap_or(own)];
+        ColumnConversion { from, to, axes }
+    });
+    convert(&mut page, |column| {
+        if column.starts_with("rear_") {
+            rear
         } else {
-            renamed += word;
+            front
         }
-        if word == "per" {
-            sign = -1;
-        }
-        before = word;
-    }
-    (renamed, power)
+    });
+    page
 }
 
-/// Sign factor of a column: -1 if the axes of the file reverse its sign. `stem` is the name without the unit.
-fn sign(outgoing: &Outgoing<'_>, stem: &str) -> f64 {
-    let (own, file) = (
-        outgoing.study.wheel().frame,
-        outgoing.frame(outgoing.study.wheel().frame.meaning().1),
-    );
-    let along = |axis: Axis| own.sign(axis) * file.sign(axis);
-    let (stem, by_rack) = match stem.split_once("_by_") {
-        Some((stem, by)) => (
-            stem,
-            match by {
-                "rack" => along(Axis::Y),
-                _ => 1.0,
-            },
-        ),
-        None => (stem, 1.0),
-    };
-    let stem = ["_d1", "_d2"]
-        .iter()
-        .find_map(|order| stem.strip_suffix(order))
-        .unwrap_or(stem);
-    let stem = match outgoing.study.axle() {
-        Some(_) => Side::ALL
-            .iter()
-            .find_map(|side| stem.strip_prefix(side.name())?.strip_prefix('_'))
-            .unwrap_or(stem),
-        None => stem,
-    };
-    if stem == "rack" {
-        return along(Axis::Y);
-    }
-    let axis = Axis::ALL
-        .into_iter()
-        .find(|axis| stem.ends_with(axis.name()));
-    let Some(axis) = axis else { return by_rack };
-    let of = &stem[..stem.len() - 1];
-    if ["knuckle_omega_", "knuckle_alpha_"].contains(&of) {
-        return by_rack * own.turn_sign(axis) * file.turn_sign(axis);
-    }
-    let point = ["_", "_v", "_a"]
-        .iter()
-        .find_map(|end| of.strip_suffix(end));
-    let mechanism = &outgoing.study.wheel().mechanism;
-    if point.is_some_and(|name| mechanism.point(name).is_some()) {
-        by_rack * along(axis)
+/// Requested unit of lengths. A study in pounds-force keeps them in inches.
+fn with_forces_of(own: LengthUnit, asked: LengthUnit) -> LengthUnit {
+    if own.symbol() == asked.symbol() {
+        own
     } else {
-        by_rack
+        asked
+    }
+}
+
+/// Converts and renames all columns of a page.
+fn convert(page: &mut Page, conversion: impl Fn(&str) -> ColumnConversion) {
+    let Some((header, rows)) = page.rows.split_first_mut() else {
+        return;
+    };
+    for (number, name) in header.iter_mut().enumerate() {
+        let Value::Text(name) = name else { continue };
+        let column = conversion(name).column(name);
+        for value in rows.iter_mut().filter_map(|row| row.get_mut(number)) {
+            if let Value::Number(value) = value {
+                *value = column.value(*value);
+            }
+        }
+        *name = column.name;
     }
 }
 
@@ -209,8 +141,7 @@ pub fn under_names_of(tool: Tool, outgoing: &Outgoing<'_>, page: &Page) -> (Page
     let mut left_out = Vec::new();
     for (number, name) in header.iter().enumerate() {
         let Value::Text(name) = name else { continue };
-        let start = unit_start(name);
-        let (stem, unit) = (&name[..start], name[start..].trim_start_matches('_'));
+        let (stem, unit) = split_unit(name);
         let sides = Side::ALL.into_iter();
         let mut of_side = sides.filter_map(|side| {
             let stem = stem.strip_prefix(side.name())?.strip_prefix('_')?;

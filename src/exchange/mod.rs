@@ -70,7 +70,7 @@ pub use axes::{Axes, Way};
 pub use car::{CAR_FILES, ImportedCar, import_car};
 pub use car_points::{car_point_pages, car_points_csv};
 pub use centre_lines::drawing;
-pub use curve_columns::{Tool, curves_in, under_names_of, unit_of_column};
+pub use curve_columns::{Tool, cases_in, curves_in, under_names_of};
 pub use envelope::{Envelope, Span, Tyre};
 pub use export::{csv, page_of_csv, point_rows};
 pub use header::unit_of;

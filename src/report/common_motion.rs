@@ -7,6 +7,16 @@ use crate::model::LengthUnit;
 /// Largest difference between equal stations, relative to the size of the column.
 const SAME: f64 = 1e-9;
 
+/// Columns of angles that can drive a wheel.
+const ANGLES: [&str; 2] = ["arm_angle_deg", "theta_deg"];
+
+/// Column that gives the stations of a wheel besides the rack: the time, the angle that drives it, or the travel.
+fn drive(table: &CurveTable) -> &str {
+    let mut given = ["time_s"].iter().chain(&ANGLES);
+    let given = given.find(|name| table.column(name).is_some()).copied();
+    given.unwrap_or_else(|| table.header.first().map_or("", String::as_str))
+}
+
 /// Columns of the motion that several tables share. Together they identify a station.
 pub(super) struct CommonMotion {
     /// Names of the columns.
@@ -16,9 +26,9 @@ pub(super) struct CommonMotion {
 }
 
 impl CommonMotion {
-    /// Finds the columns of the motion from the headers of tables in one unit. The curves of a wheel are over their first column
-    /// and the rack. The curves of an axle are over roll and heave, or over both travels; and over the steering wheel or the
-    /// rack. All columns that follow from these are outputs.
+    /// Finds the columns of the motion from the headers of tables in one unit. The curves of a wheel are over time, an angle or
+    /// the travel, and over the rack. The curves of an axle are over roll and heave, or over both travels; and over the steering
+    /// wheel or the rack. All columns that follow from these are outputs.
     ///
     /// # Errors
     ///
@@ -50,11 +60,24 @@ impl CommonMotion {
         let mut columns = Vec::new();
         let mut repeated = Vec::new();
         if !is_axle {
-            required.push(tables[0].header.first().cloned().unwrap_or_default());
+            let own = drive(&tables[0]);
+            if let Some(other) = tables.iter().position(|table| drive(table) != own) {
+                return Err(format!(
+                    "the curves of {} are over {own}, those of {} over {}: run them over the same motion",
+                    labels[0],
+                    labels[other],
+                    drive(&tables[other])
+                ));
+            }
+            required.push(own.to_owned());
             let names = ["travel", "arm_angle", "theta", "rack", "roll", "heave"];
             repeated.extend(names.map(in_unit));
             repeated.extend(names.map(|name| format!("{name}_deg")));
             repeated.push("time_s".to_owned());
+            // At a given angle, the travel is a result.
+            if ANGLES.iter().any(|angle| has(&tables[0], angle)) {
+                repeated.retain(|name| *name != in_unit("travel"));
+            }
         } else if has(&tables[0], &heave) {
             columns.extend(any("roll_deg").then(|| "roll_deg".to_owned()));
             required.push(heave);

@@ -4,19 +4,18 @@ mod kc;
 mod moved;
 #[cfg(test)]
 mod tests;
-mod units;
 
+use super::column::{ColumnAxes, ColumnConversion, split_unit};
 use super::common_motion::CommonMotion;
 use super::curve_table::CurveTable;
 use super::files::csv_of_rows;
 use super::optional;
 use super::record::{Record, readable_unit};
 use super::table::{Cell, Table};
-use crate::model::LengthUnit;
-pub use kc::KcComparison;
+use crate::model::{FrameConvention, LengthUnit};
+pub use kc::{ComparedKc, KcComparison};
 use moved::{Moved, moved};
 use serde::Serialize;
-use units::{in_unit, split};
 
 /// Points of a wheel by name.
 #[derive(Clone, Debug)]
@@ -57,6 +56,8 @@ pub struct Compared {
     pub curves: CurveTable,
     /// Unit of its lengths.
     pub unit: LengthUnit,
+    /// Axes of the curves. `None` for a run that keeps no study.
+    pub axes: Option<FrameConvention>,
     /// Hardpoints, in `unit`.
     pub points: Option<ComparedPoints>,
     /// Mechanism along the motion, if the design comes from a study.
@@ -127,10 +128,14 @@ impl Comparison {
     ///
     /// # Errors
     ///
-    /// If the designs have no common station or no common column.
+    /// If the designs have no common station or no common column, or if unknown axes determine the sign of a value.
     pub fn of(designs: &[Compared]) -> Result<Self, String> {
         let first = &designs[0];
-        let tables: Vec<CurveTable> = designs.iter().map(|d| in_unit(d, first.unit)).collect();
+        let tables: Result<Vec<CurveTable>, String> = designs
+            .iter()
+            .map(|design| like_first(design, first))
+            .collect();
+        let tables = tables?;
         let labels: Vec<&str> = designs.iter().map(|d| d.label.as_str()).collect();
         let motion = CommonMotion::of(&tables, &labels, first.unit)?;
         let rows = motion.common_rows(&tables);
@@ -149,7 +154,7 @@ impl Comparison {
                 continue;
             }
             names.push(name);
-            let (title, of) = split(name);
+            let (title, of) = split_unit(name);
             let (title, of) = (title.replace('_', " "), readable_unit(of));
             let own = tables.iter().map(|t| t.column(name).map(<[_]>::to_vec));
             own_outputs.push(OwnOutput {
@@ -298,7 +303,7 @@ impl Comparison {
                     .iter()
                     .position(|at| at.iter().all(|v| *v == 0.0));
                 let at_design = at_design.and_then(|row| values[row]);
-                let (_, unit) = split(&output.column);
+                let (_, unit) = split_unit(&output.column);
                 let figure = |value: Option<f64>| value.map(|value| Cell::figure(value, unit));
                 let largest = self.largest_difference(output, design);
                 let place = largest.filter(|(difference, _)| *difference != 0.0);
@@ -369,6 +374,44 @@ impl Comparison {
         });
         csv_of_rows([header].into_iter().chain(rows))
     }
+}
+
+/// Curves of a design in the unit and axes of the first design.
+fn like_first(design: &Compared, first: &Compared) -> Result<CurveTable, String> {
+    let mut table = design.curves.clone();
+    let depends_on_axes = |(name, values): (&String, &Vec<Option<f64>>)| {
+        let is_zero = values.iter().flatten().all(|value| *value == 0.0);
+        (!is_zero && ColumnAxes::of(split_unit(name).0).matter()).then(|| name.clone())
+    };
+    let mut columns = table.header.iter().zip(&table.columns);
+    let axes = match design.axes {
+        Some(own) => [own, first.axes.unwrap_or(own)],
+        None => match columns.find_map(depends_on_axes) {
+            Some(column) => return Err(unknown_axes(&design.label, &column)),
+            None => [FrameConvention::Iso8855; 2],
+        },
+    };
+    let conversion = ColumnConversion {
+        from: design.unit,
+        to: first.unit,
+        axes,
+    };
+    for (name, values) in table.header.iter_mut().zip(&mut table.columns) {
+        let column = conversion.column(name);
+        for value in values.iter_mut().flatten() {
+            *value = column.value(*value);
+        }
+        *name = column.name;
+    }
+    Ok(table)
+}
+
+/// Error of a run without known axes.
+fn unknown_axes(label: &str, name: &str) -> String {
+    format!(
+        "{label}: the sign of {name} depends on the axes, but the run has no study.toml that states \
+         them; run its study again"
+    )
 }
 
 /// Record with the drawings of all designs. `None` unless all designs have the same points, unit, axes and motion.

@@ -71,6 +71,14 @@ impl CurveTable {
         Some(&self.columns[place])
     }
 
+    /// Adds a column with the same value in all rows, unless the table has the column.
+    pub fn set_constant(&mut self, name: &str, value: f64) {
+        if self.column(name).is_none() {
+            self.columns.push(vec![Some(value); self.rows()]);
+            self.header.push(name.to_owned());
+        }
+    }
+
     /// Selects at most `most` rows, evenly spaced, including the first and the last.
     pub fn thinned(&self, most: usize) -> Self {
         let rows = self.rows();

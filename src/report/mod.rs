@@ -12,6 +12,7 @@ mod benchmarks;
 mod car;
 mod chart;
 mod choices;
+mod column;
 mod common_motion;
 mod comparison;
 mod completeness;
@@ -59,8 +60,10 @@ pub use car::{
     optimised_car, settings_of_car,
 };
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
+pub use column::{ColumnConversion, ConvertedColumn, split_unit};
 pub use comparison::{
-    Compared, ComparedOutput, ComparedPoints, Comparison, KcComparison, NamedPoints, StationColumn,
+    Compared, ComparedKc, ComparedOutput, ComparedPoints, Comparison, KcComparison, NamedPoints,
+    StationColumn,
 };
 pub use completeness::Completeness;
 pub use curve_table::CurveTable;

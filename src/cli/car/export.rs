@@ -5,7 +5,8 @@ use super::super::export::{ExportArguments, Target, say};
 use super::super::save::{file_of_out, save};
 use super::{solver, source};
 use crate::exchange::{
-    Page, car_point_pages, car_points_csv, csv, page_of_csv, suspensions_ini_of_car, workbook,
+    Page, car_point_pages, car_points_csv, cases_in, csv, page_of_csv, suspensions_ini_of_car,
+    workbook,
 };
 use crate::report::CarResults;
 use crate::study::CarStudy;
@@ -23,10 +24,10 @@ pub(in crate::cli) fn export(arguments: &ExportArguments, file: &Path) -> Result
         }
         Target::Xlsx => {
             let mut pages = points().to_vec();
-            pages.push(cases(&study, file)?);
+            pages.push(cases(&study, file, arguments)?);
             workbook(&pages)
         }
-        _ if arguments.curves => csv(&cases(&study, file)?.rows),
+        _ if arguments.curves => csv(&cases(&study, file, arguments)?.rows),
         _ => car_points_csv(points()),
     };
     match file_of_out(&arguments.out) {
@@ -60,8 +61,10 @@ fn check_call(arguments: &ExportArguments, study: &CarStudy) -> Result<(), Stop>
     Ok(())
 }
 
-/// The results of the cases.
-fn cases(study: &CarStudy, file: &Path) -> Result<Page, Stop> {
+/// Results of the cases, in the unit and axes of the file.
+fn cases(study: &CarStudy, file: &Path, arguments: &ExportArguments) -> Result<Page, Stop> {
     let results = CarResults::solve(study, &mut solver(study, file)?, study.cases.len());
-    page_of_csv("cases", &results.cases_csv()).map_err(|reason| Stop::in_file(file, reason))
+    let page = page_of_csv("cases", &results.cases_csv());
+    let page = page.map_err(|reason| Stop::in_file(file, reason))?;
+    Ok(cases_in(study, arguments.unit, arguments.frame, page))
 }

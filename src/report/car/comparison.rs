@@ -151,7 +151,20 @@ fn differ(values: &[Option<f64>], unit: &str) -> bool {
     apart || values.iter().any(Option::is_none)
 }
 
-/// Parameters, rates and coordinates of the first car that differ in another car.
+/// Sign factor of a parameter from the axes of a car to those of the first car.
+fn sign_in_first(moves: &Moves, first: &Car, car: &Car) -> f64 {
+    let axis = match moves {
+        Moves::Body(BodyParameter::CgX) => Axis::X,
+        Moves::Body(BodyParameter::CgY) => Axis::Y,
+        Moves::Body(BodyParameter::CgZ) => Axis::Z,
+        _ => return 1.0,
+    };
+    // The car has the axes of its front study.
+    let [to, from] = [first, car].map(|car| car.axles[0].left.frame.sign(axis));
+    to * from
+}
+
+/// Parameters, rates and coordinates of the first car that differ in another car, in the axes of the first car.
 fn changes(cars: &[&Car]) -> Vec<Change> {
     let rates = [0, 1].into_iter().flat_map(|axle| {
         let all = [
@@ -183,7 +196,9 @@ fn changes(cars: &[&Car]) -> Vec<Change> {
         }
     };
     for moves in moves.chain([Moves::Wheelbase]) {
-        let values = cars.iter().map(|car| moves.value(car)).collect();
+        let value =
+            |car: &&Car| Some(moves.value(car)? * sign_in_first(&moves, cars[0], car) + 0.0);
+        let values = cars.iter().map(value).collect();
         push(moves.label(cars[0]), moves.unit(cars[0]), values);
     }
     for axle in [0, 1] {
@@ -195,7 +210,7 @@ fn changes(cars: &[&Car]) -> Vec<Change> {
                     let wheel = &car.axles[axle].left;
                     let mut points = 0..wheel.mechanism.points.len();
                     let point = points.find(|k| wheel.mechanism.name(PointId(*k)) == name)?;
-                    Some(wheel.frame.sign(axis) * wheel.design[point][axis])
+                    Some(first.frame.sign(axis) * wheel.design[point][axis] + 0.0)
                 };
                 let values = cars.iter().map(coordinate).collect();
                 let label = format!("{}.{name}.{}", crate::car::AXLE_NAMES[axle], axis.name());

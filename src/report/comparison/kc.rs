@@ -1,12 +1,25 @@
 //! Results of several `kc` runs side by side.
 
+use super::unknown_axes;
+use crate::model::FrameConvention;
+use crate::report::column::{ColumnAxes, split_unit};
 use crate::report::files::csv_of_rows;
 use crate::report::kc::four_figures;
-use crate::report::optional;
 use crate::report::table::{Cell, Column, Table};
+use crate::report::{optional, shortest};
 use std::collections::HashMap;
 
-/// Results of several `kc` runs side by side.
+/// A `kc` run in a comparison.
+pub struct ComparedKc {
+    /// Label, unique for each run.
+    pub label: String,
+    /// Content of its `kc.csv`.
+    pub csv: Vec<u8>,
+    /// Axes of the results. `None` for a run that keeps no study.
+    pub axes: Option<FrameConvention>,
+}
+
+/// Results of several `kc` runs side by side, in the axes of the first run.
 pub struct KcComparison {
     labels: Vec<String>,
     /// Names of the columns that identify station, test and quantity.
@@ -28,19 +41,25 @@ struct Sheet {
 }
 
 impl KcComparison {
-    /// Compares runs, each with its label and the text of its `kc.csv`. Results have the order of the first run that has them.
+    /// Compares runs. Results have the order of the first run that has them.
     ///
     /// # Errors
-    /// The reason in words, with the label, if a text is no `kc.csv` or if runs have different columns.
-    pub fn of(runs: &[(String, Vec<u8>)]) -> Result<Self, String> {
+    /// The reason in words, with the label, if a text is no `kc.csv`, if runs have different columns, or if unknown axes determine
+    /// the sign of a value.
+    pub fn of(runs: &[ComparedKc]) -> Result<Self, String> {
         let mut comparison = KcComparison {
-            labels: runs.iter().map(|(label, _)| label.clone()).collect(),
+            labels: runs.iter().map(|run| run.label.clone()).collect(),
             keys: Vec::new(),
             figures: Vec::new(),
         };
         let mut places: HashMap<Vec<String>, usize> = HashMap::new();
-        for (run, (label, text)) in runs.iter().enumerate() {
-            let sheet = Sheet::read(text).map_err(|why| format!("{label}, kc.csv: {why}"))?;
+        for (run, ComparedKc { label, csv, axes }) in runs.iter().enumerate() {
+            let mut sheet = Sheet::read(csv).map_err(|why| format!("{label}, kc.csv: {why}"))?;
+            if let Some(own) = axes {
+                sheet.turn([*own, runs[0].axes.unwrap_or(*own)]);
+            } else if let Some(name) = sheet.component() {
+                return Err(unknown_axes(label, name));
+            }
             if run == 0 {
                 comparison.keys = sheet.keys;
             } else if sheet.keys != comparison.keys {
@@ -174,4 +193,45 @@ impl Sheet {
         let keys = header.iter().take(value).map(str::to_owned).collect();
         Ok(Sheet { keys, rows })
     }
+
+    /// Converts stations and results from the first axes to the second axes.
+    fn turn(&mut self, axes: [FrameConvention; 2]) {
+        let signs: Vec<f64> = self.keys.iter().map(|key| sign(key, axes)).collect();
+        for (keys, _, values) in &mut self.rows {
+            let own = sign(quantity(keys), axes);
+            for value in values.iter_mut().flatten() {
+                *value = own * *value + 0.0;
+            }
+            for (cell, sign) in keys.iter_mut().zip(&signs).filter(|(_, s)| **s != 1.0) {
+                if let Ok(number) = cell.parse::<f64>() {
+                    *cell = shortest(sign * number + 0.0);
+                }
+            }
+        }
+    }
+
+    /// First name of a value that is not 0 and whose sign depends on the axes.
+    fn component(&self) -> Option<&str> {
+        let matters = |name: &str| ColumnAxes::of(split_unit(name).0).matter();
+        let is_number = |cell: &str| cell.parse::<f64>().is_ok_and(|number| number != 0.0);
+        let station = self.keys.iter().enumerate().find(|(k, key)| {
+            matters(key) && self.rows.iter().any(|(keys, ..)| is_number(&keys[*k]))
+        });
+        let results = self.rows.iter().filter(|(_, _, values)| {
+            let mut known = values.iter().flatten();
+            known.any(|value| *value != 0.0)
+        });
+        let mut results = results.map(|(keys, ..)| quantity(keys));
+        let station = station.map(|(_, key)| key.as_str());
+        station.or_else(|| results.find(|name| matters(name)))
+    }
+}
+
+/// Name of the quantity, which is the last key of a row.
+fn quantity(keys: &[String]) -> &str {
+    keys.last().map_or("", String::as_str)
+}
+
+fn sign(name: &str, axes: [FrameConvention; 2]) -> f64 {
+    ColumnAxes::of(split_unit(name).0).sign(axes)
 }

@@ -1,9 +1,8 @@
 //! Tests of comparisons.
 
 use super::super::curve_table::CurveTable;
-use super::units::split;
 use super::{Compared, ComparedPoints, Comparison, NamedPoints};
-use crate::model::LengthUnit;
+use crate::model::{FrameConvention, LengthUnit};
 
 fn design(label: &str, unit: LengthUnit, csv: &str) -> Compared {
     Compared {
@@ -11,6 +10,7 @@ fn design(label: &str, unit: LengthUnit, csv: &str) -> Compared {
         topology: None,
         curves: CurveTable::read(csv.as_bytes()).unwrap(),
         unit,
+        axes: Some(FrameConvention::Iso8855),
         mechanism: None,
         points: Some(ComparedPoints::OneWheel(NamedPoints {
             points: vec![("strut_top".to_owned(), [0.0, 254.0 / 25.4, 1.0])],
@@ -78,14 +78,64 @@ fn what_cannot_be_compared_says_why() {
     assert!(refused.unwrap_err().contains("have no common output"));
 }
 
+/// In axes with y to the right, a rack at -1 mm is the same position as a rack at 1 mm in axes with y to the left.
 #[test]
-fn units_are_told_from_names() {
-    for (name, title, unit) in [
-        ("camber_deg", "camber", "deg"),
-        ("motion_ratio", "motion_ratio", ""),
-        ("camber_d1_deg_per_mm", "camber_d1", "deg_per_mm"),
-        ("braking_tie_rod_N", "braking_tie_rod", "N"),
+fn stations_and_components_are_shown_in_the_axes_of_the_first() {
+    let left = "travel_mm,rack_mm,hub_y_mm,camber_deg,status\n0,-1,5,1,ok\n0,1,7,2,ok\n";
+    let right = "travel_mm,rack_mm,hub_y_mm,camber_deg,status\n0,-1,-7,2,ok\n0,1,-5,1,ok\n";
+    let mm = LengthUnit::Millimetre;
+    let mut designs = [design("a", mm, left), design("b", mm, right)];
+    designs[1].axes = Some(FrameConvention::SaeJ670);
+    let comparison = Comparison::of(&designs).unwrap();
+    assert_eq!(comparison.stations, [[0.0, -1.0], [0.0, 1.0]]);
+    for output in &comparison.outputs {
+        assert_eq!(output.values[0], output.values[1], "{}", output.column);
+    }
+}
+
+/// Without axes, a run can be compared as long as no value depends on them.
+#[test]
+fn values_of_unknown_axes_are_refused() {
+    let mm = LengthUnit::Millimetre;
+    for (csv, is_comparable) in [
+        ("travel_mm,rack_mm,camber_deg,status\n0,0,1,ok\n", true),
+        ("travel_mm,rack_mm,camber_deg,status\n0,1,1,ok\n", false),
+        ("travel_mm,hub_y_mm,status\n0,5,ok\n", false),
     ] {
-        assert_eq!(split(name), (title, unit));
+        let mut designs = [design("a", mm, csv), design("b", mm, csv)];
+        designs[1].axes = None;
+        let compared = Comparison::of(&designs);
+        assert_eq!(compared.is_ok(), is_comparable, "{csv}");
+        if let Err(why) = compared {
+            assert!(why.contains("b: the sign of "), "{why}");
+        }
+    }
+}
+
+/// At an angle of the arm, two designs have different travels.
+#[test]
+fn the_travel_is_a_result_if_an_angle_is_given() {
+    let mm = LengthUnit::Millimetre;
+    let own = "travel_mm,arm_angle_deg,camber_deg,status\n-4,-1,1,ok\n4,1,2,ok\n";
+    let other = "travel_mm,arm_angle_deg,camber_deg,status\n-5,-1,1,ok\n5,1,2,ok\n";
+    let comparison = Comparison::of(&[design("a", mm, own), design("b", mm, other)]).unwrap();
+    assert_eq!(comparison.stations, [[-1.0], [1.0]]);
+    assert_eq!(comparison.outputs[0].column, "travel_mm");
+    assert_eq!(comparison.outputs[0].values[1], [Some(-5.0), Some(5.0)]);
+}
+
+/// Curves over different drives have positions in common only by chance.
+#[test]
+fn curves_over_different_drives_are_refused() {
+    let mm = LengthUnit::Millimetre;
+    let travel = "travel_mm,camber_deg,status\n0,1,ok\n1,2,ok\n";
+    let angle = "travel_mm,arm_angle_deg,camber_deg,status\n0,0,1,ok\n4,1,2,ok\n";
+    for pair in [[travel, angle], [angle, travel]] {
+        let refused = Comparison::of(&[design("a", mm, pair[0]), design("b", mm, pair[1])]);
+        assert!(
+            refused
+                .unwrap_err()
+                .contains("run them over the same motion")
+        );
     }
 }

@@ -1,0 +1,367 @@
+//! Columns of results in another unit and in other axes.
+//!
+//! The name of a column ends with its unit (`bump_steer_deg_per_mm`). The part before the unit shows whether the axes of the
+//! study determine the sign:
+//!
+//! | name | value |
+//! |---|---|
+//! | `POINT_x`, `POINT_vx`, `POINT_ax`, `LOAD_JOINT_x`, `LOAD_beam_force_x` | component along x |
+//! | `knuckle_omega_x`, `knuckle_alpha_x`, `LOAD_beam_moment_x` | component about x |
+//! | `rack`, `rack_force`, `LOAD_rack_force` | component along y |
+//! | `*_by_rack` | derivative by a displacement along y |
+//!
+//! All other columns have signs that refer to the car and do not change ([`Characteristic::info`]). This includes
+//! `LOAD_POINT_force_x` and `LOAD_POINT_torque_x` of bushings, whose axes belong to the bushing.
+//!
+//! [`Characteristic::info`]: crate::characteristics::Characteristic::info
+
+use crate::model::{Axis, Frame, FrameConvention, LengthUnit, Side};
+
+/// Conversion of columns from the unit and axes of a study to others.
+#[derive(Clone, Copy, Debug)]
+pub struct ColumnConversion {
+    /// Unit of the study.
+    pub from: LengthUnit,
+    /// Requested unit.
+    pub to: LengthUnit,
+    /// Axes of the study, and requested axes.
+    pub axes: [FrameConvention; 2],
+}
+
+/// A column after the conversion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ConvertedColumn {
+    /// Name with the new unit.
+    pub name: String,
+    powers: Powers,
+    units: [LengthUnit; 2],
+    sign: f64,
+}
+
+/// Powers of length, force and torque in the unit of a column.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+struct Powers {
+    length: i32,
+    force: i32,
+    torque: i32,
+}
+
+impl ColumnConversion {
+    /// Finds the conversion of the column with this name.
+    pub fn column(&self, name: &str) -> ConvertedColumn {
+        let (stem, _) = split_unit(name);
+        let (renamed, powers) = in_unit(name, self.from, self.to);
+        ConvertedColumn {
+            name: renamed,
+            powers,
+            units: [self.from, self.to],
+            sign: ColumnAxes::of(stem).sign(self.axes),
+        }
+    }
+}
+
+impl ConvertedColumn {
+    /// Converts a value of the column.
+    pub fn value(&self, value: f64) -> f64 {
+        let [from, to] = self.units;
+        let length = match self.powers.length {
+            0 => value,
+            1 => to.convert(value, from),
+            -1 => from.convert(value, to),
+            power => value * to.convert(1.0, from).powi(power),
+        };
+        let Powers { force, torque, .. } = self.powers;
+        let newtons = from.newtons() / to.newtons();
+        let levers = [from, to].map(|unit| unit.lever().0 / unit.per_metre());
+        let newton_metres = newtons * levers[0] / levers[1];
+        // Adding 0 removes the sign of -0.
+        self.sign * length * newtons.powi(force) * newton_metres.powi(torque) + 0.0
+    }
+}
+
+/// Motions by which columns are differentiated.
+const MOTIONS: [&str; 4] = ["rack", "roll", "heave", "travel"];
+
+/// Relation of a column's values to the axes of the study.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct ColumnAxes {
+    component: Component,
+    /// True for a first derivative by the displacement of the rack.
+    is_by_rack: bool,
+}
+
+/// Component that a column shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Component {
+    /// The axes do not determine the sign.
+    None,
+    /// Component along an axis.
+    Along(Axis),
+    /// Component of a rotation or a moment about an axis.
+    About(Axis),
+}
+
+impl ColumnAxes {
+    /// Relation of the column with this name, without its unit.
+    pub(super) fn of(stem: &str) -> Self {
+        let is_motion = |by: &str| MOTIONS.iter().any(|motion| by.starts_with(motion));
+        let (stem, by) = match stem.rsplit_once("_by_") {
+            Some((stem, by)) if is_motion(by) => (stem, by),
+            _ => (stem, ""),
+        };
+        let mut orders = ["_d1", "_d2"].iter();
+        let value = orders.find_map(|order| stem.strip_suffix(order));
+        ColumnAxes {
+            component: Component::of(value.unwrap_or(stem)),
+            // A second derivative by the rack keeps its sign.
+            is_by_rack: by.starts_with("rack") && !by.ends_with("_d2"),
+        }
+    }
+
+    /// True if the axes of the study determine the sign of the values.
+    pub(super) fn matter(self) -> bool {
+        self.is_by_rack || self.component != Component::None
+    }
+
+    /// Sign factor from the first axes to the second axes.
+    pub(super) fn sign(self, axes: [FrameConvention; 2]) -> f64 {
+        // Both frames are of the same wheel, so its side has no effect.
+        let [from, to] = axes.map(|convention| Frame::new(convention, Side::Left));
+        let along = |axis: Axis| from.sign(axis) * to.sign(axis);
+        let by_rack = if self.is_by_rack { along(Axis::Y) } else { 1.0 };
+        by_rack
+            * match self.component {
+                Component::None => 1.0,
+                Component::Along(axis) => along(axis),
+                Component::About(axis) => from.turn_sign(axis) * to.turn_sign(axis),
+            }
+    }
+}
+
+impl Component {
+    fn of(stem: &str) -> Self {
+        // The name of a test figure may go on: `rack_force_secant`.
+        if stem == "rack" || stem.starts_with("rack_force") || stem.ends_with("_rack_force") {
+            return Component::Along(Axis::Y);
+        }
+        let mut axes = Axis::ALL.into_iter();
+        let Some(axis) = axes.find(|axis| stem.ends_with(axis.name())) else {
+            return Component::None;
+        };
+        let rest = &stem[..stem.len() - 1];
+        let ends_with = |ends: &[&str]| ends.iter().any(|end| rest.ends_with(end));
+        if ends_with(&["knuckle_omega_", "knuckle_alpha_", "beam_moment_"]) {
+            Component::About(axis)
+        } else if ends_with(&["_force_", "_torque_"]) && !rest.ends_with("_beam_force_") {
+            // Forces of bushings are along their own axes.
+            Component::None
+        } else if ends_with(&["_", "_v", "_a"]) {
+            Component::Along(axis)
+        } else {
+            Component::None
+        }
+    }
+}
+
+/// Words in units that are not lengths.
+const UNIT_WORDS: [&str; 12] = [
+    "deg", "percent", "N", "kN", "lbf", "ft", "per", "rad", "s", "Hz", "g", "kg",
+];
+
+/// Splits the name of a column into the part before its unit, and the unit. The unit of a dimensionless number is empty.
+pub fn split_unit(name: &str) -> (&str, &str) {
+    let start = unit_start(name);
+    (&name[..start], name[start..].trim_start_matches('_'))
+}
+
+/// Position in a column name at which the unit starts, including the separator before it.
+fn unit_start(name: &str) -> usize {
+    let is_unit = |word: &str, after: &str| {
+        // `deg_per_100_N_m` is the only unit with a number.
+        if word == "100" {
+            return after.starts_with("_N_m");
+        }
+        let word = word.trim_end_matches(|c: char| c.is_ascii_digit());
+        UNIT_WORDS.contains(&word) || LengthUnit::ALL.iter().any(|unit| unit.symbol() == word)
+    };
+    let mut start = name.len();
+    while let Some(at) = name[..start].rfind('_') {
+        if !is_unit(&name[at + 1..start], &name[start..]) {
+            break;
+        }
+        start = at;
+    }
+    start
+}
+
+/// Name of a column in another unit, and the powers in its unit. The lever in a torque depends only on the unit of force: newton
+/// metres are printed in metres with every unit of length.
+fn in_unit(name: &str, from: LengthUnit, to: LengthUnit) -> (String, Powers) {
+    let (stem, unit) = split_unit(name);
+    let (mut renamed, mut powers) = (stem.to_owned(), Powers::default());
+    let (mut sign, mut before) = (1, "");
+    let forces = [from, to].map(LengthUnit::force_symbol);
+    let levers = [from, to].map(|unit| unit.lever().1);
+    let mut words = unit.split('_').filter(|word| !word.is_empty()).peekable();
+    while let Some(word) = words.next() {
+        let letters = word.trim_end_matches(|c: char| c.is_ascii_digit());
+        let digits = &word[letters.len()..];
+        let power = sign * digits.parse().unwrap_or(1);
+        let new = if word == forces[0] {
+            match words.peek() {
+                Some(next) if *next == levers[0] => powers.torque += power,
+                _ => powers.force += power,
+            }
+            forces[1]
+        } else if before == forces[0] && word == levers[0] {
+            levers[1]
+        } else if letters == from.symbol() {
+            powers.length += power;
+            to.symbol()
+        } else {
+            letters
+        };
+        renamed += &format!("_{new}{digits}");
+        if word == "per" {
+            sign = -1;
+        }
+        before = word;
+    }
+    (renamed, powers)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::characteristics::Characteristic;
+
+    fn converted(name: &str, from: LengthUnit, to: LengthUnit) -> (String, f64) {
+        let axes = [FrameConvention::Iso8855; 2];
+        let column = ColumnConversion { from, to, axes }.column(name);
+        let value = column.value(1.0);
+        (column.name, value)
+    }
+
+    fn signs(stem: &str) -> [f64; 2] {
+        use FrameConvention::{Iso8855, SaeJ670, XRear};
+        let axes = ColumnAxes::of(stem);
+        [SaeJ670, XRear].map(|other| axes.sign([Iso8855, other]))
+    }
+
+    #[test]
+    fn units_are_read_from_names() {
+        for (name, stem, unit) in [
+            ("camber_deg", "camber", "deg"),
+            ("motion_ratio", "motion_ratio", ""),
+            ("camber_d1_deg_per_mm", "camber_d1", "deg_per_mm"),
+            ("braking_tie_rod_N", "braking_tie_rod", "N"),
+            ("wheel_centre_vx_mm_per_s", "wheel_centre_vx", "mm_per_s"),
+            (
+                "toe_by_aligning_moment_deg_per_100_N_m",
+                "toe_by_aligning_moment",
+                "deg_per_100_N_m",
+            ),
+        ] {
+            assert_eq!(split_unit(name), (stem, unit));
+        }
+    }
+
+    /// Inch 25.4 mm, pound-force 4.4482216152605 N, foot 0.3048 m.
+    #[test]
+    fn every_part_of_a_unit_is_converted() {
+        use LengthUnit::{Inch, InchPound, Metre, Millimetre};
+        let pound = 4.448_221_615_260_5;
+        for (name, from, to, renamed, factor) in [
+            ("track_mm", Millimetre, Inch, "track_in", 1.0 / 25.4),
+            (
+                "a_d2_deg_per_mm2",
+                Millimetre,
+                Inch,
+                "a_d2_deg_per_in2",
+                25.4 * 25.4,
+            ),
+            ("bar_N_m", Millimetre, Metre, "bar_N_m", 1.0),
+            ("bar_N_m", Metre, Millimetre, "bar_N_m", 1.0),
+            ("load_N", Millimetre, InchPound, "load_lbf", 1.0 / pound),
+            ("load_N", Millimetre, Inch, "load_N", 1.0),
+            ("bar_lbf_ft", InchPound, Metre, "bar_N_m", pound * 0.3048),
+            (
+                "rate_lbf_per_in",
+                InchPound,
+                Millimetre,
+                "rate_N_per_mm",
+                pound / 25.4,
+            ),
+            ("a_mm_per_kN", Millimetre, Inch, "a_in_per_kN", 1.0 / 25.4),
+            (
+                "a_deg_per_100_N_m",
+                Metre,
+                Millimetre,
+                "a_deg_per_100_N_m",
+                1.0,
+            ),
+        ] {
+            let (found, value) = converted(name, from, to);
+            assert_eq!(found, renamed);
+            assert!(
+                (value - factor).abs() <= 4e-16 * factor,
+                "{name}: {value} {factor}"
+            );
+        }
+    }
+
+    /// SAE J670 reverses y and z, the axes with x rearward reverse x and y. Both are turned by half a turn, so rotations change
+    /// like vectors.
+    #[test]
+    fn components_follow_their_axes() {
+        for stem in [
+            "wheel_centre_x",
+            "left_wheel_centre_vx",
+            "wheel_centre_ax",
+            "left_wheel_centre_x_by_roll",
+            "left_wheel_centre_x_by_rack_d2",
+            "braking_lower_ball_joint_x",
+            "kick_by_curb_lower_ball_joint_x",
+            "left_braking_beam_force_x",
+            "left_braking_beam_moment_x",
+            "knuckle_omega_x",
+            "left_knuckle_alpha_x_by_heave",
+        ] {
+            assert_eq!(signs(stem), [1.0, -1.0], "{stem}");
+        }
+        for stem in [
+            "wheel_centre_y",
+            "rack",
+            "rack_d1",
+            "rack_by_roll",
+            "rack_force",
+            "cornering_rack_force",
+            "camber_by_rack",
+            "left_steer_by_rack_left_loaded",
+            "caster_by_rack",
+        ] {
+            assert_eq!(signs(stem), [-1.0, -1.0], "{stem}");
+        }
+        assert_eq!(signs("wheel_centre_z"), [-1.0, 1.0]);
+        assert_eq!(signs("left_wheel_centre_x_by_rack"), [-1.0, 1.0]);
+        assert_eq!(signs("left_wheel_centre_y_by_rack"), [1.0, 1.0]);
+    }
+
+    #[test]
+    fn other_columns_keep_their_signs() {
+        let names = Characteristic::ALL.iter().map(|c| c.info().name);
+        let others = [
+            "camber_by_rack_d2",
+            "toe_by_lateral_force",
+            "braking_tie_rod",
+            "braking_lower_arm_front_force_x",
+            "braking_lower_arm_front_torque_z",
+            "steering_wheel_angle",
+            "ax",
+            "ay",
+        ];
+        for name in names.chain(others) {
+            assert!(!ColumnAxes::of(name).matter(), "{name}");
+        }
+    }
+}

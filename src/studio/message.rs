@@ -210,6 +210,8 @@ pub(super) struct PointOverview {
     pub axle: Option<[String; 2]>,
     /// Displacement from the point's coordinates to its position in a drawing of the whole vehicle.
     pub shift: [f64; 3],
+    /// True for a point of a solid axle's right half, which follows the left half. Nobody edits it.
+    pub follows: bool,
 }
 
 #[derive(Serialize)]

@@ -8,7 +8,7 @@ use super::study_file::Opened;
 use crate::attia::PaperTheta;
 use crate::characteristics::Characteristic;
 use crate::compliance::{not_of_equilibrium, sign_of_figure};
-use crate::model::Suspension;
+use crate::model::{PointId, Suspension};
 use crate::number::Vector3;
 use crate::plan::Plan;
 use crate::report::{Scene, wanted_between};
@@ -21,7 +21,7 @@ pub(super) fn overview(opened: &Opened) -> Overview {
     let mechanism = &suspension.mechanism;
     let unit = suspension.length_unit;
     let optimise = study.optimise.as_ref();
-    let point = |name: &String| PointOverview {
+    let point = |(id, name): (usize, &String)| PointOverview {
         name: name.clone(),
         about: mechanism
             .topology
@@ -30,7 +30,9 @@ pub(super) fn overview(opened: &Opened) -> Overview {
             .to_owned(),
         axle: None,
         shift: [0.0; 3],
+        follows: mechanism.is_far(PointId(id)),
     };
+    let names = mechanism.points.iter().map(|point| &point.name);
     let named = study.motion_names().into_iter();
     let named = named.filter_map(|name| {
         let (sliders, main) = sliders(&study.in_motion(name)?);
@@ -52,7 +54,7 @@ pub(super) fn overview(opened: &Opened) -> Overview {
         written: written(&opened.text),
         topology: mechanism.topology.name.replace('_', " "),
         unit: unit.symbol().to_owned(),
-        points: mechanism.points.iter().map(|p| point(&p.name)).collect(),
+        points: names.enumerate().map(point).collect(),
         design: coordinates(suspension, &suspension.design),
         scene: scene(suspension),
         characteristics: match &study.vehicle {

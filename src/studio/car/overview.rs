@@ -3,6 +3,7 @@
 use super::misfit::{name_of, name_on_rig};
 use super::{OpenedCar, coordinates};
 use crate::car::{AXLE_NAMES, AxleParameter, Car, CarQuantity, CarVariable, rate_key};
+use crate::model::PointId;
 use crate::report::{Scene, readable_unit};
 use crate::studio::message::{
     CharacteristicOverview, Overview, PointOverview, Slider, TargetOverview, VariableOverview,
@@ -135,7 +136,7 @@ fn points(study: &CarStudy) -> Vec<PointOverview> {
             0 => [0.0; 3],
             _ => study.frame().vector(study.car.rear_offset).to_array(),
         };
-        for point in &mechanism.points {
+        for (id, point) in mechanism.points.iter().enumerate() {
             let about = mechanism.topology.hardpoint(&point.name);
             let about = about.map_or("a point to report", |hardpoint| hardpoint.about);
             found.push(PointOverview {
@@ -143,6 +144,7 @@ fn points(study: &CarStudy) -> Vec<PointOverview> {
                 about: format!("{} axle: {about}", AXLE_NAMES[end]),
                 axle: Some([AXLE_NAMES[end].to_owned(), point.name.clone()]),
                 shift,
+                follows: mechanism.is_far(PointId(id)),
             });
         }
     }

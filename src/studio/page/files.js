@@ -133,7 +133,7 @@ const offerDraft = () => {
   const hasEdits = edits.length > 0 && draft.from === state.overview.from;
   const design = copy(state.opened);
   for (const [name, axis, value] of draft.moves) {
-    const p = state.overview.points.findIndex((point) => point.name === name);
+    const p = state.overview.points.findIndex((point) => point.name === name && !point.follows);
     if (p >= 0 && Number.isInteger(axis) && axis >= 0 && axis < 3 && Number.isFinite(value)) design[p][axis] = value;
   }
   if (isSame(design, state.design) && (!hasEdits || isEdited())) return;

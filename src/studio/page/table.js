@@ -30,10 +30,15 @@ const short = (value) => {
 
 const putValue = (input, text) => { if (input.value !== text) input.value = text; };
 
+// True while a field has text that was typed and not yet taken. Such text stays as it is, whatever else is renewed.
+const hasOwnText = (input) => input.dataset.typed !== undefined;
+const take = (input) => { delete input.dataset.typed; };
+
 const typed = (input, p, axis) => {
   // A decimal comma is one, too.
   const value = Number(input.value.trim().replace('−', '-').replace(',', '.'));
   const isNumber = input.value.trim() !== '' && Number.isFinite(value);
+  if (isNumber) take(input);
   input.classList.toggle('wrong', !isNumber);
   input.setAttribute('aria-invalid', String(!isNumber));
   if (isNumber && value !== state.design[p][axis]) setCoordinate(p, axis, value);
@@ -52,12 +57,14 @@ const cell = (p, axis) => {
   const input = html('input', {
     type: 'text', inputmode: 'decimal', size: 9, 'aria-label': label, 'data-point': p, 'data-axis': axis, autocomplete: 'off',
     on: {
+      input: () => { input.dataset.typed = ''; },
       change: () => typed(input, p, axis),
-      focus: () => { input.value = String(state.design[p][axis]); select(p); point(p, axis); },
-      blur: () => { point(null); draw(); },
+      focus: () => { take(input); input.value = String(state.design[p][axis]); select(p); point(p, axis); },
+      blur: () => { take(input); point(null); draw(); },
       keydown: (event) => {
         const by = { ArrowUp: 1, ArrowDown: -1 }[event.key];
         if (event.key === 'Escape') {
+          take(input);
           input.value = String(state.design[p][axis]);
           if (origin?.isConnected) origin.focus();
           else input.blur();
@@ -65,6 +72,7 @@ const cell = (p, axis) => {
         }
         if (!by) return;
         event.preventDefault();
+        take(input);
         const step = state.step * (event.shiftKey ? 10 : 1);
         setCoordinate(p, axis, stepped(state.design[p][axis], by * step));
       },
@@ -84,13 +92,13 @@ const cell = (p, axis) => {
 const build = () => {
   const { points, unit } = state.overview;
   const head = html('tr', {}, html('th', { text: 'point' }), ...AXES.map((a) => html('th', { class: 'number', text: `${a} [${unit}]` })), html('th', { class: 'number', text: `moved [${unit}]` }), html('td'));
-  rows = points.map(({ name, about }, p) => {
+  rows = points.map(({ name, about, follows }, p) => {
     const cells = AXES.map((_, axis) => cell(p, axis));
     const moved = html('span');
     const all = html('button', { class: 'small', text: '○', title: 'Lock the point', 'aria-label': `lock ${name}`, on: { click: () => { const to = !state.locked[p].every(Boolean); state.locked[p] = [to, to, to]; emit('options'); } } });
     const back = html('button', { class: 'small', text: '↺', title: 'Back to the file', 'aria-label': `reset ${name} to the file`, on: { click: () => put(state.design.map((c, q) => (q === p ? state.opened[p] : c)), 'back') } });
     const th = html('th', { scope: 'row', title: about }, html('button', { class: 'name', text: name, on: { click: () => select(p) } }));
-    const tr = html('tr', {}, th, ...cells.map((c) => c.td), html('td', { class: 'number moved' }, moved), html('td', {}, html('span', { class: 'tools' }, all, back)));
+    const tr = html('tr', { hidden: follows || null }, th, ...cells.map((c) => c.td), html('td', { class: 'number moved' }, moved), html('td', {}, html('span', { class: 'tools' }, all, back)));
     return { tr, cells, moved, all, back };
   });
   watch.disconnect();
@@ -134,7 +142,7 @@ const draw = (isAll = false) => {
       const value = state.design[p][axis];
       const changed = value !== state.opened[p][axis];
       if (document.activeElement !== input) putValue(input, short(value));
-      else if (Number(input.value) !== value) input.value = String(value);
+      else if (!hasOwnText(input) && Number(input.value) !== value) input.value = String(value);
       input.classList.toggle('changed', changed);
       const reach = ends(one);
       const outside = reach && (value < reach[0] || value > reach[1]);

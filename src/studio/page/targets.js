@@ -282,7 +282,7 @@ export const askForTarget = async (series, answer) => {
   };
   kind.addEventListener('change', arrange);
   arrange();
-  const point = html('select', {}, ...state.overview.points.map(({ name }) => html('option', { value: name, text: words(name) })));
+  const point = html('select', {}, ...state.overview.points.filter(({ follows }) => !follows).map(({ name }) => html('option', { value: name, text: words(name) })));
   const first = !optimise();
   if (first) point.value = (state.overview.points[state.selected] ?? usualPoint(column) ?? state.overview.points[0]).name;
   const answered = await question(`Add a target for ${title}`, first ? 'The study has no variables yet. Tune may move the point that you choose, in y and z.' : 'Limits and values can be changed afterwards.', [['add', 'Add target'], ['', 'Cancel']],

@@ -194,7 +194,8 @@ class View extends MechanismView {
       const kinds = [['locked', state.locked[p].every(Boolean)], ['moved', state.design[p].some((c, k) => c !== state.opened[p][k])], ['selected', state.selected === p], ['free', free.has(p)]];
       put(handle, x, y);
       set(handle, { 'aria-label': labelOf(p), class: ['handle', ...kinds.flatMap(([kind, is]) => (is ? [kind] : []))].join(' ') });
-      const isHere = isDrawn(p);
+      // Points of the right half of a solid axle are moved by the handles of the other side.
+      const isHere = isDrawn(p) && !points[p].follows;
       show(handle, isHere);
       const mirror = this.mirrors[p];
       show(mirror, other && isHere);

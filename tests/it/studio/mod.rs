@@ -7,6 +7,7 @@ mod browser;
 mod car;
 mod client;
 mod directions;
+mod fields;
 mod keyboard;
 mod moves;
 mod panels;

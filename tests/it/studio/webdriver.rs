@@ -158,6 +158,15 @@ impl Browser {
 
     /// Drags an element with the mouse, by pixels, in some steps.
     pub fn drag(&self, selector: &str, by: [i64; 2], steps: i64) {
+        self.drag_by("mouse", selector, by, steps);
+    }
+
+    /// Drags an element with one finger, by pixels, in some steps.
+    pub fn touch(&self, selector: &str, by: [i64; 2], steps: i64) {
+        self.drag_by("touch", selector, by, steps);
+    }
+
+    fn drag_by(&self, kind: &str, selector: &str, by: [i64; 2], steps: i64) {
         let middle = self.run(&format!(
             "const e = document.querySelector({selector:?}); e.scrollIntoView({{ block: 'center' }}); \
              const b = e.getBoundingClientRect(); return [b.x + b.width / 2, b.y + b.height / 2]"
@@ -172,8 +181,8 @@ impl Browser {
             actions.push(json!({"type": "pointerMove", "duration": 20, "x": x, "y": y}));
         }
         actions.push(json!({"type": "pointerUp", "button": 0}));
-        let mouse = json!({"type": "pointer", "id": "mouse", "parameters": {"pointerType": "mouse"}, "actions": actions});
-        self.command("actions", &json!({"actions": [mouse]}));
+        let pointer = json!({"type": "pointer", "id": kind, "parameters": {"pointerType": kind}, "actions": actions});
+        self.command("actions", &json!({"actions": [pointer]}));
     }
 
     /// Presses keys one after the other; special ones by their WebDriver code points.

@@ -18,6 +18,7 @@
 use super::axes::{Axes, Declared};
 use super::map::{Node, place, position};
 use super::table::{Figure, Kind, Marks, NamedPoint, PointTable};
+use super::unit::FileUnit;
 use crate::model::{FrameConvention, LengthUnit};
 
 /// Parts and locations that can give one hardpoint. The first one in the file is used.
@@ -167,7 +168,7 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
         return Ok(None);
     };
     let mut table = PointTable {
-        unit: Some(LengthUnit::Metre),
+        unit: Some(FileUnit::of(LengthUnit::Metre)),
         declared: Declared::whole(Axes::of(FrameConvention::Iso8855)),
         ..PointTable::default()
     };

@@ -2,7 +2,8 @@
 
 use super::names::{Words, cut, end_of, marks_of};
 use super::table::Marks;
-use crate::model::{AxlePosition, LengthUnit};
+use super::unit::FileUnit;
+use crate::model::AxlePosition;
 
 /// Values that a file may give in addition to hardpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +30,16 @@ pub(super) enum FigureKind {
     Offset(usize),
 }
 
+impl FigureKind {
+    /// True for angles, false for lengths.
+    pub(super) fn is_angle(self) -> bool {
+        matches!(
+            self,
+            FigureKind::StaticCamber | FigureKind::StaticToe | FigureKind::StaticToeOut
+        )
+    }
+}
+
 const FIGURES: &[(FigureKind, &str)] = &[
     (FigureKind::StaticCamber, "camber ?static ?angle ?wheel"),
     (FigureKind::StaticToe, "toe ?static ?angle ?wheel ?inner"),
@@ -49,13 +60,13 @@ const FIGURES: &[(FigureKind, &str)] = &[
 ];
 
 /// Finds a value by its name: its kind, its wheel, and the unit of length after the name.
-pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<LengthUnit>)> {
+pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<FileUnit>)> {
     let mut cut = cut(name);
     let mut unit = None;
     // The end of "toe in" is not a unit, but the end of "wheel_radius_in" is.
     let is_toe = cut.iter().any(|word| word == "toe");
     while let Some(last) = cut.last() {
-        let found = super::header::unit_of(last).filter(|_| !is_toe);
+        let found = FileUnit::named(last).filter(|_| !is_toe);
         if found.is_none() && !["deg", "rad", "degrees"].contains(&last.as_str()) {
             break;
         }
@@ -125,6 +136,7 @@ mod tests {
             let found = figure(name).map(|(kind, ..)| kind);
             assert_eq!(found, Some(kind), "{name}");
         }
-        assert_eq!(figure("wheel_radius_in").unwrap().2, Some(LengthUnit::Inch));
+        let (_, _, unit) = figure("wheel_radius_in").unwrap();
+        assert_eq!(unit, FileUnit::named("in"));
     }
 }

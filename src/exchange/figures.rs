@@ -5,6 +5,7 @@ use super::corner::Corner;
 use super::figure_names::{FigureKind, figure};
 use super::names::cut;
 use super::table::{Figure, Marks, PointTable};
+use super::unit::FileUnit;
 use crate::model::LengthUnit;
 
 /// Values of the chosen wheel. Angles are in degrees with the signs of studies; lengths are in the study's unit.
@@ -70,11 +71,12 @@ pub(super) fn read(
             }
             FigureKind::ContactPoint => continue,
             kind => {
-                let own = own_unit.unwrap_or(unit);
-                let value = if own == unit {
-                    row.value
+                let own = own_unit.unwrap_or(FileUnit::of(unit));
+                let value = own.to_study(row.value);
+                let value = if own.unit == unit {
+                    value
                 } else {
-                    row.value / own.per_metre() * unit.per_metre()
+                    value / own.unit.per_metre() * unit.per_metre()
                 };
                 (kind, value)
             }

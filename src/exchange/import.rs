@@ -109,6 +109,11 @@ fn named_points<'t>(table: &'t PointTable, roles: &[Option<Role>]) -> Vec<Named<
 
 /// Makes the wheel from a file's points.
 pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Imported, Refusal> {
+    let converted = unit::converted(table, options);
+    let (table, options) = match &converted {
+        Some((table, options)) => (table, options),
+        None => (table, options),
+    };
     let mut notes = table.notes.clone();
     let mut left_out = table.left_out.clone();
     let roles = roles_of(table, options)?;

@@ -4,7 +4,8 @@ use super::adams_bushings::AdamsBushing;
 use super::axes::Declared;
 use super::refusal::{Question, Refusal};
 use super::roles;
-use crate::model::{AxlePosition, LengthUnit, Side, Topology};
+use super::unit::FileUnit;
+use crate::model::{AxlePosition, Side, Topology};
 
 /// Wheel and axle to which a part of a file belongs, if the file states them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -123,7 +124,9 @@ pub struct PointTable {
     /// Single numbers with names.
     pub(super) figures: Vec<Figure>,
     /// Unit of length, if the file states it.
-    pub(super) unit: Option<LengthUnit>,
+    pub(super) unit: Option<FileUnit>,
+    /// Statement of a unit that is not known, with its place.
+    pub(super) unknown_unit: Option<String>,
     /// Axes, if the file states them.
     pub(super) declared: Declared,
     /// Kind of suspension of each axle, if the file states it. An entry without an axle applies to all axles.

@@ -14,6 +14,7 @@ mod property_files;
 mod right_or_refused;
 mod round_trips;
 mod schema;
+mod units;
 
 use hardpoint::exchange::Axes;
 use hardpoint::exchange::{ImportOptions, Imported, import, read_points};

@@ -16,6 +16,7 @@
 //! Angle (deg)` is positive with the top outward, and `Toe Angle (deg)` with the front inward.
 
 use super::axes::{Axes, Declared};
+use super::figure_names::figure;
 use super::map::{Node, place, position};
 use super::table::{Figure, Kind, Marks, NamedPoint, PointTable};
 use super::unit::FileUnit;
@@ -340,17 +341,19 @@ fn on_link(root: &Node, part: &str, topology: &str, upper: [f64; 3], lower: [f64
     )
 }
 
+/// Reads the static angles, such as `Camber Angle (deg)`.
 fn angles(root: &Node, table: &mut PointTable) {
-    for (key, read_as) in [
-        ("Camber Angle (deg)", "static_camber"),
-        ("Camber Angle", "static_camber"),
-        ("Toe Angle (deg)", "static_toe"),
-        ("Toe Angle", "static_toe"),
-    ] {
-        if let Some(Node::Number(value)) = entry(root, key) {
+    let Node::Table(entries) = root else {
+        return;
+    };
+    for (key, node) in entries {
+        let is_angle = figure(key).is_some_and(|(kind, ..)| kind.is_angle());
+        if let Node::Number(value) = node
+            && is_angle
+        {
             table.figures.push(Figure {
-                name: key.to_owned(),
-                read_as: read_as.to_owned(),
+                name: key.clone(),
+                read_as: key.clone(),
                 value: *value,
                 marks: Marks::default(),
                 remark: String::new(),

@@ -192,7 +192,9 @@ fn columns(
     let frame = named(row, "frame").first().copied();
     let unit = named(row, "unit units").first().copied();
     let free = |column: u32| {
-        !is_coordinate(column) && !marks.contains(&column) && ![body, frame, unit].contains(&Some(column))
+        !is_coordinate(column)
+            && !marks.contains(&column)
+            && ![body, frame, unit].contains(&Some(column))
     };
     let names = "name names point points hardpoint hardpoints location joint";
     // Some files put "Point Name" one row above x, y and z.

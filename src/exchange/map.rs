@@ -6,7 +6,9 @@
 //! lists of other lengths, texts and truth values. A single number is a value with a name. [`chrono`] reads suspensions of
 //! Project Chrono.
 
+use super::angle_unit::AngleUnit;
 use super::axes::{Axes, Declared};
+use super::figure_names::figure;
 use super::names::{Words, cut, marks_of, marks_of_title, side_of};
 use super::table::{Figure, Marks, NamedPoint, PointTable};
 use super::unit::{FileUnit, KNOWN_UNITS};
@@ -207,6 +209,9 @@ impl Reader {
             }
             Node::Text(text) => self.word(text, keys)?,
             Node::List(nodes) => {
+                if nodes.iter().any(|node| matches!(node, Node::Number(_))) {
+                    self.value_missing(keys, "a list");
+                }
                 for node in nodes {
                     // Numbers in other lists have no names.
                     if !matches!(node, Node::Number(_)) {
@@ -271,6 +276,12 @@ impl Reader {
                 }
                 self.table.unit = Some(unit);
             }
+            _ if names_angle_unit(keys) => {
+                let unit = AngleUnit::named(text.trim()).ok_or_else(|| {
+                    format!("{}: expected deg or rad, found {text:?}", place(keys))
+                })?;
+                self.table.angle_unit = Some(unit);
+            }
             Some("frame") => {
                 let mut all = FrameConvention::ALL.into_iter();
                 let known = all.find(|frame| frame.name() == text);
@@ -288,15 +299,34 @@ impl Reader {
             Some("axes" | "coordinates" | "coordinate_system" | "convention") => {
                 self.declare(in_words(text), keys)?;
             }
-            _ => (),
+            _ => self.value_missing(keys, &format!("{text:?}")),
         }
         Ok(())
+    }
+
+    /// Lists a value of the wheel that is not a number.
+    fn value_missing(&mut self, keys: &[&str], found: &str) {
+        let (read_as, _) = meaning(keys);
+        if figure(&read_as).is_some() {
+            self.table.left_out.push(format!(
+                "{}: expected one number, found {found}",
+                place(keys)
+            ));
+        }
     }
 
     fn declare(&mut self, declared: Declared, keys: &[&str]) -> Result<(), String> {
         self.table.declared = self.table.declared.and(declared, &place(keys))?;
         Ok(())
     }
+}
+
+/// True if keys name the unit of angles: "angle_unit", "units.angle", "angles".
+fn names_angle_unit(keys: &[&str]) -> bool {
+    let own = keys.last().map(|key| cut(key)).unwrap_or_default();
+    own.iter()
+        .all(|word| ["unit", "units", "angle", "angles", "angular"].contains(&word.as_str()))
+        && own.iter().any(|word| word.starts_with("ang"))
 }
 
 /// True if keys name the unit of lengths: "unit", "length_unit", "units.length".
@@ -307,7 +337,9 @@ fn names_unit(keys: &[&str]) -> bool {
     let above = keys.iter().rev().nth(1).map(|key| cut(key));
     let is_unit = |words: &[String]| words.iter().any(|word| word == "unit" || word == "units");
     (is_unit(&words) || above.is_some_and(|words| is_unit(&words)))
-        && words.iter().all(|word| LENGTH.split(' ').any(|known| known == word))
+        && words
+            .iter()
+            .all(|word| LENGTH.split(' ').any(|known| known == word))
 }
 
 /// Axes in the words below a key whose subject is the axes.

@@ -1,9 +1,10 @@
 //! Rows of a table: named points, values, and titles that give the wheel or axle of the rows below them.
 
+use super::angle_unit::{is_unit, of_line};
 use super::axes::{Axes, Declared};
 use super::cell::{Cell, Sheet};
 use super::decimals::Decimals;
-use super::figure_names::figure;
+use super::figure_names::{FigureKind, figure};
 use super::header::{self, Columns, Triple, header, text};
 use super::names::{cut, marks_of_title, side_of};
 use super::table::{Figure, Marks, NamedPoint, PointTable};
@@ -52,7 +53,10 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
     };
     let decimals = Decimals::of(sheet, &first)?;
     if decimals.inches {
-        if table.unit.is_some_and(|unit| unit != FileUnit::of(LengthUnit::Inch)) {
+        if table
+            .unit
+            .is_some_and(|unit| unit != FileUnit::of(LengthUnit::Inch))
+        {
             return Err("coordinates have inch marks, but the file states another unit".to_owned());
         }
         table.unit = Some(FileUnit::of(LengthUnit::Inch));
@@ -126,7 +130,8 @@ impl Rows<'_> {
                 self.title(row, &texts, false)
             };
         };
-        if filled == 0 {
+        let is_line = !has_number && figure(name).is_none() && of_line(&texts).is_some();
+        if filled == 0 || is_line {
             return self.title(row, &texts, false);
         }
         if !has_number
@@ -147,13 +152,22 @@ impl Rows<'_> {
             cells.iter().flatten().count() <= 1
                 && (cells[0].is_some() || cells.iter().all(Option::is_none))
         };
-        let only = |cells: &[Option<&Cell>; 3]| {
-            let unit = cells[1].and_then(text).and_then(unit_of_value);
-            let units = usize::from(cells[0].is_some() && unit.is_some());
-            cells.iter().flatten().count() <= 1 + units
+        let count = |cells: &[Option<&Cell>; 3]| {
+            let cells = cells.iter().flatten();
+            cells
+                .filter(|cell| self.decimals.number(cell).is_ok())
+                .count()
         };
-        if numbers.iter().all(alone) || (figure(name).is_some() && numbers.iter().all(only)) {
+        let most = numbers.iter().map(count).max().unwrap_or(0);
+        let is_figure = figure(name).is_some_and(|(kind, ..)| kind != FigureKind::ContactPoint);
+        if numbers.iter().all(alone) || (is_figure && most == 1) {
             return self.figures(row, name, &columns, &numbers, marks.0);
+        }
+        if is_figure && most == 2 {
+            let place = sheet.row_place(row);
+            let line = format!("{name} ({place}): the row has two numbers; expected one");
+            self.table.left_out.push(line);
+            return Ok(());
         }
         self.points(row, name, (&columns, &numbers), marks)
     }
@@ -249,6 +263,9 @@ impl Rows<'_> {
                 None => marks.or(self.section),
             };
         }
+        if texts.iter().all(|text| figure(text).is_none()) {
+            self.table.angle_unit = of_line(texts).or(self.table.angle_unit);
+        }
         if !is_above {
             return Ok(());
         }
@@ -263,7 +280,9 @@ impl Rows<'_> {
         if let Some(unknown) = unknown_above(texts) {
             let place = self.sheet.row_place(row);
             let known = &mut self.table.unknown_unit;
-            *known = known.take().or(Some(format!("{place}: the unit is {unknown:?}")));
+            *known = known
+                .take()
+                .or(Some(format!("{place}: the unit is {unknown:?}")));
         }
         Ok(())
     }
@@ -365,7 +384,9 @@ impl Rows<'_> {
         let remark: Vec<&str> = remarks.filter_map(|(_, cell)| text(cell)).collect();
         let section = self.of_section(name);
         for (triple, cells) in columns.triples.iter().zip(numbers) {
-            let Some(cell) = cells.iter().flatten().next() else {
+            let is_number = |cell: &Cell| self.decimals.number(cell).is_ok();
+            let filled = || cells.iter().flatten().copied();
+            let Some(cell) = filled().find(|cell| is_number(cell)).or(filled().next()) else {
                 continue;
             };
             let value = match self.decimals.number(cell) {
@@ -380,8 +401,16 @@ impl Rows<'_> {
                 .filter(|cells| cells.iter().any(Option::is_some))
                 .count()
                 == 1;
-            // A unit in the next cell counts as if it were written after the name.
-            let unit = cells[1].and_then(text).and_then(unit_of_value);
+            // A unit in its own cell counts as if it were written after the name.
+            let beside = filled().filter(|cell| !is_number(cell)).filter_map(text);
+            let beside: Vec<&str> = beside.collect();
+            let own = beside.iter().copied().filter(|text| is_unit(text));
+            let after = remark.iter().copied();
+            let after = after.filter(|text| is_unit(text) && without_brackets(text) != "in");
+            let units = own.chain(after).map(without_brackets);
+            let read_as = units.fold(name.to_owned(), |name, unit| format!("{name} [{unit}]"));
+            let words = beside.iter().copied().filter(|text| !is_unit(text));
+            let remark: Vec<&str> = words.chain(remark.iter().copied()).collect();
             let of_columns = if is_alone {
                 Marks::default()
             } else {
@@ -390,10 +419,7 @@ impl Rows<'_> {
             let marks = of_columns.or(marks).or(section);
             self.table.figures.push(Figure {
                 name: name.to_owned(),
-                read_as: match unit {
-                    Some(unit) => format!("{name} {unit}"),
-                    None => name.to_owned(),
-                },
+                read_as,
                 value,
                 marks,
                 remark: remark.join(" "),
@@ -474,13 +500,6 @@ fn unit_row<'t>(numbers: &[[Option<&'t Cell>; 3]]) -> Option<&'t str> {
         return None;
     };
     (x == y && y == z && FileUnit::named(without_brackets(x)).is_some()).then_some(x)
-}
-
-/// Unit of a length or an angle, as the text of a cell.
-fn unit_of_value(text: &str) -> Option<&str> {
-    let word = text.trim().to_lowercase();
-    let is_angle = ["deg", "degrees", "rad"].contains(&word.as_str());
-    (is_angle || FileUnit::named(&word).is_some()).then_some(text)
 }
 
 #[cfg(test)]

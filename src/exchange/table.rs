@@ -1,6 +1,7 @@
 //! Named rows of a file. Every format's reader makes this table, and all later steps use it.
 
 use super::adams_bushings::AdamsBushing;
+use super::angle_unit::AngleUnit;
 use super::axes::Declared;
 use super::refusal::{Question, Refusal};
 use super::roles;
@@ -125,6 +126,8 @@ pub struct PointTable {
     pub(super) figures: Vec<Figure>,
     /// Unit of length, if the file states it.
     pub(super) unit: Option<FileUnit>,
+    /// Unit of angles without their own unit, if the file states it.
+    pub(super) angle_unit: Option<AngleUnit>,
     /// Statement of a unit that is not known, with its place.
     pub(super) unknown_unit: Option<String>,
     /// Axes, if the file states them.

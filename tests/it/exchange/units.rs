@@ -87,7 +87,10 @@ fn stated_centimetres_and_feet_are_converted() {
             found.notes
         );
     }
-    for head in ["name,x [ft],y [ft],z [ft]", "# dimensions in feet\nname,x,y,z"] {
+    for head in [
+        "name,x [ft],y [ft],z [ft]",
+        "# dimensions in feet\nname,x,y,z",
+    ] {
         let found = table(&unit(head, 304.8)).unwrap();
         assert_eq!(found.unit, LengthUnit::Inch, "{head}");
         is_the_wheel(&found, 25.4, head);
@@ -144,5 +147,103 @@ fn units_that_are_not_known_are_never_guessed() {
         };
         let text = format!("{head}\n{}", rows(25.4));
         is_the_wheel(&read("points.csv", &text, &said).unwrap(), 25.4, head);
+    }
+}
+
+fn angle_rows(head: &str, row: &str) -> Result<Imported, String> {
+    table(&format!("{head}{}{row}\n", rows(1.0)))
+}
+
+#[test]
+fn angles_in_radians_are_converted_in_every_format() {
+    let plain = "name,x,y,z\n";
+    let camber = (-0.02_f64).to_degrees();
+    for row in [
+        "camber [rad],-0.02,,",
+        "static_camber_rad,-0.02,,",
+        "camber (rad),-0.02,,",
+        "camber rad,-0.02,,",
+        "camber rad left,-0.02,,",
+        "camber [radians],-0.02,,",
+        "camber,-0.02,rad,",
+        "camber,-0.02,[rad],",
+        "camber,rad,-0.02,",
+    ] {
+        let found = angle_rows(plain, row).unwrap();
+        assert_eq!(found.static_camber, Some(camber), "{row}");
+    }
+    let milli = angle_rows(plain, "camber [mrad],-20,,").unwrap();
+    assert!((milli.static_camber.unwrap() - camber).abs() < 1e-12);
+    let toe = 0.005_f64.to_degrees();
+    for row in ["toe_angle [rad],0.005,,", "toe in rad,0.005,,"] {
+        assert_eq!(
+            angle_rows(plain, row).unwrap().static_toe,
+            Some(toe),
+            "{row}"
+        );
+    }
+    for head in [
+        "# angles in radians\nname,x,y,z\n",
+        "User Options,Length,millimeter,mm\n,Angle,radian,rad\nname,x,y,z\n",
+        "Units: mm, rad\nname,x,y,z\n",
+    ] {
+        let found = angle_rows(head, "camber,-0.02,,").unwrap();
+        assert_eq!(found.static_camber, Some(camber), "{head}");
+        let own = angle_rows(head, "camber [deg],-1.5,,").unwrap();
+        assert_eq!(own.static_camber, Some(-1.5), "{head}");
+    }
+    for keys in [
+        "\"static_camber_rad\": -0.02",
+        "\"angle_unit\": \"rad\", \"static_camber\": -0.02",
+        "\"units\": {\"length\": \"mm\", \"angle\": \"rad\"}, \"camber\": -0.02",
+    ] {
+        let text = format!("{{{keys}, {}}}", map(1.0));
+        let found = read("points.json", &text, &Said::default()).unwrap();
+        assert_eq!(found.static_camber, Some(camber), "{keys}");
+    }
+    let yaml = format!("{{angle_unit: rad, camber: -0.02, {}}}", map(1.0));
+    let found = read("points.yaml", &yaml, &Said::default()).unwrap();
+    assert_eq!(found.static_camber, Some(camber));
+}
+
+#[test]
+fn angles_in_minutes_and_as_lengths_are_rejected() {
+    for row in [
+        "toe [mm],2,,",
+        "static_toe_mm,2,,",
+        "toe ('),12,,",
+        "toe [in],0.1,,",
+        "toe,12,min,",
+        "toe,12,',",
+        "toe,2,mm,",
+        "toe [min],12,,",
+        "camber arcmin,12,,",
+        "toe [%],0.2,,",
+    ] {
+        let refused = angle_rows("name,x,y,z\n", row).unwrap_err();
+        assert!(refused.contains("expected an angle"), "{row}: {refused}");
+    }
+    let minutes = "# dimensions in mm, angles in minutes\nname,x,y,z\n";
+    assert!(angle_rows(minutes, "toe,12,,").is_err());
+    let text = format!("{{\"toe_mm\": 2, {}}}", map(1.0));
+    assert!(read("points.json", &text, &Said::default()).is_err());
+    let text = format!("{{\"angle_unit\": \"gon\", \"toe\": 2, {}}}", map(1.0));
+    assert!(read("points.json", &text, &Said::default()).is_err());
+}
+
+/// A value that cannot be read is listed.
+#[test]
+fn values_that_are_not_one_number_are_listed() {
+    let listed = |found: Imported, name: &str| {
+        let line = found.left_out.iter().find(|line| line.contains(name));
+        assert!(line.is_some(), "{name}: {:?}", found.left_out);
+    };
+    let plain = "name,x,y,z\n";
+    listed(angle_rows(plain, "toe,0.1,0.2,").unwrap(), "toe");
+    listed(angle_rows(plain, "camber min,-3,,").unwrap(), "camber min");
+    for value in ["[-1.5, -1.2]", "\"-1.5 deg\""] {
+        let text = format!("{{\"static_camber\": {value}, {}}}", map(1.0));
+        let found = read("points.json", &text, &Said::default()).unwrap();
+        listed(found, "static_camber");
     }
 }

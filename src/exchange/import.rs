@@ -142,6 +142,9 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
 
     let wanted = corner.side;
     let mut placed = place::place(table, options, wanted, &picked, &mut notes)?;
+    if options.topology.carries_both_wheels() {
+        refuse_fifth_link(table, &named, corner, placed, &picked)?;
+    }
     let contact = contact_radius(table, corner, placed, &picked);
     if !options.topology.carries_both_wheels() {
         place::mirror(&mut placed, wanted, &mut picked, &mut notes);
@@ -213,6 +216,46 @@ fn left_half(
         ));
     }
     Ok(())
+}
+
+/// Refuses a solid axle with a Panhard rod and two upper links. The upper links are a pair if the rows of the right half have
+/// the opposite y, or if the rows apply to both halves.
+fn refuse_fifth_link(
+    table: &PointTable,
+    named: &[Named<'_>],
+    corner: Corner,
+    placed: Placed,
+    picked: &[Picked],
+) -> Result<(), Refusal> {
+    let found = |name: &str| picked.iter().find(|p| p.hardpoint.name == name);
+    if found("panhard_axle").is_none() {
+        return Ok(());
+    }
+    let (across, _) = placed.axes.across();
+    let is_paired = |name: &&&'static str| {
+        let Some(left) = found(name) else {
+            return false;
+        };
+        let y = left.hardpoint.position[across];
+        let right = corner::of_other_wheel(name, named, corner);
+        let is_for_both = || {
+            let mut own = named.iter().filter(|n| n.role.hardpoint == **name);
+            table.kinds.is_empty()
+                && y != 0.0
+                && own.any(|n| n.point.mirrored && n.point.place == left.hardpoint.place)
+        };
+        right.is_some_and(|right| right[across] * y < 0.0) || is_for_both()
+    };
+    let ends = ["upper_link_chassis", "upper_link_axle"];
+    let Some(end) = ends.iter().find(is_paired).and_then(|name| found(name)) else {
+        return Ok(());
+    };
+    let (called, place) = (&end.hardpoint.called, &end.hardpoint.place);
+    Err(Refusal::Wrong(format!(
+        "{called:?} ({place}) is on both sides of the axle, so the file has two lower links, two upper links and a Panhard rod: \
+         one link too many for rigid links. Remove the rows of the right upper link, or those of the Panhard rod. For five \
+         elastic links, start with `hardpoint new solid_axle --with five_links` and enter the points there"
+    )))
 }
 
 /// Hardpoints of a solid axle that the file also gives for the right half.

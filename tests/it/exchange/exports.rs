@@ -359,3 +359,21 @@ fn curves_have_the_names_of_other_tools() {
         ["travel_mm", "camber_angle.right [deg]"]
     );
 }
+
+/// A subsystem names the points whose bodies it cannot contain, for each wheel.
+#[test]
+fn bodies_of_both_wheels_are_named() {
+    let wheel = template("double_wishbone");
+    let said = |lines: &str| {
+        let study = of_text(&format!("{wheel}\n{lines}"));
+        let outgoing = Outgoing::of(&study, None, None);
+        hardpoint::exchange::subsystem(&outgoing).notes.join("\n")
+    };
+    let left = said("[axle]\nright = \"mirrored\"\n");
+    assert!(!left.contains("right wheel"), "{left}");
+    let right = said("[axle.right.bodies]\nspring_lower = \"knuckle\"\n");
+    assert!(
+        right.contains("right wheel that differ: spring_lower"),
+        "{right}"
+    );
+}

@@ -16,6 +16,7 @@
 //! Angle (deg)` is positive with the top outward, and `Toe Angle (deg)` with the front inward.
 
 use super::axes::{Axes, Declared};
+use super::chrono_vehicle;
 use super::figure_names::figure;
 use super::map::{Node, place, position};
 use super::table::{Figure, Kind, Marks, NamedPoint, PointTable};
@@ -217,6 +218,7 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
         }
     }
     spring(root, topology, &mut table);
+    table.axle.spring = chrono_vehicle::spring(root);
     angles(root, &mut table);
     Ok(Some(table))
 }

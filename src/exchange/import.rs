@@ -107,8 +107,27 @@ fn named_points<'t>(table: &'t PointTable, roles: &[Option<Role>]) -> Vec<Named<
     named.collect()
 }
 
-/// Makes the wheel from a file's points.
+/// Makes the wheel from a file's points, or the axle if it is a solid axle.
 pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Imported, Refusal> {
+    let mut imported = for_axle(table, options)?;
+    if let Some(spring) = imported.figures.spring
+        && !options.topology.carries_both_wheels()
+    {
+        let unit = imported.unit.symbol();
+        imported.left_out.push(format!(
+            "Spring: rate {:?} N/{unit}, force {:?} N in the position of the file; the study of one wheel does not use \
+             them. For the study of an axle, write them under [spring] as rate and force",
+            spring.rate, spring.force
+        ));
+    }
+    Ok(imported)
+}
+
+/// Makes the wheel for the study of one wheel or of an axle.
+pub(super) fn for_axle(
+    table: &PointTable,
+    options: &ImportOptions<'_>,
+) -> Result<Imported, Refusal> {
     let converted = unit::converted(table, options);
     let (table, options) = match &converted {
         Some((table, options)) => (table, options),
@@ -157,7 +176,16 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
         picked.extend(optimum::wheel_centre(placed, &figures, &mut notes));
     }
     let asked = options.half_track.is_some();
-    place::to_half_track(placed, figures.half_track(), asked, &mut picked, &mut notes)?;
+    // Tools with their own layout measure the half track at the contact point.
+    let compare = !is_optimum && table.kinds.is_empty();
+    let half_track = figures.half_track();
+    place::to_half_track(
+        placed,
+        half_track,
+        (asked, compare),
+        &mut picked,
+        &mut notes,
+    )?;
 
     let mut hardpoints = in_order(options.topology, picked);
     complete::drop_incomplete(options, &mut hardpoints, &mut left_out)?;
@@ -272,7 +300,7 @@ fn axle_figures(table: &PointTable, axle: Option<AxlePosition>) -> AxleFigures {
     match (&table.car, axle) {
         (Some(car), Some(AxlePosition::Front)) => car.axles[0],
         (Some(car), Some(AxlePosition::Rear)) => car.axles[1],
-        _ => AxleFigures::default(),
+        _ => table.axle,
     }
 }
 
@@ -348,10 +376,29 @@ struct Unused<'a> {
 }
 
 impl Unused<'_> {
+    /// Points of the chosen axle and points without an axle, with their roles.
+    fn of_axle(&self) -> (PointTable, Vec<Option<Role>>) {
+        let points = self.table.points.iter().zip(self.roles);
+        let own = points.filter(|(point, role)| {
+            let named = role.as_ref().map_or(Marks::default(), |role| role.marks);
+            let axle = point.marks.or(named).axle;
+            axle.is_none() || self.corner.axle.is_none() || axle == self.corner.axle
+        });
+        let (points, roles) = own
+            .map(|(point, role)| (point.clone(), role.clone()))
+            .unzip();
+        let table = PointTable {
+            points,
+            ..PointTable::default()
+        };
+        (table, roles)
+    }
+
     /// Lists unused points, each with the reason.
     fn say(&self, hardpoints: &[Hardpoint], notes: &mut Vec<String>, left_out: &mut Vec<String>) {
-        let (table, topology) = (self.table, self.options.topology);
-        let meanings = meanings(self.roles);
+        let topology = self.options.topology;
+        let (table, roles) = self.of_axle();
+        let (table, meanings) = (&table, meanings(&roles));
         let unused = complete::unused(table, &meanings, hardpoints);
         if let Some(other) = complete::rather(topology, &unused, table) {
             notes.push(format!(
@@ -361,14 +408,10 @@ impl Unused<'_> {
                 other.name
             ));
         }
-        // Points of an omitted group already have a reason, and the other axle is mentioned separately.
+        // Points of an omitted group already have a reason.
         let is_explained = |name: &str| {
             let at = table.points.iter().position(|point| point.name == name);
-            at.is_some_and(|at| {
-                let axle = table.points[at].marks.axle;
-                meanings[at].is_some()
-                    || axle.is_some() && self.corner.axle.is_some() && axle != self.corner.axle
-            })
+            at.is_some_and(|at| meanings[at].is_some())
         };
         let nameless = unused.iter().filter(|name| !is_explained(name));
         let nameless: Vec<&str> = nameless.map(String::as_str).collect();

@@ -134,6 +134,8 @@ pub struct PointTable {
     pub(super) declared: Declared,
     /// Kind of suspension of each axle, if the file states it. An entry without an axle applies to all axles.
     pub(super) kinds: Vec<(Option<AxlePosition>, Kind)>,
+    /// Values of the axle, if the file describes a single axle.
+    pub(super) axle: AxleFigures,
     /// Values of the car, if the file describes a car.
     pub(super) car: Option<CarFigures>,
     /// Bushings of an Adams/Car subsystem.

@@ -93,14 +93,10 @@ fn one_of(mut units: impl Iterator<Item = AngleUnit>) -> Option<AngleUnit> {
 fn has_mark(text: &str) -> bool {
     let text = text.trim();
     let quotes = |c: char| "'\"".contains(c);
-    let chars: Vec<char> = match text.strip_prefix(quotes) {
-        Some(inner) => inner
-            .strip_suffix(quotes)
-            .unwrap_or(inner)
-            .chars()
-            .collect(),
-        None => text.chars().collect(),
-    };
+    let quoted = text
+        .strip_prefix(quotes)
+        .and_then(|inner| inner.strip_suffix(quotes));
+    let chars: Vec<char> = quoted.unwrap_or(text).chars().collect();
     let is_mark = |k: usize| {
         let before = k.checked_sub(1).map(|k| chars[k]);
         let is_after_word = before.is_some_and(char::is_alphanumeric);

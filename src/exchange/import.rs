@@ -115,7 +115,7 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
     {
         let unit = imported.unit.symbol();
         imported.left_out.push(format!(
-            "Spring: rate {:?} N/{unit}, force {:?} N in the position of the file; the study of one wheel does not use \
+            "Spring: rate {:?} N/{unit}, force {:.1} N in the position of the file; the study of one wheel does not use \
              them. For the study of an axle, write them under [spring] as rate and force",
             spring.rate, spring.force
         ));
@@ -557,7 +557,7 @@ fn angles(figures: &Figures, imported: &mut Imported) {
     if let Some(lacking) = lacking {
         imported.notes.push(format!(
             "{lacking} assumed to be 0: the file has no point spindle_inner of the spin axis, and \
-             no such angle"
+             no such angle that can be read"
         ));
     }
     imported.static_camber = Some(figures.camber.unwrap_or(0.0));

@@ -363,15 +363,19 @@ fn curves_have_the_names_of_other_tools() {
 /// A subsystem names the points whose bodies it cannot contain, for each wheel.
 #[test]
 fn bodies_of_both_wheels_are_named() {
-    let wheel = template("double_wishbone");
-    let said = |lines: &str| {
-        let study = of_text(&format!("{wheel}\n{lines}"));
+    let axle = include_str!("../../../studies/double_wishbone_axle.toml");
+    let said = |text: &str| {
+        let study = of_text(text);
         let outgoing = Outgoing::of(&study, None, None);
         hardpoint::exchange::subsystem(&outgoing).notes.join("\n")
     };
-    let left = said("[axle]\nright = \"mirrored\"\n");
-    assert!(!left.contains("right wheel"), "{left}");
-    let right = said("[axle.right.bodies]\nspring_lower = \"knuckle\"\n");
+    assert!(said(axle).contains("[suspension.bodies]: drop_link_outer"));
+    assert!(!said(axle).contains("right wheel"));
+    let moved = "[axle.right.bodies]\nspring_lower = \"knuckle\"\n[axle]\n";
+    let differs = axle
+        .replace("[axle]\n", moved)
+        .replace("right = \"mirrored\"", "");
+    let right = said(&differs);
     assert!(
         right.contains("right wheel that differ: spring_lower"),
         "{right}"

@@ -51,9 +51,9 @@ impl AngleUnit {
 /// Unit of an angle in its name and its remark. Lengths and two different units are [`AngleUnit::Other`].
 pub(super) fn of_angle(name: &str, remark: &str) -> Option<AngleUnit> {
     let is_length = |word: &str| word != "in" && FileUnit::named(word).is_some();
-    let unit_of = |word: &String| match is_length(word) {
-        true => Some(AngleUnit::Other),
-        false => AngleUnit::named(word),
+    let unit_of = |word: &String| {
+        let length = is_length(word).then_some(AngleUnit::Other);
+        length.or(AngleUnit::named(word))
     };
     let is_marked = name.contains("[in]") || [name, remark].into_iter().any(has_mark);
     let marked = is_marked.then_some(AngleUnit::Other);

@@ -125,7 +125,7 @@ mod tests {
                     figure("tire section_width", 205.0),
                     figure("tire aspect_ratio", 0.55),
                 ],
-                unit: Some(unit),
+                unit: Some(FileUnit::of(unit)),
                 ..PointTable::default()
             };
             to_wheel_centres(&mut table).unwrap();

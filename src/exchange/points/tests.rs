@@ -126,7 +126,7 @@ fn figures_in_the_first_column_keep_their_units() {
         .iter()
         .map(|f| (&f.read_as[..], f.value))
         .collect();
-    let wanted = [("Static camber deg", -1.5), ("Tyre radius in", 10.3)];
+    let wanted = [("Static camber [deg]", -1.5), ("Tyre radius [in]", 10.3)];
     assert_eq!((figures.as_slice(), read.points.len()), (&wanted[..], 1));
 }
 

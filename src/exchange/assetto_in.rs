@@ -124,7 +124,7 @@ pub(super) fn points_of(path: &Path, text: &str) -> Result<PointTable, String> {
     let file = assignments(text);
     let axles = [("FRONT", AxlePosition::Front), ("REAR", AxlePosition::Rear)];
     let mut table = PointTable {
-        unit: Some(LengthUnit::Metre),
+        unit: Some(super::unit::FileUnit::of(LengthUnit::Metre)),
         declared: Declared::whole(Axes::of(FrameConvention::Iso8855)),
         ..PointTable::default()
     };

@@ -1,7 +1,7 @@
 //! Imports a car from a file with two axles: two studies of axles, and a study of the car that names them.
 
 use super::compose::one_line;
-use super::import::{ImportOptions, Imported, import};
+use super::import::{ImportOptions, Imported, for_axle};
 use super::refusal::Refusal;
 use super::table::PointTable;
 use crate::model::{AxlePosition, Side};
@@ -37,7 +37,7 @@ pub fn import_car(
                 side: Some(side),
                 ..*options
             };
-            import(table, &options)
+            for_axle(table, &options)
         };
         let name = super::corner::name_of(end);
         let fault = |reason: Refusal| match reason {

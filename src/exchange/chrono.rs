@@ -16,8 +16,11 @@
 //! Angle (deg)` is positive with the top outward, and `Toe Angle (deg)` with the front inward.
 
 use super::axes::{Axes, Declared};
+use super::chrono_vehicle;
+use super::figure_names::figure;
 use super::map::{Node, place, position};
 use super::table::{Figure, Kind, Marks, NamedPoint, PointTable};
+use super::unit::FileUnit;
 use crate::model::{FrameConvention, LengthUnit};
 
 /// Parts and locations that can give one hardpoint. The first one in the file is used.
@@ -167,7 +170,7 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
         return Ok(None);
     };
     let mut table = PointTable {
-        unit: Some(LengthUnit::Metre),
+        unit: Some(FileUnit::of(LengthUnit::Metre)),
         declared: Declared::whole(Axes::of(FrameConvention::Iso8855)),
         ..PointTable::default()
     };
@@ -215,6 +218,7 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
         }
     }
     spring(root, topology, &mut table);
+    table.axle.spring = chrono_vehicle::spring(root);
     angles(root, &mut table);
     Ok(Some(table))
 }
@@ -339,17 +343,19 @@ fn on_link(root: &Node, part: &str, topology: &str, upper: [f64; 3], lower: [f64
     )
 }
 
+/// Reads the static angles, such as `Camber Angle (deg)`.
 fn angles(root: &Node, table: &mut PointTable) {
-    for (key, read_as) in [
-        ("Camber Angle (deg)", "static_camber"),
-        ("Camber Angle", "static_camber"),
-        ("Toe Angle (deg)", "static_toe"),
-        ("Toe Angle", "static_toe"),
-    ] {
-        if let Some(Node::Number(value)) = entry(root, key) {
+    let Node::Table(entries) = root else {
+        return;
+    };
+    for (key, node) in entries {
+        let is_angle = figure(key).is_some_and(|(kind, ..)| kind.is_angle());
+        if let Node::Number(value) = node
+            && is_angle
+        {
             table.figures.push(Figure {
-                name: key.to_owned(),
-                read_as: read_as.to_owned(),
+                name: key.clone(),
+                read_as: key.clone(),
                 value: *value,
                 marks: Marks::default(),
                 remark: String::new(),

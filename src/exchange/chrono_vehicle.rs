@@ -141,7 +141,7 @@ fn axle(path: &Path, node: &Node, number: usize) -> Result<Axle, String> {
     };
     Ok(Axle {
         figures: AxleFigures {
-            spring: spring(&root),
+            spring: table.axle.spring,
             unsprung_mass: unsprung_mass(&root, wheel),
         },
         table,
@@ -185,7 +185,7 @@ fn number_of(root: &Node, keys: &[&str]) -> Option<f64> {
 }
 
 /// Rate and force of a linear spring. `None` for a spring with a curve or without a free length, whose force is not known.
-fn spring(root: &Node) -> Option<SpringFigures> {
+pub(super) fn spring(root: &Node) -> Option<SpringFigures> {
     let rate = number_of(root, &["Spring", "Spring Coefficient"])?;
     let free = number_of(root, &["Spring", "Free Length"])?;
     let preload = number_of(root, &["Spring", "Preload"]).unwrap_or(0.0);

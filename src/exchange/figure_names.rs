@@ -1,8 +1,10 @@
 //! Names of values that a file gives in addition to hardpoints: static angles, radius, tracks and offsets.
 
+use super::angle_unit::AngleUnit;
 use super::names::{Words, cut, end_of, marks_of};
 use super::table::Marks;
-use crate::model::{AxlePosition, LengthUnit};
+use super::unit::FileUnit;
+use crate::model::AxlePosition;
 
 /// Values that a file may give in addition to hardpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -29,6 +31,16 @@ pub(super) enum FigureKind {
     Offset(usize),
 }
 
+impl FigureKind {
+    /// True for angles, false for lengths.
+    pub(super) fn is_angle(self) -> bool {
+        matches!(
+            self,
+            FigureKind::StaticCamber | FigureKind::StaticToe | FigureKind::StaticToeOut
+        )
+    }
+}
+
 const FIGURES: &[(FigureKind, &str)] = &[
     (FigureKind::StaticCamber, "camber ?static ?angle ?wheel"),
     (FigureKind::StaticToe, "toe ?static ?angle ?wheel ?inner"),
@@ -49,28 +61,40 @@ const FIGURES: &[(FigureKind, &str)] = &[
 ];
 
 /// Finds a value by its name: its kind, its wheel, and the unit of length after the name.
-pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<LengthUnit>)> {
+pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<FileUnit>)> {
     let mut cut = cut(name);
     let mut unit = None;
-    // The end of "toe in" is not a unit, but the end of "wheel_radius_in" is.
+    // The end of "toe in" is not a unit, but the ends of "toe [in]" and "wheel_radius_in" are.
     let is_toe = cut.iter().any(|word| word == "toe");
+    // "camber min" may be the smallest camber, but "camber [min]" is in minutes.
+    let in_brackets = |word: &str| {
+        let mut brackets = [("[", "]"), ("(", ")")].into_iter();
+        brackets.any(|(open, close)| name.contains(&format!("{open}{word}{close}")))
+    };
+    let is_angle_unit = |word: &str| match AngleUnit::named(word) {
+        Some(AngleUnit::Other) => !["min", "sec"].contains(&word) || in_brackets(word),
+        found => found.is_some(),
+    };
+    let mut marks = Marks::default();
+    let mut has_mark = false;
     while let Some(last) = cut.last() {
-        let found = super::header::unit_of(last).filter(|_| !is_toe);
-        if found.is_none() && !["deg", "rad", "degrees"].contains(&last.as_str()) {
+        let found =
+            FileUnit::named(last).filter(|_| !(is_toe && last == "in" && !in_brackets("in")));
+        let word = marks_of(last);
+        if found.is_some() || is_angle_unit(last) {
+            unit = unit.or(found);
+        } else if !word.is_empty() && cut.len() > 1 && !has_mark {
+            marks = marks.or(word);
+            has_mark = true;
+        } else {
             break;
         }
-        unit = unit.or(found);
         cut.pop();
     }
-    let mut marks = Marks::default();
-    for at_end in [false, true] {
-        let word = if at_end { cut.last() } else { cut.first() };
-        let found = word.map(|word| marks_of(word)).unwrap_or_default();
-        if !found.is_empty() && cut.len() > 1 {
-            marks = marks.or(found);
-            let at = if at_end { cut.len() - 1 } else { 0 };
-            cut.remove(at);
-        }
+    let first = cut.first().map(|word| marks_of(word)).unwrap_or_default();
+    if !first.is_empty() && cut.len() > 1 {
+        marks = first.or(marks);
+        cut.remove(0);
     }
     let (axle, plain) = without_axle_word(&cut);
     let of_car = match plain.join(" ").as_str() {
@@ -121,10 +145,16 @@ mod tests {
             ("toe out", FigureKind::StaticToeOut),
             ("Toe-in", FigureKind::StaticToe),
             ("Tire Diameter", FigureKind::TyreDiameter),
+            ("static_camber_rad", FigureKind::StaticCamber),
+            ("camber rad left", FigureKind::StaticCamber),
+            ("FL camber [radians]", FigureKind::StaticCamber),
+            ("toe [min]", FigureKind::StaticToe),
         ] {
             let found = figure(name).map(|(kind, ..)| kind);
             assert_eq!(found, Some(kind), "{name}");
         }
-        assert_eq!(figure("wheel_radius_in").unwrap().2, Some(LengthUnit::Inch));
+        assert_eq!(figure("camber min"), None);
+        let (_, _, unit) = figure("wheel_radius_in").unwrap();
+        assert_eq!(unit, FileUnit::named("in"));
     }
 }

@@ -1,10 +1,12 @@
 //! Values of a wheel: static camber and toe with the tool's sign, loaded radius, half track, track and wheelbase.
 
 use super::ImportOptions;
+use super::angle_unit::{AngleUnit, of_angle};
 use super::corner::Corner;
 use super::figure_names::{FigureKind, figure};
 use super::names::cut;
 use super::table::{Figure, Marks, PointTable};
+use super::unit::FileUnit;
 use crate::model::LengthUnit;
 
 /// Values of the chosen wheel. Angles are in degrees with the signs of studies; lengths are in the study's unit.
@@ -66,15 +68,16 @@ pub(super) fn read(
         }
         let (kind, value) = match kind {
             FigureKind::StaticCamber | FigureKind::StaticToe | FigureKind::StaticToeOut => {
-                angle(kind, row, toe_out, notes)?
+                angle(kind, row, (table.angle_unit, toe_out), notes)?
             }
             FigureKind::ContactPoint => continue,
             kind => {
-                let own = own_unit.unwrap_or(unit);
-                let value = if own == unit {
-                    row.value
+                let own = own_unit.unwrap_or(FileUnit::of(unit));
+                let value = own.to_study(row.value);
+                let value = if own.unit == unit {
+                    value
                 } else {
-                    row.value / own.per_metre() * unit.per_metre()
+                    value / own.unit.per_metre() * unit.per_metre()
                 };
                 (kind, value)
             }
@@ -120,11 +123,12 @@ pub(super) fn read(
     Ok(found)
 }
 
-/// Angle in degrees with the sign of studies: camber positive with the top outward, toe positive with the front inward.
+/// Angle in degrees with the sign of studies. `unit` applies to an angle without its own unit. `toe_out` is true if the tool counts
+/// toe-out as positive. In studies camber positive with the top outward, toe positive with the front inward.
 fn angle(
     kind: FigureKind,
     row: &Figure,
-    toe_out: bool,
+    (unit, toe_out): (Option<AngleUnit>, bool),
     notes: &mut Vec<String>,
 ) -> Result<(FigureKind, f64), String> {
     let words = cut(&row.remark);
@@ -134,14 +138,34 @@ fn angle(
             .any(|word| wanted.split(' ').any(|w| w == word))
     };
     let mut value = row.value;
-    if says("mm min minutes arcmin") && value != 0.0 {
-        return Err(format!(
-            "{}: {} is {value} with the remark {:?}; expected an angle in degrees",
-            row.place, row.name, row.remark
-        ));
-    }
-    if says("rad radians") {
-        value = value.to_degrees();
+    let own_unit = of_angle(&row.read_as, &row.remark);
+    if value != 0.0
+        && let Some(unit) = own_unit.or(unit)
+    {
+        value = unit.degrees(value).ok_or_else(|| {
+            let remark = match (own_unit, row.remark.as_str()) {
+                (None, _) => " in the unit of angles that the file states".to_owned(),
+                (_, "") => String::new(),
+                (_, remark) => format!(" with the remark {remark:?}"),
+            };
+            format!(
+                "{}: {:?} is {}{remark}; expected an angle in degrees or radians",
+                row.place, row.read_as, row.value
+            )
+        })?;
+        if value != row.value {
+            let key = match kind {
+                FigureKind::StaticCamber => "static_camber",
+                _ => "static_toe",
+            };
+            notes.push(format!(
+                "{key}: {value:.6} deg, because {:?} ({}) is {} {}",
+                row.name,
+                row.place,
+                row.value,
+                unit.symbol()
+            ));
+        }
     }
     if kind == FigureKind::StaticCamber {
         return Ok((kind, value));

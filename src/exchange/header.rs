@@ -6,7 +6,7 @@ use super::cell::{Cell, Sheet};
 use super::decimals::plain_number;
 use super::names::{cut, marks_of};
 use super::table::Marks;
-use crate::model::LengthUnit;
+use super::unit::FileUnit;
 
 /// Columns of x, y and z.
 #[derive(Clone, Copy, Debug)]
@@ -25,12 +25,14 @@ pub(super) struct Columns {
     pub marks: Vec<u32>,
     pub body: Option<u32>,
     pub frame: Option<u32>,
+    /// Column with the unit of each row.
+    pub unit: Option<u32>,
 }
 
 /// A header, with the unit and the axes that it states.
 pub(super) struct Header {
     pub columns: Columns,
-    pub unit: Option<LengthUnit>,
+    pub unit: Option<FileUnit>,
     pub declared: Declared,
 }
 
@@ -39,20 +41,8 @@ struct Coordinates {
     /// Letter of the axis as a number, 0 for x. `None` if the header has only words.
     letter: Option<usize>,
     marks: Marks,
-    unit: Option<LengthUnit>,
+    unit: Option<FileUnit>,
     direction: Coordinate,
-}
-
-/// Unit of length that a word names.
-pub fn unit_of(word: &str) -> Option<LengthUnit> {
-    match word.to_ascii_lowercase().as_str() {
-        "mm" | "millimetre" | "millimetres" | "millimeter" | "millimeters" => {
-            Some(LengthUnit::Millimetre)
-        }
-        "m" | "metre" | "metres" | "meter" | "meters" => Some(LengthUnit::Metre),
-        "in" | "inch" | "inches" => Some(LengthUnit::Inch),
-        _ => None,
-    }
 }
 
 pub(super) fn text(cell: &Cell) -> Option<&str> {
@@ -200,8 +190,11 @@ fn columns(
     let marks = named(row, "side symmetry corner axle");
     let body = named(row, "body").first().copied();
     let frame = named(row, "frame").first().copied();
+    let unit = named(row, "unit units").first().copied();
     let free = |column: u32| {
-        !is_coordinate(column) && !marks.contains(&column) && ![body, frame].contains(&Some(column))
+        !is_coordinate(column)
+            && !marks.contains(&column)
+            && ![body, frame, unit].contains(&Some(column))
     };
     let names = "name names point points hardpoint hardpoints location joint";
     // Some files put "Point Name" one row above x, y and z.
@@ -223,6 +216,7 @@ fn columns(
         marks,
         body,
         frame,
+        unit,
     })
 }
 
@@ -258,7 +252,7 @@ fn coordinate_header(text: &str) -> Option<Coordinates> {
         let axis = ["x", "y", "z"].iter().position(|axis| *axis == word);
         if let (Some(axis), None) = (axis, letter) {
             letter = Some(axis);
-        } else if let Some(found) = unit_of(&word) {
+        } else if let Some(found) = FileUnit::named(&word) {
             unit = Some(found);
         } else if let Some(way) = Way::of(&word) {
             direction = direction.and(Coordinate::Grows(way))?;
@@ -307,6 +301,19 @@ fn along(word: &str) -> Option<usize> {
     }
 }
 
+/// Words beside x, y and z in a row of titles that is not a header because these words are not known: "um" in `x [um]`.
+pub(super) fn unknown_beside_axes(sheet: &Sheet, row: u32) -> Option<String> {
+    let beside = |axis: &str| {
+        let mut cells = sheet.row(row).filter_map(|(_, cell)| text(cell));
+        cells.find_map(|cell| match cut(cell).as_slice() {
+            [first, rest @ ..] if first == axis && !rest.is_empty() => Some(rest.join(" ")),
+            _ => None,
+        })
+    };
+    let words = beside("x")?;
+    (beside("y")? == words && beside("z")? == words).then_some(words)
+}
+
 /// Columns of a table without a header, whose rows have a name followed by three numbers.
 pub(super) fn without_header(sheet: &Sheet, rows: &[u32]) -> Option<Columns> {
     let fits = |row: u32| {
@@ -333,5 +340,6 @@ pub(super) fn without_header(sheet: &Sheet, rows: &[u32]) -> Option<Columns> {
         marks: Vec::new(),
         body: None,
         frame: None,
+        unit: None,
     })
 }

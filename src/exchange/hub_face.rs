@@ -7,6 +7,7 @@
 
 use super::figure_names::{FigureKind, figure};
 use super::table::{Figure, Marks, NamedPoint, PointTable};
+use super::unit::FileUnit;
 use crate::model::LengthUnit;
 
 /// Values of a wheel, identified by the ends of their names.
@@ -29,8 +30,9 @@ pub(super) fn to_wheel_centres(table: &mut PointTable) -> Result<(), String> {
     let Some(offset) = number(OFFSET) else {
         return Ok(());
     };
-    let unit = table.unit.unwrap_or(LengthUnit::Millimetre);
-    let millimetre = unit.per_metre() / 1000.0;
+    let unit = table.unit;
+    let unit = unit.unwrap_or(FileUnit::of(LengthUnit::Millimetre));
+    let millimetre = unit.unit.per_metre() / unit.factor / 1000.0;
     let tyre = (
         number(RIM_DIAMETER),
         number(SECTION_WIDTH),
@@ -123,7 +125,7 @@ mod tests {
                     figure("tire section_width", 205.0),
                     figure("tire aspect_ratio", 0.55),
                 ],
-                unit: Some(unit),
+                unit: Some(FileUnit::of(unit)),
                 ..PointTable::default()
             };
             to_wheel_centres(&mut table).unwrap();

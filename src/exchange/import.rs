@@ -107,8 +107,32 @@ fn named_points<'t>(table: &'t PointTable, roles: &[Option<Role>]) -> Vec<Named<
     named.collect()
 }
 
-/// Makes the wheel from a file's points.
+/// Makes the wheel from a file's points, or the axle if it is a solid axle.
 pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Imported, Refusal> {
+    let mut imported = for_axle(table, options)?;
+    if let Some(spring) = imported.figures.spring
+        && !options.topology.carries_both_wheels()
+    {
+        let unit = imported.unit.symbol();
+        imported.left_out.push(format!(
+            "Spring: rate {:?} N/{unit}, force {:.1} N in the position of the file; the study of one wheel does not use \
+             them. For the study of an axle, write them under [spring] as rate and force",
+            spring.rate, spring.force
+        ));
+    }
+    Ok(imported)
+}
+
+/// Makes the wheel for the study of one wheel or of an axle.
+pub(super) fn for_axle(
+    table: &PointTable,
+    options: &ImportOptions<'_>,
+) -> Result<Imported, Refusal> {
+    let converted = unit::converted(table, options);
+    let (table, options) = match &converted {
+        Some((table, options)) => (table, options),
+        None => (table, options),
+    };
     let mut notes = table.notes.clone();
     let mut left_out = table.left_out.clone();
     let roles = roles_of(table, options)?;
@@ -137,6 +161,9 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
 
     let wanted = corner.side;
     let mut placed = place::place(table, options, wanted, &picked, &mut notes)?;
+    if options.topology.carries_both_wheels() {
+        refuse_fifth_link(table, &named, corner, placed, &picked)?;
+    }
     let contact = contact_radius(table, corner, placed, &picked);
     if !options.topology.carries_both_wheels() {
         place::mirror(&mut placed, wanted, &mut picked, &mut notes);
@@ -149,7 +176,16 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
         picked.extend(optimum::wheel_centre(placed, &figures, &mut notes));
     }
     let asked = options.half_track.is_some();
-    place::to_half_track(placed, figures.half_track(), asked, &mut picked, &mut notes)?;
+    // Tools with their own layout measure the half track at the contact point.
+    let compare = !is_optimum && table.kinds.is_empty();
+    let half_track = figures.half_track();
+    place::to_half_track(
+        placed,
+        half_track,
+        (asked, compare),
+        &mut picked,
+        &mut notes,
+    )?;
 
     let mut hardpoints = in_order(options.topology, picked);
     complete::drop_incomplete(options, &mut hardpoints, &mut left_out)?;
@@ -210,6 +246,46 @@ fn left_half(
     Ok(())
 }
 
+/// Refuses a solid axle with a Panhard rod and two upper links. The upper links are a pair if the rows of the right half have
+/// the opposite y, or if the rows apply to both halves.
+fn refuse_fifth_link(
+    table: &PointTable,
+    named: &[Named<'_>],
+    corner: Corner,
+    placed: Placed,
+    picked: &[Picked],
+) -> Result<(), Refusal> {
+    let found = |name: &str| picked.iter().find(|p| p.hardpoint.name == name);
+    if found("panhard_axle").is_none() {
+        return Ok(());
+    }
+    let (across, _) = placed.axes.across();
+    let is_paired = |name: &&&'static str| {
+        let Some(left) = found(name) else {
+            return false;
+        };
+        let y = left.hardpoint.position[across];
+        let right = corner::of_other_wheel(name, named, corner);
+        let is_for_both = || {
+            let mut own = named.iter().filter(|n| n.role.hardpoint == **name);
+            table.kinds.is_empty()
+                && y != 0.0
+                && own.any(|n| n.point.mirrored && n.point.place == left.hardpoint.place)
+        };
+        right.is_some_and(|right| right[across] * y < 0.0) || is_for_both()
+    };
+    let ends = ["upper_link_chassis", "upper_link_axle"];
+    let Some(end) = ends.iter().find(is_paired).and_then(|name| found(name)) else {
+        return Ok(());
+    };
+    let (called, place) = (&end.hardpoint.called, &end.hardpoint.place);
+    Err(Refusal::Wrong(format!(
+        "{called:?} ({place}) is on both sides of the axle, so the file has two lower links, two upper links and a Panhard rod: \
+         one link too many for rigid links. Remove the rows of the right upper link, or those of the Panhard rod. For five \
+         elastic links, start with `hardpoint new solid_axle --with five_links` and enter the points there"
+    )))
+}
+
 /// Hardpoints of a solid axle that the file also gives for the right half.
 fn right_half(named: &[Named<'_>], corner: Corner) -> Vec<&'static str> {
     let right = named.iter().filter(|n| {
@@ -224,7 +300,7 @@ fn axle_figures(table: &PointTable, axle: Option<AxlePosition>) -> AxleFigures {
     match (&table.car, axle) {
         (Some(car), Some(AxlePosition::Front)) => car.axles[0],
         (Some(car), Some(AxlePosition::Rear)) => car.axles[1],
-        _ => AxleFigures::default(),
+        _ => table.axle,
     }
 }
 
@@ -300,10 +376,29 @@ struct Unused<'a> {
 }
 
 impl Unused<'_> {
+    /// Points of the chosen axle and points without an axle, with their roles.
+    fn of_axle(&self) -> (PointTable, Vec<Option<Role>>) {
+        let points = self.table.points.iter().zip(self.roles);
+        let own = points.filter(|(point, role)| {
+            let named = role.as_ref().map_or(Marks::default(), |role| role.marks);
+            let axle = point.marks.or(named).axle;
+            axle.is_none() || self.corner.axle.is_none() || axle == self.corner.axle
+        });
+        let (points, roles) = own
+            .map(|(point, role)| (point.clone(), role.clone()))
+            .unzip();
+        let table = PointTable {
+            points,
+            ..PointTable::default()
+        };
+        (table, roles)
+    }
+
     /// Lists unused points, each with the reason.
     fn say(&self, hardpoints: &[Hardpoint], notes: &mut Vec<String>, left_out: &mut Vec<String>) {
-        let (table, topology) = (self.table, self.options.topology);
-        let meanings = meanings(self.roles);
+        let topology = self.options.topology;
+        let (table, roles) = self.of_axle();
+        let (table, meanings) = (&table, meanings(&roles));
         let unused = complete::unused(table, &meanings, hardpoints);
         if let Some(other) = complete::rather(topology, &unused, table) {
             notes.push(format!(
@@ -313,14 +408,10 @@ impl Unused<'_> {
                 other.name
             ));
         }
-        // Points of an omitted group already have a reason, and the other axle is mentioned separately.
+        // Points of an omitted group already have a reason.
         let is_explained = |name: &str| {
             let at = table.points.iter().position(|point| point.name == name);
-            at.is_some_and(|at| {
-                let axle = table.points[at].marks.axle;
-                meanings[at].is_some()
-                    || axle.is_some() && self.corner.axle.is_some() && axle != self.corner.axle
-            })
+            at.is_some_and(|at| meanings[at].is_some())
         };
         let nameless = unused.iter().filter(|name| !is_explained(name));
         let nameless: Vec<&str> = nameless.map(String::as_str).collect();
@@ -466,7 +557,7 @@ fn angles(figures: &Figures, imported: &mut Imported) {
     if let Some(lacking) = lacking {
         imported.notes.push(format!(
             "{lacking} assumed to be 0: the file has no point spindle_inner of the spin axis, and \
-             no such angle"
+             no such angle that can be read"
         ));
     }
     imported.static_camber = Some(figures.camber.unwrap_or(0.0));

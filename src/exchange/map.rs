@@ -6,10 +6,12 @@
 //! lists of other lengths, texts and truth values. A single number is a value with a name. [`chrono`] reads suspensions of
 //! Project Chrono.
 
+use super::angle_unit::AngleUnit;
 use super::axes::{Axes, Declared};
-use super::header::unit_of;
+use super::figure_names::figure;
 use super::names::{Words, cut, marks_of, marks_of_title, side_of};
 use super::table::{Figure, Marks, NamedPoint, PointTable};
+use super::unit::{FileUnit, KNOWN_UNITS};
 use super::{chrono, hub_face};
 use crate::model::FrameConvention;
 use serde::de::{Deserialize, Deserializer, MapAccess, SeqAccess, Visitor};
@@ -207,6 +209,9 @@ impl Reader {
             }
             Node::Text(text) => self.word(text, keys)?,
             Node::List(nodes) => {
+                if nodes.iter().any(|node| matches!(node, Node::Number(_))) {
+                    self.value_missing(keys, "a list");
+                }
                 for node in nodes {
                     // Numbers in other lists have no names.
                     if !matches!(node, Node::Number(_)) {
@@ -256,12 +261,12 @@ impl Reader {
         Ok(())
     }
 
-    /// Reads the unit or the axes from a text, if it states them.
+    /// Reads a unit or the axes from a text, if it states them.
     fn word(&mut self, text: &str, keys: &[&str]) -> Result<(), String> {
         match keys.last().map(|key| key.to_ascii_lowercase()).as_deref() {
-            Some("unit" | "units" | "length_unit") => {
-                let unit = unit_of(text).ok_or_else(|| {
-                    format!("{}: expected mm, m or in, found {text:?}", place(keys))
+            _ if names_unit(keys) => {
+                let unit = FileUnit::named(text.trim()).ok_or_else(|| {
+                    format!("{}: expected {KNOWN_UNITS}, found {text:?}", place(keys))
                 })?;
                 if self.table.unit.is_some_and(|known| known != unit) {
                     return Err(format!(
@@ -270,6 +275,12 @@ impl Reader {
                     ));
                 }
                 self.table.unit = Some(unit);
+            }
+            _ if names_angle_unit(keys) => {
+                let unit = AngleUnit::named(text.trim()).ok_or_else(|| {
+                    format!("{}: expected deg or rad, found {text:?}", place(keys))
+                })?;
+                self.table.angle_unit = Some(unit);
             }
             Some("frame") => {
                 let mut all = FrameConvention::ALL.into_iter();
@@ -288,15 +299,47 @@ impl Reader {
             Some("axes" | "coordinates" | "coordinate_system" | "convention") => {
                 self.declare(in_words(text), keys)?;
             }
-            _ => (),
+            _ => self.value_missing(keys, &format!("{text:?}")),
         }
         Ok(())
+    }
+
+    /// Lists a value of the wheel that is not a number.
+    fn value_missing(&mut self, keys: &[&str], found: &str) {
+        let (read_as, _) = meaning(keys);
+        if figure(&read_as).is_some() {
+            self.table.left_out.push(format!(
+                "{}: expected one number, found {found}",
+                place(keys)
+            ));
+        }
     }
 
     fn declare(&mut self, declared: Declared, keys: &[&str]) -> Result<(), String> {
         self.table.declared = self.table.declared.and(declared, &place(keys))?;
         Ok(())
     }
+}
+
+/// True if keys name the unit of angles: "angle_unit", "units.angle", "angles".
+fn names_angle_unit(keys: &[&str]) -> bool {
+    let own = keys.last().map(|key| cut(key)).unwrap_or_default();
+    own.iter()
+        .all(|word| ["unit", "units", "angle", "angles", "angular"].contains(&word.as_str()))
+        && own.iter().any(|word| word.starts_with("ang"))
+}
+
+/// True if keys name the unit of lengths: "unit", "length_unit", "units.length".
+fn names_unit(keys: &[&str]) -> bool {
+    const LENGTH: &str =
+        "unit units length lengths coordinate coordinates distance dimensions position";
+    let words: Vec<String> = keys.last().map(|key| cut(key)).unwrap_or_default();
+    let above = keys.iter().rev().nth(1).map(|key| cut(key));
+    let is_unit = |words: &[String]| words.iter().any(|word| word == "unit" || word == "units");
+    (is_unit(&words) || above.is_some_and(|words| is_unit(&words)))
+        && words
+            .iter()
+            .all(|word| LENGTH.split(' ').any(|known| known == word))
 }
 
 /// Axes in the words below a key whose subject is the axes.
@@ -365,7 +408,7 @@ mod tests {
         let table = read(r#"{"units": "mm", "a": [1, 2, 3], "a": [1, 2, 4], "mass": 3}"#);
         let table = table.unwrap().unwrap();
         assert_eq!((table.points.len(), table.figures.len()), (2, 1));
-        assert_eq!(table.unit, unit_of("mm"));
+        assert_eq!(table.unit, FileUnit::named("mm"));
         assert_eq!(read("{}").unwrap(), None);
         assert_eq!(read("[1, 2]").unwrap(), None);
         let deep = "[".repeat(100_000);

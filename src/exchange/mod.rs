@@ -8,7 +8,7 @@
 //! | a format to a table of named rows, with the axes, units, wheels and axles that the file states | `points`, `map`, `chrono`, `chrono_vehicle`, `assetto_in`, `assetto_axle`, `hub_face`, `source`, into `table` |
 //! | names to roles | `names`, `roles` |
 //! | choice of axle and wheel | `corner` |
-//! | unit and values | `unit`, `figure_names`, `figures` |
+//! | unit and values | `unit`, `angle_unit`, `figure_names`, `figures` |
 //! | axes and side, and the half track | `axes`, `place`, `optimum` |
 //! | completeness, bodies, bushings, parts that are left out | `complete`, `seats`, `bushings` |
 //! | a study that runs, or those of a car | `compose`, `car` |
@@ -22,6 +22,7 @@
 
 mod adams;
 mod adams_bushings;
+mod angle_unit;
 mod assetto_axle;
 mod assetto_in;
 mod axes;
@@ -73,7 +74,6 @@ pub use centre_lines::drawing;
 pub use curve_columns::{Tool, cases_in, curves_in, under_names_of};
 pub use envelope::{Envelope, Span, Tyre};
 pub use export::{csv, page_of_csv, point_rows};
-pub use header::unit_of;
 pub use import::{Hardpoint, ImportOptions, Imported, import};
 pub use optimum_table::{RowsAndNotes, optimum_k_rows};
 pub use outgoing::Outgoing;
@@ -84,4 +84,5 @@ pub use source::{bytes_of, read as read_points, read_map};
 pub use subsystem::{Written, into_subsystem, subsystem};
 pub use suspensions_ini::{suspensions_ini, suspensions_ini_of_car};
 pub use table::PointTable;
+pub use unit::unit_of;
 pub use workbook::{Page, Value, workbook};

@@ -260,11 +260,12 @@ pub(super) fn mirror(
 }
 
 /// Moves a wheel at the origin out to its half track. In files with the wheel centre or the contact point at y = 0, the points of
-/// the body are on the other side of the centre plane.
+/// the body are on the other side of the centre plane. `asked` is true if the half track is a flag. `compare` is true if a half
+/// track of the file is compared with the points.
 pub(super) fn to_half_track(
     placed: Placed,
     half_track: Option<f64>,
-    asked: bool,
+    (asked, compare): (bool, bool),
     picked: &mut [Picked],
     notes: &mut Vec<String>,
 ) -> Result<(), Refusal> {
@@ -296,6 +297,14 @@ pub(super) fn to_half_track(
                 "--half-track {half_track}: the wheel centre is {wheel} from the centre plane already; leave the \
                  flag out or move the points"
             )));
+        }
+        if let Some(half_track) = half_track.filter(|_| compare)
+            && (half_track - wheel).abs() > 1e-3 * wheel
+        {
+            notes.push(format!(
+                "please check: the half track of the file is {half_track}, but its wheel centre is {wheel} from the centre \
+                 plane; the study uses the points"
+            ));
         }
         return Ok(());
     }
@@ -403,7 +412,7 @@ mod tests {
             ];
             let placed = Placed { axes, side };
             let mut notes = Vec::new();
-            to_half_track(placed, half_track, asked, &mut points, &mut notes)?;
+            to_half_track(placed, half_track, (asked, false), &mut points, &mut notes)?;
             let along = |p: &Picked| outward * p.hardpoint.position[1];
             assert_eq!(notes.len(), usize::from(along(&points[0]) != wheel));
             Ok::<Vec<f64>, Refusal>(points.iter().map(along).collect())

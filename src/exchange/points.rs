@@ -1,12 +1,14 @@
 //! Rows of a table: named points, values, and titles that give the wheel or axle of the rows below them.
 
+use super::angle_unit::{is_unit, of_line};
 use super::axes::{Axes, Declared};
 use super::cell::{Cell, Sheet};
 use super::decimals::Decimals;
-use super::figure_names::figure;
-use super::header::{self, Columns, Triple, header, text, unit_of};
+use super::figure_names::{FigureKind, figure};
+use super::header::{self, Columns, Triple, header, text};
 use super::names::{cut, marks_of_title, side_of};
 use super::table::{Figure, Marks, NamedPoint, PointTable};
+use super::unit::{FileUnit, KNOWN_UNITS};
 use crate::model::{FrameConvention, LengthUnit};
 
 /// Reads the points of a table. `None` if it has no points.
@@ -37,16 +39,27 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
             let note = "no header names the columns: they are taken as name, x, y, z".to_owned();
             table.notes.push(note);
         }
+        let unknown = |row: &u32| {
+            let words = header::unknown_beside_axes(sheet, *row)?;
+            Some((*row, words))
+        };
+        if let Some((row, words)) = rows.iter().find_map(unknown) {
+            let place = sheet.row_place(row);
+            table.unknown_unit = Some(format!("{place}: x, y and z are in {words:?}"));
+        }
     }
     let Some(first) = columns else {
         return Ok(None);
     };
     let decimals = Decimals::of(sheet, &first)?;
     if decimals.inches {
-        if table.unit.is_some_and(|unit| unit != LengthUnit::Inch) {
+        if table
+            .unit
+            .is_some_and(|unit| unit != FileUnit::of(LengthUnit::Inch))
+        {
             return Err("coordinates have inch marks, but the file states another unit".to_owned());
         }
-        table.unit = Some(LengthUnit::Inch);
+        table.unit = Some(FileUnit::of(LengthUnit::Inch));
     }
     // Each header applies to the rows below it.
     let mut reader = Rows {
@@ -104,6 +117,9 @@ impl Rows<'_> {
             .map(|triple| triple.columns.map(|column| sheet.cell(row, column)))
             .collect();
         let filled = numbers.iter().flatten().flatten().count();
+        if let Some(word) = unit_row(&numbers) {
+            return self.unit(row, word);
+        }
         let own_name = sheet.cell(row, columns.name).and_then(text);
         // Sheets write values of the wheel in their first column, also if the names of points are in another one.
         let first = texts.first().copied().filter(|text| figure(text).is_some());
@@ -114,7 +130,8 @@ impl Rows<'_> {
                 self.title(row, &texts, false)
             };
         };
-        if filled == 0 {
+        let is_line = !has_number && figure(name).is_none() && of_line(&texts).is_some();
+        if filled == 0 || is_line {
             return self.title(row, &texts, false);
         }
         if !has_number
@@ -135,13 +152,22 @@ impl Rows<'_> {
             cells.iter().flatten().count() <= 1
                 && (cells[0].is_some() || cells.iter().all(Option::is_none))
         };
-        let only = |cells: &[Option<&Cell>; 3]| {
-            let unit = cells[1].and_then(text).and_then(unit_of_value);
-            let units = usize::from(cells[0].is_some() && unit.is_some());
-            cells.iter().flatten().count() <= 1 + units
+        let count = |cells: &[Option<&Cell>; 3]| {
+            let cells = cells.iter().flatten();
+            cells
+                .filter(|cell| self.decimals.number(cell).is_ok())
+                .count()
         };
-        if numbers.iter().all(alone) || (figure(name).is_some() && numbers.iter().all(only)) {
+        let most = numbers.iter().map(count).max().unwrap_or(0);
+        let is_figure = figure(name).is_some_and(|(kind, ..)| kind != FigureKind::ContactPoint);
+        if numbers.iter().all(alone) || (is_figure && most == 1) {
             return self.figures(row, name, &columns, &numbers, marks.0);
+        }
+        if is_figure && most == 2 {
+            let place = sheet.row_place(row);
+            let line = format!("{name} ({place}): the row has two numbers; expected one");
+            self.table.left_out.push(line);
+            return Ok(());
         }
         self.points(row, name, (&columns, &numbers), marks)
     }
@@ -156,6 +182,10 @@ impl Rows<'_> {
         (by_words, both): (Marks, bool),
     ) -> Result<(), String> {
         let sheet = self.sheet;
+        let unit = columns.unit.and_then(|column| sheet.cell(row, column));
+        if let Some(word) = unit.and_then(text) {
+            self.unit(row, word)?;
+        }
         for (triple, cells) in columns.triples.iter().zip(numbers) {
             if cells.iter().all(Option::is_none) {
                 continue;
@@ -233,6 +263,9 @@ impl Rows<'_> {
                 None => marks.or(self.section),
             };
         }
+        if texts.iter().all(|text| figure(text).is_none()) {
+            self.table.angle_unit = of_line(texts).or(self.table.angle_unit);
+        }
         if !is_above {
             return Ok(());
         }
@@ -244,6 +277,28 @@ impl Rows<'_> {
         if self.table.unit.is_none() {
             self.table.unit = unit_above(texts);
         }
+        if let Some(unknown) = unknown_above(texts) {
+            let place = self.sheet.row_place(row);
+            let known = &mut self.table.unknown_unit;
+            *known = known
+                .take()
+                .or(Some(format!("{place}: the unit is {unknown:?}")));
+        }
+        Ok(())
+    }
+
+    /// Reads the unit of a cell: in a row of units below the header, or in a column of units.
+    fn unit(&mut self, row: u32, word: &str) -> Result<(), String> {
+        let place = self.sheet.row_place(row);
+        let found = FileUnit::named(without_brackets(word))
+            .ok_or_else(|| format!("{place}: the unit is {word:?}; expected {KNOWN_UNITS}"))?;
+        if self.table.unit.is_some_and(|known| known != found) {
+            return Err(format!(
+                "{place}: the unit {} differs from the unit above",
+                found.symbol
+            ));
+        }
+        self.table.unit = Some(found);
         Ok(())
     }
 
@@ -329,7 +384,9 @@ impl Rows<'_> {
         let remark: Vec<&str> = remarks.filter_map(|(_, cell)| text(cell)).collect();
         let section = self.of_section(name);
         for (triple, cells) in columns.triples.iter().zip(numbers) {
-            let Some(cell) = cells.iter().flatten().next() else {
+            let is_number = |cell: &Cell| self.decimals.number(cell).is_ok();
+            let filled = || cells.iter().flatten().copied();
+            let Some(cell) = filled().find(|cell| is_number(cell)).or(filled().next()) else {
                 continue;
             };
             let value = match self.decimals.number(cell) {
@@ -344,8 +401,16 @@ impl Rows<'_> {
                 .filter(|cells| cells.iter().any(Option::is_some))
                 .count()
                 == 1;
-            // A unit in the next cell counts as if it were written after the name.
-            let unit = cells[1].and_then(text).and_then(unit_of_value);
+            // A unit in its own cell counts as if it were written after the name.
+            let beside = filled().filter(|cell| !is_number(cell)).filter_map(text);
+            let beside: Vec<&str> = beside.collect();
+            let own = beside.iter().copied().filter(|text| is_unit(text));
+            let after = remark.iter().copied();
+            let after = after.filter(|text| is_unit(text) && without_brackets(text) != "in");
+            let units = own.chain(after).map(without_brackets);
+            let read_as = units.fold(name.to_owned(), |name, unit| format!("{name} [{unit}]"));
+            let words = beside.iter().copied().filter(|text| !is_unit(text));
+            let remark: Vec<&str> = words.chain(remark.iter().copied()).collect();
             let of_columns = if is_alone {
                 Marks::default()
             } else {
@@ -354,10 +419,7 @@ impl Rows<'_> {
             let marks = of_columns.or(marks).or(section);
             self.table.figures.push(Figure {
                 name: name.to_owned(),
-                read_as: match unit {
-                    Some(unit) => format!("{name} {unit}"),
-                    None => name.to_owned(),
-                },
+                read_as,
                 value,
                 marks,
                 remark: remark.join(" "),
@@ -393,24 +455,51 @@ fn shown(cell: &Cell) -> String {
 }
 
 /// Unit in the lines above a header: `unit, mm` or "all dimensions in inches".
-fn unit_above(texts: &[&str]) -> Option<LengthUnit> {
-    if let [key, value, ..] = texts
-        && cut(key)
-            .iter()
-            .any(|word| word == "unit" || word == "units")
-        && let Some(unit) = unit_of(value.trim_matches(['[', ']', '(', ')']))
-    {
+fn unit_above(texts: &[&str]) -> Option<FileUnit> {
+    if let Some(unit) = value_of_unit(texts).and_then(FileUnit::named) {
         return Some(unit);
     }
     let mut words = texts.iter().flat_map(|text| cut(text));
     // In running text, "in" and "m" have other meanings.
-    words.find_map(|word| unit_of(&word).filter(|_| word != "in" && word != "m"))
+    words.find_map(|word| FileUnit::named(&word).filter(|_| word != "in" && word != "m"))
 }
-/// Unit of a length or an angle, as the text of a cell.
-fn unit_of_value(text: &str) -> Option<&str> {
-    let word = text.trim().to_lowercase();
-    let is_angle = ["deg", "degrees", "rad"].contains(&word.as_str());
-    (is_angle || unit_of(&word).is_some()).then_some(text)
+
+/// Unit of length in the lines above a header that is not known: `units, parsec`.
+fn unknown_above<'t>(texts: &[&'t str]) -> Option<&'t str> {
+    let word = value_of_unit(texts)?;
+    let is_word = word.chars().all(char::is_alphabetic);
+    (is_word && unit_above(texts).is_none()).then_some(word)
+}
+
+/// Value of a line with the key "unit": `unit, mm`, `Units: cm`, `User Options, Length, centimeter, cm`.
+fn value_of_unit<'t>(texts: &[&'t str]) -> Option<&'t str> {
+    let (key, value) = match texts {
+        [only] => only.split_once([':', '='])?,
+        ["User Options", key, value, ..] | [key, value, ..] => (*key, *value),
+        [] => return None,
+    };
+    let words = cut(key);
+    let is_key = words.iter().any(|word| word == "unit" || word == "units")
+        || (texts.first() == Some(&"User Options") && words == ["length"]);
+    let is_length = words.iter().all(|word| {
+        "unit units length lengths of coordinates coordinate"
+            .split(' ')
+            .any(|known| known == word)
+    });
+    (is_key && is_length).then_some(without_brackets(value))
+}
+
+fn without_brackets(text: &str) -> &str {
+    text.trim().trim_matches(['[', ']', '(', ')']).trim()
+}
+
+/// Unit in all three columns of coordinates, in a row of units below the header.
+fn unit_row<'t>(numbers: &[[Option<&'t Cell>; 3]]) -> Option<&'t str> {
+    let texts = numbers.first()?.map(|cell| cell.and_then(text));
+    let [Some(x), Some(y), Some(z)] = texts else {
+        return None;
+    };
+    (x == y && y == z && FileUnit::named(without_brackets(x)).is_some()).then_some(x)
 }
 
 #[cfg(test)]

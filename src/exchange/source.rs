@@ -5,6 +5,7 @@ use super::adams::{self, Symmetry};
 use super::axes::{Axes, Declared};
 use super::refusal::Refusal;
 use super::table::{Figure, Marks, NamedPoint, PointTable};
+use super::unit::FileUnit;
 use super::{adams_bushings, assetto_in, chrono_vehicle, delimited, map, points, sheets, yaml};
 use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side};
 use crate::study::read_bytes;
@@ -124,7 +125,7 @@ fn of_subsystem(path: &Path, text: &str) -> Result<PointTable, String> {
     let subsystem = adams::read(text)?;
     let unit = subsystem.length.unwrap_or(LengthUnit::Millimetre);
     let mut table = PointTable {
-        unit: subsystem.length,
+        unit: subsystem.length.map(FileUnit::of),
         declared: Declared::whole(Axes::of(FrameConvention::XRear)),
         bushings: adams_bushings::of_subsystem(path, text, unit),
         ..PointTable::default()

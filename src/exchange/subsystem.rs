@@ -45,7 +45,7 @@ pub fn subsystem(outgoing: &Outgoing<'_>) -> Written {
     }
     Written {
         bytes: adams::bytes_of(&adams::written(outgoing.unit, &points, &parameters)),
-        notes: without_bodies(outgoing.study.wheel()),
+        notes: without_bodies(&outgoing, &outgoing.wheels()),
     }
 }
 
@@ -103,7 +103,7 @@ pub fn into_subsystem(outgoing: &Outgoing<'_>, file: &[u8]) -> Result<Written, S
             unit.symbol()
         ));
     }
-    notes.extend(without_bodies(suspension));
+    notes.extend(without_bodies(&outgoing, &[side]));
     Ok(Written {
         bytes: adams::bytes_of(&rewritten.text),
         notes,
@@ -136,15 +136,33 @@ fn meanings<'f>(
     Ok(meanings)
 }
 
-/// Notes about parts that an Adams/Car subsystem keeps in its template.
-fn without_bodies(suspension: &Suspension) -> Vec<String> {
-    let moved = suspension.mechanism.points_on_other_bodies();
-    if moved.is_empty() {
-        Vec::new()
-    } else {
-        vec![format!(
-            "a subsystem cannot contain the bodies of [suspension.bodies]: {}",
-            moved.join(", ")
-        )]
+/// Notes about the bodies of points, which an Adams/Car subsystem keeps in its template.
+fn without_bodies(outgoing: &Outgoing<'_>, sides: &[Side]) -> Vec<String> {
+    let mut notes = Vec::new();
+    let mut say = |wheel: &str, names: Vec<&str>| {
+        if !names.is_empty() {
+            notes.push(format!(
+                "a subsystem cannot contain the bodies of {wheel}: {}",
+                names.join(", ")
+            ));
+        }
+    };
+    let Some((first, others)) = sides.split_first() else {
+        return notes;
+    };
+    let moved = |side: Side| outgoing.suspension(side).mechanism.points_on_other_bodies();
+    let body = |side: Side, name: &str| {
+        let id = outgoing.suspension(side).mechanism.point(name);
+        id.and_then(|id| outgoing.body(side, id))
+    };
+    say("[suspension.bodies]", moved(*first));
+    for side in others {
+        let mut names = moved(*first);
+        names.extend(moved(*side));
+        names.sort_unstable();
+        names.dedup();
+        names.retain(|name| body(*first, name) != body(*side, name));
+        say(&format!("the {} wheel that differ", side.name()), names);
     }
+    notes
 }

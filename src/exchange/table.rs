@@ -1,10 +1,12 @@
 //! Named rows of a file. Every format's reader makes this table, and all later steps use it.
 
 use super::adams_bushings::AdamsBushing;
+use super::angle_unit::AngleUnit;
 use super::axes::Declared;
 use super::refusal::{Question, Refusal};
 use super::roles;
-use crate::model::{AxlePosition, LengthUnit, Side, Topology};
+use super::unit::FileUnit;
+use crate::model::{AxlePosition, Side, Topology};
 
 /// Wheel and axle to which a part of a file belongs, if the file states them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -123,11 +125,17 @@ pub struct PointTable {
     /// Single numbers with names.
     pub(super) figures: Vec<Figure>,
     /// Unit of length, if the file states it.
-    pub(super) unit: Option<LengthUnit>,
+    pub(super) unit: Option<FileUnit>,
+    /// Unit of angles without their own unit, if the file states it.
+    pub(super) angle_unit: Option<AngleUnit>,
+    /// Statement of a unit that is not known, with its place.
+    pub(super) unknown_unit: Option<String>,
     /// Axes, if the file states them.
     pub(super) declared: Declared,
     /// Kind of suspension of each axle, if the file states it. An entry without an axle applies to all axles.
     pub(super) kinds: Vec<(Option<AxlePosition>, Kind)>,
+    /// Values of the axle, if the file describes a single axle.
+    pub(super) axle: AxleFigures,
     /// Values of the car, if the file describes a car.
     pub(super) car: Option<CarFigures>,
     /// Bushings of an Adams/Car subsystem.

@@ -1,9 +1,125 @@
 //! Unit of a file's coordinates: the stated unit, or the unit that gives the points the size of a car's suspension.
+//!
+//! Studies have mm, m and inches. Coordinates in other units are converted: centimetres to mm, feet to inches.
 
 use super::ImportOptions;
 use super::corner::Picked;
+use super::figure_names::figure;
 use super::table::PointTable;
 use crate::model::LengthUnit;
+
+/// Unit of length in a file: a unit of studies, or a multiple of one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct FileUnit {
+    /// Unit of studies.
+    pub unit: LengthUnit,
+    /// Number of units of studies in one unit of the file.
+    pub factor: f64,
+    /// Symbol in the file.
+    pub symbol: &'static str,
+}
+
+/// Units that a file may state, each with its words.
+const FILE_UNITS: [(LengthUnit, f64, &str, &str); 6] = [
+    (
+        LengthUnit::Millimetre,
+        1.0,
+        "mm",
+        "mm mms millimetre millimetres millimeter millimeters",
+    ),
+    (LengthUnit::Metre, 1.0, "m", "m metre metres meter meters"),
+    (LengthUnit::Inch, 1.0, "in", "in inch inches"),
+    (
+        LengthUnit::Millimetre,
+        10.0,
+        "cm",
+        "cm cms centimetre centimetres centimeter centimeters",
+    ),
+    (
+        LengthUnit::Millimetre,
+        100.0,
+        "dm",
+        "dm decimetre decimetres decimeter decimeters",
+    ),
+    (LengthUnit::Inch, 12.0, "ft", "ft foot feet"),
+];
+
+/// Units that a file may state, for messages.
+pub(super) const KNOWN_UNITS: &str = "mm, cm, m, in or ft";
+
+impl FileUnit {
+    /// A unit of studies.
+    pub(super) fn of(unit: LengthUnit) -> Self {
+        FileUnit {
+            unit,
+            factor: 1.0,
+            symbol: unit.symbol(),
+        }
+    }
+
+    /// Unit of length that a word names.
+    pub(super) fn named(word: &str) -> Option<Self> {
+        let word = word.to_lowercase();
+        let found = FILE_UNITS
+            .iter()
+            .find(|(_, _, _, words)| words.split(' ').any(|known| known == word));
+        found.map(|(unit, factor, symbol, _)| FileUnit {
+            unit: *unit,
+            factor: *factor,
+            symbol,
+        })
+    }
+
+    /// A length of the file in the unit of studies. The product is rounded to 15 digits, so that 26.53 cm is 265.3 mm.
+    pub(super) fn to_study(self, length: f64) -> f64 {
+        if self.factor == 1.0 {
+            return length;
+        }
+        let product = length * self.factor;
+        format!("{product:.14e}").parse().unwrap_or(product)
+    }
+}
+
+/// Unit of length of studies that a word names.
+pub fn unit_of(word: &str) -> Option<LengthUnit> {
+    let found = FileUnit::named(word).filter(|found| found.factor == 1.0);
+    found.map(|found| found.unit)
+}
+
+/// Copy of a table whose coordinates and lengths are in a unit of studies. `None` if they already are, or if `--unit` replaces
+/// the unit of the file.
+pub(super) fn converted<'o>(
+    table: &PointTable,
+    options: &ImportOptions<'o>,
+) -> Option<(PointTable, ImportOptions<'o>)> {
+    let stated = table.unit.filter(|unit| unit.factor != 1.0)?;
+    if options.unit.is_some() {
+        return None;
+    }
+    let mut converted = table.clone();
+    for point in &mut converted.points {
+        if let Ok(position) = &mut point.position {
+            *position = position.map(|number| stated.to_study(number));
+        }
+    }
+    for row in &mut converted.figures {
+        if figure(&row.read_as).is_some_and(|(kind, _, own)| !kind.is_angle() && own.is_none()) {
+            row.value = stated.to_study(row.value);
+        }
+    }
+    converted.unit = Some(FileUnit::of(stated.unit));
+    converted.notes.push(format!(
+        "unit: the file states {}; all lengths are converted to {}",
+        stated.symbol,
+        stated.unit.symbol()
+    ));
+    let options = ImportOptions {
+        half_track: options.half_track.map(|length| stated.to_study(length)),
+        radius: options.radius.map(|length| stated.to_study(length)),
+        ..*options
+    };
+    Some((converted, options))
+}
 
 /// Smallest and largest size of a wheel's suspension, in metres. They identify an unstated unit.
 const USUAL_SIZE: [f64; 2] = [0.15, 3.0];
@@ -37,9 +153,14 @@ pub(super) fn unit(
     let [least, most] = USUAL_SIZE;
     let fits = |unit: &LengthUnit| (least..=most).contains(&(size / unit.per_metre()));
     let fitting = LengthUnit::ALL.into_iter().find(fits);
+    if let (None, None, Some(unknown)) = (options.unit, table.unit, &table.unknown_unit) {
+        return Err(format!(
+            "{unknown}: expected {KNOWN_UNITS}; correct the file or state the unit with --unit"
+        ));
+    }
     let stated = match (options.unit, table.unit) {
         (Some(unit), written) => {
-            if written.is_some_and(|written| written != unit) {
+            if written.is_some_and(|written| written != FileUnit::of(unit)) {
                 notes.push(format!(
                     "--unit {} replaces the unit stated in the file",
                     unit.symbol()
@@ -47,7 +168,7 @@ pub(super) fn unit(
             }
             Some(unit)
         }
-        (None, written) => written,
+        (None, written) => written.map(|written| written.unit),
     };
     match (stated, fitting) {
         (Some(unit), _) if fits(&unit) => Ok(unit),
@@ -74,5 +195,23 @@ pub(super) fn unit(
             "the points are up to {size:.4} from {from}: no car's suspension has this size in mm, m or in. State the \
              unit with --unit"
         )),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lengths_in_centimetres_keep_their_digits() {
+        let centimetre = FileUnit::named("cm").unwrap();
+        for hundredths in 1..10_000_i32 {
+            let written = format!("{}.{:02}", hundredths / 100, hundredths % 100);
+            let wanted = format!("{}.{}", hundredths / 10, hundredths % 10);
+            let found = centimetre.to_study(written.parse().unwrap());
+            assert_eq!(found, wanted.parse::<f64>().unwrap(), "{written} cm");
+        }
+        assert_eq!(unit_of("cm"), None);
+        assert_eq!(unit_of("inch"), Some(LengthUnit::Inch));
     }
 }

@@ -20,7 +20,7 @@ fn columns_stand_in_any_order() {
     assert_eq!(position(&read, 0), [1.0, 2.5, 3.0]);
     assert_eq!(
         (read.points[0].name.as_str(), read.unit),
-        ("lca_front", Some(LengthUnit::Inch))
+        ("lca_front", Some(FileUnit::of(LengthUnit::Inch)))
     );
 }
 
@@ -52,7 +52,7 @@ fn directions_in_a_title_name_no_wheel() {
     for above in [title, &in_comments] {
         let read = table(&format!("{above}{rows}"));
         assert_eq!(read.points[0].marks.side, Some(Side::Left), "{above}");
-        assert_eq!(read.unit, Some(LengthUnit::Inch), "{above}");
+        assert_eq!(read.unit, Some(FileUnit::of(LengthUnit::Inch)), "{above}");
         let axes = read.declared.axes().and_then(|axes| axes.convention());
         assert_eq!(axes, Some(FrameConvention::SaeJ670), "{above}");
     }
@@ -77,7 +77,7 @@ fn a_set_of_columns_for_each_corner() {
         assert_eq!(position(&read, 1), [-4.0, 2.0, 3.0]);
     }
     let stated = table("units mm,origin,\nname,x,y,z\nlbj,1,2,3\n");
-    assert_eq!(stated.unit, Some(LengthUnit::Millimetre));
+    assert_eq!(stated.unit, Some(FileUnit::of(LengthUnit::Millimetre)));
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn figures_in_the_first_column_keep_their_units() {
         .iter()
         .map(|f| (&f.read_as[..], f.value))
         .collect();
-    let wanted = [("Static camber deg", -1.5), ("Tyre radius in", 10.3)];
+    let wanted = [("Static camber [deg]", -1.5), ("Tyre radius [in]", 10.3)];
     assert_eq!((figures.as_slice(), read.points.len()), (&wanted[..], 1));
 }
 

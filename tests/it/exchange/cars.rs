@@ -65,6 +65,56 @@ const WISHBONES: &str = r#"{ "Type": "Suspension", "Template": "DoubleWishbone",
 "Spring": { "Location Chassis": [0.05, 0.47, 0.31], "Location Arm": [0.05, 0.56, -0.09], "Free Length": 0.5,
   "Spring Coefficient": 50000.0 } }"#;
 
+/// The spring of a single suspension goes into the study of an axle, and is listed for a wheel.
+#[test]
+fn springs_of_single_suspensions_are_not_lost() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = file(&directory, "wishbones.json", WISHBONES.as_bytes());
+    let wheel = imported(&path, "double_wishbone", &Said::default()).unwrap();
+    let said = wheel.left_out.join("\n");
+    assert!(said.contains("Spring: rate 50000.0 N/m"), "{said}");
+    let car = car_of(&vehicle(directory.path(), VEHICLE), None).unwrap();
+    for axle in &car.axles {
+        assert!(
+            axle.left_out
+                .iter()
+                .all(|line| !line.contains("Spring: rate"))
+        );
+    }
+}
+
+/// Two upper links and a Panhard rod are five links, which cannot be rigid. One upper link keeps its actual y.
+#[test]
+fn five_links_of_a_solid_axle_are_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let text = std::fs::read_to_string(studies().join("solid_axle_five_links.toml")).unwrap();
+    let five = Study::elastic_from_text("five", &text, Path::new(""));
+    let five = five.unwrap_or_else(|errors| panic!("{}", errors.render(false)));
+    let rows = point_rows(&Outgoing::of(&five, None, None));
+    let table = String::from_utf8(csv(&rows)).unwrap();
+    let read = |table: &str| {
+        let path = file(&directory, "axle.csv", table.as_bytes());
+        imported(&path, "solid_axle", &Said::default())
+    };
+    let refused = read(&table).unwrap_err();
+    assert!(
+        refused.contains("upper_link_chassis") && refused.contains("--with five_links"),
+        "{refused}"
+    );
+    let without = |part: &str, side: &str| -> String {
+        let is_dropped = |line: &&str| line.starts_with(part) && line.contains(side);
+        let lines = table.lines().filter(|line| !is_dropped(line));
+        lines.map(|line| format!("{line}\n")).collect()
+    };
+    for (table, is_single) in [
+        (without("upper_link", "right"), true),
+        (without("panhard", "iso8855"), false),
+    ] {
+        let study = read(&table).unwrap().study("s", "there").unwrap();
+        assert_eq!(study.contains("single = [\"upper_link\"]"), is_single);
+    }
+}
+
 /// A vehicle of two axles with these wishbones, rear axle first.
 const VEHICLE: &str = r#"{ "Type": "Vehicle", "Template": "WheeledVehicle",
 "Chassis": { "Input File": "made/chassis.json" },

@@ -359,3 +359,25 @@ fn curves_have_the_names_of_other_tools() {
         ["travel_mm", "camber_angle.right [deg]"]
     );
 }
+
+/// A subsystem names the points whose bodies it cannot contain, for each wheel.
+#[test]
+fn bodies_of_both_wheels_are_named() {
+    let axle = include_str!("../../../studies/double_wishbone_axle.toml");
+    let said = |text: &str| {
+        let study = of_text(text);
+        let outgoing = Outgoing::of(&study, None, None);
+        hardpoint::exchange::subsystem(&outgoing).notes.join("\n")
+    };
+    assert!(said(axle).contains("[suspension.bodies]: drop_link_outer"));
+    assert!(!said(axle).contains("right wheel"));
+    let moved = "[axle.right.bodies]\nspring_lower = \"knuckle\"\n[axle]\n";
+    let differs = axle
+        .replace("[axle]\n", moved)
+        .replace("right = \"mirrored\"", "");
+    let right = said(&differs);
+    assert!(
+        right.contains("right wheel that differ: spring_lower"),
+        "{right}"
+    );
+}

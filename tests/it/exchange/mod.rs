@@ -15,6 +15,7 @@ mod right_or_refused;
 mod round_trips;
 mod schema;
 mod side_by_side;
+mod units;
 
 use hardpoint::exchange::Axes;
 use hardpoint::exchange::{ImportOptions, Imported, import, read_points};

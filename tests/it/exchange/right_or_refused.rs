@@ -544,3 +544,63 @@ fn the_contact_point_gives_the_radius() {
     let at_origin = with(&moved, [x, y, 0.0], &said);
     assert!((at_origin - radius).abs() < 1e-12 * radius);
 }
+
+/// A half track of the file that is not the wheel centre's distance from the centre plane is reported.
+#[test]
+fn a_half_track_beside_the_points_is_compared() {
+    let with = |line: &str| {
+        let text = format!("name,x,y,z\n{}{line}\n", rows(&FRONT, str::to_owned));
+        let read = of("points.csv", &text, &Said::default()).unwrap();
+        let differs = |note: &String| note.contains("half track of the file");
+        read.notes.iter().any(differs)
+    };
+    for (line, differs) in [
+        ("half track,500,,", true),
+        ("half track,612,,", false),
+        ("half track,612.5,,", false),
+        ("front track,1000,,", true),
+        ("front track,1224,,", false),
+    ] {
+        assert_eq!(with(line), differs, "{line}");
+    }
+}
+
+/// Points of the other axle are no reason for another topology.
+#[test]
+fn the_other_axle_suggests_no_topology() {
+    let links = [
+        "upper front link",
+        "upper rear link",
+        "lower front link",
+        "lower rear link",
+        "toe link",
+    ];
+    let mut text = format!(
+        "axle,name,x,y,z\n{}",
+        rows(&FRONT, |name| format!("front,{name}"))
+    );
+    for (number, link) in links.iter().enumerate() {
+        let x = -1500.0 - 10.0 * number as f64;
+        text += &format!("rear,{link} inner,{x},300,150\nrear,{link} outer,{x},600,160\n");
+    }
+    text += "rear,wheel centre,-1520,620,200\n";
+    let front = Said {
+        axle: Some(AxlePosition::Front),
+        ..Said::default()
+    };
+    let read = of("points.csv", &text, &front).unwrap();
+    let said = format!("{:?} {:?}", read.notes, read.left_out);
+    assert!(
+        !said.contains("five_link") && !said.contains("toe link"),
+        "{said}"
+    );
+    // The same points on one axle do suggest it.
+    let one: String = text
+        .lines()
+        .filter(|line| !line.contains("tie rod") && *line != "rear,wheel centre,-1520,620,200")
+        .map(|line| line.split_once(',').unwrap().1.to_owned() + "\n")
+        .collect();
+    let read = of("points.csv", &one, &Said::default());
+    let said = read.unwrap().notes.join(" ");
+    assert!(said.contains("--topology five_link"), "{said}");
+}

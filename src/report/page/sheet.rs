@@ -120,12 +120,18 @@ pub fn limits_page(of: &LimitsSheet<'_>) -> String {
     let failed = |line: &String| format!("<p class=\"unmet\">{}</p>", prose(line));
     let failures: String = of.failures.iter().map(failed).collect();
     let drawn = strips(&limit_strips(of), "ranges of the quantities");
+    // The motion of an axle has several quantities, so it has no band.
+    let band = if of.motion.is_empty() {
+        ""
+    } else {
+        " Band: motion of the study."
+    };
     let section = Section {
         title: "Ranges and their causes".to_owned(),
-        note: "Each row is a quantity that moves while the others are held at the values in the \
-               row. Line: range of the mechanism. Band: motion of the study. Grey dot: design \
-               position."
-            .to_owned(),
+        note: format!(
+            "Each row is a quantity that moves while the others are held at the values in the row. \
+             Line: range of the mechanism.{band} Grey dot: design position."
+        ),
         table: format!(
             "{drawn}<div class=\"causes\">{}</div>{notes}{failures}",
             table(of.limits, |_| None)

@@ -189,7 +189,7 @@ const start = async () => {
   on('study', () => {
     const { name, topology, files, points } = state.overview;
     byId('study-name').textContent = name;
-    byId('study-about').textContent = `${topology} · ${points.length} points · ${files.join(', ')}`;
+    byId('study-about').textContent = `${topology} · ${points.filter(({ follows }) => !follows).length} points · ${files.join(', ')}`;
     ask();
   });
   on('design', () => ask(window.event));

@@ -34,7 +34,7 @@ pub fn curves_in(outgoing: &Outgoing<'_>, mut page: Page) -> Page {
     page
 }
 
-/// Converts the results of a car's load cases from the unit and axes of the car to those of the file.
+/// Converts the results of a car's load cases to the unit and axes of the file.
 pub fn cases_in(
     study: &CarStudy,
     unit: Option<LengthUnit>,

@@ -124,7 +124,7 @@ pub(super) fn read(
 }
 
 /// Angle in degrees with the sign of studies. `unit` applies to an angle without its own unit. `toe_out` is true if the tool counts
-/// toe-out as positive. In studies camber positive with the top outward, toe positive with the front inward.
+/// toe-out as positive. In studies camber is positive with the top outward, and toe with the front inward.
 fn angle(
     kind: FigureKind,
     row: &Figure,

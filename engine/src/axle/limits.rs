@@ -199,13 +199,19 @@ impl<const N: usize> AxleSolver<'_, N> {
         limits.map_err(|fault| (Side::Left, fault))
     }
 
-    /// End of the roll angle, where the first wheel reaches its end. The ends are those of the left and the right wheel in one
-    /// direction of roll. `None` if the angle there is not known.
+    /// Finds the roll angle at which the first wheel reaches the end of its travel. `ends` has the end of the left and of the
+    /// right wheel, for one direction of roll. `None` if the angle is not known.
     fn roll_end(&mut self, ends: [&RangeEnd; 2]) -> Option<AxleEnd> {
-        let end = match ends {
+        let [left, right] = ends;
+        let end = if self.is_rigid() {
             // The axle's parts have their names as seen from the left wheel.
-            [left, _] if self.is_rigid() => nearer([(left, 1.0), (left, 1.0)]),
-            [left, right] => nearer([(left, 1.0), (right, -1.0)]),
+            AxleEnd {
+                value: left.value(),
+                side: Side::Left,
+                end: left.clone(),
+            }
+        } else {
+            nearer([(left, 1.0), (right, -1.0)])
         };
         let poses = match ends {
             // Both ends are one position of the axle, seen from each wheel.

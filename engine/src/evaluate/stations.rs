@@ -34,8 +34,7 @@ impl Stations {
         }
         let design = index_or_push(&mut values, 0.0);
         let mut racks = motion.rack.clone();
-        let straight = if motion.rack_moves { 0.0 } else { racks[0] };
-        let home = index_or_push(&mut racks, straight);
+        let home = index_or_push(&mut racks, motion.design_rack());
         let sign = frame.sign(Axis::Y);
         Stations {
             drive: motion.drive.in_kernel(),
@@ -110,8 +109,9 @@ impl Stations {
         Some(self.number(self.home, value))
     }
 
-    /// Indices of the stations at which a target evaluates this drive value, one for each of its rack displacements. These are
-    /// towards the kernel's +y; without them the rack is that of the design position. Stations that do not exist are left out.
+    /// Indices of the stations at which a target evaluates this drive value, one for each of its rack displacements. The
+    /// displacements are towards the kernel's +y. A target without any uses the rack of the design position. The list omits
+    /// stations that do not exist.
     pub fn at_racks(&self, value: f64, racks: &[f64]) -> Vec<usize> {
         let Some(value) = self.values().iter().position(|v| *v == value) else {
             return Vec::new();

@@ -193,11 +193,7 @@ impl Looked<'_> {
         if site.motion.as_ref().map(|(name, _)| name.as_str()) != self.name {
             return Vec::new();
         }
-        let home = if self.motion.rack_moves {
-            0.0
-        } else {
-            self.motion.rack[0]
-        };
+        let home = self.motion.design_rack();
         let racks = match site.racks.as_slice() {
             [] => vec![home],
             racks => racks.to_vec(),

@@ -429,11 +429,7 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
             None => t.stations_in(motion),
         };
         // The page shows the curves at the rack of the design position.
-        let home = if motion.rack_moves {
-            0.0
-        } else {
-            motion.rack[0]
-        };
+        let home = motion.design_rack();
         let is_shown = t.site.racks.is_empty() || t.site.racks.contains(&home);
         let wanted = t.wanted.at_stations(&stations).into_iter();
         let wanted = wanted.filter(|_| is_shown);

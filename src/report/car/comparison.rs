@@ -151,7 +151,7 @@ fn differ(values: &[Option<f64>], unit: &str) -> bool {
     apart || values.iter().any(Option::is_none)
 }
 
-/// Sign factor of a parameter from the axes of a car to those of the first car.
+/// Sign factor that converts a parameter of a car to the axes of the first car.
 fn sign_in_first(moves: &Moves, first: &Car, car: &Car) -> f64 {
     let axis = match moves {
         Moves::Body(BodyParameter::CgX) => Axis::X,

@@ -308,7 +308,7 @@ fn constraints_of_different_wheels_name_the_left_one() {
         }
         let of_left = constrained(own, &format!("{constraint}, side = \"left\"")).unwrap();
         assert_eq!(of_left, ["length tie_rod between 300 and 303, left wheel"]);
-        // Of mirror images one check is enough.
+        // If the wheels are mirror images, one check is enough.
         assert_eq!(constrained("[axle]\n", &constraint).unwrap().len(), 1);
     }
 }

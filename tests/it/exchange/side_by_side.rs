@@ -146,7 +146,7 @@ fn a_design_is_the_same_in_other_axes() {
     }
 }
 
-/// Curves at a single rack displacement do not show the rack. They are still those of this displacement.
+/// Curves at a single rack displacement do not show the rack. `compare` still uses the displacement.
 #[test]
 fn a_fixed_rack_is_part_of_the_station() {
     let directory = tempfile::tempdir().unwrap();
@@ -367,7 +367,7 @@ fn a_car_is_the_same_in_other_axes() {
     );
 }
 
-/// Exported curves are those of the converted study: components of points and forces, and the rack.
+/// Exported curves equal the curves of the converted study: components of points and forces, and the rack.
 #[test]
 fn exported_curves_are_those_of_the_converted_study() {
     let directory = tempfile::tempdir().unwrap();

@@ -42,7 +42,7 @@ fn table(text: &str) -> Result<Imported, String> {
     read("points.csv", text, &Said::default())
 }
 
-/// Asserts that all points are those of the wheel, in a unit of studies with this number of mm.
+/// Asserts that the study has the points of the wheel. One unit of the study has this number of mm.
 fn is_the_wheel(read: &Imported, mm: f64, case: &str) {
     let names = [
         "upper_arm_front",
@@ -107,7 +107,7 @@ fn stated_centimetres_and_feet_are_converted() {
     }
 }
 
-/// Lengths beside the points, and those of the user, are in the unit of the file.
+/// The file's unit applies to lengths beside the points, and to lengths that the user gives.
 #[test]
 fn lengths_beside_points_are_converted_too() {
     let head = format!("name,x [cm],y [cm],z [cm]\n{}", rows(10.0));

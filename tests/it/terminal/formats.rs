@@ -254,7 +254,7 @@ fn yields_end_with_those_of_all_bands() {
     }
 }
 
-/// The misfits of a car are those of its targets: before of the given car, after of the tuned one.
+/// The table shows the misfit of the given car and that of the tuned car.
 #[test]
 fn the_misfit_of_a_car_is_a_table() {
     let more = ["--set", "optimise.max_iterations=1", "--format", "json"];

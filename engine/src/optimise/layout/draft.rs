@@ -113,11 +113,7 @@ pub(super) fn legs_of<'m>(
     drafts: &mut Vec<Draft>,
 ) -> (&'m Motion, Vec<usize>) {
     let motion = site.motion.as_ref().map_or(motion, |(_, motion)| motion);
-    let home = if motion.rack_moves {
-        0.0
-    } else {
-        motion.rack[0]
-    };
+    let home = motion.design_rack();
     let racks = match site.racks.as_slice() {
         [] => vec![home],
         racks => racks.to_vec(),

@@ -117,6 +117,7 @@ impl Reader<'_> {
             .filter(|own| side.is_none_or(|s| s == *own));
         Some(sides.map(|side| (Some(side), of_side(side))).collect())
     }
+
     /// Reads the wheel of the constraint. `None` for both wheels. If the wheels have different dimensions, the study must name
     /// the left one, because constraints are not available for the dimensions of the right one.
     fn side(&self, moves_axle: bool, problems: &mut Problems) -> Option<Option<Side>> {

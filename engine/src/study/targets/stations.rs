@@ -6,10 +6,9 @@ use crate::sorting::sort_numbers;
 
 /// Rack displacements of a site.
 pub(super) fn rack_displacements(site: &Site, motion: &Motion) -> Vec<f64> {
-    match (site.racks.as_slice(), motion.rack_moves) {
-        ([], true) => vec![0.0],
-        ([], false) => vec![motion.rack[0]],
-        (racks, _) => racks.to_vec(),
+    match site.racks.as_slice() {
+        [] => vec![motion.design_rack()],
+        racks => racks.to_vec(),
     }
 }
 

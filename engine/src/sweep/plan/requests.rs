@@ -102,8 +102,8 @@ pub(super) fn of_elastic<'s>(
     )
 }
 
-/// Values to read besides those that a sweep reads anyway, as pairs of value and station: those of targets, and with `curves`
-/// all. The last argument has the numbers of values and of stations.
+/// Lists the values that a sweep must read in addition, as pairs of value and station. Targets need their own values, `curves`
+/// needs every value at every station. The last argument has the numbers of values and of stations.
 fn read_further(
     wishes: &[Vec<SweptWish>],
     curves: bool,

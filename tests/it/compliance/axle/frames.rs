@@ -1,4 +1,4 @@
-//! Results of an axle do not depend on the axes of the study, and ride rates of heave are those of heave.
+//! Results of an axle do not depend on the axes of the study. The heave test raises both wheels by the same travel.
 
 use super::super::command::{hardpoint, study};
 use super::super::support::{elastic, fourth_order};

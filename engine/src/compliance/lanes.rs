@@ -195,16 +195,23 @@ impl<B: SimdReal> WheelsInLanes<B> {
         loads: &WheelLoads<B>,
         held: HeldQuantity,
     ) -> EquilibriaInLanes<B> {
-        let system = &self.system;
-        let (_, mut task) = system.held_as(&station.state, &station.task, held);
-        let (state, _) = system.held_as(&from.state, &from.task, held);
-        task.loads = task.loads.plus(loads, task.rack.one());
-        task.loads.trail = loads.trail;
-        let mut open = self.all();
-        for lane in 0..MOST_LANES {
-            open[lane] &= station.steps[lane].is_some() && from.steps[lane].is_some();
-        }
-        self.solved(&state, &task, open)
+        outlined!(
+            [B: SimdReal] station.task.rack;
+            wheels: &'p WheelsInLanes<B> = self, station: &'p EquilibriaInLanes<B> = station,
+            from: &'p EquilibriaInLanes<B> = from, loads: &'p WheelLoads<B> = loads,
+            held: HeldQuantity = held => EquilibriaInLanes<B> {
+                let system = &wheels.system;
+                let (_, mut task) = system.held_as(&station.state, &station.task, held);
+                let (state, _) = system.held_as(&from.state, &from.task, held);
+                task.loads = task.loads.plus(loads, task.rack.one());
+                task.loads.trail = loads.trail;
+                let mut open = wheels.all();
+                for lane in 0..MOST_LANES {
+                    open[lane] &= station.steps[lane].is_some() && from.steps[lane].is_some();
+                }
+                wheels.solved(&state, &task, open)
+            }
+        )
     }
 
     /// Newton's method in the lanes that are open.
@@ -336,13 +343,19 @@ impl<B: SimdReal> EquilibriaInLanes<B> {
     /// each of these wheels.
     #[inline(always)]
     pub(crate) fn write(&self, to: &mut [Option<Equilibrium>]) {
-        let mut numbers = [[0.0; MOST_LANES]; NUMBERS];
-        let (mut state, mut task) = (self.state, self.task);
-        let mut next = 0;
-        visit(&mut state, &mut task, self.limbs, |c| {
-            c.store(&mut numbers[next]);
-            next += 1;
-        });
+        let numbers = outlined!(
+            [B: SimdReal] self.task.rack;
+            own: &'p EquilibriaInLanes<B> = self => [[f64; MOST_LANES]; NUMBERS] {
+                let mut numbers = [[0.0; MOST_LANES]; NUMBERS];
+                let (mut state, mut task) = (own.state, own.task);
+                let mut next = 0;
+                visit(&mut state, &mut task, own.limbs, |c| {
+                    c.store(&mut numbers[next]);
+                    next += 1;
+                });
+                numbers
+            }
+        );
         for (lane, to) in to.iter_mut().enumerate() {
             *to = self.steps[lane].map(|steps| in_lane(&numbers, lane, self, steps));
         }

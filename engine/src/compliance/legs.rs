@@ -218,7 +218,19 @@ impl<T: Valued> BarPart<T> {
         self.seat.force(moved, at.twist).angle
     }
 
+    #[inline(always)]
     pub(super) fn evaluate(&self, at: &Conditions<T>, sum: &mut Sum<T>, beside: &mut Beside<T>) {
+        outlined!(
+            [T: Valued] at.rack;
+            own: &'p BarPart<T> = self, at: &'p Conditions<T> = at, sum: &'p mut Sum<T> = sum,
+            beside: &'p mut Beside<T> = beside => () {
+                own.evaluate_inline(at, sum, beside)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn evaluate_inline(&self, at: &Conditions<T>, sum: &mut Sum<T>, beside: &mut Beside<T>) {
         let force = self.seat.force(self.displacement(&at.carrier), at.twist);
         beside.force[TWIST_BESIDE] = force.torque;
         beside.own[TWIST_BESIDE][TWIST_BESIDE] = self.seat.rate;

@@ -180,6 +180,7 @@ pub(super) struct BarForce<T> {
 
 impl<T: Valued> BarSeat<T> {
     /// Force for a displacement of the drop link's outer end and a twist of the middle.
+    #[inline(always)]
     pub(super) fn force(&self, displacement: Vector3<T>, twist: T) -> BarForce<T> {
         let now = self.point + displacement;
         let (angle, gradient, second) = match &self.rocker {

@@ -449,7 +449,25 @@ impl<T: Valued> OwnBeside<T> {
     }
 
     /// Eliminates the rotations of the arm and the force in its ball joint.
+    #[inline(always)]
     fn condense(
+        &self,
+        arm: &OwnSum<T>,
+        pivot: Option<&Pivot<T>>,
+        lever: Vector3<T>,
+        into: &mut Beside<T>,
+    ) -> Option<()> {
+        outlined!(
+            [T: Valued] lever.x;
+            own: &'p OwnBeside<T> = self, arm: &'p OwnSum<T> = arm, pivot: Option<&'p Pivot<T>> = pivot,
+            lever: Vector3<T> = lever, into: &'p mut Beside<T> = into => Option<()> {
+                own.condense_inline(arm, pivot, lever, into)
+            }
+        )
+    }
+
+    #[inline(always)]
+    fn condense_inline(
         &self,
         arm: &OwnSum<T>,
         pivot: Option<&Pivot<T>>,
@@ -468,6 +486,7 @@ impl<T: Valued> OwnBeside<T> {
         }
     }
 
+    #[inline(always)]
     fn condense_on<const N: usize>(
         &self,
         (rows, force, by_joint, joint_by): InnerEquations<T, N>,

@@ -90,7 +90,7 @@
 //! | `checked` | a checked study: curves, doubts, and stations that are not solved |
 //! | `assembled`, `compared`, `scatter` | assemblies, comparisons and builds, in memory |
 //! | `solved` | curves of a study, of one wheel or of both, with their files, tables and remarks |
-//! | `limits` | limits of the mechanism, as a table |
+//! | `limits` | limits of the mechanism, as a table; nearest limits of builds |
 //! | `report` | files, tables, pages |
 //! | `results` | directories of results: rules for replacing files, locks |
 //! | `exchange` | points and curves from and to spreadsheets, CAD and other tools |
@@ -115,7 +115,8 @@ pub mod drawing;
 pub mod exchange;
 #[doc(hidden)]
 pub mod in_motions;
-mod limits;
+#[doc(hidden)]
+pub mod limits;
 #[doc(hidden)]
 pub mod report;
 #[doc(hidden)]

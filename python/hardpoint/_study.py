@@ -290,7 +290,7 @@ class End:
     """End of a range."""
 
     value: float
-    """Limit, in the length unit or degrees."""
+    """Limit, in the length unit, degrees, or the unit that the name ends with. NaN if it is not known or if there is none."""
     cause: str
     """Reason for the limit."""
     build: int | None = None
@@ -307,10 +307,12 @@ class Extent:
 
 class Limits(Mapping[str, Extent | None]):
     """Ranges of motions by name: `travel`, `rack` and `arm_angle_deg` for a wheel; `left_travel`, `right_travel`, `rack`
-    and `roll_deg` for an axle. None if the study has no such motion. Ranges are also attributes: `limits.travel.low.value`."""
+    and `roll_deg` for an axle; `heave` and `travel_difference` for a solid axle. None if the study has no such motion. With
+    `[compliance]` they end where there is no equilibrium, and loads have ranges, too (`lateral_N`). Further rows of a quantity
+    name the held positions: `limits["travel, rack 10"]`. Ranges are also attributes: `limits.travel.low.value`."""
 
     rejected: int | None
-    """Number of builds that cannot be assembled or cannot move; None for the nominal design."""
+    """Number of builds that cannot be assembled, cannot move or have no equilibrium; None for the nominal design."""
 
     def __init__(self, found: Mapping[str, Any], rejected: int | None = None) -> None:
         ends = {name: both and Extent(*(End(*end) for end in both)) for name, both in found.items()}

@@ -1,5 +1,8 @@
 """Studies with elastic parts."""
 
+import csv
+import math
+
 import numpy as np
 import pytest
 
@@ -108,7 +111,42 @@ def test_curves_are_those_of_equilibria():
     assert curves["toe_by_lateral_force_deg_per_kN"][middle] == pytest.approx(of(hp.kc(STUDY)["kc"], "toe_by_lateral_force"))
 
 
-@pytest.mark.parametrize("call", [hp.limits, hp.assemblies, lambda study: study.function()])
+def limits_of_the_program(capfd, *arguments):
+    """Rows of `hardpoint limits`, by quantity and held positions."""
+    capfd.readouterr()
+    assert hp.run(["limits", *arguments, "--format", "csv"]) == 0
+    rows = [row[1:] for row in csv.reader(capfd.readouterr().out.splitlines()) if row[:1] == ["limits"]]
+    return {tuple(row[:2]): row[2:] for row in rows}
+
+
+@pytest.mark.parametrize(
+    "name, travel, load",
+    [("double_wishbone_compliance", "travel", "lateral_N"), ("subframe_axle_compliance", "heave", "aligning_N_m")],
+)
+def test_limits_of_elastic_parts_are_those_of_the_program(name, travel, load, capfd):
+    path = STUDIES / f"{name}.toml"
+    limits, table = hp.limits(hp.load(path)), limits_of_the_program(capfd, path)
+    for quantity, row in (travel, f"{travel}_mm"), (load, load):
+        low, cause, high, its_cause = next(row_ for (of, at), row_ in table.items() if of == row and "rigid" not in at)
+        extent = limits[quantity]
+        assert (extent.low.cause, extent.high.cause) == (cause, its_cause)
+        for end, cell in (extent.low, low), (extent.high, high):
+            assert math.isnan(end.value) == (cell == "")
+            assert cell == "" or end.value == pytest.approx(float(cell), abs=1e-3)
+    assert any("gives way" in end.cause or "unstable" in end.cause for e in limits.values() if e for end in (e.low, e.high))
+
+
+def test_limits_of_builds_with_elastic_parts(capfd, tmp_path):
+    text = STUDY.read_text() + '\n[tolerance]\nscatter = [{ hardpoint = "lower_ball_joint", axis = "z", limits = [-2.0, 2.0] }]\n'
+    study, count = hp.loads(text), 4
+    nearest, each = hp.limits(study, builds=count), [hp.limits(study.built(k)) for k in range(count)]
+    assert nearest.rejected == 0
+    lows, highs = [e.travel.low.value for e in each], [e.travel.high.value for e in each]
+    assert (nearest.travel.low.value, nearest.travel.high.value) == pytest.approx((max(lows), min(highs)), abs=1e-6)
+    assert nearest.travel.low.build == lows.index(max(lows)) and nearest.travel.high.build == highs.index(min(highs))
+
+
+@pytest.mark.parametrize("call", [hp.assemblies, lambda study: study.function()])
 def test_what_is_of_the_rigid_mechanism_is_refused(call):
     with pytest.raises(hp.HardpointError, match="compliance"):
         call(hp.load(STUDY))

@@ -131,7 +131,7 @@ def test_an_axle_is_a_function_and_swept_and_limited(tmp_path):
     again = hp.sweep(study, np.c_[rows["tie_rod_inner_dz_mm"]], variables=["tie_rod_inner_dz"])
     np.testing.assert_array_equal(again["left_camber_max_deg"], rows["left_camber_max_deg"])
     limits = hp.limits(study)
-    assert {"left_travel", "right_travel", "rack", "roll_deg"} == set(limits)
+    assert {"left_travel", "right_travel", "rack", "roll_deg"} <= set(limits)
     for both in limits.values():
         assert both.low.value < 0.0 < both.high.value and both.low.cause
     assert limits.left_travel.low.value == limits.right_travel.low.value

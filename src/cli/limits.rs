@@ -27,7 +27,7 @@ pub(super) fn run(arguments: &LimitsArguments) -> Result<Exit, Stop> {
         save_page(page, force, arguments, &study, &limits)?;
     }
     let mut out = Printer::new(arguments.format);
-    out.table("limits", limits.table)?;
+    out.table("limits", limits.table())?;
     for note in &limits.notes {
         out.say(&format!("\n{note}\n"))?;
     }
@@ -47,7 +47,7 @@ fn save_page(
 ) -> Result<(), Stop> {
     let page = limits_page(&LimitsSheet {
         study: &study.name,
-        limits: &limits.table,
+        limits: &limits.table(),
         motion: &motion_ranges(study),
         notes: &limits.notes,
         failures: &limits.failures,

@@ -3,7 +3,7 @@
 //! Travel and rack end where a part gives way. A load ends at the largest value that the suspension carries. The table also shows
 //! the limits of the mechanism with rigid parts.
 
-use super::row::{LOST, Row, columns};
+use super::row::{LOST, LimitRow, Row};
 use super::{Found, travel_rows};
 use crate::axle::Axle;
 use crate::compliance::{
@@ -12,7 +12,7 @@ use crate::compliance::{
 };
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Body, LengthUnit, Side, Suspension};
-use crate::report::{Cell, Table, as_written, brief, no_equilibrium, weakest_motion};
+use crate::report::{as_written, brief, no_equilibrium, weakest_motion};
 use crate::solve::Solver;
 use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study, WheelStudy};
 
@@ -23,7 +23,7 @@ const RIGID: &str = "all parts rigid";
 type Ends = Result<[EquilibriumEnd; 2], NoEquilibrium>;
 
 /// Limits of one quantity.
-pub(crate) struct ElasticRow {
+pub(super) struct ElasticRow {
     row: Row,
     /// Unit of the values in words.
     unit: &'static str,
@@ -31,64 +31,30 @@ pub(crate) struct ElasticRow {
 }
 
 impl ElasticRow {
-    /// Row with both limits, in the unit of its factor. NaN for a limit beyond the search. `None` if the design position has no
-    /// equilibrium.
-    pub(crate) fn limits(self) -> Option<(Row, [f64; 2])> {
-        let ends = self.ends.ok()?.map(|end| {
-            if end.cause == EndCause::SearchEnds {
-                f64::NAN
-            } else {
-                end.value
-            }
-        });
-        Some((self.row, ends))
-    }
-}
-
-/// Limits as they are shown.
-struct Sheet {
-    table: Table,
-    notes: Vec<String>,
-}
-
-impl Sheet {
-    fn new() -> Self {
-        Sheet {
-            table: Table::with_columns(columns()).keyed(2),
-            notes: Vec::new(),
-        }
+    /// True if the design position has an equilibrium.
+    fn has_equilibrium(&self) -> bool {
+        self.ends.is_ok()
     }
 
-    fn done(self) -> Found {
-        (self.table, self.notes)
-    }
-
-    /// Adds the row of a quantity.
-    fn push(&mut self, ElasticRow { row, unit, ends }: &ElasticRow) {
-        let cells = match ends {
-            Ok(ends) => {
-                let mut ends = ends.each_ref().map(|end| {
-                    let value = (end.cause != EndCause::SearchEnds).then_some(end.value);
-                    let value = value.map(|value| value * row.factor);
-                    (value, cause(end, row.factor, unit))
-                });
-                if row.factor < 0.0 {
-                    ends.reverse();
-                }
-                ends
-            }
-            Err(why) => [(); 2].map(|()| (None, no_equilibrium(why))),
+    /// Row with both limits and their causes.
+    fn found(self) -> LimitRow {
+        let ends = match self.ends {
+            Ok(ends) => ends.map(|end| {
+                let value = (end.cause != EndCause::SearchEnds).then_some(end.value);
+                (value, cause(&end, self.row.factor, self.unit))
+            }),
+            Err(why) => [(); 2].map(|()| (None, no_equilibrium(&why))),
         };
-        let [lower, upper] = cells;
-        self.table.push([
-            row.quantity.as_str().into(),
-            row.at.as_str().into(),
-            Cell::from(lower.0),
-            lower.1.into(),
-            Cell::from(upper.0),
-            upper.1.into(),
-        ]);
+        self.row.with(ends)
     }
+}
+
+/// Limits of all rows. An error says that the design position has no equilibrium.
+pub(super) fn in_equilibrium(rows: Vec<ElasticRow>) -> Result<Vec<LimitRow>, String> {
+    if !rows.iter().all(ElasticRow::has_equilibrium) {
+        return Err("the design position has no equilibrium".to_owned());
+    }
+    Ok(rows.into_iter().map(ElasticRow::found).collect())
 }
 
 /// Cause of an end in words. Values are multiplied by `factor`.
@@ -191,20 +157,16 @@ pub(super) fn of_wheel(
     elastic: &ComplianceStudy,
 ) -> Result<Found, DesignFault> {
     let suspension = &own.suspension;
-    let mut sheet = Sheet::new();
     let (rows, left) = rows_of_wheel(own, elastic)?;
-    rows.iter().for_each(|row| sheet.push(row));
+    let mut rows: Vec<LimitRow> = rows.into_iter().map(ElasticRow::found).collect();
     let mut solver = Solver::new(&suspension.mechanism, &suspension.design)?;
     let rigid = solver.limits()?;
-    let row = travel_row(suspension, RIGID.to_owned());
-    let range = &rigid.travel;
-    sheet.table.push(row.of(study, &range.lower, &range.upper));
+    rows.push(travel_row(suspension, RIGID.to_owned()).of(study, &rigid.travel));
     if let Some(range) = &rigid.rack {
-        let row = rack_row(suspension, RIGID);
-        sheet.table.push(row.of(study, &range.lower, &range.upper));
+        rows.push(rack_row(suspension, RIGID).of(study, range));
     }
     let unit = suspension.length_unit.symbol();
-    sheet.notes.extend(left.map(|left| {
+    let note = left.map(|left| {
         if left >= 0.0 {
             format!("Nearest travel limit: {} {unit} away.", brief(left))
         } else {
@@ -213,8 +175,8 @@ pub(super) fn of_wheel(
                 brief(-left)
             )
         }
-    }));
-    Ok(sheet.done())
+    });
+    Ok((rows, note.into_iter().collect()))
 }
 
 /// Row for the travel of a wheel.
@@ -237,7 +199,7 @@ fn rack_row(suspension: &Suspension, at: &str) -> Row {
 
 /// Limits of equilibrium of a wheel, and the distance of the study's travels from the nearest limit; negative if they go beyond
 /// it, `None` if it is not known.
-pub(crate) fn rows_of_wheel(
+pub(super) fn rows_of_wheel(
     own: &WheelStudy,
     elastic: &ComplianceStudy,
 ) -> Result<(Vec<ElasticRow>, Option<f64>), DesignFault> {
@@ -308,11 +270,11 @@ pub(super) fn of_axle(
     elastic: &AxleComplianceStudy,
 ) -> Result<Found, String> {
     let axle = &both.axle;
-    let mut sheet = Sheet::new();
     let rows = rows_of_axle(axle, elastic)?;
-    rows.iter().for_each(|row| sheet.push(row));
+    let mut rows: Vec<LimitRow> = rows.into_iter().map(ElasticRow::found).collect();
+    let mut notes = Vec::new();
     if axle.left.mechanism.has_extra_links() {
-        sheet.notes.push(
+        notes.push(
             "Five rigid links do not move in roll: there are no limits with all parts rigid."
                 .to_owned(),
         )
@@ -320,14 +282,14 @@ pub(super) fn of_axle(
         let limits = axle.limits().map_err(|f| axle.describe_fault(f))?;
         for (mut row, range) in travel_rows(axle, &limits) {
             row.at = RIGID.to_owned();
-            sheet.table.push(row.of(study, &range.lower, &range.upper));
+            rows.push(row.between(study, &range.lower, &range.upper));
         }
     }
-    Ok(sheet.done())
+    Ok((rows, notes))
 }
 
 /// Limits of equilibrium of an axle.
-pub(crate) fn rows_of_axle(
+pub(super) fn rows_of_axle(
     axle: &Axle,
     elastic: &AxleComplianceStudy,
 ) -> Result<Vec<ElasticRow>, String> {

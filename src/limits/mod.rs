@@ -1,5 +1,6 @@
 //! Limits of a mechanism: the ranges of its motion and the parts that end them, as a table.
 
+mod builds;
 mod elastic;
 mod margin;
 mod row;
@@ -15,24 +16,23 @@ use crate::report::{Table, as_written};
 use crate::solve::Solver;
 use crate::solved::Solved;
 use crate::study::{AxleStudy, Drive, Study, Vehicle, WheelStudy};
-pub(crate) use elastic::{ElasticRow, rows_of_axle, rows_of_wheel};
-pub(crate) use margin::travel_left;
-use margin::{Ranges, margin};
-pub(crate) use row::Row;
-use row::{LOST, at_toggle, because, columns, row};
+pub use builds::{NearestEnd, NearestLimits, VehicleLimits};
+use margin::{Ranges, margin, travel_left};
+use row::{LOST, Row, at_toggle, because};
+pub use row::{LimitEnd, LimitRow};
 
 /// Limits of the mechanism of a study, as they are shown.
 pub(crate) struct LimitTable {
     /// A row for each quantity, while the others are held.
-    pub(crate) table: Table,
+    rows: Vec<LimitRow>,
     /// Sentences below the table.
     pub(crate) notes: Vec<String>,
     /// Stations of the study's own motion and of its named motions that are not solved, one range per line.
     pub(crate) failures: Vec<String>,
 }
 
-/// Table of limits, and sentences below it.
-type Found = (Table, Vec<String>);
+/// Rows of limits, and sentences below their table.
+type Found = (Vec<LimitRow>, Vec<String>);
 
 impl LimitTable {
     /// Finds the limits of one wheel or of an axle. An error says why the design has no position.
@@ -43,11 +43,11 @@ impl LimitTable {
                     Some(elastic) => elastic::of_axle(study, both, elastic),
                     None => of_axle(study, both),
                 };
-                let (table, notes) = found?;
+                let (rows, notes) = found?;
                 let alone = motion_alone(study);
                 let failures = not_solved(&Solved::of(&alone)?, &[], &both.axle.left);
                 Ok(LimitTable {
-                    table,
+                    rows,
                     notes,
                     failures,
                 })
@@ -55,29 +55,34 @@ impl LimitTable {
             Vehicle::Wheel(own) => {
                 let alone = motion_alone(study);
                 let fault = |fault: DesignFault| fault.describe(&own.suspension.mechanism);
-                let (table, notes, solved) = match &own.compliance {
+                let (rows, notes, solved) = match &own.compliance {
                     Some(elastic) => {
                         let found = elastic::of_wheel(study, own, elastic);
-                        let (table, notes) = found.map_err(fault)?;
-                        (table, notes, Solved::of(&alone)?)
+                        let (rows, notes) = found.map_err(fault)?;
+                        (rows, notes, Solved::of(&alone)?)
                     }
                     None => {
                         let mut limits = WheelLimits::of(own).map_err(fault)?;
                         let solved = Solved::of(&alone)?;
                         let note = limits.note(study, &solved.curves).map_err(fault)?;
                         let notes = note.into_iter().collect();
-                        (limits.table(study), notes, solved)
+                        (limits.rows(study), notes, solved)
                     }
                 };
                 let of_motions = NamedCurves::all(&alone)?;
                 let failures = not_solved(&solved, &of_motions, &own.suspension);
                 Ok(LimitTable {
-                    table,
+                    rows,
                     notes,
                     failures,
                 })
             }
         }
+    }
+
+    /// Table with the causes of the limits.
+    pub(crate) fn table(&self) -> Table {
+        row::table(&self.rows)
     }
 }
 
@@ -139,8 +144,8 @@ impl<'s> WheelLimits<'s> {
         margin(study, &self.plan, &mut self.solver, ranges, moved).map(Some)
     }
 
-    fn table(&self, study: &Study) -> Table {
-        table(study, &self.limits, &self.by_rack)
+    fn rows(&self, study: &Study) -> Vec<LimitRow> {
+        wheel_rows(study, &self.limits, &self.by_rack)
     }
 }
 
@@ -148,15 +153,24 @@ impl<'s> WheelLimits<'s> {
 fn of_axle(study: &Study, both: &AxleStudy) -> Result<Found, String> {
     let axle = &both.axle;
     let limits = axle.limits().map_err(|f| axle.describe_fault(f))?;
-    let mut table = Table::with_columns(columns()).keyed(2);
-    for (row, range) in travel_rows(axle, &limits) {
-        table.push(row.of(study, &range.lower, &range.upper));
+    let mut notes = Vec::new();
+    if axle.setup.wheel_radius.is_some() && limits.roll.iter().any(Option::is_none) {
+        notes.push("The roll angle at the ends of the travels is not known.".to_owned());
     }
+    Ok((axle_rows(study, axle, &limits), notes))
+}
+
+/// Row of each quantity of a rigid axle. The row for roll needs the wheel radius.
+fn axle_rows(study: &Study, axle: &Axle, limits: &AxleLimits) -> Vec<LimitRow> {
+    let travels = travel_rows(axle, limits).into_iter();
+    let mut rows: Vec<LimitRow> = travels
+        .map(|(row, range)| row.between(study, &range.lower, &range.upper))
+        .collect();
     if let TravelRanges::OfWheels(travels) = &limits.travels {
         for (side, travel) in Side::ALL.into_iter().zip(travels) {
             for range in &limits.rockers[side as usize] {
                 let name = format!("{}_{}", side.name(), rod_travel(study, range.rocker));
-                table.push(row([&name, "rack 0"], 1.0, toggles(range, travel)));
+                rows.push(toggles(name, "rack 0", range, travel));
             }
         }
     }
@@ -174,22 +188,18 @@ fn of_axle(study: &Study, both: &AxleStudy) -> Result<Found, String> {
         (Some(end.value), why)
     };
     if let Some(ends) = &limits.rack {
-        table.push(Row::axle_rack(axle).cells(ends.each_ref().map(end)));
+        rows.push(Row::axle_rack(axle).with(ends.each_ref().map(end)));
     }
-    if limits.roll.iter().any(Option::is_some) {
+    if axle.setup.wheel_radius.is_some() {
         let ends = limits.roll.each_ref().map(Option::as_ref);
         let unknown = || (None, "not known".to_owned());
-        table.push(Row::roll().cells(ends.map(|known| known.map_or_else(unknown, end))));
+        rows.push(Row::roll().with(ends.map(|known| known.map_or_else(unknown, end))));
     }
-    let mut notes = Vec::new();
-    if axle.setup.wheel_radius.is_some() && limits.roll.iter().any(Option::is_none) {
-        notes.push("The roll angle at the ends of the travels is not known.".to_owned());
-    }
-    Ok((table, notes))
+    rows
 }
 
 /// Rows for the travels of an axle, with their ranges.
-pub(crate) fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, &'l Range)> {
+fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, &'l Range)> {
     match &limits.travels {
         TravelRanges::OfWheels(ranges) => {
             let rows = Side::ALL.map(|side| Row::wheel_travel(axle, side));
@@ -213,17 +223,14 @@ pub(crate) fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, 
 }
 
 /// Range of the study's drive at each requested rack displacement, in the study's axes.
-pub(crate) fn ranges_by_rack(
-    plan: &Plan,
-    solver: &mut Solver,
-) -> Result<Vec<(f64, Range)>, DesignFault> {
+fn ranges_by_rack(plan: &Plan, solver: &mut Solver) -> Result<Vec<(f64, Range)>, DesignFault> {
     let drive = plan.drive.in_kernel();
     let mut range = |rack: f64| Ok((rack, solver.drive_range(drive, rack * plan.rack_sign)?));
     plan.racks.iter().map(|rack| range(*rack)).collect()
 }
 
 /// Position of the rack while another quantity moves to its limits.
-pub(crate) fn straight(limits: &Limits) -> &'static str {
+fn straight(limits: &Limits) -> &'static str {
     match &limits.rack {
         Some(_) => "rack 0",
         None => "",
@@ -231,7 +238,7 @@ pub(crate) fn straight(limits: &Limits) -> &'static str {
 }
 
 /// Range of each quantity while the others are held. Rockers have their own rows, because other parts limit them.
-pub(crate) fn ranges<'l>(
+fn ranges<'l>(
     study: &Study,
     limits: &'l Limits,
     by_rack: &'l [(f64, Range)],
@@ -277,54 +284,51 @@ fn driven(study: &Study, at: String) -> Row {
 }
 
 /// Name of the travel at which a rocker's rod is in toggle position.
-pub(crate) fn rod_travel(study: &Study, rocker: RockerId) -> String {
+fn rod_travel(study: &Study, rocker: RockerId) -> String {
     let rod = study.wheel().mechanism.rocker(rocker).rod.to_string();
     let unit = study.wheel().length_unit.symbol();
     format!("{}_travel_{unit}", rod.replace(' ', "_"))
 }
 
-/// Travels at which the rod of a rocker is at toggle, or ends of the wheel's travel if these come first.
-fn toggles(range: &RockerRange, travel: &Range) -> [(Option<f64>, String); 2] {
+/// Row of the travels at which the rod of a rocker is at toggle, or of the ends of the wheel's travel if these come first.
+fn toggles(quantity: String, at: &str, range: &RockerRange, travel: &Range) -> LimitRow {
     let end = |toggle: Option<Toggle>, end: &RangeEnd| match toggle {
-        Some(Toggle { travel, rod }) => (Some(travel), format!("the {rod} is at toggle")),
-        None => (Some(end.value()), "the wheel's travel ends".to_owned()),
+        Some(Toggle { travel, rod }) => {
+            LimitEnd::new(Some(travel), format!("the {rod} is at toggle"))
+        }
+        None => LimitEnd::new(Some(end.value()), "the wheel's travel ends"),
     };
-    [
-        end(range.lower, &travel.lower),
-        end(range.upper, &travel.upper),
-    ]
+    LimitRow {
+        quantity,
+        at: at.to_owned(),
+        ends: [
+            end(range.lower, &travel.lower),
+            end(range.upper, &travel.upper),
+        ],
+    }
 }
 
-/// Table of the limits of each quantity while the others are held.
-fn table(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Table {
-    let mut table = Table::with_columns(columns()).keyed(2);
-    for (row, range) in ranges(study, limits, by_rack) {
-        table.push(if range.is_empty() {
-            row.of_no_rack()
-        } else {
-            row.of(study, &range.lower, &range.upper)
-        });
-    }
+/// Row of each quantity of a rigid wheel while the others are held.
+fn wheel_rows(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Vec<LimitRow> {
+    let ranges = ranges(study, limits, by_rack).into_iter();
+    let mut rows: Vec<LimitRow> = ranges.map(|(row, range)| row.of(study, range)).collect();
     if study.motion().rack_moves {
         let ranges = || by_rack.iter().map(|(_, range)| range);
         let lower = ranges().max_by(|a, b| a.ends()[0].total_cmp(&b.ends()[0]));
         let upper = ranges().min_by(|a, b| a.ends()[1].total_cmp(&b.ends()[1]));
         if let (Some(lower), Some(upper)) = (lower, upper) {
             let row = driven(study, "every rack".to_owned());
-            table.push(if ranges().any(Range::is_empty) {
+            rows.push(if ranges().any(Range::is_empty) {
                 row.of_no_rack()
             } else {
-                row.of(study, &lower.lower, &upper.upper)
+                row.between(study, &lower.lower, &upper.upper)
             });
         }
     }
-    for range in &limits.rockers {
+    let toggle_rows = limits.rockers.iter().map(|range| {
         let name = rod_travel(study, range.rocker);
-        table.push(row(
-            [&name, straight(limits)],
-            1.0,
-            toggles(range, &limits.travel),
-        ));
-    }
-    table
+        toggles(name, straight(limits), range, &limits.travel)
+    });
+    rows.extend(toggle_rows);
+    rows
 }

@@ -1,10 +1,10 @@
 //! Rows of the table of limits, with the causes of the limits.
 
-use crate::analyse::{Limit, RangeEnd};
+use crate::analyse::{Limit, Range, RangeEnd};
 use crate::axle::Axle;
 use crate::mechanism::LimitCause;
 use crate::model::{Axis, PointId, Rod, Side};
-use crate::report::{Cell, Column};
+use crate::report::{Cell, Column, Table};
 use crate::study::Study;
 
 /// Cause of a limit for which no singularity was found.
@@ -18,25 +18,61 @@ pub(super) fn at_toggle(rod: Rod) -> String {
     )
 }
 
-/// Row of a quantity with its limits and causes. `factor` multiplies the values; a negative factor swaps the limits. A limit
-/// without a value has an empty cell.
-pub(super) fn row(what: [&str; 2], factor: f64, ends: [(Option<f64>, String); 2]) -> [Cell; 6] {
-    let [quantity, at] = what.map(Cell::from);
-    let [mut from, mut to] = ends.map(|(value, why)| (value.map(|value| value * factor), why));
-    if factor < 0.0 {
-        (from, to) = (to, from);
-    }
-    [
-        quantity,
-        at,
-        from.0.into(),
-        from.1.into(),
-        to.0.into(),
-        to.1.into(),
-    ]
+/// Lower or upper limit of a quantity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LimitEnd {
+    /// Value in the unit of the row. `None` if it is not known, or if there is no limit.
+    pub value: Option<f64>,
+    /// Cause of the limit, in words.
+    pub cause: String,
 }
 
-/// Row of the table: a quantity, and the positions at which the other quantities are held.
+impl LimitEnd {
+    pub(super) fn new(value: Option<f64>, cause: impl Into<String>) -> Self {
+        LimitEnd {
+            value,
+            cause: cause.into(),
+        }
+    }
+}
+
+/// Limits of a quantity while others are held.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LimitRow {
+    /// Quantity with its unit, such as `travel_mm`.
+    pub quantity: String,
+    /// Positions at which the other quantities are held.
+    pub at: String,
+    /// Lower limit and upper limit.
+    pub ends: [LimitEnd; 2],
+}
+
+/// Table of limits with their causes.
+pub(super) fn table(rows: &[LimitRow]) -> Table {
+    let columns = [
+        "quantity".into(),
+        "at".into(),
+        Column::named("lower limit", "from"),
+        Column::named("cause", "because"),
+        Column::named("upper limit", "to"),
+        Column::named("its cause", "because there"),
+    ];
+    let mut table = Table::with_columns(columns).keyed(2);
+    for row in rows {
+        let [lower, upper] = &row.ends;
+        table.push([
+            Cell::from(row.quantity.as_str()),
+            row.at.as_str().into(),
+            lower.value.into(),
+            lower.cause.as_str().into(),
+            upper.value.into(),
+            upper.cause.as_str().into(),
+        ]);
+    }
+    table
+}
+
+/// Quantity of a row, and the positions at which the other quantities are held.
 pub(crate) struct Row {
     pub(crate) quantity: String,
     pub(crate) at: String,
@@ -45,7 +81,16 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    pub(crate) fn of(&self, study: &Study, lower: &RangeEnd, upper: &RangeEnd) -> [Cell; 6] {
+    /// Row with the limits of a range.
+    pub(super) fn of(self, study: &Study, range: &Range) -> LimitRow {
+        if range.is_empty() {
+            return self.of_no_rack();
+        }
+        self.between(study, &range.lower, &range.upper)
+    }
+
+    /// Row with the limits at these ends.
+    pub(super) fn between(self, study: &Study, lower: &RangeEnd, upper: &RangeEnd) -> LimitRow {
         let beyond = match (lower, upper) {
             (RangeEnd::FullTurn, RangeEnd::FullTurn) => {
                 "no limit: it can turn through a full circle"
@@ -59,21 +104,22 @@ impl Row {
             RangeEnd::Unresolved(value) => (Some(*value), LOST.to_owned()),
         };
         let turn = std::f64::consts::PI;
-        self.cells([end(lower, -turn), end(upper, turn)])
+        self.with([end(lower, -turn), end(upper, turn)])
     }
 
-    /// Cells of limits with their causes.
-    pub(super) fn cells(&self, ends: [(Option<f64>, String); 2]) -> [Cell; 6] {
-        row([&self.quantity, &self.at], self.factor, ends)
-    }
-
-    /// Limits as the table shows them, the lower one first.
-    pub(crate) fn in_table(&self, ends: [f64; 2]) -> [f64; 2] {
-        let mut ends = ends.map(|end| end * self.factor);
-        if self.factor < 0.0 {
+    /// Row with these limits and their causes. `None` for an unknown value.
+    pub(super) fn with(self, ends: [(Option<f64>, String); 2]) -> LimitRow {
+        let factor = self.factor;
+        let mut ends =
+            ends.map(|(value, cause)| LimitEnd::new(value.map(|value| value * factor), cause));
+        if factor < 0.0 {
             ends.reverse();
         }
-        ends
+        LimitRow {
+            quantity: self.quantity,
+            at: self.at,
+            ends,
+        }
     }
 
     /// Row for a length of an axle, in its unit.
@@ -104,9 +150,9 @@ impl Row {
         }
     }
 
-    /// Makes the row without a range, for a rack position that the mechanism cannot reach.
-    pub(super) fn of_no_rack(&self) -> [Cell; 6] {
-        self.cells([(); 2].map(|()| (None, "the rack cannot reach this position".to_owned())))
+    /// Row without a range, for a rack position that the mechanism cannot reach.
+    pub(super) fn of_no_rack(self) -> LimitRow {
+        self.with([(); 2].map(|()| (None, "the rack cannot reach this position".to_owned())))
     }
 }
 
@@ -147,16 +193,4 @@ pub(super) fn because(limit: &Limit, study: &Study) -> String {
         }
         (cause, _) => cause.to_string(),
     }
-}
-
-/// Columns of the table of limits.
-pub(crate) fn columns() -> [Column; 6] {
-    [
-        "quantity".into(),
-        "at".into(),
-        Column::named("lower limit", "from"),
-        Column::named("cause", "because"),
-        Column::named("upper limit", "to"),
-        Column::named("its cause", "because there"),
-    ]
 }

@@ -74,11 +74,11 @@ pub(super) fn unseen(
 
 /// Limits of the mechanism, with the parts that end its motion.
 pub(super) fn limits(opened: &Opened, of: &Designed) -> Result<LimitsAnswer, String> {
-    let LimitTable { table, notes, .. } = LimitTable::of(&opened.moved(&of.design)?)?;
+    let limits = LimitTable::of(&opened.moved(&of.design)?)?;
     Ok(LimitsAnswer::of(
         "Limits of the mechanism",
-        &table,
+        &limits.table(),
         |_| true,
-        notes,
+        limits.notes,
     ))
 }

@@ -1,7 +1,7 @@
 //! Text of the study of an imported wheel or axle. The study runs without changes.
 
 use super::bushings;
-use super::import::Imported;
+use super::import::{Imported, is_held_across};
 use super::seats::Seat;
 use crate::model::{AxlePosition, LengthUnit};
 use crate::solved::Solved;
@@ -170,7 +170,7 @@ impl Imported {
         for (key, value) in keys.chain([("length_unit", unit), ("frame", self.frame.name())]) {
             let _ = writeln!(text, "{key} = \"{value}\"");
         }
-        if self.hardpoints.iter().any(|h| h.name == "panhard_axle") {
+        if is_held_across(&self.hardpoints) {
             text += "single = [\"upper_link\"]         # one upper link, with its actual y\n";
         }
         text += "\n[suspension.hardpoints]          # design position\n";

@@ -246,7 +246,19 @@ fn left_half(
     Ok(())
 }
 
-/// Refuses a solid axle with a Panhard rod and two upper links. The upper links are a pair if the rows of the right half have
+/// Linkages that hold a solid axle sideways, and a hardpoint of each. Such an axle has one upper link, with its actual y.
+const ACROSS: [(&str, &str); 2] = [
+    ("panhard_axle", "a Panhard rod"),
+    ("watt_axis", "a Watt linkage"),
+];
+
+/// True if a Panhard rod or a Watt linkage holds a solid axle with these hardpoints sideways.
+pub(super) fn is_held_across(hardpoints: &[Hardpoint]) -> bool {
+    let mut names = ACROSS.iter().map(|(name, _)| name);
+    names.any(|name| hardpoints.iter().any(|h| h.name == *name))
+}
+
+/// Refuses a solid axle with a Panhard rod or a Watt linkage and two upper links. The upper links are a pair if the rows of the right half have
 /// the opposite y, or if the rows apply to both halves.
 fn refuse_fifth_link(
     table: &PointTable,
@@ -256,9 +268,9 @@ fn refuse_fifth_link(
     picked: &[Picked],
 ) -> Result<(), Refusal> {
     let found = |name: &str| picked.iter().find(|p| p.hardpoint.name == name);
-    if found("panhard_axle").is_none() {
+    let Some((_, linkage)) = ACROSS.iter().find(|(name, _)| found(name).is_some()) else {
         return Ok(());
-    }
+    };
     let (across, _) = placed.axes.across();
     let is_paired = |name: &&&'static str| {
         let Some(left) = found(name) else {
@@ -280,9 +292,9 @@ fn refuse_fifth_link(
     };
     let (called, place) = (&end.hardpoint.called, &end.hardpoint.place);
     Err(Refusal::Wrong(format!(
-        "{called:?} ({place}) is on both sides of the axle, so the file has two lower links, two upper links and a Panhard rod: \
-         one link too many for rigid links. Remove the rows of the right upper link, or those of the Panhard rod. For five \
-         elastic links, start with `hardpoint new solid_axle --with five_links` and enter the points there"
+        "{called:?} ({place}) is on both sides of the axle, so the file has two lower links, two upper links and {linkage}: one link \
+         too many for rigid links. Remove the rows of the right upper link, or those of {linkage}. For four elastic links and a \
+         Panhard rod, start with `hardpoint new solid_axle --with five_links` and enter the points there"
     )))
 }
 

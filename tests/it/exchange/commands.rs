@@ -351,3 +351,49 @@ fn check_doubts_axes_and_a_wheel_at_the_centre_plane() {
     let at_origin = doubts(|[x, y, z]| [x, y - 760.0, z]);
     assert!(at_origin.contains("from the centre plane"), "{at_origin}");
 }
+
+/// A solid axle with one upper link has its study's coordinates after its table is read. Two upper links and a linkage across the
+/// axle are refused.
+#[test]
+fn solid_axles_with_one_upper_link_go_out_and_come_back() {
+    let directory = tempfile::tempdir().unwrap();
+    let (study_path, study) = path(&directory, "axle.toml");
+    let (table_path, table) = path(&directory, "axle.csv");
+    let (back_path, back) = path(&directory, "back.toml");
+    for linkage in ["panhard", "watt"] {
+        let new = hardpoint(&["new", "--quiet", "solid_axle", "--with", linkage]).output();
+        std::fs::write(&study_path, new.unwrap().stdout).unwrap();
+        let exported = hardpoint(&["export", &study, "--to", "csv"]).output();
+        let rows = text(&exported.unwrap().stdout);
+        let import = ["import", &table, "--radius", "335", "--out", &back];
+        let import =
+            || hardpoint(&[&import[..], &["--topology", "solid_axle", "--force"]].concat());
+        std::fs::write(&table_path, &rows).unwrap();
+        import().assert().success();
+        let points = |path: &Path| {
+            let text = std::fs::read_to_string(path).unwrap();
+            let read: toml::Table = text.parse().unwrap();
+            (
+                read["suspension"]["single"].clone(),
+                read["suspension"]["hardpoints"].clone(),
+            )
+        };
+        assert_eq!(points(&back_path), points(&study_path), "{linkage}");
+        let mirrored = rows.lines().map(|row| {
+            let is_pair = row.starts_with("upper_link") && row.contains("right");
+            let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
+            if is_pair {
+                cells[2] = format!("-{}", cells[2]);
+            }
+            cells.join(",") + "\n"
+        });
+        std::fs::write(&table_path, mirrored.collect::<String>()).unwrap();
+        let refused = import().assert().failure();
+        let said = text(&refused.get_output().stderr);
+        let name = ["Panhard rod", "Watt linkage"][usize::from(linkage == "watt")];
+        assert!(
+            said.contains("upper_link_chassis") && said.contains(name),
+            "{said}"
+        );
+    }
+}

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from . import _hardpoint
 from ._frame import Column, Frame
+from ._function import names_of
 from ._study import Overrides, Study, study_of, text_of, written
 from ._sweep import Sweep
 from ._tuning import effect_row
@@ -110,7 +111,7 @@ class Car:
         if cases:
             own["cases"] = list(cases)
         if outputs is not None:
-            own["outputs"] = outputs if isinstance(outputs, Mapping) else {"characteristics": list(outputs)}
+            own["outputs"] = outputs if isinstance(outputs, Mapping) else {"characteristics": names_of(outputs, "outputs")}
         axles = study_of(front)._study, study_of(rear)._study
         return _restored(_hardpoint.Car.of(name, text_of({**own, **sections}), *axles))
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import html
-import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
@@ -19,7 +18,6 @@ from ._hardpoint import STATUS, HardpointError
 Array = NDArray[Any]
 Floats = NDArray[np.float64]
 
-_UNIT = re.compile(r"_((?:deg|mm|m|in|N|s)(?:\d|_per_.+)?)$")
 _SHOWN_ROWS = 8
 
 
@@ -61,8 +59,15 @@ def _catalogue() -> dict[str, tuple[str, str]]:
 
 def column_of(name: str) -> Column:
     """Meaning of a column, from its name."""
-    unit = _UNIT.search(name)
-    return Column(name, name[: unit.start()], unit[1]) if unit else Column(name, name, "")
+    return Column(name, *_hardpoint.split_unit(name))
+
+
+def _codes(words: Any) -> NDArray[np.uint8] | None:
+    """Status codes of a column of words; None if a word is no status."""
+    if words is None or not all(word in STATUS for word in np.unique(words)):
+        return None
+    codes = {word: code for code, word in enumerate(STATUS)}
+    return np.fromiter((codes[word] for word in words), np.uint8, len(words))
 
 
 class Frame(dict[str, Array]):
@@ -92,7 +97,11 @@ class Frame(dict[str, Array]):
         super().__init__(arrays)
         rows = len(next(iter(arrays.values()), ()))
         self.info = {name: column_of(name) for name in arrays} if info is None else dict(info)
-        self.status = _read_only(np.zeros(rows, np.uint8) if status is None else status)
+        # A table that was read has its status in words.
+        codes = _codes(arrays.get("status")) if status is None else status
+        self.status = _read_only(np.zeros(rows, np.uint8) if codes is None else codes)
+        if status is None and codes is not None and "reason" in arrays and arrays["reason"].dtype.kind == "U":
+            reasons = {int(row): str(arrays["reason"][row]) for row in np.flatnonzero(codes)}
         self.motion = {name: arrays[name] for name in motion}
         self._reasons = dict(reasons or {})
         self._all_reasons: tuple[str, ...] | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -18,12 +18,21 @@ Floats = NDArray[np.float64]
 Designs = ArrayLike | Mapping[str, Any]
 
 
-def rows_of(x: Designs, names: list[str], unit: str = "") -> tuple[Floats, bool]:
-    """Designs as an array (n, k), and true if x was a single design. Tables and mappings are read by column names, which
-    can end in the length unit. A masked number is NaN."""
+def names_of(names: Any, what: str) -> list[str]:
+    """List of names. Text would be read letter by letter, so it is refused."""
+    if isinstance(names, str):
+        raise HardpointError(f"{what} is the text {names!r}; expected a list of names, as in [{names!r}]")
+    return list(names)
+
+
+def rows_of(x: Designs, names: list[str], units: str | Sequence[str] = "") -> tuple[Floats, bool]:
+    """Designs as an array (n, k), and true if x was a single design. Tables and mappings are read by column names, without
+    or with the unit. `units` is the length unit, or the columns with their units. A masked number is NaN."""
     k = len(names)
     if isinstance(x, Mapping) or hasattr(x, "columns"):
-        x = _by_name(x, names, unit)
+        x = _by_name(x, names, [f"{name}_{units}" for name in names] if isinstance(units, str) else units)
+    if isinstance(x, (list, tuple)) and any(isinstance(row, np.ma.MaskedArray) for row in x):
+        x = np.ma.stack(x)
     if isinstance(x, np.ma.MaskedArray):
         x = np.ma.filled(x.astype(np.float64), np.nan)
     try:
@@ -39,15 +48,38 @@ def rows_of(x: Designs, names: list[str], unit: str = "") -> tuple[Floats, bool]
     return np.atleast_2d(array), array.ndim == 1
 
 
-def _by_name(table: Any, names: list[str], unit: str) -> Floats:
+def _by_name(table: Any, names: list[str], with_units: Sequence[str]) -> Floats:
     """Columns of these names, side by side."""
     there = set(table.columns if hasattr(table, "columns") else table)
-    chosen = [name if name in there else f"{name}_{unit}" for name in names]
+    chosen = [name if name in there else column for name, column in zip(names, with_units, strict=True)]
     missing = [name for name, column in zip(names, chosen, strict=True) if column not in there]
     if missing:
         raise HardpointError(f"x has no column {', '.join(missing)}; expected a column for each of {names}")
-    columns = [np.ma.filled(np.ma.asarray(table[column], dtype=np.float64), np.nan) for column in chosen]
+    columns = [_numbers(table[column], column) for column in chosen]
+    shapes = {column.shape for column in columns}
+    if len(shapes) > 1:
+        lengths = ", ".join(f"{name} {column.shape}" for name, column in zip(chosen, columns, strict=True))
+        raise HardpointError(f"the columns of x have different lengths: {lengths}")
     return np.stack(columns, axis=-1)
+
+
+def _numbers(column: Any, name: str) -> Floats:
+    """Column of a table as real numbers; NaN for a masked one."""
+    mask = np.ma.getmaskarray(column) if isinstance(column, np.ma.MaskedArray) else None
+    array = np.asarray(column)
+    # A column of objects may hold numbers and missing ones (None, or NA of pandas).
+    missing = [v is None or type(v).__name__ == "NAType" for v in array.flat] if array.dtype.kind == "O" else []
+    if missing and all(gone or isinstance(v, (int, float)) for v, gone in zip(array.flat, missing, strict=True)):
+        found = [np.nan if gone else float(v) for v, gone in zip(array.flat, missing, strict=True)]
+        array = np.array(found).reshape(array.shape)
+    if array.dtype.kind not in "biuf" and array.size:
+        raise HardpointError(f"column {name} of x has no real numbers (dtype {array.dtype}); expected float64")
+    if array.ndim > 1:
+        raise HardpointError(f"x has {array.shape[-1]} columns {name}; expected one")
+    numbers: Floats = array.astype(np.float64)
+    if mask is not None:
+        numbers[mask] = np.nan
+    return numbers
 
 
 def _single(read: tuple[Floats, bool]) -> Floats:

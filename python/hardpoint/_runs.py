@@ -140,12 +140,23 @@ class Run(Mapping[str, Frame]):
         import pyarrow.dataset
 
         files = [str(path) for path in self._tables["designs"]]
-        return pyarrow.dataset.dataset(files, format=files[0].rsplit(".", 1)[1])
+        found = pyarrow.dataset.dataset(files, format=files[0].rsplit(".", 1)[1])
+        self._check_designs(found.count_rows())
+        return found
+
+    def _check_designs(self, rows: int) -> None:
+        """Refuses a finished sweep from which rows are missing."""
+        designs = self.summary.get("designs") if self.command == "sweep" else None
+        if isinstance(designs, int) and designs != rows:
+            raise HardpointError(f"{self.path}: {rows} of the sweep's {designs} designs are there: parts of it are missing or cut")
 
     def __getitem__(self, name: str) -> Frame:
         if name not in self._read:
             files = self._tables[name]
-            self._read[name] = Frame(_parquet(files) if files[0].suffix == ".parquet" else _hardpoint.read_tables(files))
+            frame = Frame(_parquet(files) if files[0].suffix == ".parquet" else _hardpoint.read_tables(files))
+            if name == "designs":
+                self._check_designs(frame.rows)
+            self._read[name] = frame
         return self._read[name]
 
     def __iter__(self) -> Iterator[str]:

@@ -7,6 +7,7 @@ from typing import Any, Literal, TypedDict
 
 from numpy.typing import ArrayLike
 
+from ._function import names_of
 from ._hardpoint import HardpointError
 from ._study import Study
 
@@ -194,7 +195,11 @@ def vehicle(
         raise HardpointError(f"suspension is {more!r}; expected a mapping, such as {{'bodies': {{...}}}}")
     made: dict[str, Any] = {"suspension": {**suspension, **more, "hardpoints": points}, "motion": motion}
     if outputs is not None:
-        made["outputs"] = outputs if isinstance(outputs, Mapping) else {"characteristics": list(outputs)}
+        made["outputs"] = outputs if isinstance(outputs, Mapping) else {"characteristics": names_of(outputs, "outputs")}
     if right is not None:
-        made["axle"] = {"right": "mirrored" if isinstance(right, str) else {"hardpoints": right}}
+        if isinstance(right, str) and right != "mirrored":
+            raise HardpointError(f'right is {right!r}; expected "mirrored", or the points of the right wheel')
+        if "axle" in sections:
+            raise HardpointError("axle and right both describe the right wheel; leave out right and give axle.right")
+        made["axle"] = {"right": right if isinstance(right, str) else {"hardpoints": right}}
     return Study.from_dict({**made, **sections}, name=name)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from . import _hardpoint
 from ._curves import Curves
 from ._frame import Frame, html_of
-from ._function import Function, Residuals
+from ._function import Function, Residuals, names_of
 from ._hardpoint import HardpointError
 
 if TYPE_CHECKING:
@@ -213,7 +213,7 @@ class Study:
         "tie_rod_inner_z" for coordinates. The default is those of [optimise], otherwise of [sweep], otherwise all
         coordinates of all hardpoints. With `constraints`, the function also has the constraints of [optimise], by the same
         variables."""
-        return Function(self, None if variables is None else list(variables), constraints)
+        return Function(self, None if variables is None else names_of(variables, "variables"), constraints)
 
     def residuals(self, on_failure: Literal["nan", "raise"] = "nan") -> Residuals:
         """Targets of [optimise] as a function of its variables, in tolerances. A design without residuals gives NaN, so
@@ -329,7 +329,9 @@ class Limits(Mapping[str, Extent | None]):
         return len(self._ends)
 
     def __getattr__(self, name: str) -> Extent:
-        if name.startswith("_") or self._ends.get(name) is None:
+        if name.startswith("_"):  # also before the ranges exist, as in a copy
+            raise AttributeError(name)
+        if self._ends.get(name) is None:
             raise AttributeError(f"there is no range {name!r}; there are {', '.join(self)}")
         return cast(Extent, self._ends[name])
 

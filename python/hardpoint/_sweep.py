@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from . import _hardpoint
 from ._frame import Frame
-from ._function import Designs, rows_of
+from ._function import Designs, names_of, rows_of
 from ._hardpoint import STATUS, HardpointError
 from ._study import Study, is_car, study_of
 
@@ -115,22 +115,24 @@ def sweep(
             raise HardpointError("variables are the columns of x, and there is no x")
         found = _hardpoint.sweep(study._study, None, None, threads, progress)
         return Sweep(found["columns"], found, study)
-    names = list(variables) if variables is not None else study.sweep_variables or study.variables
-    rows, _ = rows_of(x, names, study.length_unit)
+    names = names_of(variables, "variables") if variables is not None else study.sweep_variables or study.variables
+    columns, at_design = zip(*_hardpoint.sweep_columns(study._study, names), strict=True) if names else ((), ())
+    rows, _ = rows_of(x, names, columns)
     good: NDArray[np.bool_] = np.asarray(np.isfinite(rows).all(axis=1))
     solved = rows
     if not good.all() or not len(rows):
-        middle = study.function(names).bounds.mean(axis=1)
-        solved = np.where(good[:, None], rows, middle) if len(rows) else middle[None, :]
+        # The study's own design stands in for a row that cannot be solved; its results are replaced below.
+        own = np.array(at_design)
+        solved = np.where(good[:, None], rows, own) if len(rows) else own[None, :]
     found = _hardpoint.sweep(study._study, solved, names, threads, progress)
-    columns = found["columns"]
+    found_columns = found["columns"]
     if not len(rows):
-        columns = {name: values[:0] for name, values in columns.items()}
+        found_columns = {name: values[:0] for name, values in found_columns.items()}
         found["status"], found["reasons"] = found["status"][:0], {}
         if found["curves"] is not None:
             found["curves"] = found["curves"].split(b"\n", 1)[0] + b"\n"
     bad = np.flatnonzero(~good)
-    for place, values in enumerate(columns.values()):
+    for place, values in enumerate(found_columns.values()):
         if place < len(names):
             values[bad] = rows[bad, place]
         else:
@@ -138,4 +140,4 @@ def sweep(
     found["status"][bad] = _NOT_FINITE
     for row in bad.tolist():
         found["reasons"][row] = "x has a number that is not finite"
-    return Sweep(columns, found, study, names)
+    return Sweep(found_columns, found, study, names)

@@ -133,7 +133,8 @@ def optimise(
 
     `front` names targets for a trade-off, in place of those of the study; False computes no front. With `prices`, the
     smallest misfit for each size of the move is found as well. `callback(start, iteration, misfit)` is called on this
-    thread; `StopIteration` or a true result ends the tuning with its present result.
+    thread about twenty times a second, once for each iteration since the last call; `StopIteration` or a true result ends the
+    tuning with its present result. A tuning that converges sooner than that is complete.
     """
     if is_car(study):
         if front is not None or prices or callback is not None:

@@ -200,7 +200,8 @@ pub(crate) fn mostly_nan<const N: usize>(
     known: impl Iterator<Item = ([usize; N], f64)>,
 ) -> Bound<'_, PyArrayDyn<f64>> {
     let array = PyArrayDyn::<f64>::zeros(py, &shape[..], false);
-    {
+    // numpy's borrow checker refuses the strides of an empty array.
+    if !shape.contains(&0) {
         let mut write = array.readwrite();
         let mut view = write.as_array_mut();
         view.fill(f64::NAN);

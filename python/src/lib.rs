@@ -58,6 +58,8 @@ fn _hardpoint(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(study::catalogue, module)?)?;
     module.add_function(wrap_pyfunction!(tables::read_tables, module)?)?;
     module.add_function(wrap_pyfunction!(tables::parse_table, module)?)?;
+    module.add_function(wrap_pyfunction!(tables::split_unit, module)?)?;
+    module.add_function(wrap_pyfunction!(sweep::sweep_columns, module)?)?;
     module.add_function(wrap_pyfunction!(study::command, module)?)?;
     module.add_function(wrap_pyfunction!(study::command_captured, module)?)?;
     module.add_function(wrap_pyfunction!(answers::report, module)?)?;

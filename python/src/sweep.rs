@@ -9,7 +9,7 @@ use hardpoint::Rows;
 use hardpoint::cli::NotDone;
 use hardpoint::mechanism::DesignFault;
 use hardpoint::report::{DrawnDesigns, SweepRun, SweepText, sweep_page as page_of};
-use hardpoint::study::{DesignTable, Designs, FileFormat, StudyErrors, Sweep};
+use hardpoint::study::{DesignTable, Designs, FileFormat, StudyErrors, Sweep, SweepVariable};
 use hardpoint::sweep::{NotBegun, SweepPlan, SweepRecord, Swept, SweptWorker, in_order};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyOSError;
@@ -42,23 +42,59 @@ fn given(
     variables: Option<Vec<String>>,
 ) -> PyResult<Sweep> {
     let own = &study.study;
-    let variables = named(own, variables)?;
-    let swept = variables.iter().map(|variable| {
-        let turns = || {
-            failure(format!(
-                "{} is a turn, which sweeps do not support",
-                variable.name
-            ))
-        };
-        variable.swept_as().ok_or_else(turns)
-    });
+    let variables = swept(own, variables)?;
     let values = rows(x, variables.len())?;
-    let table = DesignTable::of(swept.collect::<PyResult<_>>()?, values.to_vec());
+    let table = DesignTable::of(variables, values.to_vec());
     Ok(Sweep {
         designs: Designs::Given(table.map_err(|reason| failure(format!("x: {reason}")))?),
         curves: own.sweep.as_ref().is_some_and(|sweep| sweep.curves),
         format: FileFormat::Csv,
     })
+}
+
+/// Variables with these names as columns of a table of designs. Without names, the variables that the study moves. Rates are those
+/// of the study's `[sweep]`.
+fn swept(own: &hardpoint::Study, names: Option<Vec<String>>) -> PyResult<Vec<SweepVariable>> {
+    let of_sweep = match own.sweep.as_ref().map(|sweep| &sweep.designs) {
+        Some(Designs::Sampled(sampled)) => &sampled.variables[..],
+        _ => &[],
+    };
+    let is_rate = |name: &str| of_sweep.iter().find(|v| v.rate.is_some() && v.name == name);
+    let names = names.unwrap_or_else(|| {
+        let variables = hardpoint::DesignVariable::of(own).into_iter();
+        variables.map(|variable| variable.name).collect()
+    });
+    let is_second = |k: usize| is_rate(&names[k]).is_some() && names[..k].contains(&names[k]);
+    if let Some(k) = (0..names.len()).find(|k| is_second(*k)) {
+        let reason = format!("{} is a variable twice; leave one of them out", names[k]);
+        return Err(failure(reason));
+    }
+    let of_points = names.iter().filter(|name| is_rate(name).is_none()).cloned();
+    let mut of_points = named(own, Some(of_points.collect()))?.into_iter();
+    let variable = |name: &String| {
+        if let Some(rate) = is_rate(name) {
+            return Ok(rate.clone());
+        }
+        let moved = of_points.next().and_then(|variable| variable.swept_as());
+        moved.ok_or_else(|| {
+            failure(format!(
+                "{name} cannot be a column of designs: expected coordinates or offsets of hardpoints, or rates of [sweep]"
+            ))
+        })
+    };
+    names.iter().map(variable).collect()
+}
+
+/// Columns of the variables with these names, with their values in the study's design.
+#[pyfunction]
+pub(crate) fn sweep_columns(study: &Study, variables: Vec<String>) -> PyResult<Vec<(String, f64)>> {
+    let variables = swept(&study.study, Some(variables))?;
+    let wheel = study.study.wheel();
+    let column = |variable: &SweepVariable| {
+        let column = variable.column(wheel.length_unit);
+        (column, variable.at_design(wheel))
+    };
+    Ok(variables.iter().map(column).collect())
 }
 
 /// Distributes the values of consecutive rows to the columns.

@@ -81,6 +81,12 @@ pub(crate) fn read_tables(py: Python<'_>, paths: Vec<PathBuf>) -> PyResult<Bound
     columns_of(py, columns)
 }
 
+/// Splits the name of a column into the part before its unit, and the unit.
+#[pyfunction]
+pub(crate) fn split_unit(name: &str) -> (&str, &str) {
+    hardpoint::report::split_unit(name)
+}
+
 /// Columns of a CSV file in memory, in the form that [`read_tables`] returns.
 #[pyfunction]
 pub(crate) fn parse_table<'py>(py: Python<'py>, csv: &[u8]) -> PyResult<Bound<'py, PyDict>> {

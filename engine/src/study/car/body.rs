@@ -229,11 +229,19 @@ impl Resolver<'_> {
                 Some(Some([tyre(0, front), tyre(1, rear)]))
             }
             (_, [front, _]) => {
-                let place = match front {
-                    None => section.front.span(),
-                    Some(_) => section.rear.span(),
+                let (place, name) = match front {
+                    None => (section.front.span(), "front"),
+                    Some(_) => (section.rear.span(), "rear"),
                 };
-                let message = "elastic tyres need [tyre] rate in both axle studies";
+                let message = match (wanted, rates) {
+                    (Some(true), [None, None]) => {
+                        "elastic tyres need [tyre] in both axle studies, which do not have it"
+                            .to_owned()
+                    }
+                    _ => format!(
+                        "the {name} study has no [tyre]: elastic tyres need it in both axle studies"
+                    ),
+                };
                 let error = self.problems.add(place, message);
                 error.help("tyres = \"rigid\" in [car] ignores tyre rates");
                 None

@@ -157,7 +157,16 @@ impl Resolver<'_> {
             self.problems,
         )?;
         if let (Some(text), true, None) = (&written.tyres, setting.elastic_tyres, car.tyres) {
-            let message = "elastic tyres need [tyre] rate in both axle studies";
+            let have_rates = car.axles.iter().all(|axle| axle.setup.tyre_rate.is_some());
+            if have_rates {
+                let message = "[car] tyres = \"rigid\" makes the tyres of every case rigid";
+                let error = self.problems.add(text.span(), message);
+                error.help(
+                    "remove tyres from [car], and give tyres = \"rigid\" in each case with rigid tyres",
+                );
+                return None;
+            }
+            let message = "elastic tyres need [tyre] in both axle studies";
             return self.problems.refuse(text.span(), message);
         }
         Some(setting)

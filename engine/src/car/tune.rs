@@ -165,6 +165,9 @@ impl Objective<'_> {
     /// Computes residuals and rows of one case.
     fn evaluate_case(
         &self,
+        if let Some(reason) = car.refusal() {
+            return Err(Infeasible::Refused(reason));
+        }
         car: &Car,
         solver: &mut CarSolver<'_>,
         number: usize,

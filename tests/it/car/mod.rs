@@ -1,5 +1,6 @@
 //! The whole car: against independent answers, and against statics.
 
+mod accepted;
 mod commands;
 mod comparison;
 mod free_bodies;

@@ -1,6 +1,7 @@
 //! `[[cases]]` and `[gg_map]`.
 
 use super::*;
+use crate::ask::Accepted;
 use crate::car::Setting;
 use crate::number::Each;
 use crate::study::motion::range;
@@ -122,7 +123,7 @@ impl Resolver<'_> {
         )?;
         if let Some(list) = &written.lateral_share_left {
             let numbers = list.get_ref();
-            let outside = |n: &&Number| !(0.0..=1.0).contains(&n.value);
+            let outside = |n: &&Number| !Accepted::Share.contains(n.value);
             if let Some(share) = numbers.iter().find(outside) {
                 let message = format!("expected shares from 0 to 1, found {}", share.value);
                 return self.problems.refuse(share.span.clone(), message);

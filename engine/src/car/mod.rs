@@ -101,7 +101,7 @@ pub use rig::RigOutcome;
 pub(crate) use second::ExpandedState;
 pub use solver::{CarSolver, Equilibrium, RowResult, RowState};
 pub use templates::{CarTemplate, TEMPLATES};
-pub use tune::{CarConstraint, CarGoals, CarRun, CarTarget, RigGoals, tune};
+pub use tune::{CarConstraint, CarGoals, CarRun, CarTarget, CarTuning, RigGoals, tune};
 
 use crate::axle::Axle;
 use crate::model::{LengthUnit, MassUnit, TorquePath};

@@ -3,6 +3,7 @@
 mod accepted;
 mod commands;
 mod comparison;
+mod conflicts;
 mod free_bodies;
 mod limits;
 mod maps;

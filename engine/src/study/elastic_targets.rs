@@ -22,10 +22,7 @@ use toml::Spanned;
 pub(super) fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec<ElasticFigure> {
     let mut found: Vec<(KcTest, ElasticFigure)> = Vec::new();
     for test in &elastic.tests {
-        let mut suffix = String::new();
-        if test.trail != 0.0 {
-            suffix += &format!("_trail_{}", test.trail);
-        }
+        let mut suffix = test.trail_suffix();
         let other_hold = |other: &KcTest| {
             (other.load, other.trail) == (test.load, test.trail) && other.held != test.held
         };

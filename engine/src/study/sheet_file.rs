@@ -11,6 +11,7 @@ use super::resolve::Context;
 use super::source::{LONGEST_TEXT, read_text};
 use super::value::{Number, Text};
 use super::{AxleStudy, ComplianceStudy, ElasticFigure, Site, Target, TargetQuantity, Wanted};
+use crate::ask::six_digits;
 use crate::compliance::{HeldQuantity, KcTest, KcValue, TestLoad};
 use crate::model::Side;
 use of_axle::AxlePlace;
@@ -319,7 +320,8 @@ impl Reader<'_> {
         };
         let same = |column: &str, own: &str| ["", own].contains(&row.cell(column));
         Ok(row.cell("load") == test.load.name()
-            && trail.is_none_or(|trail| trail == test.trail)
+            // Rounding in a conversion of units does not matter.
+            && trail.is_none_or(|trail| six_digits(trail) == six_digits(test.trail))
             && same("hold", held)
             && same("mode", test.mode.name())
             && same("anti_roll_bar", bar)

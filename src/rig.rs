@@ -162,11 +162,16 @@ fn check_rigid(suspension: &Suspension) -> Result<(), String> {
 /// Rigid mechanism of an axle, with its tests.
 fn rigid_axle(study: &AxleStudy) -> Result<AxleComplianceStudy, String> {
     if study.axle.is_rigid() {
-        return Err(
-            "`hardpoint kc` of a solid axle needs elastic links: expected [compliance], and \
-             axial_stiffness in [links.NAME]"
-                .to_owned(),
-        );
+        return Err(match study.axle.left.mechanism.why_not_elastic() {
+            Some(reason) => format!(
+                "`hardpoint kc` is not available: {reason}. `hardpoint solve` computes the curves"
+            ),
+            None => {
+                "`hardpoint kc` of a solid axle needs elastic links: expected [compliance], and \
+                     axial_stiffness in [links.NAME]"
+                    .to_owned()
+            }
+        });
     }
     let suspension = &study.axle.left;
     check_rigid(suspension)?;

@@ -100,10 +100,14 @@ struct Entry<'a> {
 /// Splits a file into its assignments.
 fn assignments(text: &str) -> File<'_> {
     let mut entries: Vec<Entry> = Vec::new();
+    let mut of_links = Vec::new();
     let mut within = "";
     for (line, number) in text.lines().zip(1..) {
         if let Some(name) = section(line) {
             within = name;
+            if name == "AXLE" {
+                of_links.push(number);
+            }
         } else if let Some((key, value)) = without_comment(line).split_once('=') {
             entries.push(Entry {
                 section: within,
@@ -113,7 +117,7 @@ fn assignments(text: &str) -> File<'_> {
             });
         }
     }
-    File(entries)
+    File { entries, of_links }
 }
 
 /// Reads the points of the file.
@@ -122,6 +126,7 @@ fn assignments(text: &str) -> File<'_> {
 /// The file has no axles, or a value is not a number.
 pub(super) fn points_of(path: &Path, text: &str) -> Result<PointTable, String> {
     let file = assignments(text);
+    file.check_links()?;
     let axles = [("FRONT", AxlePosition::Front), ("REAR", AxlePosition::Rear)];
     let mut table = PointTable {
         unit: Some(super::unit::FileUnit::of(LengthUnit::Metre)),
@@ -129,7 +134,7 @@ pub(super) fn points_of(path: &Path, text: &str) -> Result<PointTable, String> {
         ..PointTable::default()
     };
     for (name, axle) in axles {
-        if file.0.iter().any(|entry| entry.section == name) {
+        if file.entries.iter().any(|entry| entry.section == name) {
             file.axle(name, axle, &mut table)?;
         }
     }
@@ -147,12 +152,16 @@ pub(super) fn points_of(path: &Path, text: &str) -> Result<PointTable, String> {
     Ok(table)
 }
 
-struct File<'a>(Vec<Entry<'a>>);
+struct File<'a> {
+    entries: Vec<Entry<'a>>,
+    /// Lines of the sections `[AXLE]`.
+    of_links: Vec<usize>,
+}
 
 impl File<'_> {
     fn entry(&self, section: &str, key: &str) -> Option<&Entry<'_>> {
         // The game uses the first assignment of a key.
-        let mut all = self.0.iter();
+        let mut all = self.entries.iter();
         all.find(|entry| entry.section == section && entry.key.eq_ignore_ascii_case(key))
     }
 
@@ -161,6 +170,29 @@ impl File<'_> {
             return Ok(None);
         };
         number(entry.value, entry.line).map(Some)
+    }
+
+    /// Refuses a file in which the links of `[AXLE]` could belong to either of two axles.
+    fn check_links(&self) -> Result<(), String> {
+        let is_live = |name| {
+            let kind = self.entry(name, "TYPE").map_or("", |entry| entry.value);
+            kind.eq_ignore_ascii_case("AXLE")
+        };
+        let is_live = ["FRONT", "REAR"].map(is_live);
+        if let ([true, _] | [_, true], [first, second, ..]) = (is_live, &self.of_links[..]) {
+            return Err(format!(
+                "line {second}: a second section [AXLE], after that of line {first}. The game reads only one, so it is not \
+                 clear which links belong to the axle: keep one section"
+            ));
+        }
+        if is_live == [true, true] {
+            return Err(
+                "[FRONT] and [REAR] have TYPE=AXLE, but [AXLE] has the links of one axle only: \
+                 remove [FRONT] or [REAR]"
+                    .to_owned(),
+            );
+        }
+        Ok(())
     }
 
     /// Adds the links of `[AXLE]`, with their hardpoints if they can be identified.

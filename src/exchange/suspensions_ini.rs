@@ -8,13 +8,14 @@
 //! A solid axle is `TYPE=AXLE`. Its links are in a section `[AXLE]`, relative to the middle of both wheel centres: x to the left,
 //! y up, z forward. The game reads only one such section, for the rear axle.
 //!
-//! `SPRING_RATE` is the rate at the wheel in N/m: [`WheelQuantity::WheelRate`] in the design position. It excludes the anti-roll
-//! bar, because the game has a separate value for the bar.
+//! `SPRING_RATE` is the rate at the wheel in N/m in the design position: [`WheelQuantity::WheelRate`], or of a solid axle
+//! [`AxleQuantity::RideRateWithoutTyres`], the rate in heave per wheel. It excludes the anti-roll bar, because the game has a
+//! separate value for the bar.
 
 use super::assetto_in::POINTS;
 use super::outgoing::Outgoing;
 use super::subsystem::Written;
-use crate::axle::{AxlePlan, Quantity, WheelQuantity, axle_curves};
+use crate::axle::{AxlePlan, AxleQuantity, Quantity, WheelQuantity, axle_curves};
 use crate::car::Masses;
 use crate::model::{AxlePosition, Constraint, LengthUnit, PointId, Side};
 use crate::number::Vector3;
@@ -51,6 +52,14 @@ pub fn suspensions_ini_of_car(study: &CarStudy) -> Result<Written, String> {
         .axles
         .each_ref()
         .map(|axle| Outgoing::of(axle, None, None));
+    let is_solid = |own: &Outgoing<'_>| own.study.wheel().mechanism.topology.name == "solid_axle";
+    if is_solid(&front) && is_solid(&rear) {
+        return Err(
+            "car.front and car.rear are solid axles, but suspensions.ini has the links of one \
+             solid axle only, in [AXLE]. Export the study of the rear axle"
+                .to_owned(),
+        );
+    }
     let car = &study.car;
     let metres = |length: f64| LengthUnit::Metre.convert(length, car.length_unit);
     let [front_centre, rear_centre] = [&front, &rear].map(|axle| Ini::new(axle).centre());
@@ -105,7 +114,8 @@ VERSION=2
 [BASIC]
 ";
 
-/// Rate at the left wheel in the design position, or the reason why the study has none.
+/// Rate per wheel in the design position: of a solid axle in heave, else of the left wheel alone. Otherwise the reason why the
+/// study has none.
 fn wheel_rate(outgoing: &Outgoing<'_>) -> Result<f64, &'static str> {
     let needs = "only a study with [axle], [spring] and [wheel] radius has it";
     let both = outgoing.study.axle().ok_or(needs)?;
@@ -116,7 +126,12 @@ fn wheel_rate(outgoing: &Outgoing<'_>) -> Result<f64, &'static str> {
     if setup.rocker_springs.carry() {
         return Err("a heave spring has another rate in roll, which the file cannot contain");
     }
-    let quantity = Quantity::Wheel(Side::Left, WheelQuantity::WheelRate);
+    // The other wheel of a solid axle does not stand still: the game has springs on the axle.
+    let quantity = if both.axle.is_rigid() {
+        Quantity::Axle(AxleQuantity::RideRateWithoutTyres)
+    } else {
+        Quantity::Wheel(Side::Left, WheelQuantity::WheelRate)
+    };
     let plan = AxlePlan::of(both.plan.motion.clone(), vec![quantity]).at_design();
     let found = axle_curves(&both.axle, &plan).ok();
     let rate = found.and_then(|found| found.curves.stations.first()?.value(0));
@@ -124,13 +139,16 @@ fn wheel_rate(outgoing: &Outgoing<'_>) -> Result<f64, &'static str> {
         .ok_or("no positive rate in the design position")
 }
 
-/// Value of `TYPE` for a study.
+/// Value of `TYPE` for a solid axle.
+const AXLE: &str = "AXLE";
+
+/// Value of `TYPE` for a study, which the format must support.
 fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
     let mechanism = &outgoing.study.wheel().mechanism;
     let kind = match mechanism.topology.name {
         "double_wishbone" => "DWB",
         "macpherson" => "STRUT",
-        "solid_axle" => "AXLE",
+        "solid_axle" => AXLE,
         other => {
             return Err(format!(
                 "suspensions.ini has no type for a {other}; --to assetto is available for \
@@ -138,6 +156,12 @@ fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
             ));
         }
     };
+    if mechanism.axle_steering().is_some() {
+        return Err(
+            "suspensions.ini has no steering for a solid axle, but a drag link steers this axle"
+                .to_owned(),
+        );
+    }
     if mechanism.strut_upper().is_some() {
         return Err(
             "strut_upper: the axis of a STRUT runs through STRUT_CAR and STRUT_TYRE; the file \
@@ -145,7 +169,7 @@ fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
                 .to_owned(),
         );
     }
-    if kind != "AXLE" && outgoing.different_wheels().len() > 1 {
+    if kind != AXLE && outgoing.different_wheels().len() > 1 {
         return Err(
             "axle.right: suspensions.ini has one wheel for both sides, but the sides of this axle \
              differ"
@@ -188,7 +212,7 @@ impl<'a> Ini<'a> {
         self.angles();
         self.spring_rate();
         let links = match kind {
-            "AXLE" => self.links(),
+            AXLE => self.links(),
             _ => Vec::new(),
         };
         let known = |name: &str| {
@@ -196,10 +220,11 @@ impl<'a> Ini<'a> {
                 || keys.clone().any(|(_, own)| *own == name)
                 || links.iter().any(|id| mechanism.name(*id) == name)
         };
-        let points = mechanism.points.iter().filter(|point| !known(&point.name));
-        let absent: Vec<&str> = points
-            .map(|point| point.name.as_str())
-            .filter(|name| !name.starts_with("right_"))
+        let ids = (0..mechanism.points.len()).map(PointId);
+        let absent: Vec<&str> = ids
+            .filter(|id| !mechanism.is_far(*id))
+            .map(|id| mechanism.name(id))
+            .filter(|name| !known(name))
             .collect();
         if !absent.is_empty() {
             let absent = absent.join(", ");
@@ -318,7 +343,7 @@ impl<'a> Ini<'a> {
                     .push(format!("BASEY must be filled in: it {needs}"));
             }
         }
-        if let Some(mass) = self.unsprung_mass().filter(|_| kind != "AXLE") {
+        if let Some(mass) = self.unsprung_mass().filter(|_| kind != AXLE) {
             self.line("HUB_MASS", &shortest(mass / 2.0));
         }
         self.line("RIM_OFFSET", "0");
@@ -330,11 +355,20 @@ impl<'a> Ini<'a> {
             Ok(rate) => {
                 let per_metre = self.outgoing.study.wheel().length_unit.per_metre();
                 self.line("SPRING_RATE", &shortest(rate * per_metre));
-                self.notes.push(
-                    "SPRING_RATE is the rate at the wheel in the design position; ROD_LENGTH, \
-                     which sets the ride height, must be filled in"
-                        .to_owned(),
-                );
+                let is_rigid = self
+                    .outgoing
+                    .study
+                    .axle()
+                    .is_some_and(|own| own.axle.is_rigid());
+                let which = if is_rigid {
+                    "of the axle in heave, per wheel,"
+                } else {
+                    "at the wheel"
+                };
+                self.notes.push(format!(
+                    "SPRING_RATE is the rate {which} in the design position; ROD_LENGTH, which \
+                     sets the ride height, must be filled in"
+                ));
             }
             Err(why) => self.blank("SPRING_RATE", &format!("N/m at the wheel; {why}")),
         }

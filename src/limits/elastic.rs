@@ -93,11 +93,7 @@ fn cause(end: &EquilibriumEnd, factor: f64, unit: &str) -> String {
 
 /// Row of the load of a test. `at` describes the held quantities.
 fn load_row(test: &KcTest, unit: LengthUnit, at: &str) -> Row {
-    let trail = if test.load == TestLoad::Lateral && test.trail != 0.0 {
-        format!("_trail_{}", as_written(test.trail))
-    } else {
-        String::new()
-    };
+    let trail = test.trail_suffix();
     let (factor, symbol) = match test.load {
         TestLoad::Aligning => (1.0 / unit.per_metre(), "N_m"),
         _ => (1.0, "N"),

@@ -59,6 +59,7 @@
 //! The equations are written once over any number type. One Newton step with numbers that carry gradients adds the gradient
 //! of the unknowns. A further step with series adds derivatives along a direction.
 
+mod accepted;
 mod answers;
 mod case;
 mod catalogue;
@@ -100,7 +101,7 @@ pub use rig::RigOutcome;
 pub(crate) use second::ExpandedState;
 pub use solver::{CarSolver, Equilibrium, RowResult, RowState};
 pub use templates::{CarTemplate, TEMPLATES};
-pub use tune::{CarConstraint, CarGoals, CarRun, CarTarget, RigGoals, tune};
+pub use tune::{CarConstraint, CarGoals, CarRun, CarTarget, CarTuning, RigGoals, tune};
 
 use crate::axle::Axle;
 use crate::model::{LengthUnit, MassUnit, TorquePath};

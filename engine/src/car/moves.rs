@@ -64,7 +64,7 @@ impl Moves {
     }
 
     /// Sign that converts the study's axis to the kernel's axis, for a parameter of the body.
-    fn sign(parameter: BodyParameter, car: &Car) -> f64 {
+    pub(super) fn sign(parameter: BodyParameter, car: &Car) -> f64 {
         Moves::axis(parameter).map_or(1.0, |axis| car.axles[0].left.frame.sign(axis))
     }
 
@@ -105,7 +105,7 @@ impl Moves {
     }
 
     /// Program units per unit of the study: newtons per pound-force, kilograms per pound.
-    fn written_unit(&self, car: &Car) -> f64 {
+    pub(super) fn written_unit(&self, car: &Car) -> f64 {
         match self {
             Moves::Rate { parameter, .. } => parameter.unit(car).1,
             Moves::Body(BodyParameter::Mass) => car.mass_unit.kilograms(),

@@ -39,6 +39,16 @@ impl<'a> RigRows<'a> {
         self.objective.row_limits()
     }
 
+    /// Constraint of each row: its index among the axle's constraints.
+    pub(super) fn constraints_of_rows(&self) -> impl Iterator<Item = usize> {
+        self.layout.labels().iter().map(|label| label.constraint)
+    }
+
+    /// Number of the axle's constraints.
+    pub(super) fn constraints(&self) -> usize {
+        self.goals.optimise.constraints.len()
+    }
+
     /// Sum of the targets' weights.
     pub(super) fn weights(&self) -> f64 {
         self.goals.optimise.targets.iter().map(|t| t.weight).sum()

@@ -12,9 +12,11 @@
 use super::moves::{CarVariable, moved};
 use super::rig::RigRows;
 use super::{Car, CarQuantity, CarSolver, Case, NoEquilibrium};
+use crate::mechanism::DesignFault;
 use crate::optimise::{
     Assessment, Bounds, Constrained, Control, Infeasible, LeastSquares, Linearisation, Multistart,
-    Options, Shape, TargetLayout, constrained_multistart, multistart,
+    Options, Shape, TargetLayout, constrained_multistart, is_satisfied_from, multistart,
+    smallest_conflict,
 };
 use crate::study::{Optimise, Vehicle};
 use nalgebra::DVector;
@@ -126,6 +128,31 @@ impl Objective<'_> {
         (first, count)
     }
 
+    /// Constraint of each row, and the number of constraints. Constraints of cases come first, then those of the front and the
+    /// rear rig.
+    fn constraints_of_rows(&self) -> (Vec<usize>, usize) {
+        let (mut equalities, mut others) = (Vec::new(), Vec::new());
+        for (number, constraint) in self.goals.constraints.iter().enumerate() {
+            let limits = constraint.between.iter().filter(|l| l.is_finite());
+            others.extend(limits.map(|_| number));
+        }
+        let mut count = self.goals.constraints.len();
+        for rig in &self.rigs {
+            let own = rig.shape().equalities;
+            for (row, constraint) in rig.constraints_of_rows().enumerate() {
+                let into = if row < own {
+                    &mut equalities
+                } else {
+                    &mut others
+                };
+                into.push(count + constraint);
+            }
+            count += rig.constraints();
+        }
+        equalities.extend(others);
+        (equalities, count)
+    }
+
     fn equalities(&self) -> usize {
         self.rigs.iter().map(|rig| rig.shape().equalities).sum()
     }
@@ -138,6 +165,9 @@ impl Objective<'_> {
         mut rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
         let car = moved(self.car, self.goals.variables, x.as_slice());
+        if let Some(reason) = car.refusal() {
+            return Err(Infeasible::Refused(reason));
+        }
         let solver = CarSolver::new(&car);
         let mut solver =
             solver.map_err(|fault| Infeasible::Refused(self.car.describe_fault(&fault)))?;
@@ -305,6 +335,63 @@ impl Constrained for Objective<'_> {
     }
 }
 
+/// Result of a tuning.
+#[derive(Clone, Debug)]
+pub struct CarTuning {
+    /// All starts, and the index of the best.
+    pub starts: Multistart,
+    /// Indices of constraints that exclude one another: first those of cases, then those of the front and the rear rig. If any
+    /// one of them were removed, the others could be satisfied. Empty if all can be satisfied together.
+    pub contradiction: Vec<usize>,
+}
+
+/// Tuning problem: a car, its goals, and the layouts of the goals on the rigs.
+struct Problem<'a> {
+    car: &'a Car,
+    goals: CarGoals<'a>,
+    layouts: Vec<(&'a Vehicle, &'a RigGoals, TargetLayout)>,
+    scale: f64,
+}
+
+impl<'a> Problem<'a> {
+    /// Makes the problem. The error describes an axle whose design position cannot be solved.
+    fn of(car: &'a Car, goals: CarGoals<'a>) -> Result<Self, String> {
+        let layouts = goals.rigs.into_iter().flatten().map(|(vehicle, own)| {
+            let layout = TargetLayout::of(&own.optimise, vehicle);
+            (vehicle, own, layout)
+        });
+        let mut problem = Problem {
+            car,
+            goals,
+            layouts: layouts.collect(),
+            scale: 1.0,
+        };
+        let rigs = problem.rigs().map_err(|fault| format!("{fault:?}"))?;
+        let residuals: usize = rigs.iter().map(|rig| rig.shape().goal).sum();
+        let of_cases: f64 = goals.targets.iter().map(|target| target.weight).sum();
+        let weights = of_cases + rigs.iter().map(RigRows::weights).sum::<f64>();
+        drop(rigs);
+        problem.scale = ((goals.targets.len() + residuals) as f64 / weights).sqrt();
+        Ok(problem)
+    }
+
+    fn rigs(&self) -> Result<Vec<RigRows<'_>>, DesignFault> {
+        let layouts = self.layouts.iter();
+        let rows = layouts.map(|(vehicle, own, layout)| RigRows::new(vehicle, own, layout));
+        rows.collect()
+    }
+
+    /// Residuals and rows. The axles were accepted when the problem was made.
+    fn objective(&self) -> Objective<'_> {
+        Objective {
+            car: self.car,
+            goals: self.goals,
+            rigs: self.rigs().unwrap_or_default(),
+            scale: self.scale,
+        }
+    }
+}
+
 /// Tunes a car from several starts. At least one of them has a fit, which is the best. It fails if the cases have no solution in
 /// any start, or if a range is empty.
 pub fn tune(
@@ -312,7 +399,7 @@ pub fn tune(
     goals: CarGoals<'_>,
     run: CarRun,
     control: Control<'_>,
-) -> Result<Multistart, String> {
+) -> Result<CarTuning, String> {
     let ranges: Vec<[f64; 2]> = goals.variables.iter().map(|v| v.range).collect();
     let bounds = Bounds::new(&ranges).map_err(|fault| fault.to_string())?;
     let start = goals.variables.iter();
@@ -323,27 +410,8 @@ pub fn tune(
         max_evaluations: 10 * run.max_iterations,
         ..Options::default()
     };
-    let layouts = goals.rigs.map(|rig| {
-        let (vehicle, own) = rig?;
-        Some((vehicle, own, TargetLayout::of(&own.optimise, vehicle)))
-    });
-    let rigs = || {
-        let layouts = layouts.iter().flatten();
-        let rows = layouts.map(|(vehicle, own, layout)| RigRows::new(vehicle, own, layout));
-        rows.collect::<Result<Vec<_>, _>>()
-    };
-    // An axle that is accepted here is accepted in every start.
-    let accepted = rigs().map_err(|fault| format!("{fault:?}"))?;
-    let residuals: usize = accepted.iter().map(|rig| rig.shape().goal).sum();
-    let of_cases: f64 = goals.targets.iter().map(|target| target.weight).sum();
-    let weights = of_cases + accepted.iter().map(RigRows::weights).sum::<f64>();
-    let scale = ((goals.targets.len() + residuals) as f64 / weights).sqrt();
-    let objective = || Objective {
-        car,
-        goals,
-        rigs: rigs().unwrap_or_default(),
-        scale,
-    };
+    let problem = Problem::of(car, goals)?;
+    let objective = || problem.objective();
     let starts = run.starts.max(1);
     let found = match objective().shape().rows {
         0 => multistart(
@@ -354,8 +422,53 @@ pub fn tune(
         ),
     };
     // If no start succeeds, the error of the first start (the design) is returned.
-    match (found.best, &found.starts[0].outcome) {
-        (None, Err(fault)) => Err(fault.to_string()),
-        _ => Ok(found),
+    if let (None, Err(fault)) = (found.best, &found.starts[0].outcome) {
+        return Err(fault.to_string());
     }
+    let is_violated = found.best_fit().is_some_and(|fit| !fit.is_feasible());
+    let contradiction = if is_violated {
+        contradiction(&problem, &found, &bounds, control)
+    } else {
+        Vec::new()
+    };
+    Ok(CarTuning {
+        starts: found,
+        contradiction,
+    })
+}
+
+/// Indices of constraints that cannot be satisfied together.
+fn contradiction(
+    problem: &Problem<'_>,
+    starts: &Multistart,
+    bounds: &Bounds,
+    control: Control<'_>,
+) -> Vec<usize> {
+    let (of_rows, count) = problem.objective().constraints_of_rows();
+    smallest_conflict(starts, &of_rows, count, |kept| {
+        let goals = &problem.goals;
+        let of_cases = goals.constraints.iter().enumerate();
+        let of_cases = of_cases.filter(|(number, _)| kept.contains(number));
+        let constraints: Vec<CarConstraint> = of_cases.map(|(_, own)| own.clone()).collect();
+        let mut next = goals.constraints.len();
+        let rigs = goals.rigs.map(|rig| {
+            let (_, goals) = rig?;
+            let mut own = goals.clone();
+            own.optimise.constraints.retain(|_| {
+                next += 1;
+                kept.contains(&(next - 1))
+            });
+            Some(own)
+        });
+        let [front, rear] = goals.rigs;
+        let rig = |rig: Option<(_, _)>, own| Some((rig?.0, Option::as_ref(own)?));
+        let goals = CarGoals {
+            constraints: &constraints,
+            rigs: [rig(front, &rigs[0]), rig(rear, &rigs[1])],
+            ..*goals
+        };
+        // Problems with fewer constraints are accepted like the whole problem.
+        Problem::of(problem.car, goals)
+            .is_ok_and(|some| is_satisfied_from(starts, bounds, control, || some.objective()))
+    })
 }

@@ -26,6 +26,8 @@ pub enum ElasticFault {
         /// Index of the axis, 0 to 2.
         axis: usize,
     },
+    /// The spring has no force in the design position, so nothing carries the wheel.
+    NoForce,
     /// The spring has no leverage on the wheel, or does not exist.
     NoLeverage,
 }
@@ -82,6 +84,9 @@ impl ElasticFault {
                     ["x", "y", "z"][*axis],
                     suspension.mechanism.name(point)
                 )
+            }
+            ElasticFault::NoForce => {
+                "the spring's force in the design position is 0, but with relaxed = \"at_design_load\" it carries the wheel there: expected another force, or relaxed = \"free\"".to_owned()
             }
             ElasticFault::NoLeverage => {
                 "the spring's force has no leverage on the wheel in the design position".to_owned()

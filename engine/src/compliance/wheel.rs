@@ -173,9 +173,11 @@ impl<T: Scalar> ElasticWheel<T> {
     /// Refuses a spring that does not support the wheel in the design position.
     pub(super) fn check_leverage(&self, around: &Surroundings<T>) -> Result<(), ElasticFault> {
         let spring = self.built.spring_reading(&self.start, around);
-        let force = spring.map_or(0.0, |spring| spring.force.value());
+        let force = spring.as_ref().map_or(0.0, |spring| spring.force.value());
         if self.start.vertical.value().abs() > LEAST_LEVERAGE * force.abs() {
             Ok(())
+        } else if spring.is_some() && force == 0.0 {
+            Err(ElasticFault::NoForce)
         } else {
             Err(ElasticFault::NoLeverage)
         }

@@ -328,6 +328,19 @@ impl Mechanism {
         mechanism
     }
 
+    /// Reason why parts of this mechanism cannot be elastic. `None` if they can.
+    pub fn why_not_elastic(&self) -> Option<&'static str> {
+        if self.topology.is_twist_beam() {
+            Some("elastic parts are not available for twist beams yet")
+        } else if self.axle_steering().is_some() {
+            Some("elastic parts are not available for a steered solid axle yet")
+        } else if self.point("watt_pivot").is_some() {
+            Some("elastic parts are not available with a Watt linkage yet")
+        } else {
+            None
+        }
+    }
+
     /// Returns true for a point of the far half of a rigid axle, which follows the near half.
     pub fn is_far(&self, id: PointId) -> bool {
         self.rigid_axle

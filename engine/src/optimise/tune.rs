@@ -5,7 +5,8 @@
 //! m then moves back towards the study's own design, as far as m and the constraints allow. The nearest of these designs is the
 //! result. With `good_enough = 0` the result is the design with the smallest misfit.
 
-use super::constrained::{KEPT, constrained_fit};
+use super::conflict::{is_satisfied_from, smallest_conflict};
+use super::constrained::KEPT;
 use super::fixed::moves;
 use super::multistart::fits;
 use super::pool::{Pool, PoolGuard};
@@ -13,9 +14,9 @@ use super::starts::STARTS_BEFORE_REFUSAL;
 use super::trade::{Criterion, Distance};
 use super::yield_search::{ExpectedYield, tune_for_yield};
 use super::{
-    Assessment, Bounds, Constrained, ConstrainedFit, Control, Deviation, Fit, Held,
-    Identifiability, Infeasible, LeastSquares, Linearisation, Multistart, Objective, Options,
-    StandardErrors, TargetLayout, Termination, moved_design,
+    Assessment, Bounds, Constrained, ConstrainedFit, Control, Deviation, Fit, Identifiability,
+    Infeasible, LeastSquares, Linearisation, Multistart, Objective, Options, StandardErrors,
+    TargetLayout, Termination, moved_design,
 };
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
@@ -437,58 +438,24 @@ impl<'a> Tuner<'a> {
             .collect()
     }
 
-    /// Finds a smallest set of constraints that cannot be satisfied together. It starts with all constraints that the runs name,
-    /// and removes one after the other as long as the remaining ones still cannot be satisfied.
+    /// Indices of constraints that cannot be satisfied together.
     fn contradiction(&self, starts: &Multistart) -> Vec<usize> {
-        let mut blamed: Vec<usize> = Vec::new();
-        for state in fits(&starts.starts).filter_map(|(_, fit)| fit.constraints.as_ref()) {
-            for culprit in &state.culprits {
-                if let Held::Row(row) = culprit {
-                    blamed.push(self.layout.labels()[*row].constraint);
-                }
-            }
-        }
-        blamed.sort_unstable();
-        blamed.dedup();
-        if blamed.is_empty() || self.can_be_kept(&blamed, starts) {
-            // The named constraints conflict only together with all the others.
-            blamed = (0..self.optimise.constraints.len()).collect();
-            if blamed.len() > 12 || self.can_be_kept(&blamed, starts) {
-                return Vec::new();
-            }
-        }
-        for candidate in blamed.clone() {
-            let rest: Vec<usize> = blamed.iter().copied().filter(|c| *c != candidate).collect();
-            if !rest.is_empty() && !self.can_be_kept(&rest, starts) {
-                blamed = rest;
-            }
-        }
-        blamed
-    }
-
-    /// Returns true if some start ends with these constraints satisfied.
-    fn can_be_kept(&self, constraints: &[usize], starts: &Multistart) -> bool {
-        let some = Optimise {
-            constraints: constraints
-                .iter()
-                .map(|c| self.optimise.constraints[*c].clone())
-                .collect(),
-            // Constraints apply to the nominal design.
-            scatter: None,
-            ..self.optimise.clone()
-        };
-        let layout = TargetLayout::of(&some, self.vehicle);
-        let few = starts.starts.iter().take(STARTS_BEFORE_REFUSAL);
-        few.into_iter().any(|start| {
-            let problem = self.problem_of(&some, &layout);
-            let control = Control {
-                watch: None,
-                ..self.control
+        let labels = self.layout.labels().iter();
+        let of_rows: Vec<usize> = labels.map(|label| label.constraint).collect();
+        let count = self.optimise.constraints.len();
+        smallest_conflict(starts, &of_rows, count, |constraints| {
+            let some = Optimise {
+                constraints: constraints
+                    .iter()
+                    .map(|c| self.optimise.constraints[*c].clone())
+                    .collect(),
+                // Constraints apply to the nominal design.
+                scatter: None,
+                ..self.optimise.clone()
             };
-            let options = Options::default();
-            let fit = constrained_fit(0, problem, &self.bounds, &start.x, &options, control);
-            // An interrupted run proves nothing.
-            fit.is_ok_and(|fit| fit.is_feasible() || fit.termination == Termination::Interrupted)
+            let layout = TargetLayout::of(&some, self.vehicle);
+            let problem = || self.problem_of(&some, &layout);
+            is_satisfied_from(starts, &self.bounds, self.control, problem)
         })
     }
 }

@@ -71,11 +71,7 @@ pub(super) fn read(
     let text = match read_text(&full, LONGEST_TEXT) {
         Ok(text) => text,
         Err(reason) => {
-            let error = problems.add(
-                path.span(),
-                format!("cannot read {}: {reason}", full.display()),
-            );
-            error.help("the path is relative to the study file");
+            unreadable(path, directory, &reason, problems);
             return None;
         }
     };
@@ -90,6 +86,14 @@ pub(super) fn read(
             None
         }
     }
+}
+
+/// Reports a file that cannot be read.
+pub(super) fn unreadable(path: &Text, directory: &Path, reason: &str, problems: &mut Problems) {
+    let full = directory.join(path.get_ref());
+    let message = format!("cannot read {}: {reason}", full.display());
+    let error = problems.add(path.span(), message);
+    error.help("the path is relative to the study file");
 }
 
 fn curve(source: &Arc<Source>, wanted: &WantedColumns<'_>) -> Result<Vec<[f64; 2]>, StudyErrors> {

@@ -5,6 +5,7 @@ use super::error::Problems;
 use super::names::choose;
 use super::output_measures::measured;
 use super::resolve::Context;
+use super::suspension::ABOVE_ZERO;
 use super::value::Text;
 use super::{
     ElasticFigure, NamedParts, RATE_AXES, Rate, TargetKind, TargetQuantity, Variable, file, moves,
@@ -21,10 +22,7 @@ use toml::Spanned;
 pub(super) fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec<ElasticFigure> {
     let mut found: Vec<(KcTest, ElasticFigure)> = Vec::new();
     for test in &elastic.tests {
-        let mut suffix = String::new();
-        if test.trail != 0.0 {
-            suffix += &format!("_trail_{}", test.trail);
-        }
+        let mut suffix = test.trail_suffix();
         let other_hold = |other: &KcTest| {
             (other.load, other.trail) == (test.load, test.trail) && other.held != test.held
         };
@@ -374,11 +372,7 @@ pub(super) fn rate(
         return problems.refuse(variable.span(), "the key \"range\" is missing");
     };
     let what = if is_relative { "factors" } else { "rates" };
-    let [low, high] = moves::range(range, what, problems)?;
-    if low <= 0.0 {
-        let message = format!("expected {what} above 0, found {low}");
-        return problems.refuse(range.span(), message);
-    }
+    let [low, high] = moves::accepted_range(range, what, ABOVE_ZERO, problems)?;
     let own = if is_relative { 1.0 } else { design };
     if low > own || high < own {
         let message = format!("the range does not include the study's value {own}");

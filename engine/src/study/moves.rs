@@ -7,6 +7,7 @@ use super::members;
 use super::outputs::{distinct, hardpoint};
 use super::resolve::some;
 use super::value::{Number, Text};
+use crate::ask::Accepted;
 use crate::model::{Axis, PointId, Suspension};
 use std::ops::Range as Span;
 use toml::Spanned;
@@ -97,6 +98,23 @@ pub(super) fn range(
         return None;
     }
     Some([low, high])
+}
+
+/// Reads the lowest and the highest value of a variable. The study must accept both.
+pub(super) fn accepted_range(
+    written: &Spanned<Vec<Number>>,
+    what: &str,
+    accepted: Accepted,
+    problems: &mut Problems,
+) -> Option<[f64; 2]> {
+    let ends = range(written, what, problems)?;
+    match accepted.first_outside(ends) {
+        None => Some(ends),
+        Some(end) => {
+            let message = format!("expected {what} {accepted}, found {end}");
+            problems.refuse(written.span(), message)
+        }
+    }
 }
 
 /// Names of the moving points, for example `lower_arm_front+lower_arm_rear`.

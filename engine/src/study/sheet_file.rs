@@ -2,7 +2,7 @@
 
 mod of_axle;
 
-use super::curve_file::{at_record, delimiter, only_column, refuse_other_units};
+use super::curve_file::{self, at_record, delimiter, only_column, refuse_other_units};
 use super::elastic_targets;
 use super::elastic_targets::ElasticQuantity;
 use super::error::{Problems, Source, StudyErrors};
@@ -11,6 +11,7 @@ use super::resolve::Context;
 use super::source::{LONGEST_TEXT, read_text};
 use super::value::{Number, Text};
 use super::{AxleStudy, ComplianceStudy, ElasticFigure, Site, Target, TargetQuantity, Wanted};
+use crate::ask::six_digits;
 use crate::compliance::{HeldQuantity, KcTest, KcValue, TestLoad};
 use crate::model::Side;
 use of_axle::AxlePlace;
@@ -29,12 +30,16 @@ pub(super) struct SheetTarget {
     pub numbers: Vec<(&'static str, f64)>,
 }
 
-/// Reads the file of a target with the needed columns that it lacks. `None` if it cannot be read, which the reader of curves
-/// reports.
-fn sheet(path: &Text, context: &Context) -> Option<(Arc<Source>, Vec<&'static str>)> {
+/// A file with the needed columns that it lacks.
+type Sheet = (Arc<Source>, Vec<&'static str>);
+
+/// Reads the file of a target. `None` if it is empty, which the reader of curves reports. The error says why it cannot be read.
+fn sheet(path: &Text, context: &Context) -> Result<Option<Sheet>, String> {
     let full = context.directory.join(path.get_ref());
-    let text = read_text(&full, LONGEST_TEXT).ok()?;
-    let header = text.trim_start().lines().next()?;
+    let text = read_text(&full, LONGEST_TEXT)?;
+    let Some(header) = text.trim_start().lines().next() else {
+        return Ok(None);
+    };
     let separator = char::from(delimiter(&text));
     let names: Vec<&str> = header
         .split(separator)
@@ -46,7 +51,7 @@ fn sheet(path: &Text, context: &Context) -> Option<(Arc<Source>, Vec<&'static st
         name: full.display().to_string(),
         text,
     };
-    Some((Arc::new(source), missing))
+    Ok(Some((Arc::new(source), missing)))
 }
 
 /// Returns true if a target does not say what a file of a curve measures, so its file must be a sheet.
@@ -72,7 +77,16 @@ pub(super) fn targets(
         (None, Some(both)) if both.axle.elastic.is_some() => SheetOf::Axle(both),
         _ => return None,
     };
-    let (source, missing) = sheet(path, context)?;
+    let (source, missing) = match sheet(path, context) {
+        Ok(Some(found)) => found,
+        Ok(None) => return None,
+        // A curve needs further keys. Their absence is not reported if the file cannot be read.
+        Err(reason) if must_be_a_sheet(written) => {
+            curve_file::unreadable(path, context.directory, &reason, problems);
+            return Some(None);
+        }
+        Err(_) => return None,
+    };
     if !missing.is_empty() {
         if !must_be_a_sheet(written) {
             return None;
@@ -319,7 +333,8 @@ impl Reader<'_> {
         };
         let same = |column: &str, own: &str| ["", own].contains(&row.cell(column));
         Ok(row.cell("load") == test.load.name()
-            && trail.is_none_or(|trail| trail == test.trail)
+            // Rounding in a conversion of units does not matter.
+            && trail.is_none_or(|trail| six_digits(trail) == six_digits(test.trail))
             && same("hold", held)
             && same("mode", test.mode.name())
             && same("anti_roll_bar", bar)

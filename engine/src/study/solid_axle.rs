@@ -105,7 +105,6 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     let parts = file.bushings.values().map(Spanned::span);
     let parts = parts.chain(file.links.values().map(Spanned::span));
     let parts = parts.chain(file.compliance.as_ref().map(Spanned::span));
-    let parts = parts.filter(|_| is_beam || has_watt || is_steered);
     refused.extend([(
         certify.map(Spanned::span),
         match is_beam {
@@ -124,19 +123,22 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
         },
     )]);
     refused.extend(bushings_of_five_links(file, suspension));
-    refused.extend(parts.map(|span| {
-        let message = match is_beam {
-            true => "elastic parts are not available for twist beams yet; leave [compliance], [bushings] and [links] out",
-            false if is_steered => "elastic parts are not available for a steered solid axle yet; leave [compliance], [bushings] and [links] out",
-            false => "elastic parts are not available with a Watt linkage yet; expected a Panhard rod, or no [compliance], [bushings] and [links]",
-        };
-        (Some(span), message)
-    }));
     let mut sound = is_beam || links(file, suspension, problems);
     sound &= drag_link_is_left(&file.suspension, suspension, problems);
     for (span, message) in refused {
         if let Some(span) = span {
             problems.add(span, message);
+            sound = false;
+        }
+    }
+    if let Some(reason) = suspension.mechanism.why_not_elastic() {
+        for span in parts {
+            let instead = if has_watt && !is_steered {
+                "expected a Panhard rod, or no [compliance], [bushings] and [links]"
+            } else {
+                "leave [compliance], [bushings] and [links] out"
+            };
+            problems.add(span, format!("{reason}; {instead}"));
             sound = false;
         }
     }

@@ -6,6 +6,7 @@ use super::geometry;
 use super::names::{choose, choose_or, nearest};
 use super::solid_axle;
 use super::value::{Number, Text};
+use crate::ask::Accepted;
 use crate::mechanism::HardpointFault;
 use crate::model::{
     AxlePosition, Frame, FrameConvention, Group, LengthUnit, MassUnit, Mechanism, Point, Side,
@@ -406,9 +407,22 @@ pub(super) fn positive(number: &Option<Number>, problems: &mut Problems) -> Opti
 
 /// Checks that the number is positive.
 pub(super) fn above_zero(number: &Number, problems: &mut Problems) -> Option<f64> {
-    if number.value > 0.0 {
+    accepted(number, "number", ABOVE_ZERO, problems)
+}
+
+/// Numbers above 0, such as rates, masses and lengths.
+pub(super) const ABOVE_ZERO: Accepted = Accepted::Above(0.0);
+
+/// Checks that the number is one of the accepted values. `noun` names it in the message.
+pub(super) fn accepted(
+    number: &Number,
+    noun: &str,
+    accepted: Accepted,
+    problems: &mut Problems,
+) -> Option<f64> {
+    if accepted.contains(number.value) {
         return Some(number.value);
     }
-    let message = format!("expected a number above 0, found {}", number.value);
+    let message = format!("expected a {noun} {accepted}, found {}", number.value);
     problems.refuse(number.span.clone(), message)
 }

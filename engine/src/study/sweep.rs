@@ -7,6 +7,7 @@ use super::motion::{evenly_spaced_at, within};
 use super::moves;
 use super::names::{choose, choose_or};
 use super::resolve::{Context, each, some};
+use super::suspension::ABOVE_ZERO;
 use super::value::{Text, Whole};
 use super::{Designs, Drive, FileFormat, Formulation, Sampled, Sampling, Sweep, SweepVariable};
 use crate::model::{Axis, PointId, Suspension};
@@ -362,11 +363,7 @@ fn rate(
 ) -> Option<SweepVariable> {
     let (part, rate) = named.read(context, problems)?;
     let what = if rate.is_relative { "factors" } else { "rates" };
-    let range = moves::range(&written.range, what, problems)?;
-    if range[0] <= 0.0 {
-        let message = format!("expected {what} above 0, found {}", range[0]);
-        return problems.refuse(written.range.span(), message);
-    }
+    let range = moves::accepted_range(&written.range, what, ABOVE_ZERO, problems)?;
     let steps = match &written.steps {
         None => None,
         Some(steps) => Some(self::steps(steps, Some(range), problems)?),

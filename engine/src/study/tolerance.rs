@@ -11,9 +11,10 @@ use super::members::{axis, member};
 use super::names::choose;
 use super::outputs::hardpoint;
 use super::resolve::{Context, each, some};
-use super::suspension::above_zero;
+use super::suspension::{ABOVE_ZERO, above_zero};
 use super::value::{MemberName, Text};
 use super::{AxleStudy, Contributor, Drive, Law, Setup, Source, Tolerance};
+use crate::ask::{Accepted, six_digits};
 use crate::assembly::BuildParameter;
 use crate::model::{Axis, PointId, Side, Suspension};
 use crate::number::Each;
@@ -22,8 +23,8 @@ use jig::jig;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Number of standard deviations below its nominal value at which a rate must still be positive. Builds with a rate that is
-/// not positive are rejected.
+/// Number of standard deviations from its nominal value at which a study must still accept a value. Builds with a value that a
+/// study does not accept are rejected.
 const LEAST_SIGMAS: f64 = 4.0;
 /// Largest number of builds: hours of work for the fastest machine.
 const MOST_BUILDS: i64 = 10_000_000_000;
@@ -319,25 +320,13 @@ fn rate(
 ) -> Option<Contributor> {
     let (part, rate) = named.read(context, problems)?;
     let law = law(written, named.place.clone(), problems)?;
-    let lowest = match law {
-        Law::Normal { sigma } => -LEAST_SIGMAS * sigma,
-        Law::Uniform { low, .. } => low,
+    let remedy = if rate.is_relative {
+        "a smaller sigma"
+    } else {
+        "a smaller sigma, or relative = true"
     };
-    let [least, _] = rate.scattered(lowest);
-    if least <= 0.0 {
-        let message = match law {
-            Law::Normal { .. } => format!(
-                "at {LEAST_SIGMAS} standard deviations below nominal the rate is {least}: expected a smaller sigma{}",
-                if rate.is_relative {
-                    ""
-                } else {
-                    ", or relative = true"
-                }
-            ),
-            Law::Uniform { .. } => {
-                format!("the lowest limit makes the rate {least}: expected a rate above 0")
-            }
-        };
+    let value = |deviation| rate.scattered(deviation)[0];
+    if let Some(message) = unacceptable(law, value, ABOVE_ZERO, ["rate", remedy]) {
         return problems.refuse(named.place.clone(), &message);
     }
     let name = match rate.axis_name() {
@@ -350,6 +339,37 @@ fn rate(
             ..Source::of_parts(name.clone(), Vec::new(), law)
         }],
         name,
+    })
+}
+
+/// Returns a message if a value that scatters leaves the values that a study accepts. A normal distribution must stay inside up
+/// to [`LEAST_SIGMAS`] standard deviations. `value` gives the value at a deviation. `words` has a noun for the value and the
+/// remedy for a normal distribution.
+pub(super) fn unacceptable(
+    law: Law,
+    value: impl Fn(f64) -> f64,
+    accepted: Accepted,
+    [noun, remedy]: [&str; 2],
+) -> Option<String> {
+    let [low, high] = match law {
+        Law::Normal { sigma } => [-LEAST_SIGMAS * sigma, LEAST_SIGMAS * sigma],
+        Law::Uniform { low, high } => [low, high],
+    };
+    let ends = [(low, ["below", "lowest"]), (high, ["above", "highest"])];
+    ends.into_iter().find_map(|(deviation, [way, end])| {
+        let found = value(deviation);
+        if accepted.contains(found) {
+            return None;
+        }
+        let found = six_digits(found);
+        Some(match law {
+            Law::Normal { .. } => format!(
+                "at {LEAST_SIGMAS} standard deviations {way} nominal the {noun} is {found}: expected {remedy}"
+            ),
+            Law::Uniform { .. } => {
+                format!("the {end} limit makes the {noun} {found}: expected a {noun} {accepted}")
+            }
+        })
     })
 }
 

@@ -193,12 +193,15 @@ impl CarWorker<'_> {
                 *value += 0.0;
             }
             let car = plan.car(values);
-            let failing = plan.row_of(&car, &mut self.results, outputs);
-            rows.failing
-                .push(failing.unwrap_or_else(|(axle, side, fault)| {
-                    let reason = car.describe_fault(&(axle, side, fault));
-                    Some(Failing::of_design(reason, plan.study.cases.len()))
-                }));
+            let failing = match car.refusal() {
+                Some(reason) => Err(reason),
+                None => {
+                    let row = plan.row_of(&car, &mut self.results, outputs);
+                    row.map_err(|fault| car.describe_fault(&fault))
+                }
+            };
+            let of_design = |reason| Some(Failing::of_design(reason, plan.study.cases.len()));
+            rows.failing.push(failing.unwrap_or_else(of_design));
         }
         &self.rows
     }

@@ -112,7 +112,7 @@ impl<'a> CarProblem<'a> {
         })
     }
 
-    /// Car of a build. An error names the wheel that cannot be assembled.
+    /// Car of a build. An error names the wheel that cannot be assembled, or the value that a study does not accept.
     pub fn built(&self, number: u64) -> Result<Car, String> {
         let mut car = self.study.car.clone();
         for (axle, problem) in self.axles.iter().enumerate() {
@@ -146,7 +146,10 @@ impl<'a> CarProblem<'a> {
             let nominal = moves.value(&car).unwrap_or(0.0);
             moves.apply(nominal + deviation, &mut car);
         }
-        Ok(car)
+        match car.refusal() {
+            Some(reason) => Err(reason),
+            None => Ok(car),
+        }
     }
 
     /// Nominal car, in the form that builds use. If parts of an axle scatter, both of its wheels have the points of the

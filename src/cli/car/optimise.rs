@@ -7,9 +7,9 @@ use super::super::{RunArguments, interrupt};
 use super::{headline, keep, open, page, solver};
 use crate::optimise::Control;
 use crate::report::{
-    CarConstraintRecord, CarResults, CarTargetRecord, car_constraints_table, car_targets_json,
-    car_targets_table, interrupted_in_words, misfit_in_words, misfit_table, optimised_car,
-    side_effects_in_words, side_effects_table,
+    CarConstraintRecord, CarResults, CarTargetRecord, car_constraint_names, car_constraints_table,
+    car_targets_json, car_targets_table, contradiction_in_words, interrupted_in_words,
+    misfit_in_words, misfit_table, optimised_car, side_effects_in_words, side_effects_table,
 };
 use crate::side_effects::{SideEffect, side_effects_of_car};
 use crate::study::{CarStudy, TunedCar};
@@ -51,6 +51,7 @@ pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
     let after = CarResults::solve(&tuned.study, &mut tuned_solver, tuned.study.cases.len());
     let effects = side_effects_of_car(&study, &tuned.study);
     let x = tuned.fit.x.as_slice();
+    let constraints = after.constraint_records(wanted, &before, x);
     let results = TuningResults {
         study: &study,
         tuned: &tuned,
@@ -58,7 +59,8 @@ pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
         after: &after,
         texts: &texts,
         targets: after.target_records(wanted, &before, x),
-        constraints: after.constraint_records(wanted, &before, x),
+        contradiction: car_constraint_names(&constraints, &tuned.contradiction),
+        constraints,
         effects: effects.map_err(unsolved)?,
         is_interrupted,
     };
@@ -66,6 +68,7 @@ pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
     files.extend(keep(&output, &study)?);
     let mut remarks = after.warnings();
     remarks.extend(results.interruption());
+    remarks.extend(contradiction_in_words(&results.contradiction));
     let mut record = after.record("optimise", &mut tuned_solver, None, &remarks);
     record.targets.clone_from(&results.targets);
     record.side_effects.clone_from(&results.effects);
@@ -87,6 +90,8 @@ struct TuningResults<'a> {
     texts: &'a [String; 3],
     targets: Vec<CarTargetRecord>,
     constraints: Vec<CarConstraintRecord>,
+    /// Names of constraints that exclude one another.
+    contradiction: Vec<String>,
     effects: Vec<SideEffect>,
     is_interrupted: bool,
 }
@@ -113,6 +118,7 @@ impl TuningResults<'_> {
             "variables": variables,
             "targets": car_targets_json(&self.targets),
             "constraints": self.constraints,
+            "contradiction": self.contradiction,
             "side_effects": self.effects,
         });
         output.json("summary.json", &summary)?;
@@ -147,6 +153,9 @@ impl TuningResults<'_> {
         if let Some(table) = car_constraints_table(&self.constraints) {
             output.table("constraints", &table)?;
             output.text_only("\n")?;
+        }
+        if let Some(words) = contradiction_in_words(&self.contradiction) {
+            output.say(&format!("{words}\n\n"))?;
         }
         let x = fit.x.as_slice();
         output.table("variables", &self.after.variables_table(study, x))?;

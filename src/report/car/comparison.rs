@@ -32,35 +32,33 @@ pub struct CarComparison {
 }
 
 impl CarComparison {
-    /// Compares cars in the load cases and results of the first car. A car without one of them has empty cells.
+    /// Compares cars in the load cases and results of the first car, in its units and axes. A car without one of them has empty
+    /// cells.
     ///
     /// # Errors
-    /// The reason in words, if lengths have different units.
+    /// No cars were given.
     pub fn of(cars: &[(String, CarResults<'_>)]) -> Result<Self, String> {
         let Some((_, first)) = cars.first() else {
             return Err("no cars were given".to_owned());
         };
         let length = first.study.car.length_unit;
-        if let Some((label, _)) = cars
-            .iter()
-            .find(|(_, of)| of.study.car.length_unit != length)
-        {
-            return Err(format!(
-                "{label} has another length_unit than the first car; give all cars the same one"
-            ));
-        }
         let mut rows = Vec::new();
         for case in &first.study.cases {
             for quantity in &first.study.quantities {
-                let values: Vec<_> = cars
-                    .iter()
-                    .map(|(_, of)| of.value(&case.name, *quantity))
-                    .collect();
+                let unit = quantity.info().unit;
+                let value = |(_, of): &(String, CarResults<'_>)| {
+                    let value = of.value(&case.name, *quantity)?;
+                    Some(match of.study.car.length_unit {
+                        own if own == length => value,
+                        own => unit.reprinted(value, own, length),
+                    })
+                };
+                let values: Vec<_> = cars.iter().map(value).collect();
                 if values.iter().any(Option::is_some) {
                     rows.push(Row {
                         case: case.name.clone(),
                         quantity: *quantity,
-                        unit: quantity.info().unit.suffix(length),
+                        unit: unit.suffix(length),
                         values,
                     });
                 }
@@ -164,7 +162,45 @@ fn sign_in_first(moves: &Moves, first: &Car, car: &Car) -> f64 {
     to * from
 }
 
-/// Parameters, rates and coordinates of the first car that differ in another car, in the axes of the first car.
+/// Converts a value of a car to the units of the first car.
+fn in_first_units(moves: &Moves, first: &Car, car: &Car, value: f64) -> f64 {
+    match moves {
+        Moves::Body(BodyParameter::Mass) if car.mass_unit != first.mass_unit => {
+            value * car.mass_unit.kilograms() / first.mass_unit.kilograms()
+        }
+        Moves::Body(
+            BodyParameter::Mass | BodyParameter::BrakeShareFront | BodyParameter::DriveShareFront,
+        ) => value,
+        Moves::Rate { parameter, .. } => {
+            let [from, to] = [car, first].map(|car| car.length_unit);
+            let value = value * from.newtons() / to.newtons();
+            match parameter {
+                // Force by length.
+                AxleParameter::SpringRate
+                | AxleParameter::HeaveSpringRate
+                | AxleParameter::TyreRate => from.convert(value, to),
+                // Force times length by angle.
+                _ => to.convert(value, from),
+            }
+        }
+        Moves::Hardpoints(_) | Moves::Body(_) | Moves::Wheelbase => {
+            first.length_unit.convert(value, car.length_unit)
+        }
+    }
+}
+
+/// Relative difference up to which values of cars with different units count as equal: rounding of their conversion.
+const ROUNDING: f64 = 1e-12;
+
+/// Returns true if a value differs from that of the first car. Values in the same units are compared exactly.
+fn is_changed(first: Option<f64>, other: Option<f64>, in_same_units: bool) -> bool {
+    match (first, other) {
+        (Some(a), Some(b)) if !in_same_units => (a - b).abs() > ROUNDING * a.abs().max(b.abs()),
+        _ => first != other,
+    }
+}
+
+/// Parameters, rates and coordinates of the first car that differ in another car, in the units and axes of the first car.
 fn changes(cars: &[&Car]) -> Vec<Change> {
     let rates = [0, 1].into_iter().flat_map(|axle| {
         let all = [
@@ -190,14 +226,19 @@ fn changes(cars: &[&Car]) -> Vec<Change> {
         Parameter::Body(parameter) => Moves::Body(parameter),
     });
     let mut changes = Vec::new();
+    let units = |car: &Car| (car.length_unit, car.mass_unit);
+    let in_same_units = |k: usize| units(cars[k]) == units(cars[0]);
     let mut push = |name: String, unit: String, values: Vec<Option<f64>>| {
-        if values.iter().any(|value| *value != values[0]) {
+        let mut others = values.iter().enumerate();
+        if others.any(|(k, value)| is_changed(values[0], *value, in_same_units(k))) {
             changes.push(Change { name, unit, values });
         }
     };
     for moves in moves.chain([Moves::Wheelbase]) {
-        let value =
-            |car: &&Car| Some(moves.value(car)? * sign_in_first(&moves, cars[0], car) + 0.0);
+        let value = |car: &&Car| {
+            let value = in_first_units(&moves, cars[0], car, moves.value(car)?);
+            Some(value * sign_in_first(&moves, cars[0], car) + 0.0)
+        };
         let values = cars.iter().map(value).collect();
         push(moves.label(cars[0]), moves.unit(cars[0]), values);
     }
@@ -210,7 +251,9 @@ fn changes(cars: &[&Car]) -> Vec<Change> {
                     let wheel = &car.axles[axle].left;
                     let mut points = 0..wheel.mechanism.points.len();
                     let point = points.find(|k| wheel.mechanism.name(PointId(*k)) == name)?;
-                    Some(first.frame.sign(axis) * wheel.design[point][axis] + 0.0)
+                    let place = wheel.design[point][axis];
+                    let place = first.length_unit.convert(place, wheel.length_unit);
+                    Some(first.frame.sign(axis) * place + 0.0)
                 };
                 let values = cars.iter().map(coordinate).collect();
                 let label = format!("{}.{name}.{}", crate::car::AXLE_NAMES[axle], axis.name());

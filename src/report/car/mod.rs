@@ -18,7 +18,9 @@ pub use record::{
 };
 pub use studies::{car_with_axles, optimised_car, settings_of_car};
 pub use tolerance::CarToleranceSummary;
-pub use tuning::{car_constraints_table, car_targets_json, car_targets_table};
+pub use tuning::{
+    car_constraint_names, car_constraints_table, car_targets_json, car_targets_table,
+};
 
 use crate::car::{
     CarQuantity, CarSolver, Case, Equilibrium, NoEquilibrium, Solved, WheelPlace, WheelResult,

@@ -70,6 +70,10 @@ impl<'s> CarResults<'s> {
         for (number, end) in crate::car::AXLE_NAMES.into_iter().enumerate() {
             let axle = &car.axles[number].left;
             for (k, by) in gradient.hardpoints[number].iter().enumerate() {
+                // The derivatives by a far half are part of those by the near half.
+                if axle.mechanism.is_far(PointId(k)) {
+                    continue;
+                }
                 let name = axle.mechanism.name(PointId(k));
                 for axis in Axis::ALL {
                     push(

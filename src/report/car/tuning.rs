@@ -12,13 +12,31 @@ use serde_json::{Value, json};
 fn wanted_cell(wanted: [Option<f64>; 2], unit: &str) -> Cell {
     match wanted {
         [Some(low), Some(high)] if low == high => Cell::figure(low, unit),
-        [Some(low), Some(high)] => {
-            format!("{} to {}", figure(low, unit), figure(high, unit)).into()
-        }
-        [Some(low), None] => format!("at least {}", figure(low, unit)).into(),
-        [None, Some(high)] => format!("at most {}", figure(high, unit)).into(),
-        [None, None] => Cell::from(""),
+        limits => limits_in_words(limits, unit).into(),
     }
+}
+
+/// Lower and upper limit in words; empty without limits.
+fn limits_in_words(limits: [Option<f64>; 2], unit: &str) -> String {
+    match limits {
+        [Some(low), Some(high)] => format!("{} to {}", figure(low, unit), figure(high, unit)),
+        [Some(low), None] => format!("at least {}", figure(low, unit)),
+        [None, Some(high)] => format!("at most {}", figure(high, unit)),
+        [None, None] => String::new(),
+    }
+}
+
+/// Names of constraints with their limits, or with their axle if they apply to it alone. `numbers` are indices of `records`.
+pub fn car_constraint_names(records: &[CarConstraintRecord], numbers: &[usize]) -> Vec<String> {
+    let name = |number: &usize| {
+        let own = &records[*number];
+        let words = match own.limits {
+            [None, None] => own.place.clone(),
+            limits => limits_in_words(limits, &own.unit),
+        };
+        format!("{} ({words})", own.name)
+    };
+    numbers.iter().map(name).collect()
 }
 
 /// Table of the targets with their values, for people.

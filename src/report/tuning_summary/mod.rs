@@ -5,7 +5,7 @@ mod tables;
 mod words;
 
 pub use tables::misfit_table;
-pub use words::interrupted_in_words;
+pub use words::{contradiction_in_words, interrupted_in_words};
 
 use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::choices::{FrontPoint, FrontRecord, PriceRecord};

@@ -5,6 +5,20 @@ use super::*;
 /// Largest number of starts that are listed one by one.
 const FEW_STARTS: usize = 8;
 
+/// Sentence about constraints that exclude one another, by their names. `None` without such constraints.
+pub fn contradiction_in_words(names: &[String]) -> Option<String> {
+    match names {
+        [] => None,
+        [alone] => Some(format!(
+            "no design within the ranges satisfies this constraint: {alone}"
+        )),
+        several => Some(format!(
+            "these constraints cannot all be satisfied: {}",
+            several.join("; ")
+        )),
+    }
+}
+
 impl TuningSummary {
     /// Remarks on targets and constraints, in sentences.
     pub fn remarks(&self) -> Vec<String> {
@@ -51,16 +65,7 @@ impl TuningSummary {
                 ));
             }
         }
-        match self.contradiction.as_slice() {
-            [] => {}
-            [alone] => remarks.push(format!(
-                "no design within the ranges satisfies this constraint: {alone}"
-            )),
-            several => remarks.push(format!(
-                "these constraints cannot all be satisfied: {}",
-                several.join("; ")
-            )),
-        }
+        remarks.extend(contradiction_in_words(&self.contradiction));
         remarks
     }
 

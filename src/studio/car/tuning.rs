@@ -3,11 +3,14 @@
 use super::misfit::{assessed_rigs, misfit};
 use super::{OpenedCar, coordinates, solver};
 use crate::car::CarVariable;
-use crate::report::{CarResults, brief, misfit_in_words, settings_of_car, side_effects_in_words};
+use crate::report::{
+    CarResults, brief, car_constraint_names, contradiction_in_words, misfit_in_words,
+    settings_of_car, side_effects_in_words,
+};
 use crate::side_effects::side_effects_of_car;
 use crate::studio::job::{ALL_LOCKED, Job, NO_SECTION, Tuning, counted_from_file};
 use crate::studio::message::{Proposal, SideEffectRows, TuneRequest};
-use crate::study::{CarStudy, PathStep, ValueEdit};
+use crate::study::{CarStudy, PathStep, TunedCar, ValueEdit};
 use std::sync::Arc;
 
 /// Tuning of a design of a car, ready to run.
@@ -58,6 +61,7 @@ fn run(
     let optimise = study.optimise.as_ref().ok_or(NO_SECTION)?;
     let before = misfit_of(opened, study);
     let tuned = job.controlled(|control| study.tuned(optimise, control))?;
+    let contradiction = contradiction(study, &tuned)?;
     let (after, fit) = (tuned.study, tuned.fit);
     let x = fit.x.as_slice();
     let effects = side_effects_of_car(study, &after)?;
@@ -75,6 +79,7 @@ fn run(
     if !fit.is_feasible() {
         outcome.push("Not every constraint can be satisfied within the ranges.".to_owned());
     }
+    outcome.extend(contradiction);
     Ok(Proposal {
         design: coordinates(&after),
         edits,
@@ -84,6 +89,21 @@ fn run(
         remarks: [remarks, outcome].concat(),
         interrupted: job.is_cancelled(),
     })
+}
+
+/// Sentence about constraints that exclude one another. `None` without such constraints.
+fn contradiction(study: &CarStudy, tuned: &TunedCar) -> Result<Option<String>, String> {
+    let (Some(optimise), false) = (&study.optimise, tuned.contradiction.is_empty()) else {
+        return Ok(None);
+    };
+    let solved = |study| {
+        let mut solver = solver(study)?;
+        Ok::<_, String>(CarResults::solve(study, &mut solver, study.cases.len()))
+    };
+    let (before, after) = (solved(study)?, solved(&tuned.study)?);
+    let records = after.constraint_records(optimise, &before, tuned.fit.x.as_slice());
+    let names = car_constraint_names(&records, &tuned.contradiction);
+    Ok(contradiction_in_words(&names))
 }
 
 /// Misfit of a design, if it has one.

@@ -47,6 +47,71 @@ fn changes_and_differences_are_listed() {
     assert!(text(&refused.get_output().stderr).contains("a car can be compared with cars only"));
 }
 
+/// A car in other units is the same car: nothing changed, and its results differ by rounding. A change is in the units of the
+/// first car.
+#[test]
+fn cars_in_other_units_are_compared() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    hardpoint(directory, &["new", "car"]).success();
+    let units = [
+        &["--unit", "in"][..],
+        &["--unit", "in", "--force-unit", "lbf", "--mass-unit", "lb"],
+        &["--unit", "m", "--frame", "sae_j670"],
+    ];
+    for (number, unit) in units.into_iter().enumerate() {
+        let out = format!("other_{number}");
+        let base = ["convert", "car.toml", "--out", &out];
+        hardpoint(directory, &[&base[..], unit].concat()).success();
+        let other = format!("{out}/car.toml");
+        for [first, second] in [["car.toml", &other], [&other, "car.toml"]] {
+            let out = format!("sides_{number}");
+            let arguments = ["compare", first, second, "--out", &out, "--format", "csv"];
+            let said = hardpoint(directory, &arguments).success();
+            let said = text(&said.get_output().stdout);
+            assert!(
+                !said.contains("car.wheelbase") && !said.contains("rate"),
+                "{unit:?}: {said}"
+            );
+            assert!(
+                !said.contains("_inner.") && !said.contains("car.cg"),
+                "{unit:?}: {said}"
+            );
+            let csv = fs::read(directory.join(&out).join("comparison.csv")).unwrap();
+            let mut compared = 0;
+            for row in csv::Reader::from_reader(csv.as_slice()).records() {
+                let row = row.unwrap();
+                let number = |k: usize| row[k].parse::<f64>().ok();
+                let [Some(a), Some(b)] = [3, 4].map(number) else {
+                    assert_eq!(row[3].is_empty(), row[4].is_empty(), "{row:?}");
+                    continue;
+                };
+                // Equilibria are solved in other units, to about ten digits. Loads of some kN scale the small forces.
+                let scale = a.abs().max(b.abs()).max(1.0);
+                assert!((a - b).abs() <= 1e-7 * scale, "{unit:?}: {row:?}");
+                compared += 1;
+            }
+            assert!(compared > 300, "{compared}");
+        }
+    }
+    let changed = ["solve", "other_1/car.toml", "--out", "changed", "--set"];
+    hardpoint(
+        directory,
+        &[&changed[..], &["front.spring.rate=200.0"]].concat(),
+    )
+    .success();
+    let arguments = [
+        "compare", "car.toml", "changed", "--out", "both", "--format", "csv",
+    ];
+    let said = hardpoint(directory, &arguments).success();
+    let said = text(&said.get_output().stdout);
+    // 200 lbf/in = 200 x 4.4482216152605 N / 25.4 mm.
+    assert!(
+        said.contains("front.spring.rate,N_per_mm,30.0,35.025"),
+        "{said}"
+    );
+}
+
 /// Points of both axles are in the axes of the car: the rear wheel centre lies a wheelbase behind the front one.
 #[test]
 fn exported_points_are_those_of_the_car() {

@@ -458,7 +458,7 @@ fn plant(seed: u64, seeds: usize) -> Vec<f64> {
         };
         let clock = std::time::Instant::now();
         let tuning = tune(&car, goals, run, Default::default()).unwrap();
-        let tuned = tuning.best_fit().unwrap();
+        let tuned = tuning.starts.best_fit().unwrap();
         times.push(clock.elapsed().as_secs_f64());
         println!(
             "{seed}: misfit {:e}, {} evaluations",

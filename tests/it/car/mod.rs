@@ -1,7 +1,9 @@
 //! The whole car: against independent answers, and against statics.
 
+mod accepted;
 mod commands;
 mod comparison;
+mod conflicts;
 mod free_bodies;
 mod limits;
 mod maps;

@@ -148,7 +148,7 @@ fn planted_bump_steer_and_distribution_are_found() {
         ..study.goals(wanted)
     };
     let tuning = tune(&study.car, goals, wanted.run, Default::default()).unwrap();
-    let tuned = tuning.best_fit().unwrap();
+    let tuned = tuning.starts.best_fit().unwrap();
     assert!(tuned.misfit() < 1e-6, "{:e}", tuned.misfit());
     for (found, planted) in tuned.x.iter().zip(planted) {
         assert!(

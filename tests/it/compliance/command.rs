@@ -503,3 +503,84 @@ fn curves_of_a_sweep_have_figures_at_every_station() {
         }
     }
 }
+
+/// Exit code and messages of a refused command.
+fn refused(arguments: &[&str], directory: &Path) -> String {
+    let ran = hardpoint(arguments, directory);
+    let said = String::from_utf8_lossy(&ran.stderr).into_owned();
+    assert_eq!(ran.status.code(), Some(2), "{arguments:?}: {said}");
+    said
+}
+
+/// A measured sheet that does not exist is named. The keys of a curve, which a sheet does not need, are not requested.
+#[test]
+fn a_missing_sheet_is_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = study("double_wishbone_compliance.toml");
+    let optimise = "optimise={variables=[{rate=\"spring\",range=[5.0,150.0]}],\
+                    targets=[{file=\"nofile.csv\",tolerance=1.0}]}";
+    let said = refused(&["optimise", &path, "--set", optimise], directory.path());
+    assert!(
+        said.contains("cannot read ") && said.contains("nofile.csv"),
+        "{said}"
+    );
+    assert!(
+        !said.contains("expected figure or characteristic"),
+        "{said}"
+    );
+}
+
+/// A spring without force does not carry the wheel, although its line has leverage: with a small force the study runs, and
+/// without force it runs with parts that are free in the design position.
+#[test]
+fn a_spring_without_force_is_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    for name in [
+        "double_wishbone_compliance.toml",
+        "subframe_axle_compliance.toml",
+    ] {
+        let path = study(name);
+        let kc = |changes: &[&str]| {
+            let mut arguments = vec!["kc", &path, "--out", "-"];
+            for change in changes {
+                arguments.extend(["--set", change]);
+            }
+            hardpoint(&arguments, directory)
+        };
+        let ran = kc(&["spring.force=0.0"]);
+        let said = String::from_utf8_lossy(&ran.stderr).into_owned();
+        assert_ne!(ran.status.code(), Some(0), "{name}");
+        assert!(
+            said.contains("the spring's force in the design position is 0"),
+            "{said}"
+        );
+        assert!(!said.contains("leverage"), "{said}");
+        assert!(kc(&["spring.force=0.001"]).status.success(), "{name}");
+        let free = ["spring.force=0.0", "compliance.relaxed=\"free\""];
+        assert!(kc(&free).status.success(), "{name}");
+    }
+}
+
+/// `kc` does not ask for elastic parts that a study cannot have.
+#[test]
+fn kc_does_not_ask_for_impossible_parts() {
+    let directory = tempfile::tempdir().unwrap();
+    for (name, reason) in [
+        (
+            "twist_beam_solve.toml",
+            "elastic parts are not available for twist beams yet",
+        ),
+        (
+            "off_road_car_front.toml",
+            "elastic parts are not available for a steered solid axle yet",
+        ),
+    ] {
+        let said = refused(&["kc", &study(name)], directory.path());
+        assert!(said.contains(reason), "{name}: {said}");
+        assert!(!said.contains("expected [compliance]"), "{name}: {said}");
+    }
+    // A solid axle on links can have elastic parts, so it is told which.
+    let said = refused(&["kc", &study("solid_axle_rear.toml")], directory.path());
+    assert!(said.contains("expected [compliance]"), "{said}");
+}

@@ -2,6 +2,7 @@
 
 mod physical;
 mod texts;
+mod trails;
 
 use hardpoint::study::CarStudy;
 use std::fs;

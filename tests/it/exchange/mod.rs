@@ -8,6 +8,7 @@ mod export_commands;
 mod exports;
 mod formats;
 mod hostile;
+mod live_axles;
 mod other_tools;
 mod parsers;
 mod property_files;

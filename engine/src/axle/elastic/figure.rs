@@ -28,9 +28,7 @@ impl TestFigure {
     pub fn stem(&self) -> String {
         let test = &self.test;
         let mut name = self.quantity.to_owned();
-        if test.trail != 0.0 {
-            name += &format!("_trail_{}", test.trail);
-        }
+        name += &test.trail_suffix();
         let usual = match test.load {
             TestLoad::Vertical => HeldQuantity::WheelLoad,
             _ => HeldQuantity::WheelHeight,

@@ -1,5 +1,6 @@
 //! Rig tests: loads or motions, and their ranges.
 
+use crate::ask::six_digits;
 use crate::compliance::{Change, HeldQuantity, WheelLoads};
 use crate::model::{LengthUnit, Side, TorquePath, VehicleFigures};
 use crate::number::Each;
@@ -88,6 +89,9 @@ impl TestMode {
     }
 }
 
+/// Trail of the second lateral test of studies that name no tests, mm.
+const DEFAULT_TRAIL: f64 = 30.0;
+
 /// One rig test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KcTest {
@@ -115,6 +119,15 @@ impl KcTest {
     /// True if the test has levels of a load. Motions have none.
     pub(super) fn has_levels(&self) -> bool {
         !self.load.is_motion() && self.levels > 0
+    }
+
+    /// Part of the names of figures for the trail, such as `_trail_30`; empty without a trail. It has six digits, so rounding in a
+    /// conversion of units does not change it.
+    pub fn trail_suffix(&self) -> String {
+        match self.trail {
+            0.0 => String::new(),
+            trail => format!("_trail_{}", six_digits(trail)),
+        }
     }
 
     /// Makes a test with the defaults of studies.
@@ -153,7 +166,7 @@ impl KcTest {
             return tests;
         }
         tests.push(KcTest {
-            trail: 0.03 * length.per_metre(),
+            trail: length.convert(DEFAULT_TRAIL, LengthUnit::Millimetre),
             ..test(TestLoad::Lateral)
         });
         tests.extend([TestLoad::Aligning, TestLoad::Braking, TestLoad::Traction].each(test));

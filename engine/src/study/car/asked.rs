@@ -131,20 +131,9 @@ impl Resolver<'_> {
         let listed = some(&written.variables, "variable", self.problems)?;
         let read = each(listed, |variable| self.swept(car, variable))?;
         let (variables, columns): (Vec<CarVariable>, Vec<SweepVariable>) = read.into_iter().unzip();
-        for (k, variable) in columns.iter().enumerate() {
-            if columns[..k].iter().any(|known| known.name == variable.name) {
-                let message = format!("{} is already a variable", variable.name);
-                return self.problems.refuse(listed[k].span(), message);
-            }
-            if variables[..k]
-                .iter()
-                .any(|known| known.moves == variables[k].moves)
-            {
-                let message = "another variable moves the same";
-                return self.problems.refuse(listed[k].span(), message);
-            }
-        }
+        let names: Vec<String> = columns.iter().map(|column| column.name.clone()).collect();
         let places: Vec<_> = listed.iter().map(Spanned::span).collect();
+        self.distinct(&names, &variables, &places)?;
         Some(Some(CarSweep {
             sampled: asked.sampled(rules, columns, &places, self.problems)?,
             variables,
@@ -255,7 +244,7 @@ impl Resolver<'_> {
                 sigma: above_zero(sigma, self.problems)?,
             },
             (None, Some(part), None) => Law::Normal {
-                sigma: above_zero(part, self.problems)? / 100.0 * now.abs(),
+                sigma: self.percent_of(part, now, "sigma or limits")?,
             },
             (None, None, Some(limits)) => match limits.get_ref().as_slice() {
                 [low, high] if low.value < high.value => Law::Uniform {
@@ -272,6 +261,21 @@ impl Resolver<'_> {
                 return self.problems.refuse(written.span(), message);
             }
         };
+        let [noun, _] = moves.nouns();
+        let remedy = if own.percent.is_some() {
+            "a smaller percent"
+        } else {
+            "a smaller sigma"
+        };
+        let value = |deviation| now + deviation;
+        let accepted = moves.accepted(car);
+        if let Some(message) = tolerance::unacceptable(law, value, accepted, [noun, remedy]) {
+            let error = self.problems.add(written.span(), message);
+            if let Some(reason) = moves.reason_of_limits(car) {
+                error.help(reason);
+            }
+            return None;
+        }
         let name = moves.stem(car);
         into.contributors
             .push(CarContributor::Figure { name, moves, law });

@@ -1,6 +1,9 @@
 //! `[car]`: axles, masses, tyres and air.
 
+use super::super::suspension::accepted;
 use super::*;
+use crate::ask::Accepted;
+use crate::car::BodyParameter;
 use crate::number::Each;
 
 impl Resolver<'_> {
@@ -71,13 +74,9 @@ impl Resolver<'_> {
         let mass_unit = mass_unit(&section.mass_unit, self.problems)?;
         let rear_offset = self.rear_offset(&axles)?;
         let (masses, mass, cg) = self.masses(mass_unit)?;
-        self.check_centre_of_gravity(&axles, rear_offset, masses, cg)?;
         let share = |written: &Option<Number>, problems: &mut Problems| match written {
-            Some(share) if !(0.0..=1.0).contains(&share.value) => {
-                let message = format!("expected a share from 0 to 1, found {}", share.value);
-                problems.refuse(share.span.clone(), message)
-            }
-            other => Some(other.as_ref().map(|share| share.value)),
+            Some(share) => accepted(share, "share", Accepted::Share, problems).map(Some),
+            None => Some(None),
         };
         let brake_share_front = share(&section.brake_share_front, self.problems)?;
         let drive_share_front = share(&section.drive_share_front, self.problems)?;
@@ -89,7 +88,7 @@ impl Resolver<'_> {
         ];
         let air = self.air(points)?;
         let tyres = self.tyres(&axles)?;
-        Some(Car {
+        let car = Car {
             axles,
             rear_offset,
             masses,
@@ -104,46 +103,57 @@ impl Resolver<'_> {
             tyres,
             air,
             length_unit: unit,
-        })
+        };
+        self.check_masses(&car)?;
+        Some(car)
     }
 
-    /// Refuses a centre of gravity under the ground, and one of the whole car that is not between the axles: one axle would
-    /// then bear a negative load at rest.
-    fn check_centre_of_gravity(
-        &mut self,
-        axles: &[Axle; 2],
-        rear_offset: Vector3<f64>,
-        masses: Masses,
-        cg: Vector3<f64>,
-    ) -> Option<()> {
+    /// Refuses a mass of the whole car that is not above that of its axles. Also refuses a centre of gravity under the ground, and
+    /// one of the whole car that is not between the axles: one axle would then bear a negative load at rest.
+    fn check_masses(&mut self, car: &Car) -> Option<()> {
         let section = self.file.car.get_ref();
-        let written = match masses {
-            Masses::Whole => section.cg.as_ref(),
-            Masses::Sprung => section.sprung_cg.as_ref(),
+        let (mass, cg) = match car.masses {
+            Masses::Whole => (section.mass.as_ref(), section.cg.as_ref()),
+            Masses::Sprung => (section.sprung_mass.as_ref(), section.sprung_cg.as_ref()),
         };
-        let place = written.map(|point| point.span())?;
-        let unit = axles[0].left.length_unit.symbol();
-        let front = axles[0].mean_wheel_centre();
-        let ground = front.z - axles[0].setup.wheel_radius.unwrap_or(0.0);
-        let behind = axles[1].mean_wheel_centre().x + rear_offset.x - cg.x;
-        let ahead = cg.x - front.x;
-        let message = if cg.z <= ground {
-            format!(
+        let (mass, cg) = (mass?.span.clone(), cg?.span());
+        let unit = car.length_unit.symbol();
+        let outside = |parameter| {
+            let moves = Moves::Body(parameter);
+            let accepted = moves.accepted(car);
+            let value = moves.value(car)?;
+            (!accepted.contains(value)).then_some((accepted, value))
+        };
+        if let Some((least, _)) = outside(BodyParameter::Mass) {
+            let message = format!(
+                "expected a mass {least} {}: the mass of the whole car includes the unsprung masses of its axles",
+                car.mass_unit.symbol()
+            );
+            return self.problems.refuse(mass, message);
+        }
+        if outside(BodyParameter::CgZ).is_some() {
+            let message = format!(
                 "the centre of gravity is {:.1} {unit} below the ground; does z have the wrong sign?",
-                ground - cg.z
-            )
-        } else if masses == Masses::Whole && ahead >= 0.0 {
-            format!(
-                "the centre of gravity is {ahead:.1} {unit} ahead of the front axle, so the rear wheels would lift"
-            )
-        } else if masses == Masses::Whole && behind >= 0.0 {
-            format!(
-                "the centre of gravity is {behind:.1} {unit} behind the rear axle, so the front wheels would lift"
-            )
-        } else {
-            return Some(());
-        };
-        self.problems.refuse(place, message)
+                car.ground() - car.cg.z
+            );
+            return self.problems.refuse(cg, message);
+        }
+        if outside(BodyParameter::CgX).is_some() {
+            let [front, rear] = car.axles_ahead();
+            let ahead = car.cg.x - front;
+            let message = if ahead >= 0.0 {
+                format!(
+                    "the centre of gravity is {ahead:.1} {unit} ahead of the front axle, so the rear wheels would lift"
+                )
+            } else {
+                format!(
+                    "the centre of gravity is {:.1} {unit} behind the rear axle, so the front wheels would lift",
+                    rear - car.cg.x
+                )
+            };
+            return self.problems.refuse(cg, message);
+        }
+        Some(())
     }
 
     fn rear_offset(&mut self, axles: &[Axle; 2]) -> Option<Vector3<f64>> {
@@ -192,21 +202,7 @@ impl Resolver<'_> {
                 return self.problems.refuse(file.car.span(), message);
             }
         };
-        let place = mass.span.clone();
         let mass = above_zero(mass, self.problems)? * unit.kilograms();
-        let unsprung: f64 = self
-            .axles
-            .iter()
-            .filter_map(|a| a.axle()?.axle.setup.unsprung_mass)
-            .sum();
-        if masses == Masses::Whole && mass <= unsprung {
-            let message = format!(
-                "the mass of the whole car is not above the {} {} of its axles",
-                unsprung / unit.kilograms(),
-                unit.symbol()
-            );
-            return self.problems.refuse(place, message);
-        }
         Some((masses, mass, self.point(cg)?))
     }
 
@@ -229,13 +225,21 @@ impl Resolver<'_> {
                 Some(Some([tyre(0, front), tyre(1, rear)]))
             }
             (_, [front, _]) => {
-                let place = match front {
-                    None => section.front.span(),
-                    Some(_) => section.rear.span(),
+                let (place, name) = match front {
+                    None => (section.front.span(), "front"),
+                    Some(_) => (section.rear.span(), "rear"),
                 };
-                let message = "elastic tyres need [tyre] rate in both axle studies";
+                let message = match (wanted, rates) {
+                    (Some(true), [None, None]) => {
+                        "elastic tyres need [tyre] in both axle studies, which do not have it"
+                            .to_owned()
+                    }
+                    _ => format!(
+                        "the {name} study has no [tyre]: elastic tyres need it in both axle studies"
+                    ),
+                };
                 let error = self.problems.add(place, message);
-                error.help("tyres = \"rigid\" in [car] ignores tyre rates");
+                error.help("tyres = \"rigid\" in [car] makes the tyres of both axles rigid");
                 None
             }
         }

@@ -1,6 +1,7 @@
 //! `[[cases]]` and `[gg_map]`.
 
 use super::*;
+use crate::ask::Accepted;
 use crate::car::Setting;
 use crate::number::Each;
 use crate::study::motion::range;
@@ -122,7 +123,7 @@ impl Resolver<'_> {
         )?;
         if let Some(list) = &written.lateral_share_left {
             let numbers = list.get_ref();
-            let outside = |n: &&Number| !(0.0..=1.0).contains(&n.value);
+            let outside = |n: &&Number| !Accepted::Share.contains(n.value);
             if let Some(share) = numbers.iter().find(outside) {
                 let message = format!("expected shares from 0 to 1, found {}", share.value);
                 return self.problems.refuse(share.span.clone(), message);
@@ -157,7 +158,16 @@ impl Resolver<'_> {
             self.problems,
         )?;
         if let (Some(text), true, None) = (&written.tyres, setting.elastic_tyres, car.tyres) {
-            let message = "elastic tyres need [tyre] rate in both axle studies";
+            let have_rates = car.axles.iter().all(|axle| axle.setup.tyre_rate.is_some());
+            if have_rates {
+                let message = "[car] tyres = \"rigid\" makes the tyres of every case rigid";
+                let error = self.problems.add(text.span(), message);
+                error.help(
+                    "remove tyres from [car], and give tyres = \"rigid\" in each case with rigid tyres",
+                );
+                return None;
+            }
+            let message = "elastic tyres need [tyre] in both axle studies";
             return self.problems.refuse(text.span(), message);
         }
         Some(setting)

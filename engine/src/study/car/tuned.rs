@@ -1,7 +1,7 @@
 //! The tuning of a study of a car.
 
 use super::{CarOptimise, CarStudy};
-use crate::car::{CarVariable, Moves, moved, tune};
+use crate::car::{CarTuning, CarVariable, Moves, moved, tune};
 use crate::number::Vector3;
 use crate::optimise::{Control, Fit};
 
@@ -16,12 +16,17 @@ pub struct TunedCar {
     pub misfit_before: Option<f64>,
     /// Number of starts that were interrupted, and total number of starts.
     pub interrupted: [usize; 2],
+    /// Indices of constraints that exclude one another ([`CarTuning::contradiction`]).
+    pub contradiction: Vec<usize>,
 }
 
 impl CarStudy {
     /// Tunes the car on the threads of the current rayon pool. Errors say why its cases cannot be solved.
     pub fn tuned(&self, wanted: &CarOptimise, control: Control<'_>) -> Result<TunedCar, String> {
-        let tuning = tune(&self.car, self.goals(wanted), wanted.run, control)?;
+        let CarTuning {
+            starts: tuning,
+            contradiction,
+        } = tune(&self.car, self.goals(wanted), wanted.run, control)?;
         let interrupted = [tuning.interrupted(), tuning.starts.len()];
         // The first start is the given car, moved into the ranges.
         let first = &tuning.starts[0];
@@ -40,6 +45,7 @@ impl CarStudy {
             study,
             misfit_before,
             interrupted,
+            contradiction,
         })
     }
 

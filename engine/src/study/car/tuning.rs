@@ -68,6 +68,9 @@ impl Resolver<'_> {
             }
         }
         let variables = variables?;
+        let names: Vec<String> = variables.iter().map(|own| own.moves.stem(car)).collect();
+        let places: Vec<_> = listed.iter().map(Spanned::span).collect();
+        self.distinct(&names, &variables, &places)?;
         let rig = |end: usize, own: &mut Self| {
             own.rig(end, &variables, &rig_targets[end], &rig_constraints[end])
         };

@@ -4,6 +4,7 @@ use super::super::moves::{self, range};
 use super::super::names::choose;
 use super::super::suspension::above_zero;
 use super::{ENDS, Resolver};
+use crate::ask::six_digits;
 use crate::car::{AxleParameter, BodyParameter, Car, CarVariable, Moves, PointMove};
 use hardpoint_study_file::car_file;
 use hardpoint_study_file::file::Coordinates;
@@ -203,6 +204,39 @@ impl Resolver<'_> {
         choose(figure, "value of the car", &figures, self.problems)
     }
 
+    /// Percentage of a value of the study. `instead` is the key to use for a value of 0.
+    pub(super) fn percent_of(&mut self, part: &Number, now: f64, instead: &str) -> Option<f64> {
+        let percent = above_zero(part, self.problems)?;
+        if now == 0.0 {
+            let message =
+                format!("the study's value is 0, so percent has no effect: expected {instead}");
+            return self.problems.refuse(part.span.clone(), message);
+        }
+        Some(percent / 100.0 * now.abs())
+    }
+
+    /// Refuses two variables with the same name, or with the same effect.
+    pub(super) fn distinct(
+        &mut self,
+        names: &[String],
+        variables: &[CarVariable],
+        places: &[Span<usize>],
+    ) -> Option<()> {
+        for (k, own) in variables.iter().enumerate() {
+            let named = names[..k].iter().position(|known| *known == names[k]);
+            let moved = || variables[..k].iter().position(|v| v.moves == own.moves);
+            let (first, message) = match (named, moved()) {
+                (Some(first), _) => (first, format!("{} is already a variable", names[k])),
+                (None, Some(first)) => (first, "another variable moves the same".to_owned()),
+                (None, None) => continue,
+            };
+            let error = self.problems.add(places[k].clone(), message);
+            error.related(places[first].clone(), "here");
+            return None;
+        }
+        Some(())
+    }
+
     /// A variable with its range.
     pub(super) fn variable(&mut self, car: &Car, own: &Written<'_>) -> Option<CarVariable> {
         let place = own.place.clone();
@@ -220,23 +254,32 @@ impl Resolver<'_> {
             let message = "the study does not give this value, so it cannot vary";
             return self.problems.refuse(place, message);
         };
-        let range = match (own.range, own.percent) {
-            (Some(list), None) => range(list, "values", self.problems)?,
+        let [_, nouns] = moves.nouns();
+        let (range, written) = match (own.range, own.percent) {
+            (Some(list), None) => (range(list, nouns, self.problems)?, list.span()),
             (None, Some(_)) if !moves.points().is_empty() => {
                 let message = "percent is for rates and values of the car; a hardpoint has range, \
                                in lengths";
                 return self.problems.refuse(place, message);
             }
             (None, Some(part)) => {
-                let part = above_zero(part, self.problems)?;
-                let change = part / 100.0 * now.abs();
-                [now - change, now + change]
+                let change = self.percent_of(part, now, "range")?;
+                ([now - change, now + change], part.span.clone())
             }
             _ => {
                 let message = "expected range or percent, and only one of them";
                 return self.problems.refuse(place, message);
             }
         };
+        let accepted = moves.accepted(car);
+        if let Some(end) = accepted.first_outside(range) {
+            let message = format!("expected {nouns} {accepted}, found {}", six_digits(end));
+            let error = self.problems.add(written, message);
+            if let Some(reason) = moves.reason_of_limits(car) {
+                error.help(reason);
+            }
+            return None;
+        }
         if !(range[0]..=range[1]).contains(&now) {
             let message = format!("the range does not include the study's value {now}");
             return self.problems.refuse(place, message);

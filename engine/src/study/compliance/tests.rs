@@ -155,7 +155,16 @@ fn in_modes(
 
 /// Returns true if two tests have the same name in results.
 fn is_twin(a: &KcTest, b: &KcTest) -> bool {
-    let key = |t: &KcTest| (t.load, t.trail, t.held, t.mode, t.has_bar, t.locks_rack);
+    let key = |t: &KcTest| {
+        (
+            t.load,
+            t.trail_suffix(),
+            t.held,
+            t.mode,
+            t.has_bar,
+            t.locks_rack,
+        )
+    };
     key(a) == key(b)
 }
 

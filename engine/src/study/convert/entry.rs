@@ -21,6 +21,23 @@ pub(super) enum Subject<'a> {
     Car(&'a CarStudy),
 }
 
+impl Subject<'_> {
+    /// Trails of the tests of elastic parts.
+    pub(super) fn trails(&self) -> Vec<f64> {
+        let Subject::Study(study) = self else {
+            return Vec::new();
+        };
+        let elastic = study.one_wheel().and_then(|own| own.compliance.as_ref());
+        let of_wheel = elastic.iter().flat_map(|own| &own.tests);
+        let of_wheel = of_wheel.map(|test| test.trail);
+        let figures = study.axle().map(|both| both.axle.figures());
+        let of_axle = figures.iter().flat_map(|own| own.iter());
+        of_wheel
+            .chain(of_axle.map(|figure| figure.test.trail))
+            .collect()
+    }
+}
+
 /// Reason why a key of an entry cannot be converted.
 #[derive(Debug)]
 pub(super) struct Refused {

@@ -5,6 +5,7 @@ use super::super::place::place_of;
 use super::super::value_edit::append;
 use super::entry::{Before, Entry, Facts, Refused, Subject, unit_named};
 use super::scale::{Conversion, Measured, Scale, without_rounding};
+use crate::ask::six_digits;
 use crate::model::{Axis, MassUnit};
 use hardpoint_study_file::dimension::{Dimension, Powers, Role, dimension, place_of_key};
 use hardpoint_study_file::schema::Root;
@@ -104,6 +105,7 @@ impl<'a> Walk<'a> {
                 before: &before,
             },
             text: &source.text,
+            trails: self.subject.trails(),
             problems,
         };
         let at = At {
@@ -120,6 +122,8 @@ impl<'a> Walk<'a> {
 struct Pass<'a> {
     root: Root,
     facts: Facts<'a>,
+    /// Trails of the study's tests.
+    trails: Vec<f64>,
     text: &'a str,
     problems: Problems,
 }
@@ -202,7 +206,7 @@ impl Pass<'_> {
             }
             Value::String(name) if NAMES.contains(&&*at.place) => {
                 let conversion = &self.facts.ends[0];
-                let new = renamed(name.value(), conversion);
+                let new = renamed(name.value(), conversion, &self.trails);
                 if new != *name.value() {
                     put(value, new.into());
                 }
@@ -429,8 +433,8 @@ fn exchange_limits(table: &mut dyn TableLike) {
     }
 }
 
-/// Name of a result in the new units: the names of figures contain the trail of their test.
-fn renamed(name: &str, conversion: &Conversion) -> String {
+/// Name of a result in the new units: the names of figures contain the trail of their test. `trails` are those of all tests.
+fn renamed(name: &str, conversion: &Conversion, trails: &[f64]) -> String {
     const TRAIL: &str = "_trail_";
     let Some((stem, rest)) = name.split_once(TRAIL) else {
         return name.to_owned();
@@ -441,8 +445,11 @@ fn renamed(name: &str, conversion: &Conversion) -> String {
     };
     match trail.parse() {
         Ok(trail) => {
-            let new = conversion.scaled(trail, Scale::Powers(Powers::LENGTH));
-            format!("{stem}{TRAIL}{}{tail}", without_rounding(new))
+            // The name has fewer digits than the trail of the test.
+            let mut all = trails.iter().copied();
+            let exact = all.find(|own| six_digits(*own) == trail).unwrap_or(trail);
+            let new = conversion.scaled(exact, Scale::Powers(Powers::LENGTH));
+            format!("{stem}{TRAIL}{}{tail}", six_digits(new))
         }
         Err(_) => name.to_owned(),
     }

@@ -1,0 +1,142 @@
+//! Values that the study of a car accepts. The reader of a study, ranges of variables, scatter, and designs of sweeps and
+//! tunings use these limits.
+
+use super::parameters::{AxleParameter, BodyParameter};
+use super::{Car, Masses, Moves};
+use crate::ask::{Accepted, six_digits};
+
+/// Rates of an axle that a study can vary.
+pub(crate) const RATES: [AxleParameter; 6] = [
+    AxleParameter::SpringRate,
+    AxleParameter::BarRate,
+    AxleParameter::HeaveSpringRate,
+    AxleParameter::TBarRate,
+    AxleParameter::HeaveBarRate,
+    AxleParameter::TyreRate,
+];
+
+/// Values of the whole car that a study can vary.
+pub(crate) const FIGURES: [Moves; 7] = [
+    Moves::Body(BodyParameter::Mass),
+    Moves::Body(BodyParameter::CgX),
+    Moves::Body(BodyParameter::CgY),
+    Moves::Body(BodyParameter::CgZ),
+    Moves::Body(BodyParameter::BrakeShareFront),
+    Moves::Body(BodyParameter::DriveShareFront),
+    Moves::Wheelbase,
+];
+
+impl Car {
+    /// Returns the first value that a study does not accept, in words. `None` if a study accepts all values of this car.
+    pub fn refusal(&self) -> Option<String> {
+        let rates = [0, 1].into_iter().flat_map(|axle| {
+            let rate = move |parameter| Moves::Rate { axle, parameter };
+            RATES.map(rate)
+        });
+        rates.chain(FIGURES).find_map(|moves| {
+            let value = moves.value(self)?;
+            let accepted = moves.accepted(self);
+            (!accepted.contains(value)).then(|| {
+                let [noun, _] = moves.nouns();
+                let label = moves.label(self);
+                format!(
+                    "{label} is {}: expected a {noun} {accepted}",
+                    six_digits(value)
+                )
+            })
+        })
+    }
+
+    /// Height of the ground under the front axle in the design position, in the car's frame.
+    pub(crate) fn ground(&self) -> f64 {
+        let front = &self.axles[0];
+        front.mean_wheel_centre().z - front.setup.wheel_radius.unwrap_or(0.0)
+    }
+
+    /// Distances of the front and the rear axle ahead of the origin, in the design position.
+    pub(crate) fn axles_ahead(&self) -> [f64; 2] {
+        let [front, rear] = self.axles.each_ref().map(|axle| axle.mean_wheel_centre().x);
+        [front, rear + self.rear_offset.x]
+    }
+}
+
+impl Moves {
+    /// Values that a study accepts, with all other values of the car as they are. They are in the unit of the study.
+    pub fn accepted(&self, car: &Car) -> Accepted {
+        match *self {
+            Moves::Hardpoints(_) => Accepted::All,
+            Moves::Rate { axle, parameter } => match parameter {
+                AxleParameter::SpringRate => Accepted::Above(self.excess_of_left(car, axle)),
+                _ => Accepted::Above(0.0),
+            },
+            Moves::Wheelbase => match car.masses {
+                // The centre of gravity of the whole car is between the axles.
+                Masses::Whole => Accepted::Above((car.axles_ahead()[0] - car.cg.x).max(0.0)),
+                Masses::Sprung => Accepted::Above(0.0),
+            },
+            Moves::Body(parameter) => match parameter {
+                BodyParameter::Mass => match car.masses {
+                    Masses::Whole => {
+                        let own = car.axles.iter().filter_map(|axle| axle.setup.unsprung_mass);
+                        Accepted::Above(own.sum::<f64>() / car.mass_unit.kilograms())
+                    }
+                    Masses::Sprung => Accepted::Above(0.0),
+                },
+                BodyParameter::CgX if car.masses == Masses::Whole => {
+                    let sign = Moves::sign(parameter, car);
+                    let [front, rear] = car.axles_ahead().map(|x| sign * x);
+                    Accepted::Between(front.min(rear), front.max(rear))
+                }
+                BodyParameter::CgZ if Moves::sign(parameter, car) > 0.0 => {
+                    Accepted::Above(car.ground())
+                }
+                BodyParameter::CgZ => Accepted::Below(-car.ground()),
+                BodyParameter::BrakeShareFront | BodyParameter::DriveShareFront => Accepted::Share,
+                _ => Accepted::All,
+            },
+        }
+    }
+
+    /// Difference of the left spring's rate above the right one's; 0 if the left rate is lower. A variable of the rate moves both
+    /// by the same amount.
+    fn excess_of_left(&self, car: &Car, axle: usize) -> f64 {
+        let Some(laws) = &car.axles[axle].setup.springs else {
+            return 0.0;
+        };
+        match laws.each_ref().map(|law| law.rate()) {
+            [Some(left), Some(right)] => (left - right).max(0.0) / self.written_unit(car),
+            // A spring with a force curve has no rate, and no variable moves it.
+            _ => 0.0,
+        }
+    }
+
+    /// Words for one value and for several.
+    pub fn nouns(&self) -> [&'static str; 2] {
+        match self {
+            Moves::Hardpoints(_) => ["offset", "offsets"],
+            Moves::Rate { .. } => ["rate", "rates"],
+            Moves::Body(BodyParameter::Mass) => ["mass", "masses"],
+            Moves::Body(BodyParameter::BrakeShareFront | BodyParameter::DriveShareFront) => {
+                ["share", "shares"]
+            }
+            Moves::Body(_) => ["coordinate", "coordinates"],
+            Moves::Wheelbase => ["wheelbase", "wheelbases"],
+        }
+    }
+
+    /// Reason for limits that depend on other values of the car.
+    pub(crate) fn reason_of_limits(&self, car: &Car) -> Option<&'static str> {
+        match (self, car.masses) {
+            (Moves::Body(BodyParameter::Mass), Masses::Whole) => {
+                Some("the mass of the whole car includes the unsprung masses of its axles")
+            }
+            (Moves::Body(BodyParameter::CgX) | Moves::Wheelbase, Masses::Whole) => {
+                Some("the centre of gravity of the whole car must be between the axles")
+            }
+            (Moves::Body(BodyParameter::CgZ), _) => {
+                Some("the centre of gravity must be above the ground")
+            }
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! Constraints that cannot be satisfied together.
+
+use super::constrained::constrained_fit;
+use super::multistart::fits;
+use super::starts::STARTS_BEFORE_REFUSAL;
+use super::{Bounds, Constrained, Control, Held, Multistart, Options, Termination};
+
+/// Finds a smallest set of constraints that cannot be satisfied together. It starts with all constraints that the runs name,
+/// and removes one after the other as long as the remaining ones still cannot be satisfied.
+///
+/// `of_rows` gives the constraint of each row, `count` is the number of constraints. `can_be_kept` returns true if a run with
+/// only these constraints satisfies them. The result is empty if no such set is found.
+pub(crate) fn smallest_conflict(
+    starts: &Multistart,
+    of_rows: &[usize],
+    count: usize,
+    can_be_kept: impl Fn(&[usize]) -> bool,
+) -> Vec<usize> {
+    let mut blamed: Vec<usize> = Vec::new();
+    for state in fits(&starts.starts).filter_map(|(_, fit)| fit.constraints.as_ref()) {
+        for culprit in &state.culprits {
+            if let Held::Row(row) = culprit {
+                blamed.push(of_rows[*row]);
+            }
+        }
+    }
+    blamed.sort_unstable();
+    blamed.dedup();
+    if blamed.is_empty() || can_be_kept(&blamed) {
+        // The named constraints conflict only together with all the others.
+        blamed = (0..count).collect();
+        if blamed.len() > 12 || can_be_kept(&blamed) {
+            return Vec::new();
+        }
+    }
+    for candidate in blamed.clone() {
+        let rest: Vec<usize> = blamed.iter().copied().filter(|c| *c != candidate).collect();
+        if !rest.is_empty() && !can_be_kept(&rest) {
+            blamed = rest;
+        }
+    }
+    blamed
+}
+
+/// Returns true if a run from one of the first starts satisfies all constraints of this problem.
+pub(crate) fn is_satisfied_from<P: Constrained>(
+    starts: &Multistart,
+    bounds: &Bounds,
+    control: Control<'_>,
+    problem: impl Fn() -> P,
+) -> bool {
+    let control = Control {
+        watch: None,
+        ..control
+    };
+    starts
+        .starts
+        .iter()
+        .take(STARTS_BEFORE_REFUSAL)
+        .any(|start| {
+            let options = Options::default();
+            let fit = constrained_fit(0, problem(), bounds, &start.x, &options, control);
+            // An interrupted run proves nothing.
+            fit.is_ok_and(|fit| fit.is_feasible() || fit.termination == Termination::Interrupted)
+        })
+}

@@ -8,8 +8,8 @@ use crate::threads::{interruptible, on_threads};
 use hardpoint::car::{CarFault, CarRequest, CarSolver, CarVariable};
 use hardpoint::optimise::Control;
 use hardpoint::report::{
-    CarComparison, CarResults, CarState, CarToleranceSummary, car_limits as limits_of,
-    lift_limits_table, optimised_car,
+    CarComparison, CarResults, CarState, CarToleranceSummary, car_constraint_names,
+    car_limits as limits_of, contradiction_in_words, lift_limits_table, optimised_car,
 };
 use hardpoint::scatter;
 use hardpoint::side_effects::side_effects_of_car;
@@ -239,7 +239,10 @@ pub(crate) fn car_optimise<'py>(
             ..Control::default()
         };
         let TunedCar {
-            fit, study: tuned, ..
+            fit,
+            study: tuned,
+            contradiction,
+            ..
         } = study.tuned(wanted, control)?;
         let records = [study, &tuned].map(|of| {
             let solver = CarSolver::new(&of.car).map_err(|fault| of.car.describe_fault(&fault));
@@ -248,19 +251,24 @@ pub(crate) fn car_optimise<'py>(
         let effects = side_effects_of_car(study, &tuned)?;
         let effects = serde_json::to_string(&effects).map_err(|e| e.to_string())?;
         let [before, after] = records;
-        let targets = after?.target_records(wanted, &before?, fit.x.as_slice());
+        let (before, after) = (before?, after?);
+        let constraints = after.constraint_records(wanted, &before, fit.x.as_slice());
+        let names = car_constraint_names(&constraints, &contradiction);
+        let targets = after.target_records(wanted, &before, fit.x.as_slice());
         let targets = serde_json::to_string(&targets).map_err(|e| e.to_string())?;
         let texts = optimised_car(study, &tuned.car, fit.x.as_slice());
-        Ok::<_, String>((fit, targets, effects, texts))
+        let mut message = vec![fit.ended().to_string()];
+        message.extend(contradiction_in_words(&names));
+        Ok::<_, String>((fit, message, targets, effects, texts))
     };
-    let (tuned, targets, effects, texts) =
+    let (tuned, message, targets, effects, texts) =
         interruptible(py, threads, work, |_, _| Ok(()))?.map_err(failure)?;
     let x = tuned.x.as_slice();
     let result = PyDict::new(py);
     result.set_item("x", x.to_vec().into_pyarray(py))?;
     let is_kept = tuned.termination.at_minimum() && tuned.is_feasible();
     result.set_item("success", is_kept)?;
-    result.set_item("message", tuned.ended().to_string())?;
+    result.set_item("message", message.join("; "))?;
     result.set_item("misfit", tuned.misfit())?;
     result.set_item("targets", targets)?;
     result.set_item("side_effects", effects)?;

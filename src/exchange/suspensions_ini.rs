@@ -162,6 +162,16 @@ fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
                 .to_owned(),
         );
     }
+    if mechanism
+        .points
+        .iter()
+        .any(|point| point.name == "watt_pivot")
+    {
+        return Err(
+            "suspensions.ini has links alone for a solid axle, but a Watt linkage holds this axle"
+                .to_owned(),
+        );
+    }
     if mechanism.strut_upper().is_some() {
         return Err(
             "strut_upper: the axis of a STRUT runs through STRUT_CAR and STRUT_TYRE; the file \

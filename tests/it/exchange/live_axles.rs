@@ -171,3 +171,15 @@ fn derivatives_by_internal_points_are_not_listed() {
     assert!(rows.contains("front,drag_link_body,x,"), "{rows}");
     assert!(!rows.contains("drag_link_place"));
 }
+
+/// One link of a Watt linkage alone would hold the axle as a Panhard rod of half the length.
+#[test]
+fn a_watt_linkage_is_not_exported() {
+    let directory = tempfile::tempdir().unwrap();
+    let study = directory.path().join("axle.toml");
+    let text = hardpoint::cli::template("solid_axle", &["watt".to_owned()]).unwrap();
+    fs::write(&study, text).unwrap();
+    let (code, said) = run(&["export", study.to_str().unwrap(), "--to", "assetto"]);
+    assert_eq!(code, 2, "{said}");
+    assert!(said.contains("Watt linkage"), "{said}");
+}

@@ -67,13 +67,9 @@ impl Sample {
         let tolerance = problem.tolerance;
         let mut rows = Vec::new();
         let mut cells = Vec::new();
-        for (number, (band, own)) in tolerance
-            .bands
-            .iter()
-            .zip(problem.cells_of_bands())
-            .enumerate()
-        {
-            rows.extend(own.iter().map(|_| (number, band.between)));
+        let bands = problem.bands.iter().zip(problem.cells_of_bands());
+        for (number, ((_, limits), own)) in bands.enumerate() {
+            rows.extend(own.iter().map(|_| (number, *limits)));
             cells.extend(own);
         }
         let contributors = tolerance.scatter.len();

@@ -355,3 +355,28 @@ fn a_value_held_at_a_limit_keeps_its_band() {
     // A limit that excludes the value by more than rounding excludes every build.
     assert_eq!([outside.monte_carlo, outside.linear], [0.0; 2]);
 }
+
+/// If doubling a tolerance costs no yield, the tolerance can be relaxed, whatever its share of the variance.
+#[test]
+fn tolerances_within_a_wide_band_can_be_relaxed() {
+    let run = |band: &str| {
+        let band = format!("tolerance.bands=[{{characteristic=\"caster\",at=0.0,between={band}}}]");
+        let study = study("macpherson_tolerance", &["tolerance.builds=2000", &band]);
+        let problem = problem(&study);
+        let (drawn, expansion, builds) = built(&problem);
+        rank(&problem, &expansion, &builds, &drawn).unwrap().ranking
+    };
+    let wide = run("[-30.0,30.0]");
+    assert!(wide.iter().any(|r| r.share > 0.3));
+    assert!(
+        wide.iter().all(|r| r.may_be_looser && r.doubled == 1.0),
+        "{wide:?}"
+    );
+    // In a narrow band, the largest contributors cannot.
+    let narrow = run("[3.35,3.6]");
+    let largest = narrow
+        .iter()
+        .max_by(|a, b| a.share.total_cmp(&b.share))
+        .unwrap();
+    assert!(!largest.may_be_looser, "{narrow:?}");
+}

@@ -32,7 +32,7 @@ pub use record::{
 pub use rows::{Failing, Rows};
 pub use samples::Samples;
 pub use sequence::{latin_hypercube, sobol, uniform};
-pub use statistics::{FailureCount, OutputRange, SweepStatistics};
+pub use statistics::{FailureCount, KEPT, OutputRange, SweepStatistics};
 pub use swept::{Swept, SweptWorker};
 
 /// SHA-256 digest of a text, in hexadecimal digits.

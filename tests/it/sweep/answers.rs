@@ -410,6 +410,61 @@ fn what_fails_is_counted_and_left_empty() {
     assert_eq!(designs.text("failed_at_mm")[0], "");
 }
 
+/// A design that cannot reach the whole motion is neither among the best nor on the front, even if its misfit at one station is
+/// smaller. A note counts such designs.
+#[test]
+fn only_solved_designs_are_ranked() {
+    let bench = Bench::new(STUDY);
+    let travel = "motion.travel={from=-330.0,to=330.0,steps=12}";
+    let outputs = "outputs.characteristics=[\"kingpin_inclination\",\"bump_steer\"]";
+    let few = "sweep.samples=300";
+    let few = ["--set", travel, "--set", outputs, "--set", few];
+    bench.sweep("first", &few).code(1);
+    let first = bench.designs("first");
+    let mut failed = (0..300).filter(|i| first.text("status")[*i] != "ok");
+    let failed = failed.next().unwrap();
+    // The targets are the values of a design that fails.
+    let target = |name: &str, unit: &str, tolerance: f64| {
+        let value = first.text(&format!("{name}_design_{unit}"))[failed];
+        format!("{{characteristic=\"{name}\",at=0.0,value={value},tolerance={tolerance}}}")
+    };
+    let kingpin = target("kingpin_inclination", "deg", 0.01);
+    let steer = target("bump_steer", "deg_per_mm", 0.001);
+    let targets = format!("optimise.targets=[{kingpin},{steer}]");
+    let more = [&few[..], &["--set", &targets]].concat();
+    let (text, _) = said(&bench.sweep("run", &more).code(1));
+    let designs = bench.designs("run");
+    let (misfit, status) = (designs.numbers("misfit"), designs.text("status"));
+    let is_solved = |design: &usize| status[*design] == "ok";
+    let mut ranked: Vec<usize> = (0..300).filter(is_solved).collect();
+    ranked.sort_by(|a, b| misfit[*a].total_cmp(&misfit[*b]));
+    let summary = bench.json("run/summary.json");
+    let best = summary["best"].as_array().unwrap().iter();
+    let best: Vec<usize> = best
+        .map(|d| d["design"].as_u64().unwrap() as usize)
+        .collect();
+    assert_eq!(best, ranked[..10]);
+    let front = summary["pareto"].as_array().unwrap().iter();
+    let mut front = front.map(|d| d.as_u64().unwrap() as usize);
+    assert!(front.all(|design| is_solved(&design)));
+    let smaller = |design: &usize| !is_solved(design) && misfit[*design] < misfit[ranked[0]];
+    let count = (0..300).filter(smaller).count();
+    assert!(count > 0 && misfit[failed] < 1e-6, "{}", misfit[failed]);
+    let number = match count {
+        1 => "1 design".to_owned(),
+        2..10 => format!("{count} designs"),
+        _ => "At least 10 designs".to_owned(),
+    };
+    let note = format!("{number} with a smaller misfit than design {}", ranked[0]);
+    assert!(
+        summary["notes"].to_string().contains(&note),
+        "{note}: {}",
+        summary["notes"]
+    );
+    let words: Vec<&str> = text.split_whitespace().collect();
+    assert!(words.join(" ").contains(&note), "{text}");
+}
+
 /// Before the first part is whole, nothing is.
 #[test]
 fn a_sweep_of_which_nothing_is_done_says_so() {

@@ -71,6 +71,11 @@ pub(super) fn run_study(arguments: &SweepArguments, study: &Study) -> Result<Exi
                 left_out.join(", ")
             ));
         }
+        if plan.has_other_numbers() {
+            terminal::note(
+                "The results number the designs from 0, in the order of the file. The column `design` of the file is not read.\n",
+            );
+        }
         if let Some(why) = super::check::one_by_one(&plan) {
             terminal::note(&format!("{why}\n"));
         }

@@ -465,6 +465,30 @@ fn only_solved_designs_are_ranked() {
     assert!(words.join(" ").contains(&note), "{text}");
 }
 
+/// A file of designs may number them. The results count its rows, and a note says so if the numbers differ.
+#[test]
+fn other_numbers_in_a_file_of_designs_are_reported() {
+    let from = STUDY.find("method = \"latin").unwrap();
+    let to = STUDY.find("[optimise]").unwrap();
+    let file = [&STUDY[..from], "designs = \"rows.csv\"\n", &STUDY[to..]].concat();
+    let bench = Bench::new(&file);
+    for (rows, differs) in [("7,1.0\n3,2.0\n", true), ("0,1.0\n1,2.0\n", false)] {
+        fs::write(
+            bench.path("rows.csv"),
+            format!("design,tie_rod_inner_dz\n{rows}"),
+        )
+        .unwrap();
+        let (_, error) = said(&bench.sweep("run", &["--force"]).success());
+        let error = error.replace('\n', " ");
+        assert_eq!(
+            error.contains("number the designs from 0"),
+            differs,
+            "{error}"
+        );
+        assert_eq!(bench.designs("run").text("design"), ["0", "1"]);
+    }
+}
+
 /// Before the first part is whole, nothing is.
 #[test]
 fn a_sweep_of_which_nothing_is_done_says_so() {

@@ -76,7 +76,7 @@ fn mistakes_in_the_sweep_are_named() {
         (
             "\"latin_hypercube\"",
             "\"grid\"",
-            &["steps", "tie_rod_inner_dz"],
+            &["steps", "tie_rod_inner_dz", "a grid takes no samples"],
         ),
         (
             "curves = true",

@@ -240,7 +240,7 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
 }
 
 /// Writes the curves and the mechanism of the designs that the page shows.
-fn draw(
+pub(super) fn draw(
     output: &Output,
     study: &Study,
     plan: &SweepPlan,

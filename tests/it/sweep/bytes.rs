@@ -26,6 +26,7 @@ fn threads_and_shards_give_the_same_bytes() {
     bench.assert_same("one", "shards");
     bench.run(&["merge", "--out", "merged", "shards"]).success();
     bench.assert_same("one", "merged");
+    assert!(bench.path("merged/drawn.json").exists());
     let designs = bench.designs("one");
     assert_eq!(designs.rows.len(), 700);
     assert!(designs.text("status").iter().all(|s| *s == "ok"));

@@ -137,6 +137,9 @@ pub(super) fn carry_out(
             record.parts_of(shard)
         }
     };
+    for part in parts.clone() {
+        directory.verify(part).map_err(not_this)?;
+    }
     let missing = directory.done().map_err(not_this)?.missing;
     if !missing.is_empty() {
         // These files would describe parts that are being replaced.

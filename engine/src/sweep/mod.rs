@@ -6,6 +6,7 @@
 //! threads, in one run, in shards or resumed.
 
 mod car;
+mod checksum;
 pub mod csv;
 mod effects;
 mod front;
@@ -21,6 +22,7 @@ mod statistics;
 mod swept;
 
 pub use car::{CarNotBegun, CarSweepPlan, CarWorker};
+pub use checksum::checksum;
 pub use effects::{Effect, Effects};
 pub use front::{Candidate, Front};
 pub use in_order::in_order;

@@ -30,7 +30,9 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
         )));
     }
     let record = &parts.record;
-    let kept = parts.directories().find_map(Kept::read);
+    let kept = parts
+        .directories()
+        .find_map(|part| Kept::read(part, &record.study));
     let files = SweepDirectory::files(record);
     let mut files: Vec<&str> = files.iter().map(String::as_str).collect();
     files.extend(kept.as_ref().map_or(&[][..], Kept::names));
@@ -75,14 +77,15 @@ enum Kept {
 }
 
 impl Kept {
-    /// Reads the study that a directory of parts keeps. `None` if it keeps none.
-    fn read(directory: &Path) -> Option<Self> {
+    /// Reads the study that a directory of parts keeps. `None` if it keeps none. The study has the given name, not that of its copy.
+    fn read(directory: &Path, name: &str) -> Option<Self> {
         let path = directory.join(STUDY_COPY);
         if CarStudy::is_at(&path) {
             let study = CarStudy::read(&path, &[]).ok()?;
             return Some(Kept::Car(Box::new(study)));
         }
-        let study = Study::read_elastic(&path, &[]).ok()?;
+        let mut study = Study::read_elastic(&path, &[]).ok()?;
+        name.clone_into(&mut study.name);
         Some(Kept::Suspension(path, Box::new(study)))
     }
 

@@ -118,7 +118,7 @@ fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Out
 }
 
 /// Names of the three studies stored with the results: the car, its front axle and its rear axle.
-const KEPT_NAMES: [&str; 3] = ["study.toml", "front.toml", "rear.toml"];
+pub(super) const KEPT_NAMES: [&str; 3] = ["study.toml", "front.toml", "rear.toml"];
 
 /// Texts of these three studies.
 fn kept(study: &CarStudy) -> Vec<String> {
@@ -132,7 +132,7 @@ fn kept(study: &CarStudy) -> Vec<String> {
 }
 
 /// Writes the studies of a run with its results, if the output is a directory. Returns the names of the files.
-fn keep(output: &Output, study: &CarStudy) -> Result<Vec<&'static str>, Stop> {
+pub(super) fn keep(output: &Output, study: &CarStudy) -> Result<Vec<&'static str>, Stop> {
     let mut names = Vec::new();
     if output.directory().is_some() {
         for (name, text) in KEPT_NAMES.into_iter().zip(kept(study)) {

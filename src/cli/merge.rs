@@ -1,14 +1,16 @@
 //! `hardpoint merge`
 
 use super::MergeArguments;
+use super::car;
 use super::exit::{Exit, Stop};
 use super::output::{Destination, Output, STUDY_COPY};
 use super::progress;
-use super::sweep::{finish, not_this};
+use super::sweep::{draw, finish, not_this};
 use crate::report::{MergeError, Parts, SweepDirectory};
 use crate::results::Claim;
-use crate::study::Study;
-use std::path::Path;
+use crate::study::{CarStudy, Study};
+use crate::sweep::SweepPlan;
+use std::path::{Path, PathBuf};
 
 pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
     if arguments.out == Path::new("-") {
@@ -28,12 +30,12 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
         )));
     }
     let record = &parts.record;
-    // The study of the parts, if a part keeps one.
-    let mut kept = parts.directories().map(|part| part.join(STUDY_COPY));
-    let kept = kept.find_map(|path| Study::read_elastic(&path, &[]).ok());
+    let kept = parts
+        .directories()
+        .find_map(|part| Kept::read(part, &record.study));
     let files = SweepDirectory::files(record);
     let mut files: Vec<&str> = files.iter().map(String::as_str).collect();
-    files.extend(kept.is_some().then_some(STUDY_COPY));
+    files.extend(kept.as_ref().map_or(&[][..], Kept::names));
     let (out, format) = (Some(arguments.out.as_path()), arguments.format);
     let destination = Destination::of(out, &record.study, arguments.force, format)?;
     let claim = Claim {
@@ -44,8 +46,12 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
         ..Claim::default()
     };
     let output = Output::at(&destination, claim)?;
-    if let Some(study) = &kept {
-        output.keep_study(study)?;
+    match &kept {
+        Some(Kept::Suspension(_, study)) => output.keep_study(study)?,
+        Some(Kept::Car(study)) => {
+            car::keep(&output, study)?;
+        }
+        None => {}
     }
     if let Some(directory) = output.directory() {
         let line = progress::line(record.designs, "designs");
@@ -56,5 +62,54 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
             MergeError::Unwritten(error) => Stop::unwritten(error),
         })?;
     }
+    if let Some(Kept::Suspension(path, study)) = &kept {
+        draw_again(&output, study, &parts, path)?;
+    }
     finish(&output, record, &parts.statistics, false)
+}
+
+/// Study of the parts.
+enum Kept {
+    /// Study of a wheel or an axle, and its path.
+    Suspension(PathBuf, Box<Study>),
+    /// Study of a car, with those of its axles.
+    Car(Box<CarStudy>),
+}
+
+impl Kept {
+    /// Reads the study that a directory of parts keeps. `None` if it keeps none. The study has the given name, not that of its copy.
+    fn read(directory: &Path, name: &str) -> Option<Self> {
+        let path = directory.join(STUDY_COPY);
+        if CarStudy::is_at(&path) {
+            let study = CarStudy::read(&path, &[]).ok()?;
+            return Some(Kept::Car(Box::new(study)));
+        }
+        let mut study = Study::read_elastic(&path, &[]).ok()?;
+        name.clone_into(&mut study.name);
+        Some(Kept::Suspension(path, Box::new(study)))
+    }
+
+    /// Names of the copies of the study.
+    fn names(&self) -> &'static [&'static str] {
+        match self {
+            Kept::Suspension(..) => &[STUDY_COPY],
+            Kept::Car(_) => &car::KEPT_NAMES,
+        }
+    }
+}
+
+/// Solves the designs that the page shows, because the best designs of all parts are known only now. Without the study of these
+/// results, the page shows no designs.
+fn draw_again(output: &Output, study: &Study, parts: &Parts, path: &Path) -> Result<(), Stop> {
+    let Some(Ok(plan)) = study
+        .sweep
+        .as_ref()
+        .map(|sweep| SweepPlan::of(study, sweep))
+    else {
+        return Ok(());
+    };
+    if plan.record.digest != parts.record.digest {
+        return Ok(());
+    }
+    draw(output, study, &plan, &parts.statistics, path)
 }

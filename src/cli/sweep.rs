@@ -71,6 +71,11 @@ pub(super) fn run_study(arguments: &SweepArguments, study: &Study) -> Result<Exi
                 left_out.join(", ")
             ));
         }
+        if plan.has_other_numbers() {
+            terminal::note(
+                "The results number the designs from 0, in the order of the file. The column `design` of the file is not read.\n",
+            );
+        }
         if let Some(why) = super::check::one_by_one(&plan) {
             terminal::note(&format!("{why}\n"));
         }
@@ -132,6 +137,9 @@ pub(super) fn carry_out(
             record.parts_of(shard)
         }
     };
+    for part in parts.clone() {
+        directory.verify(part).map_err(not_this)?;
+    }
     let missing = directory.done().map_err(not_this)?.missing;
     if !missing.is_empty() {
         // These files would describe parts that are being replaced.
@@ -235,7 +243,7 @@ fn open(arguments: &SweepArguments, ready: &Ready<'_>) -> Result<Output, Stop> {
 }
 
 /// Writes the curves and the mechanism of the designs that the page shows.
-fn draw(
+pub(super) fn draw(
     output: &Output,
     study: &Study,
     plan: &SweepPlan,

@@ -38,8 +38,9 @@ const POINTS: usize = 50;
 const EFFORT: usize = 3;
 /// Number of levels of each limited criterion, for a front of three.
 const LEVELS: usize = 6;
-/// Ratio to its least value up to which a criterion counts as equally low.
-const AS_LOW: f64 = 1.01;
+/// Ratio to its least value up to which a criterion counts as equally low. At exactly the least value the other criteria could not
+/// be lowered, because no neighbouring design would satisfy the level.
+const AS_LOW: f64 = 1.0001;
 /// Smallest level.
 const LEAST_LEVEL: f64 = 1e-6;
 /// Smallest improvement that counts, as a share of the front's extent.

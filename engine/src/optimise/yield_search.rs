@@ -39,6 +39,7 @@ use crate::number::Width;
 use crate::study::{
     AxleSite, AxleStudy, Band, Limit, Optimise, Scatter, Site, Target, Vehicle, Wanted,
 };
+use crate::tolerance::with_rounding;
 use nalgebra::DVector;
 use rayon::iter::{IntoParallelIterator, ParallelIterator};
 
@@ -174,7 +175,7 @@ impl<'a> YieldSearch<'a> {
     /// (1).
     fn smoothed(&self, widths: &[f64]) -> Vec<Target> {
         let target = |(band, width): (&Band, &f64)| {
-            let [low, high] = band.between;
+            let [low, high] = with_rounding(band.between);
             let width = if high > low {
                 width.min(WIDEST * (high - low))
             } else {
@@ -285,7 +286,7 @@ impl<'a> YieldSearch<'a> {
         let bands: Vec<Target> = self
             .bands
             .iter()
-            .map(|band| self.target(band, band.between, 1.0))
+            .map(|band| self.target(band, with_rounding(band.between), 1.0))
             .collect();
         let judged = self.judged();
         let parts = match self.vehicle {

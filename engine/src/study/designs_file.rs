@@ -1,8 +1,8 @@
 //! Designs in CSV files.
 //!
 //! The first line names the columns: `tie_rod_inner_z` holds coordinates, `tie_rod_inner_dz` offsets from the design. Both
-//! are in the study's axes and unit; a name may end with the unit (`tie_rod_inner_z_mm`). A column `design` is ignored,
-//! because the row gives the number of a design, counted from 0.
+//! are in the study's axes and unit; a name may end with the unit (`tie_rod_inner_z_mm`). A column `design` is not
+//! read, because the row gives the number of a design, counted from 0.
 
 use super::curve_file::at_record;
 use super::error::{Source, StudyError, StudyErrors};
@@ -25,6 +25,8 @@ pub struct DesignTable {
     values: Vec<f64>,
     /// SHA-256 digest of the file.
     pub digest: [u8; 32],
+    /// True if the file has a column `design` with other numbers than those of the rows.
+    pub has_other_numbers: bool,
 }
 
 impl DesignTable {
@@ -89,12 +91,15 @@ impl DesignTable {
             return Err(at(&header, message));
         }
         let mut values = Vec::new();
-        for record in records {
+        let numbers = header.iter().position(|column| column == "design");
+        let mut has_other_numbers = false;
+        for (row, record) in records.enumerate() {
             let record = record.map_err(text_error)?;
             if record.len() != header.len() {
                 let message = format!("expected {} values, found {}", header.len(), record.len());
                 return Err(at(&record, message));
             }
+            has_other_numbers |= numbers.is_some_and(|place| record[place] != *row.to_string());
             for (variable, place) in variables.iter_mut().zip(&places) {
                 let cell = &record[*place];
                 let value = Number::parsed(cell).map_err(|wanted| {
@@ -117,6 +122,7 @@ impl DesignTable {
             variables,
             values,
             digest,
+            has_other_numbers,
         })
     }
 
@@ -173,6 +179,7 @@ impl DesignTable {
             variables,
             values,
             digest: hash.finalize(),
+            has_other_numbers: false,
         })
     }
 
@@ -246,6 +253,7 @@ mod tests {
         assert_eq!(absolute, [true, false]);
         assert_eq!(table.variables[1].range, [-1.5, 2.0]);
         assert_eq!((table.designs(), table.row(1)), (2, &[241.0, 2.0][..]));
+        assert!(table.has_other_numbers);
     }
 
     #[test]

@@ -245,6 +245,13 @@ impl SamplingKeys<'_> {
             );
             return problems.refuse(self.variables.clone(), message);
         }
+        if let (Sampling::Grid, Some(samples)) = (method, self.samples) {
+            let message = "a grid takes no samples: the steps of the variables give its designs";
+            let error = problems.add(samples.span(), message);
+            error.help("remove samples, or choose another method, such as \"sobol\"");
+            grid_points(&self.variables, places, &variables, problems);
+            return None;
+        }
         let samples = match method {
             Sampling::Grid => grid_points(&self.variables, places, &variables, problems)?,
             _ => {

@@ -6,6 +6,7 @@
 //! threads, in one run, in shards or resumed.
 
 mod car;
+mod checksum;
 pub mod csv;
 mod effects;
 mod front;
@@ -21,6 +22,7 @@ mod statistics;
 mod swept;
 
 pub use car::{CarNotBegun, CarSweepPlan, CarWorker};
+pub use checksum::checksum;
 pub use effects::{Effect, Effects};
 pub use front::{Candidate, Front};
 pub use in_order::in_order;
@@ -32,7 +34,7 @@ pub use record::{
 pub use rows::{Failing, Rows};
 pub use samples::Samples;
 pub use sequence::{latin_hypercube, sobol, uniform};
-pub use statistics::{FailureCount, OutputRange, SweepStatistics};
+pub use statistics::{FailureCount, KEPT, OutputRange, SweepStatistics};
 pub use swept::{Swept, SweptWorker};
 
 /// SHA-256 digest of a text, in hexadecimal digits.

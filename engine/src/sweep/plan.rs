@@ -240,6 +240,11 @@ impl<'s> SweepPlan<'s> {
         self.request.axle().map_or(&[], |axle| &axle.quantities)
     }
 
+    /// Returns true if the file of the designs numbers them in another way than the results.
+    pub fn has_other_numbers(&self) -> bool {
+        matches!(&self.samples, Samples::Table(table) if table.has_other_numbers)
+    }
+
     /// Points of the design with this number, in the kernel's frame.
     pub fn design(&self, number: u64) -> Vec<Vector3<f64>> {
         let Suspension { design, frame, .. } = self.study.wheel();

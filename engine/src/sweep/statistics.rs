@@ -9,8 +9,9 @@ use super::moments::{BinnedSums, Moments, SaltelliSums, Span};
 use super::{Rows, SweepRecord};
 use serde::{Deserialize, Serialize};
 
-/// Number of best designs in the statistics, and number of examples for each failure.
-const KEPT: usize = 10;
+/// Number of best designs in the statistics, and number of the smallest misfits of designs that are not ranked.
+pub const KEPT: usize = 10;
+/// Number of examples for each failure.
 const EXAMPLES: usize = 5;
 
 /// Statistics of some designs.
@@ -26,9 +27,12 @@ pub struct SweepStatistics {
     pub failures: Vec<FailureCount>,
     /// Range of each output.
     pub ranges: Vec<Option<OutputRange>>,
-    /// Best designs by misfit, in order.
+    /// Best designs by misfit, in order. All are solved at every station.
     pub best: Vec<Candidate>,
-    /// Designs of the Pareto front, if there are several targets.
+    /// Smallest misfits of designs that are not solved at every station, in order. These designs are not ranked.
+    #[serde(default)]
+    pub unranked: Vec<f64>,
+    /// Designs of the Pareto front, if there are several targets. All are solved at every station.
     pub front: Front,
     /// Sums over designs with a value for every output.
     pub moments: Moments,
@@ -78,6 +82,7 @@ impl SweepStatistics {
             failures: Vec::new(),
             ranges: vec![None; record.outputs.len()],
             best: Vec::new(),
+            unranked: Vec::new(),
             front: Front::default(),
             moments: Moments::empty(record),
             binned: BinnedSums::empty(record),
@@ -125,13 +130,19 @@ impl SweepStatistics {
                 outputs: outputs.to_vec(),
                 failing: rows.failing[place].clone(),
             };
-            if let Some(misfit) = misfit.filter(|m| !outputs[*m].is_nan()) {
-                keep_best(&mut statistics.best, misfit, outputs[misfit], candidate);
-                if deviations.len() > 1 {
-                    statistics.front.offer(&deviations, outputs, candidate);
+            // A misfit at some stations is no merit of a design that cannot reach the others.
+            let is_solved = rows.failing[place].is_none();
+            match misfit.filter(|m| !outputs[*m].is_nan()) {
+                Some(misfit) if is_solved => {
+                    keep_best(&mut statistics.best, misfit, outputs[misfit], candidate);
+                    if deviations.len() > 1 {
+                        statistics.front.offer(&deviations, outputs, candidate);
+                    }
                 }
+                Some(misfit) => keep_least(&mut statistics.unranked, outputs[misfit]),
+                None => {}
             }
-            let complete = rows.failing[place].is_none() && outputs.iter().all(|v| !v.is_nan());
+            let complete = is_solved && outputs.iter().all(|v| !v.is_nan());
             for ((shifted, value), reference) in shifted.iter_mut().zip(outputs).zip(&reference) {
                 *shifted = value - reference;
             }
@@ -183,6 +194,9 @@ impl SweepStatistics {
                 let value = candidate.outputs[misfit];
                 keep_best(&mut self.best, misfit, value, || candidate.clone());
             }
+        }
+        for misfit in &next.unranked {
+            keep_least(&mut self.unranked, *misfit);
         }
         let deviations = record.deviations();
         for candidate in next.front.sorted() {
@@ -246,5 +260,14 @@ fn keep_best(
     if place < KEPT {
         best.truncate(KEPT - 1);
         best.insert(place, candidate());
+    }
+}
+
+/// Inserts a misfit among the smallest ones if it is one of them.
+fn keep_least(least: &mut Vec<f64>, misfit: f64) {
+    let place = least.partition_point(|other| *other <= misfit);
+    if place < KEPT && misfit.is_finite() {
+        least.truncate(KEPT - 1);
+        least.insert(place, misfit);
     }
 }

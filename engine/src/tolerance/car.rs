@@ -8,7 +8,7 @@
 use super::axle_expansion::{Moves as PointMoves, moves};
 use super::histogram::Histogram;
 use super::monte_carlo::moments;
-use super::{Estimate, PERCENTILES, Problem, Spread, car_second};
+use super::{Estimate, PERCENTILES, Problem, Spread, car_second, with_rounding};
 use crate::assembly::SetUpError;
 use crate::axle::Axle;
 use crate::car::{Car, CarFault, CarGradient, CarRequest, Case, CaseResult};
@@ -292,7 +292,7 @@ impl<'a> CarProblem<'a> {
                     let mut is_in_all = true;
                     let bands = self.tolerance.bands.iter().zip(&self.places);
                     for ((band, place), count) in bands.zip(&mut all.in_bands) {
-                        let [low, high] = band.between;
+                        let [low, high] = with_rounding(band.between);
                         let is_in = (low..=high).contains(&values[*place]);
                         *count += u64::from(is_in);
                         is_in_all &= is_in;

@@ -12,7 +12,7 @@
 
 use super::axle_expansion::{Moves, moves_of_wheel};
 use super::wheel_assembler::WheelAssembler;
-use super::{Banded, Problem};
+use super::{Banded, Problem, with_rounding};
 use crate::assembly::{Rest, SetUpError};
 use crate::compliance::{AxleParameter, KcRun, KcValue, Parameter};
 use crate::curves::Column;
@@ -77,7 +77,7 @@ pub(super) fn problem<'a>(
     let (reads, columns) = reads(own, tolerance);
     let banded = |band: &Band| -> Banded {
         let TargetKind::Elastic(value) = band.of.kind else {
-            return (Vec::new(), band.between);
+            return (Vec::new(), with_rounding(band.between));
         };
         let output = reads.iter().position(|read| *read == value).unwrap_or(0);
         let is_figure = matches!(value, KcValue::Figure { .. });
@@ -91,7 +91,7 @@ pub(super) fn problem<'a>(
                 .into_iter()
                 .map(|station| [output, station])
                 .collect(),
-            band.between,
+            with_rounding(band.between),
         )
     };
     let bands: Vec<Banded> = tolerance.bands.iter().map(banded).collect();

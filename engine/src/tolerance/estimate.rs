@@ -5,9 +5,19 @@ use super::Spread;
 /// Limit for the second-order term as a share of the variance. Below it, the linear result is valid.
 pub const HOLDS: f64 = 0.02;
 
-/// Smallest first-order standard deviation of a value that scatters, relative to the value or to 1 of its unit (rad, mm).
-/// Smaller ones are rounding errors, for example of a camber that alignment sets.
-const SCATTERS: f64 = 1e-12;
+/// Bound of rounding errors, relative to the value or to 1 of its unit (rad, mm). Values closer to one another are equal, for
+/// example the camber of two builds that alignment sets.
+const ROUNDING: f64 = 1e-12;
+
+/// Largest rounding error of a value.
+fn rounding(value: f64) -> f64 {
+    ROUNDING * value.abs().max(1.0)
+}
+
+/// Limits of a band, moved outwards by the rounding error of a value there. A value that alignment holds at a limit keeps the band.
+pub fn with_rounding([low, high]: [f64; 2]) -> [f64; 2] {
+    [low - rounding(low), high + rounding(high)]
+}
 
 /// Estimate of the scatter of a value by its derivatives at the nominal design.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -39,7 +49,7 @@ impl Estimate {
     /// Returns true if a value with this nominal scatters. Otherwise only rounding errors differ, and these have no shares and
     /// cost no yield.
     pub fn scatters(&self, drawn: f64) -> bool {
-        self.sigma() > SCATTERS * drawn.abs().max(1.0)
+        self.sigma() > rounding(drawn)
     }
 
     /// Second-order term as a share of the first-order variance. NaN if it is not known.

@@ -33,7 +33,7 @@ mod yields;
 
 pub use car::{CarBuilds, CarExpansion, CarProblem};
 pub use draw::normal_quantile;
-pub use estimate::{Estimate, HOLDS, Remainder};
+pub use estimate::{Estimate, HOLDS, Remainder, with_rounding};
 pub use expansion::Expansion;
 pub use histogram::{BINS, Histogram};
 pub use monte_carlo::{MonteCarlo, Rejected, Spread, monte_carlo, monte_carlo_in};
@@ -74,7 +74,7 @@ pub struct Problem<'a> {
     interrupt: Interrupt<'a>,
 }
 
-/// Values of a band as [output, station], and the limits of the band.
+/// Values of a band as [output, station], and the limits of the band, which include rounding errors.
 type Banded = (Vec<[usize; 2]>, [f64; 2]);
 
 /// Poses of a band at these stations: at its own value, or over the motion.
@@ -134,7 +134,7 @@ impl<'a> Problem<'a> {
                 None => stations.of_motion().collect(),
             };
             let cells = places.into_iter().map(|station| [output, station]);
-            (cells.collect(), band.between)
+            (cells.collect(), with_rounding(band.between))
         };
         let length = suspension.length_unit;
         let output = |c: &Characteristic| Column::of_characteristic(*c, length);
@@ -211,7 +211,7 @@ impl<'a> Problem<'a> {
                 let own = quantities.iter();
                 own.map(|quantity| stations.place(*quantity, *placement))
             });
-            (places.collect(), *between)
+            (places.collect(), with_rounding(*between))
         };
         let bands: Vec<Banded> = wanted.iter().map(banded).collect();
         if both.axle.elastic.is_some() {

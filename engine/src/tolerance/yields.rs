@@ -11,9 +11,9 @@ use crate::sorting::sort_by;
 const SAMPLE: u64 = 20_000;
 /// Largest loss of yield by doubling a tolerance for which the tolerance can be relaxed.
 const LITTLE: f64 = 0.001;
-/// Limit for relaxing tolerances. A tolerance cannot be relaxed if the yield is below this limit, or if its contributor has more
-/// than this share of a variance.
-const SMALL: f64 = 0.05;
+/// Smallest yield for which tolerances can be relaxed. Below it, hardly any build is left that a larger tolerance could move out of
+/// the bands.
+const LEAST: f64 = 0.05;
 
 /// Yield of a band.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -67,13 +67,9 @@ impl Sample {
         let tolerance = problem.tolerance;
         let mut rows = Vec::new();
         let mut cells = Vec::new();
-        for (number, (band, own)) in tolerance
-            .bands
-            .iter()
-            .zip(problem.cells_of_bands())
-            .enumerate()
-        {
-            rows.extend(own.iter().map(|_| (number, band.between)));
+        let bands = problem.bands.iter().zip(problem.cells_of_bands());
+        for (number, ((_, limits), own)) in bands.enumerate() {
+            rows.extend(own.iter().map(|_| (number, *limits)));
             cells.extend(own);
         }
         let contributors = tolerance.scatter.len();
@@ -192,7 +188,7 @@ impl Forecast {
                     share,
                     halved: predicted(worth.halved),
                     doubled,
-                    may_be_looser: total > SMALL && share < SMALL && total - doubled < LITTLE,
+                    may_be_looser: total > LEAST && total - doubled < LITTLE,
                 }
             })
             .collect();

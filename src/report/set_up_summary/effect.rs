@@ -20,6 +20,9 @@ pub(super) fn effect_of_step(found: &SetUp, place: usize) -> Vec<Option<f64>> {
         .collect()
 }
 
+/// Smallest visible change of a length in mm.
+const VISIBLE_LENGTH: f64 = 0.05;
+
 /// Changes of static values in words, with the decimals that a mechanic can measure.
 pub(super) fn effect_in_words(
     statics: &[Static],
@@ -31,6 +34,7 @@ pub(super) fn effect_in_words(
         let unit = value.unit();
         let text = match unit {
             Unit::Angle => with_decimals(change, 2),
+            Unit::Length if is_invisible(change, length) => return None,
             Unit::Length => with_decimals(change, length_decimals(length)),
             _ if change.abs() < 1e-9 => return None,
             // Three digits of a rate.
@@ -52,6 +56,11 @@ pub(super) fn effect_in_words(
     } else {
         changes.join(", ")
     }
+}
+
+/// Returns true if a change of a length is below [`VISIBLE_LENGTH`].
+fn is_invisible(change: f64, length: LengthUnit) -> bool {
+    LengthUnit::Millimetre.convert(change.abs(), length) < VISIBLE_LENGTH
 }
 
 /// Decimals of a length to about a tenth of a millimetre.
@@ -90,6 +99,17 @@ mod tests {
             "toe -0.01 deg, ride height change +0.050 in"
         );
         assert_eq!(words([0.0; 4], mm), "no visible change");
+        // The smallest visible length is 0.05 mm in every unit.
+        for (unit, per_mm) in [
+            (mm, 1.0),
+            (LengthUnit::Metre, 1e-3),
+            (LengthUnit::Inch, 1.0 / 25.4),
+        ] {
+            let height = |mm: f64| words([0.0, 0.0, 0.0, mm * per_mm], unit);
+            assert_eq!(height(0.049), "no visible change");
+            assert_eq!(height(-0.049), "no visible change");
+            assert!(height(-0.051).starts_with("ride height change -0."));
+        }
         let unknown = effect_in_words(&statics, &[None, Some(0.5), None, None], mm);
         assert_eq!(unknown, "toe +0.50 deg");
     }

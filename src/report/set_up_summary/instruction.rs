@@ -21,7 +21,10 @@ pub(super) fn instruction(adjustment: &Adjustment, suspension: &Suspension, amou
         BuildParameter::Length(_) if amount > 0.0 => "lengthen".to_owned(),
         BuildParameter::Length(_) => "shorten".to_owned(),
         BuildParameter::Coordinate(id, axis) => {
-            let amount = suspension.frame.sign(axis) * amount;
+            // The adjustment knows the sign of its axis. The right wheel of an axle has amounts of its mirror image on the left, so
+            // its own frame has the wrong one.
+            let (_, per_unit) = adjustment.change;
+            let amount = per_unit * amount;
             format!(
                 "move {}",
                 direction(axis, amount, suspension.mechanism.is_single(id))

@@ -6,7 +6,8 @@ use super::table_file::open_lines;
 use crate::report::finished::{NotARun, in_form};
 use crate::results::{RunDirectory, WriteError};
 use crate::sweep::csv::RowsReader;
-use crate::sweep::{FORM, SweepRecord, SweepStatistics};
+use crate::sweep::{FORM, SweepRecord, SweepStatistics, checksum};
+use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -146,10 +147,6 @@ impl SweepDirectory {
             record.statistics_name(part),
         ]
         .map(|name| self.path.join(name));
-        let wrong = |path: &Path, reason: &str| {
-            let what = "remove the part's files and `hardpoint sweep` computes them again";
-            NotARun::at(path, format!("{reason}; {what}"))
-        };
         let bytes = std::fs::read(&statistics).map_err(|e| wrong(&statistics, &e.to_string()))?;
         let found: PartRecord = serde_json::from_slice(&bytes).map_err(|e| {
             let reason = format!("not in the format of `hardpoint sweep`: {e}");
@@ -182,6 +179,30 @@ impl SweepDirectory {
         Ok(Some(found))
     }
 
+    /// Checks that the files of a complete part have the bytes that the sweep wrote. This reads them as a whole.
+    pub fn verify(&self, part: u64) -> Result<(), NotARun> {
+        let Some(found) = self.part(part)? else {
+            return Ok(());
+        };
+        let record = &self.record;
+        let mut files = vec![(record.rows_name(part), found.rows_checksum)];
+        files.extend(
+            record
+                .curves
+                .then(|| (record.curves_name(part), found.curves_checksum)),
+        );
+        for (name, expected) in files {
+            let path = self.path.join(name);
+            let sum = File::open(&path).and_then(checksum);
+            let sum = sum.map_err(|e| wrong(&path, &e.to_string()))?;
+            if expected.is_some_and(|expected| expected != sum) {
+                let reason = "changed since it was written: it has another checksum";
+                return Err(wrong(&path, reason));
+            }
+        }
+        Ok(())
+    }
+
     /// Statistics of all complete parts, added in order, and the numbers of the incomplete parts.
     pub fn done(&self) -> Result<Done, NotARun> {
         let mut done = Done {
@@ -204,6 +225,12 @@ impl SweepDirectory {
             .and_then(|lines| RowsReader::new(&self.record, lines))
             .map_err(|e| NotARun::at(path, e))
     }
+}
+
+/// Error in a file of a part.
+fn wrong(path: &Path, reason: &str) -> NotARun {
+    let what = "remove the part's files and `hardpoint sweep` computes them again";
+    NotARun::at(path, format!("{reason}; {what}"))
 }
 
 /// Reads the record in a sweep's directory.

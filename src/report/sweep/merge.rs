@@ -54,6 +54,7 @@ impl Parts {
             let mut found = None;
             for (place, directory) in directories.iter().enumerate() {
                 if let Some(part) = directory.part(number)? {
+                    directory.verify(number)?;
                     found = Some((place, part));
                     break;
                 }

@@ -9,7 +9,7 @@ use super::table_file::TableFile;
 use super::text::SweepText;
 use crate::results::{Lock, NotLocked, Owner, TEMPORARY, WriteError, temporary_of, unwritten};
 use crate::sweep::csv::rows_header;
-use crate::sweep::{SweepRecord, SweepStatistics, Swept, in_order};
+use crate::sweep::{SweepRecord, SweepStatistics, Swept, checksum, in_order};
 use crate::threads::stoppable;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
@@ -34,6 +34,12 @@ pub struct PartRecord {
     pub rows_length: u64,
     /// Length of the file with the curves of the part, if there is one.
     pub curves_length: Option<u64>,
+    /// Checksum of the file with its rows.
+    #[serde(default)]
+    pub rows_checksum: Option<String>,
+    /// Checksum of the file with the curves of the part, if there is one.
+    #[serde(default)]
+    pub curves_checksum: Option<String>,
     /// Statistics of its rows.
     pub statistics: SweepStatistics,
 }
@@ -124,6 +130,8 @@ pub(super) fn put(
         part,
         rows_length: rows.length,
         curves_length: curves.as_ref().map(|c| c.length),
+        rows_checksum: Some(rows.checksum()?),
+        curves_checksum: curves.as_ref().map(Whole::checksum).transpose()?,
         statistics,
     };
     let name = record.statistics_name(part);
@@ -190,6 +198,12 @@ impl Pending {
 }
 
 impl Whole {
+    /// Checksum of the file.
+    fn checksum(&self) -> Result<String, WriteError> {
+        let file = self.temporary.reopen().and_then(checksum);
+        file.map_err(unwritten(self.temporary.path()))
+    }
+
     fn persist(self, directory: &Path) -> Result<(), WriteError> {
         let path = directory.join(&self.name);
         let persisted = self.temporary.persist(&path);

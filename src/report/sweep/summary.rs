@@ -6,7 +6,9 @@ use crate::report::figure::{brief, resolution};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::text::counted;
 use crate::sweep::csv::{append_candidate, rows_header};
-use crate::sweep::{Candidate, Effects, FailureCount, OutputColumn, SweepRecord, SweepStatistics};
+use crate::sweep::{
+    Candidate, Effects, FailureCount, KEPT, OutputColumn, SweepRecord, SweepStatistics,
+};
 use serde::{Deserialize, Serialize};
 
 /// Content of `summary.json` of a sweep.
@@ -32,7 +34,7 @@ pub struct SweepSummary {
     pub(in crate::report) failures: Vec<FailureCount>,
     variables: Vec<String>,
     pub(in crate::report) outputs: Vec<OutputSummary>,
-    /// Best designs, sorted by misfit.
+    /// Best designs, sorted by misfit. All are solved at every station.
     pub(in crate::report) best: Vec<DesignSummary>,
     /// Remarks on the outputs, one per line.
     #[serde(default)]
@@ -274,6 +276,7 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
             record.not_swept.join("; ")
         ));
     }
+    notes.extend(unranked(record, statistics));
     for (output, range) in record.outputs.iter().zip(&statistics.ranges) {
         let lacking = statistics.solved - range.map_or(0, |r| r.count).min(statistics.solved);
         if lacking == 0 {
@@ -324,6 +327,39 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// Sentence about designs with a smaller misfit than the best one. They are not ranked because they are not solved everywhere.
+fn unranked(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String> {
+    let everywhere = if record.is_of_car() {
+        "in every load case"
+    } else {
+        "at every station"
+    };
+    let first = record.misfit().zip(statistics.best.first());
+    let Some((misfit, best)) = first else {
+        let has_misfits = !statistics.unranked.is_empty();
+        return has_misfits.then(|| {
+            format!("No design is ranked by its misfit, because none is solved {everywhere}.")
+        });
+    };
+    let is_smaller = |other: &&f64| **other < best.outputs[misfit];
+    let count = statistics.unranked.iter().filter(is_smaller).count();
+    let (are, they) = if count == 1 {
+        ("is", "it is")
+    } else {
+        ("are", "they are")
+    };
+    let number = match count {
+        0 => return None,
+        // The statistics have no more of these misfits.
+        KEPT => format!("At least {KEPT} designs"),
+        _ => counted(count as u64, "design"),
+    };
+    Some(format!(
+        "{number} with a smaller misfit than design {} {are} not ranked, because {they} not solved {everywhere}.",
+        best.design
+    ))
 }
 
 /// Reason why an output may have no value.

@@ -537,3 +537,90 @@ fn effects_of_the_steps_add_up_to_the_rounded_set_up() {
     let is_inboard = shim.instruction.starts_with("move inboard");
     assert_eq!(is_inboard, change > 0.0, "{}", shim.instruction);
 }
+
+/// Text of an axle whose right wheel has its own tie rod. `signs` convert points of a left wheel to the axes of the frame.
+fn differing_axle(frame: FrameConvention, signs: [f64; 3]) -> String {
+    let points = [
+        ("lower_arm_front", [120.0, 360.0, 195.0]),
+        ("lower_arm_rear", [-260.0, 350.0, 205.0]),
+        ("lower_ball_joint", [5.0, 705.0, 190.0]),
+        ("strut_top", [-35.0, 575.0, 850.0]),
+        ("strut_lower", [-11.0, 623.0, 370.0]),
+        ("tie_rod_inner", [-110.0, 330.0, 243.0]),
+        ("tie_rod_outer", [-130.0, 690.0, 240.0]),
+        ("wheel_centre", [0.0, 760.0, 300.0]),
+        ("spindle_inner", [-0.2, 660.0, 299.1]),
+    ];
+    let [x, y, z] = signs;
+    let mut text = format!(
+        "[suspension]\ntopology = \"macpherson\"\nframe = \"{}\"\n[suspension.hardpoints]\n",
+        frame.name()
+    );
+    for (name, point) in points {
+        let [px, py, pz] = point;
+        writeln!(text, "{name} = [{:?}, {:?}, {:?}]", x * px, y * py, z * pz).unwrap();
+    }
+    write!(
+        text,
+        "[wheel]\nradius = 300.0\n[axle.right.hardpoints]\n\
+         tie_rod_inner = [{:?}, {:?}, {:?}]\n[motion]\nroll = [0.0]\n[outputs]\n\
+         characteristics = [\"toe\"]\n[setup]\nadjust = [\n  {{ length = \"tie_rod\" }},\n",
+        x * -110.0,
+        -y * 330.5,
+        z * 243.0
+    )
+    .unwrap();
+    text += "  { shim = \"strut_top\", axis = \"y\" },\n  { shim = \"tie_rod_inner\", axis = \"x\" } ]\n\
+             want = { camber = -1.5, toe = 0.1 }\n";
+    text
+}
+
+/// If the wheels of an axle differ, each has its instructions. Their directions are those in which the points move on the car, in
+/// every frame.
+#[test]
+fn directions_of_each_wheel_are_those_of_its_points() {
+    for (frame, signs) in [
+        (FrameConvention::Iso8855, [1.0, 1.0, 1.0]),
+        (FrameConvention::SaeJ670, [1.0, -1.0, -1.0]),
+        (FrameConvention::XRear, [-1.0, -1.0, 1.0]),
+    ] {
+        let text = differing_axle(frame, signs);
+        let study = Study::from_text("axle.toml", &text, Path::new("."));
+        let study = study.unwrap_or_else(|e| panic!("{e}"));
+        let found = hardpoint::set_up::set_up(&study, study.setup.as_ref().unwrap());
+        let found = found.unwrap_or_else(|refusal| panic!("{}", refusal.reason()));
+        assert_eq!(found.wheels.len(), 2);
+        let [before, after] = [&study, &found.adjusted].map(|study| &study.axle().unwrap().axle);
+        for (side, summary) in Side::ALL.into_iter().zip(&found.wheels) {
+            // Points are those of a left wheel: y is positive outboard.
+            let move_of = |point: &str| {
+                let [before, after] = [before, after].map(|axle| {
+                    let wheel = axle.suspension(side);
+                    wheel.design[wheel.mechanism.point(point).unwrap().0]
+                });
+                after - before
+            };
+            let instruction = |name: &str| {
+                let mut steps = summary.adjustments.iter();
+                &steps
+                    .find(|step| step.adjustment == name)
+                    .unwrap()
+                    .instruction
+            };
+            let (words, y) = (instruction("strut_top y"), move_of("strut_top").y);
+            assert!(y.abs() > 1.0, "{side:?} {y}");
+            let way = if y > 0.0 { "outboard" } else { "inboard" };
+            assert!(
+                words.starts_with(&format!("move {way}")),
+                "{frame:?} {side:?}: {words} {y}"
+            );
+            let (words, x) = (instruction("tie_rod_inner x"), move_of("tie_rod_inner").x);
+            let way = if x > 0.0 { "forward" } else { "rearward" };
+            let is_moved = x.abs() > 1e-3;
+            assert!(
+                !is_moved || words.starts_with(&format!("move {way}")),
+                "{frame:?} {side:?}: {words} {x}"
+            );
+        }
+    }
+}

@@ -330,3 +330,53 @@ fn the_page_has_no_capability_of_rounding_errors() {
     assert_eq!(page.matches(">does not scatter</text>").count(), 1);
     assert_eq!(page.matches(">Cp ").count(), 1);
 }
+
+/// Alignment sets toe and camber. A band with a limit at such a value contains every build, and its linear yield agrees.
+#[test]
+fn a_value_held_at_a_limit_keeps_its_band() {
+    let study = study(
+        "double_wishbone_robust",
+        &[
+            "tolerance.builds=500",
+            "tolerance.bands=[{characteristic=\"toe\",at=0.0,between=[0.0,0.2]},\
+             {characteristic=\"toe\",at=0.0,at_most=0.0},{characteristic=\"toe\",at=0.0,at_least=0.0},\
+             {characteristic=\"camber\",at=0.0,between=[-2.0,-1.8]},\
+             {characteristic=\"camber\",at=0.0,between=[-2.2,-2.0]},\
+             {characteristic=\"toe\",at=0.0,between=[1e-9,0.2]}]",
+        ],
+    );
+    let problem = problem(&study);
+    let (drawn, expansion, builds) = built(&problem);
+    let yields = rank(&problem, &expansion, &builds, &drawn).unwrap();
+    let (outside, inside) = yields.bands.split_last().unwrap();
+    for (number, band) in inside.iter().enumerate() {
+        assert_eq!([band.monte_carlo, band.linear], [1.0; 2], "band {number}");
+    }
+    // A limit that excludes the value by more than rounding excludes every build.
+    assert_eq!([outside.monte_carlo, outside.linear], [0.0; 2]);
+}
+
+/// If doubling a tolerance costs no yield, the tolerance can be relaxed, whatever its share of the variance.
+#[test]
+fn tolerances_within_a_wide_band_can_be_relaxed() {
+    let run = |band: &str| {
+        let band = format!("tolerance.bands=[{{characteristic=\"caster\",at=0.0,between={band}}}]");
+        let study = study("macpherson_tolerance", &["tolerance.builds=2000", &band]);
+        let problem = problem(&study);
+        let (drawn, expansion, builds) = built(&problem);
+        rank(&problem, &expansion, &builds, &drawn).unwrap().ranking
+    };
+    let wide = run("[-30.0,30.0]");
+    assert!(wide.iter().any(|r| r.share > 0.3));
+    assert!(
+        wide.iter().all(|r| r.may_be_looser && r.doubled == 1.0),
+        "{wide:?}"
+    );
+    // In a narrow band, the largest contributors cannot.
+    let narrow = run("[3.35,3.6]");
+    let largest = narrow
+        .iter()
+        .max_by(|a, b| a.share.total_cmp(&b.share))
+        .unwrap();
+    assert!(!largest.may_be_looser, "{narrow:?}");
+}

@@ -138,6 +138,22 @@ fn bytes_do_not_depend_on_the_run() {
     sweep("three", &["--shard", "1/2"]);
     sweep("three", &["--shard", "2/2"]);
     assert_eq!(read("three/designs.csv"), read("two/designs.csv"));
+    // A merge keeps the studies, which give the results.
+    hardpoint(directory, &["merge", "--out", "joined", "two"]).success();
+    for name in [
+        "designs.csv",
+        "summary.json",
+        "study.toml",
+        "front.toml",
+        "rear.toml",
+    ] {
+        assert_eq!(
+            read(&format!("joined/{name}")),
+            read(&format!("two/{name}")),
+            "{name}"
+        );
+    }
+    hardpoint(&directory.join("joined"), &["check", "study.toml"]).success();
     // The page of a sweep can be made.
     hardpoint(directory, &["report", "two"]).success();
 }

@@ -30,6 +30,7 @@ fn a_planted_design_is_found() {
     let from = STUDY.find("targets = [").unwrap();
     let study = STUDY[..from]
         .replace("latin_hypercube", "grid")
+        .replace("samples = 700\n", "")
         .replace(
             "range = [-10.0, 10.0] },\n  {",
             "range = [-10.0, 10.0], steps = 11 },\n  {",
@@ -285,7 +286,6 @@ fn main_effects_of_a_linear_response_are_known() {
     let study = STUDY[..from].replace("[outputs]", "[outputs]\npoints = [\"wheel_centre\"]")
         + r#"[sweep]
 method = "grid"
-samples = 2048
 variables = [
   { hardpoint = "wheel_centre", axis = "z", range = [-3.0, 3.0], steps = 17 },
   { hardpoints = ["wheel_centre", "spindle_inner"], factors = [2.0, 1.0], axis = "z", range = [-2.0, 2.0], steps = 17, name = "b" },
@@ -301,7 +301,11 @@ variables = [
         ("saltelli", 0.02),
     ] {
         let set = format!("sweep.method={method}");
-        bench.sweep(method, &["--set", &set]).success();
+        let mut more = vec!["--set", set.as_str()];
+        if method != "grid" {
+            more.extend(["--set", "sweep.samples=2048"]);
+        }
+        bench.sweep(method, &more).success();
         let summary = bench.json(&format!("{method}/summary.json"));
         let height = output(&summary, "wheel_centre_z_design_mm");
         assert!(
@@ -408,6 +412,85 @@ fn what_fails_is_counted_and_left_empty() {
     assert!(designs.text("reason")[0].contains("lower_ball_joint"));
     assert_eq!(designs.text("camber_design_deg")[0], "");
     assert_eq!(designs.text("failed_at_mm")[0], "");
+}
+
+/// A design that cannot reach the whole motion is neither among the best nor on the front, even if its misfit at one station is
+/// smaller. A note counts such designs.
+#[test]
+fn only_solved_designs_are_ranked() {
+    let bench = Bench::new(STUDY);
+    let travel = "motion.travel={from=-330.0,to=330.0,steps=12}";
+    let outputs = "outputs.characteristics=[\"kingpin_inclination\",\"bump_steer\"]";
+    let few = "sweep.samples=300";
+    let few = ["--set", travel, "--set", outputs, "--set", few];
+    bench.sweep("first", &few).code(1);
+    let first = bench.designs("first");
+    let mut failed = (0..300).filter(|i| first.text("status")[*i] != "ok");
+    let failed = failed.next().unwrap();
+    // The targets are the values of a design that fails.
+    let target = |name: &str, unit: &str, tolerance: f64| {
+        let value = first.text(&format!("{name}_design_{unit}"))[failed];
+        format!("{{characteristic=\"{name}\",at=0.0,value={value},tolerance={tolerance}}}")
+    };
+    let kingpin = target("kingpin_inclination", "deg", 0.01);
+    let steer = target("bump_steer", "deg_per_mm", 0.001);
+    let targets = format!("optimise.targets=[{kingpin},{steer}]");
+    let more = [&few[..], &["--set", &targets]].concat();
+    let (text, _) = said(&bench.sweep("run", &more).code(1));
+    let designs = bench.designs("run");
+    let (misfit, status) = (designs.numbers("misfit"), designs.text("status"));
+    let is_solved = |design: &usize| status[*design] == "ok";
+    let mut ranked: Vec<usize> = (0..300).filter(is_solved).collect();
+    ranked.sort_by(|a, b| misfit[*a].total_cmp(&misfit[*b]));
+    let summary = bench.json("run/summary.json");
+    let best = summary["best"].as_array().unwrap().iter();
+    let best: Vec<usize> = best
+        .map(|d| d["design"].as_u64().unwrap() as usize)
+        .collect();
+    assert_eq!(best, ranked[..10]);
+    let front = summary["pareto"].as_array().unwrap().iter();
+    let mut front = front.map(|d| d.as_u64().unwrap() as usize);
+    assert!(front.all(|design| is_solved(&design)));
+    let smaller = |design: &usize| !is_solved(design) && misfit[*design] < misfit[ranked[0]];
+    let count = (0..300).filter(smaller).count();
+    assert!(count > 0 && misfit[failed] < 1e-6, "{}", misfit[failed]);
+    let number = match count {
+        1 => "1 design".to_owned(),
+        2..10 => format!("{count} designs"),
+        _ => "At least 10 designs".to_owned(),
+    };
+    let note = format!("{number} with a smaller misfit than design {}", ranked[0]);
+    assert!(
+        summary["notes"].to_string().contains(&note),
+        "{note}: {}",
+        summary["notes"]
+    );
+    let words: Vec<&str> = text.split_whitespace().collect();
+    assert!(words.join(" ").contains(&note), "{text}");
+}
+
+/// A file of designs may number them. The results count its rows, and a note says so if the numbers differ.
+#[test]
+fn other_numbers_in_a_file_of_designs_are_reported() {
+    let from = STUDY.find("method = \"latin").unwrap();
+    let to = STUDY.find("[optimise]").unwrap();
+    let file = [&STUDY[..from], "designs = \"rows.csv\"\n", &STUDY[to..]].concat();
+    let bench = Bench::new(&file);
+    for (rows, differs) in [("7,1.0\n3,2.0\n", true), ("0,1.0\n1,2.0\n", false)] {
+        fs::write(
+            bench.path("rows.csv"),
+            format!("design,tie_rod_inner_dz\n{rows}"),
+        )
+        .unwrap();
+        let (_, error) = said(&bench.sweep("run", &["--force"]).success());
+        let error = error.replace('\n', " ");
+        assert_eq!(
+            error.contains("number the designs from 0"),
+            differs,
+            "{error}"
+        );
+        assert_eq!(bench.designs("run").text("design"), ["0", "1"]);
+    }
 }
 
 /// Before the first part is whole, nothing is.

@@ -26,6 +26,15 @@ fn threads_and_shards_give_the_same_bytes() {
     bench.assert_same("one", "shards");
     bench.run(&["merge", "--out", "merged", "shards"]).success();
     bench.assert_same("one", "merged");
+    assert!(bench.path("merged/drawn.json").exists());
+    // Results name the study, not its copy.
+    fs::copy(bench.path("study.toml"), bench.path("strut.toml")).unwrap();
+    let few = ["--set", "sweep.samples=20", "--out", "few"];
+    bench
+        .run(&[&["sweep", "strut.toml"], &few[..]].concat())
+        .success();
+    bench.run(&["merge", "--out", "joined", "few"]).success();
+    bench.assert_same("few", "joined");
     let designs = bench.designs("one");
     assert_eq!(designs.rows.len(), 700);
     assert!(designs.text("status").iter().all(|s| *s == "ok"));

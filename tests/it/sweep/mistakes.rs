@@ -23,6 +23,14 @@ fn only_the_same_sweep_is_taken_up_again() {
     let written = fs::read_to_string(&path).unwrap();
     fs::write(&path, written.replacen("\n5,", "\n55,", 1)).unwrap();
     refused(&["--resume"], "designs.csv: changed since it was written");
+    // An edit that keeps the length is found, too.
+    let row = written.lines().nth(6).unwrap();
+    let digit = row.rfind(['1', '2', '3']).unwrap();
+    let edited = format!("{}4{}", &row[..digit], &row[digit + 1..]);
+    fs::write(&path, written.replacen(row, &edited, 1)).unwrap();
+    refused(&["--resume"], "designs.csv: changed since it was written");
+    let (_, error) = said(&bench.run(&["merge", "--out", "merged", "run"]).code(2));
+    assert!(error.contains("another checksum"), "{error}");
     let (_, error) = said(&bench.sweep("-", &["--resume"]).code(2));
     assert!(error.contains("--resume"), "{error}");
     bench.sweep("run", &["--force"]).success();
@@ -76,7 +84,7 @@ fn mistakes_in_the_sweep_are_named() {
         (
             "\"latin_hypercube\"",
             "\"grid\"",
-            &["steps", "tie_rod_inner_dz"],
+            &["steps", "tie_rod_inner_dz", "a grid takes no samples"],
         ),
         (
             "curves = true",

@@ -83,15 +83,11 @@ impl Bench {
 
     /// Every result of one run is in the other, byte by byte.
     fn assert_same(&self, one: &str, other: &str) {
-        let is_drawn = |run: &str| self.path(run).join("drawn.json").exists();
-        let drawn = is_drawn(one) && is_drawn(other);
         let names = |run: &str| {
             let entries = fs::read_dir(self.path(run)).unwrap();
             let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name()).collect();
             // It says which command wrote them.
             names.retain(|name| name != "run.json");
-            // Where directories are joined there is no study to draw designs of.
-            names.retain(|name| name != "drawn.json" || drawn);
             names.sort();
             names
         };

@@ -140,3 +140,20 @@ fn judged_by_fresh_builds(studies: &[&Study], raised_at_least: usize) {
     }
     assert!(raised >= raised_at_least, "{raised}");
 }
+
+/// Alignment holds toe at the limit of a band. Every build keeps this band, so the search for the yield does not see it.
+#[test]
+fn a_value_held_at_a_limit_costs_no_yield() {
+    let study = edited(
+        WISHBONE,
+        &[
+            "tolerance.bands=[{ characteristic = \"toe\", at = 0.0, between = [0.0, 0.2] }]",
+            "optimise.robust=\"yield\"",
+            "optimise.scatter=32",
+        ],
+    );
+    let (tuning, _) = best(&study, study.optimise.as_ref().unwrap());
+    let expected = tuning.expected_yield.unwrap().unwrap();
+    assert_eq!(expected.judged, [1.0; 2]);
+    assert!(expected.surrogate > 0.999, "{}", expected.surrogate);
+}

@@ -170,12 +170,33 @@ fn a_straight_front_has_its_slope_everywhere() {
     });
     let apart = 10.0_f64.sqrt();
     assert_eq!(traced.points.len(), 50);
+    // The front reaches its ends: in one of the two points the other distance is that between them, and this one vanishes.
+    for (end, aim) in [(&traced.points[0], 1), (&traced.points[49], 0)] {
+        assert!((end.amounts[aim] - apart).abs() < 1e-3 * apart);
+        assert!(end.amounts[1 - aim] < 1e-3, "{:?}", end.amounts);
+    }
     for point in &traced.points[1..49] {
         let sum: f64 = point.amounts.iter().sum();
         assert!((sum - apart).abs() < 1e-6, "{:?}", point.amounts);
         assert!((point.weights[0] - 0.5).abs() < 1e-3, "{:?}", point.weights);
     }
     assert!(widest_step(&traced.points) < 0.045);
+}
+
+/// Misfits with a remainder: a goal of two residuals that no design satisfies together. The ends of the front are the minima of
+/// each goal alone.
+#[test]
+fn a_front_ends_at_the_minima_of_each_goal() {
+    let traced = traced(&[[-5.0, 5.0]; 2], [2, 3], &[&[0.4, 1.1]], |x| {
+        // The constant residual leaves the least amount 1 or 2.
+        let aim =
+            |from: [f64; 2], rest: f64| [way_from(x, from), vec![(rest, vec![0.0; 2])]].concat();
+        [aim([-1.0, 0.0], 1.0), aim([2.0, 1.0], 2.0)].concat()
+    });
+    let (first, last) = (&traced.points[0], &traced.points[traced.points.len() - 1]);
+    assert!((first.amounts[0] - 1.0).abs() < 2e-4, "{:?}", first.amounts);
+    assert!((last.amounts[1] - 2.0).abs() < 4e-4, "{:?}", last.amounts);
+    assert!(widest_step(&traced.points) < 0.1);
 }
 
 /// If one design is best in all criteria, the front contains only this design.

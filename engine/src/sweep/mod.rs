@@ -6,7 +6,6 @@
 //! threads, in one run, in shards or resumed.
 
 mod car;
-mod checksum;
 pub mod csv;
 mod effects;
 mod front;
@@ -22,7 +21,6 @@ mod statistics;
 mod swept;
 
 pub use car::{CarNotBegun, CarSweepPlan, CarWorker};
-pub use checksum::checksum;
 pub use effects::{Effect, Effects};
 pub use front::{Candidate, Front};
 pub use in_order::in_order;

@@ -1,12 +1,13 @@
 //! Directory of a sweep: its description in `sweep.json`, and its parts.
 
+use super::checksum::checksum;
 use super::part::{FORM as PART_FORM, PartRecord};
 use super::summary::{SweepSummary, pareto_csv};
 use super::table_file::open_lines;
 use crate::report::finished::{NotARun, in_form};
 use crate::results::{RunDirectory, WriteError};
 use crate::sweep::csv::RowsReader;
-use crate::sweep::{FORM, SweepRecord, SweepStatistics, checksum};
+use crate::sweep::{FORM, SweepRecord, SweepStatistics};
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};

@@ -16,6 +16,7 @@
 //! of rows and curves end in `.parquet`. The bytes of a part do not depend on the process that computes it. A complete part is
 //! never computed again.
 
+mod checksum;
 mod curve_places;
 mod directory;
 mod drawn;

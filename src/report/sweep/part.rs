@@ -4,12 +4,13 @@
 //! last. So if the rows exist, the part is complete, even after a crash. Several processes on several machines may compute parts
 //! in one directory.
 
+use super::checksum::checksum;
 use super::directory::SweepDirectory;
 use super::table_file::TableFile;
 use super::text::SweepText;
 use crate::results::{Lock, NotLocked, Owner, TEMPORARY, WriteError, temporary_of, unwritten};
 use crate::sweep::csv::rows_header;
-use crate::sweep::{SweepRecord, SweepStatistics, Swept, checksum, in_order};
+use crate::sweep::{SweepRecord, SweepStatistics, Swept, in_order};
 use crate::threads::stoppable;
 use serde::{Deserialize, Serialize};
 use std::io::Write;

@@ -7,6 +7,7 @@ use super::message::{Coordinates, TextChange};
 use crate::mechanism::GeometryFault;
 use crate::model::{Axis, Frame, Suspension};
 use crate::number::Vector3;
+use crate::nominal::nominal_targets;
 use crate::optimise::TargetLayout;
 use crate::report::is_printable;
 use crate::results::{temporary_of, undivided};
@@ -34,7 +35,7 @@ pub(super) struct Opened {
     pub study: Study,
     /// A variable for every coordinate.
     pub every: Vec<Variable>,
-    /// Stations at which targets are evaluated, if there are targets.
+    /// Stations at which targets of the nominal design are evaluated, if there are targets.
     pub layout: Option<TargetLayout>,
 }
 
@@ -51,7 +52,7 @@ impl Opened {
         let directory = path.parent().unwrap_or(Path::new(""));
         let study = Study::elastic_from_text(&path.display().to_string(), &text, directory)?;
         let layout = study.optimise.as_ref();
-        let layout = layout.map(|o| TargetLayout::of(o, &study.vehicle));
+        let layout = layout.map(|o| nominal_targets(o, &study.vehicle));
         let digest = digest(&text);
         Ok(Opened {
             file: StudyFile {

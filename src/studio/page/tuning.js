@@ -64,7 +64,8 @@ const tune = async () => {
       await wait(120);
       now = await post('progress', { job });
       bar.value = now.starts;
-      const misfit = now.misfit === null ? '' : `, smallest misfit ${brief(now.misfit, 3)}`;
+      const { builds } = state.overview;
+      const misfit = now.misfit === null ? '' : `, smallest misfit ${brief(now.misfit, 3)}${builds ? ` (root mean square of ${builds} builds)` : ''}`;
       message.textContent = `${now.iterations} iterations${misfit}`;
     }
     if (now.error) throw new Error(now.error);
@@ -121,7 +122,7 @@ const tellMisfit = () => {
   if (!words) return;
   const isKnown = value !== undefined && value !== null;
   const cost = isKnown && exact !== null ? ` (rounding adds ${signed(value - exact, 2)})` : '';
-  words.textContent = isKnown ? `misfit with these coordinates: ${brief(value, 4)}${cost}` : '';
+  words.textContent = isKnown ? `${state.overview.builds ? 'nominal misfit' : 'misfit'} with these coordinates: ${brief(value, 4)}${cost}` : '';
 };
 
 // Changes that no target requests, flagged ones first.

@@ -119,3 +119,33 @@ fn ranges_count_from_the_file() {
     );
     assert!(remarks.contains("missed: toe_deg, by up to"), "{remarks}");
 }
+
+/// The page shows the nominal design: a robust study has the misfits, deviations and slopes of the same study without builds.
+/// Rounding a design compares the same misfit.
+#[test]
+fn the_misfit_of_a_robust_study_is_that_of_its_nominal_design() {
+    let robust = sample("double_wishbone_robust.toml");
+    let plain = robust.replace("scatter = 64\n", "");
+    assert_ne!(plain, robust);
+    let of_page = |text: &str| {
+        let served = Served::of(text);
+        let of = served.moved("tie_rod_outer", 2, 0.5);
+        let request = json!({"of": of, "characteristics": ["toe"], "at": [0.0, 0.0], "curves_rack": null, "over": 0});
+        let misfit = served.post("solve", &request).json()["misfit"].take();
+        (misfit, served.overview()["builds"].take())
+    };
+    let (of_robust, builds) = of_page(&robust);
+    let (of_plain, none) = of_page(&plain);
+    assert!(of_plain["value"].as_f64().unwrap() > 1.0, "{of_plain}");
+    assert_eq!(of_robust, of_plain);
+    assert_eq!((builds, none), (json!(64), Value::Null));
+
+    let of_rounding = |text: &str| {
+        let study = hardpoint::Study::from_text("study", text, std::path::Path::new("")).unwrap();
+        let free = vec![true; 3 * study.wheel().design.len()];
+        let unit = hardpoint::model::LengthUnit::Millimetre;
+        let grid = hardpoint::exchange::Grid { step: 1.0, unit };
+        hardpoint::exchange::rounded(&study, grid, &free).unwrap().loss
+    };
+    assert_eq!(of_rounding(&robust), of_rounding(&plain));
+}

@@ -98,6 +98,7 @@ pub use set_up_summary::{
 };
 pub use side_effects::{
     further_in_words, shown_side_effects, side_effects_in_words, side_effects_table,
+    visible_side_effects,
 };
 pub use solve_summary::SolveSummary;
 pub use sweep::{

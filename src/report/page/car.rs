@@ -7,11 +7,10 @@ use super::STYLE;
 use super::escape::{html, prose};
 use super::policy::policy;
 use crate::report::car::{CarCase, CarRecord, CarStateRecord};
-use crate::report::side_effects::is_visible;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::{
-    counted, figure, shown_side_effects, side_effects_in_words, side_effects_table, with_decimals,
-    with_minus_signs,
+    counted, figure, shown_side_effects, side_effects_in_words, side_effects_table,
+    visible_side_effects, with_decimals, with_minus_signs,
 };
 use crate::side_effects::SideEffect;
 
@@ -219,7 +218,7 @@ fn side_effects(record: &CarRecord) -> String {
         let flagged = |row: usize| effects[row].flagged.then_some("unmet");
         super::table::table(&side_effects_table(effects), flagged)
     };
-    let seen: Vec<_> = effects.iter().filter(|e| is_visible(e)).cloned().collect();
+    let seen = visible_side_effects(effects);
     let (shown, more) = shown_side_effects(effects);
     let mut content = table(&shown);
     if more > 0 {

@@ -4,8 +4,8 @@
 use crate::SideEffect;
 use crate::curves::Frame;
 use crate::report::{
-    Cell, FailureRange, OutputRecord, Scene, Table, counted, further_in_words, shown_side_effects,
-    side_effects_table,
+    Cell, FailureRange, OutputRecord, Scene, Table, YieldRecord, counted, further_in_words,
+    shown_side_effects, side_effects_table,
 };
 use crate::study::ValueEdit;
 use serde::{Deserialize, Serialize};
@@ -460,8 +460,30 @@ pub(super) struct Proposal {
     pub rates: Vec<[String; 3]>,
     pub headline: String,
     pub side_effects: SideEffectRows,
+    /// Yields of a robust tuning whose study has bands.
+    pub yields: Option<YieldRows>,
     pub remarks: Vec<String>,
     pub interrupted: bool,
+}
+
+/// Yields before and after a robust tuning: a sentence and a table of the bands.
+#[derive(Clone, Serialize)]
+pub(super) struct YieldRows {
+    pub headline: String,
+    pub header: Vec<String>,
+    pub rows: Vec<Vec<String>>,
+}
+
+impl From<&YieldRecord> for YieldRows {
+    fn from(yields: &YieldRecord) -> Self {
+        let table = yields.table();
+        let row = |cells: Vec<&Cell>| cells.iter().map(|cell| cell.text().to_owned()).collect();
+        YieldRows {
+            headline: yields.headline(),
+            header: table.header().into_iter().map(str::to_owned).collect(),
+            rows: table.rows().map(row).collect(),
+        }
+    }
 }
 
 /// Table of the changes that no target requests.

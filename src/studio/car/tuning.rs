@@ -81,6 +81,7 @@ fn run(
         rates,
         headline,
         side_effects: SideEffectRows::of(&effects),
+        yields: None,
         remarks: [remarks, outcome].concat(),
         interrupted: job.is_cancelled(),
     })

@@ -136,7 +136,14 @@ const effectsTable = ({ header, rows, rest }) => [
   ...rest.map((text) => html('p', { class: 'hint', text })),
 ];
 
-const propose = (base, { design, rates: changed, headline, side_effects: effects, remarks, interrupted, edits }, tuned) => {
+// Yields of a robust tuning: of the present design, of the optimum without scatter, and of the proposal.
+const yieldsTable = (yields) => (yields
+  ? [html('p', { text: yields.headline.replace('->', '→') }), scroller('Yields', html('table', { id: 'yields' },
+    html('thead', {}, html('tr', {}, ...yields.header.map((text, k) => html('th', { text, class: k ? 'number' : null })))),
+    html('tbody', {}, ...yields.rows.map(([band, ...shares]) => html('tr', {}, html('th', { scope: 'row', text: band.replaceAll('_', ' ') }), ...shares.map((text) => html('td', { class: 'number', text })))))))]
+  : []);
+
+const propose = (base, { design, rates: changed, headline, side_effects: effects, yields, remarks, interrupted, edits }, tuned) => {
   const changes = [];
   design.forEach((point, p) => point.forEach((c, axis) => { if (c !== base[p][axis]) changes.push({ p, axis }); }));
   const { points, unit } = state.overview;
@@ -174,6 +181,7 @@ const propose = (base, { design, rates: changed, headline, side_effects: effects
       html('thead', {}, html('tr', {}, html('td', {}, rates), ...[state.overview.is_car ? 'value' : 'elastic part', 'now', 'tuned'].map((text, k) => html('th', { text, class: k ? 'number' : null })))),
       html('tbody', {}, ...changed.map(([name, now, then]) => html('tr', {}, html('td'), html('th', { scope: 'row', text: name.replaceAll('_', ' ') }), html('td', { class: 'number', text: now }), html('td', { class: 'number', text: then }))))))] : []),
     ...effectsTable(effects),
+    ...yieldsTable(yields),
     ...remarks.map((text) => html('p', { class: 'hint', text })),
   );
   preview();

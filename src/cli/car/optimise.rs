@@ -7,8 +7,9 @@ use super::super::{RunArguments, interrupt};
 use super::{headline, keep, open, page, solver};
 use crate::optimise::Control;
 use crate::report::{
-    CarConstraintRecord, CarResults, CarTargetRecord, car_constraints_table, car_targets_json,
-    car_targets_table, interrupted_in_words, misfit_in_words, misfit_table, optimised_car,
+    CarConstraintRecord, CarResults, CarTargetRecord, CarTuningRecord, CarVariableRecord,
+    car_constraints_table, car_targets_json, car_targets_table, car_variables_table,
+    interrupted_in_words, misfit_in_words, misfit_table, optimised_car,
     side_effects_in_words, side_effects_table,
 };
 use crate::side_effects::{SideEffect, side_effects_of_car};
@@ -59,6 +60,7 @@ pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
         texts: &texts,
         targets: after.target_records(wanted, &before, x),
         constraints: after.constraint_records(wanted, &before, x),
+        variables: after.variable_records(&study, x),
         effects: effects.map_err(unsolved)?,
         is_interrupted,
     };
@@ -69,6 +71,7 @@ pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
     let mut record = after.record("optimise", &mut tuned_solver, None, &remarks);
     record.targets.clone_from(&results.targets);
     record.side_effects.clone_from(&results.effects);
+    record.tuning = Some(results.record());
     let with_page = arguments.report && !is_interrupted;
     files.extend(page(&output, record, &files, with_page)?);
     output.finish()?;
@@ -87,6 +90,7 @@ struct TuningResults<'a> {
     texts: &'a [String; 3],
     targets: Vec<CarTargetRecord>,
     constraints: Vec<CarConstraintRecord>,
+    variables: Vec<CarVariableRecord>,
     effects: Vec<SideEffect>,
     is_interrupted: bool,
 }
@@ -99,7 +103,6 @@ impl TuningResults<'_> {
         let mut files = write_studies(output, self.texts)?;
         output.file("cases.csv", &self.after.cases_csv())?;
         output.file("cases_before.csv", &self.before.cases_csv())?;
-        let variables = self.after.variables_json(self.study, fit.x.as_slice());
         let [interrupted, starts] = self.tuned.interrupted;
         let summary = json!({
             "command": "optimise",
@@ -110,7 +113,7 @@ impl TuningResults<'_> {
             "evaluations": fit.evaluations(),
             "starts": starts,
             "interrupted_starts": interrupted,
-            "variables": variables,
+            "variables": self.variables,
             "targets": car_targets_json(&self.targets),
             "constraints": self.constraints,
             "side_effects": self.effects,
@@ -121,6 +124,16 @@ impl TuningResults<'_> {
         let csv = (!effects.is_empty()).then(|| side_effects_table(effects).csv(None).into_bytes());
         files.extend(output.file_if_any("side_effects.csv", csv)?);
         Ok(files)
+    }
+
+    /// Misfit and variables for the page.
+    fn record(&self) -> CarTuningRecord {
+        let fit = &self.tuned.fit;
+        CarTuningRecord {
+            misfits: [self.tuned.misfit_before, Some(fit.misfit())],
+            ended: fit.ended(),
+            variables: self.variables.clone(),
+        }
     }
 
     /// Describes the completed part of an interrupted tuning. `None` for a complete tuning.
@@ -148,8 +161,7 @@ impl TuningResults<'_> {
             output.table("constraints", &table)?;
             output.text_only("\n")?;
         }
-        let x = fit.x.as_slice();
-        output.table("variables", &self.after.variables_table(study, x))?;
+        output.table("variables", &car_variables_table(&self.variables))?;
         say_side_effects(output, &self.effects)?;
         if let Some(words) = self.interruption() {
             output.say_failure(&format!("\n{words}\n"))?;

@@ -9,7 +9,7 @@ use super::policy::policy;
 use crate::report::car::{CarCase, CarRecord, CarStateRecord};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::{
-    counted, figure, shown_side_effects, side_effects_in_words, side_effects_table,
+    car_variables_table, counted, figure, shown_side_effects, side_effects_in_words, side_effects_table,
     visible_side_effects, with_decimals, with_minus_signs,
 };
 use crate::side_effects::SideEffect;
@@ -39,6 +39,10 @@ fn titled(case: &CarCase) -> String {
 
 /// The page of a car.
 pub fn car_page(record: &CarRecord) -> String {
+    let misfit = record.tuning.iter().map(|tuning| {
+        let misfits = html(&tuning.misfits_in_words().replace("->", "→"));
+        format!("<div><dt>Misfit</dt><dd>{misfits} <small>tolerances</small></dd></div>")
+    });
     let facts = record.facts.iter().map(|fact| {
         let name = fact.name.replace('_', " ");
         let value = shown(fact.value, &fact.unit);
@@ -68,6 +72,7 @@ pub fn car_page(record: &CarRecord) -> String {
         .collect();
     let sections = [
         targets(record),
+        variables(record),
         side_effects(record),
         corner_weights(record),
         transfer(record),
@@ -85,7 +90,7 @@ pub fn car_page(record: &CarRecord) -> String {
         style = style,
         about = html(&about(record)),
         verdict = prose(&verdict(record)),
-        facts = facts.collect::<String>(),
+        facts = misfit.chain(facts).collect::<String>(),
         failures = failures,
         remarks = remarks,
         main = sections.concat(),
@@ -205,6 +210,24 @@ fn targets(record: &CarRecord) -> String {
         "Targets",
         note,
         &super::table::table(&table, missed),
+    )
+}
+
+/// Tuned variables, with the misfit and the reason why the search ended.
+fn variables(record: &CarRecord) -> String {
+    let Some(tuning) = &record.tuning else {
+        return String::new();
+    };
+    let note = format!(
+        "Misfit {} tolerances (root mean square of the targets); {}. Values of hardpoints are offsets from the design in the files.",
+        tuning.misfits_in_words(),
+        tuning.ended
+    );
+    section(
+        "variables",
+        "Variables",
+        &prose(&note.replace("->", "→")),
+        &car_variables_table(&tuning.variables).html(),
     )
 }
 

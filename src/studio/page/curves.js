@@ -266,10 +266,12 @@ class Chart {
       lines.push(['path', { class: tick === 0 ? 'zero' : null, d: `M${MARGIN.left} ${place}H${width - MARGIN.right}` }]);
       if (isNamed(tick)) word(MARGIN.left - 5, Number(place) + 3.5, 'end', brief(tick));
     }
-    for (const tick of ticks(...this.xs, this.inner[0] / 62)) {
+    const across = several(this.xs, this.inner[0] / 62, () => true);
+    const named = apart(across, x);
+    for (const tick of across) {
       const place = x(tick).toFixed(1);
       lines.push(['path', { class: tick === 0 ? 'zero' : null, d: `M${place} ${MARGIN.top}V${bottom}` }]);
-      word(place, bottom + 13, 'middle', brief(tick));
+      if (named.includes(tick)) word(place, bottom + 13, 'middle', brief(tick));
     }
     word(MARGIN.left + this.inner[0] / 2, bottom + 29, 'middle', `${name} [${own}]`, 'axis-title');
     if (unit) word(MARGIN.left - 5, 9, 'end', `[${unit}]`, 'axis-title');

@@ -193,10 +193,11 @@ impl Job {
             surrogate.into_iter().chain(yields.remark())
         });
         let of_yields: Vec<String> = of_yields.chain(refused).collect();
-        let (edits, rates) = rate_edits(study, text, &tuned);
+        let rates = rate_edits(study, text, &tuned);
         Ok(Proposal {
-            edits,
-            rates,
+            edits: rates.edits,
+            origins: rates.origins,
+            rates: rates.words,
             design: coordinates(suspension, &best.design),
             headline: summary.headline(),
             side_effects: SideEffectRows::of(&summary.side_effects),

@@ -456,6 +456,8 @@ pub(super) struct Proposal {
     pub design: Coordinates,
     /// Changes of the text that set the tuned rates of elastic parts.
     pub edits: Vec<ValueEdit>,
+    /// Present value of each edit, so that the page can apply a part of the change.
+    pub origins: Vec<serde_json::Value>,
     /// Changed rates in words: part, present rate, tuned rate.
     pub rates: Vec<[String; 3]>,
     pub headline: String,

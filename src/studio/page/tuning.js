@@ -32,17 +32,54 @@ const rounded = (value, step) => (step ? snapped(value, step) : value);
 
 export const hasProposal = () => proposal !== null;
 export const isTuning = () => job !== null;
-export const acceptProposal = () => {
+export const acceptProposal = async () => {
+  await retune();
+  if (!proposal) return;
   const design = taken();
   const tuned = ratesTaken();
-  const { edits } = proposal;
   close();
-  if (tuned) takeOverview(tuned, 'Tuned rates', edits);
-  put(design, 'tune');
+  if (!tuned) return put(design, 'tune');
+  const label = (before) => (isSame(before, design) ? 'Accepted proposal: tuned values' : `${described('tune', before)}, tuned values`);
+  takeOverview(tuned.overview, label, tuned.edits, design);
 };
-// The study with the tuned rates of elastic parts, if there are any and they are taken.
-const ratesTaken = () => (proposal.tuned && proposal.rates.checked ? proposal.tuned : null);
-const digestTaken = () => ratesTaken()?.digest;
+// The study with the tuned values, if there are any and they are taken.
+const ratesTaken = () => (proposal.tuned?.overview && proposal.rates.checked ? proposal.tuned : null);
+const digestTaken = () => ratesTaken()?.overview.digest;
+
+// A value on the way from the present one to the tuned one. The values of a list are mixed one by one.
+const mixed = (from, to, share) => {
+  if (share === 1) return to;
+  if (Array.isArray(to)) return to.map((value, k) => mixed(from?.[k], value, share));
+  return Number.isFinite(from) && Number.isFinite(to) ? Number((from + share * (to - from)).toPrecision(12)) : to;
+};
+// Asks for the study with the part of the tuned values that is applied; one request at a time, the latest part at the end.
+let retuning = null;
+const retune = () => {
+  clearTimeout(pause);
+  const own = proposal;
+  const follow = async () => {
+    while (proposal === own && own.tuned && own.tuned.share !== own.share) {
+      const { share } = own;
+      const edits = own.edits.map(({ path, value }, k) => ({ path, value: mixed(own.origins[k], value, share) }));
+      let overview = null;
+      try {
+        if (share > 0) overview = await post('edit', { digest: own.digest, edits });
+      } catch (refused) {
+        say(`The tuned values cannot be applied in this part: ${refused.message}`, 'bad');
+      }
+      own.tuned = { share, overview, edits };
+    }
+    retuning = null;
+  };
+  return retuning ??= follow();
+};
+// While the slider moves, the values wait: each asked part is a text that the server keeps.
+const PAUSE = 150;
+let pause = null;
+const retuneSoon = () => {
+  clearTimeout(pause);
+  pause = setTimeout(() => retune().then(preview), PAUSE);
+};
 const wait = (milliseconds) => new Promise((done) => { setTimeout(done, milliseconds); });
 
 const tune = async () => {
@@ -71,7 +108,7 @@ const tune = async () => {
     if (now.error) throw new Error(now.error);
     if (digest !== state.overview.digest) throw new Error('the study was read anew meanwhile');
     const { edits } = now.proposal;
-    const tuned = edits.length ? await post('edit', { digest, edits }) : null;
+    const tuned = edits.length ? { share: 1, overview: await post('edit', { digest, edits }), edits } : null;
     if (digest !== state.overview.digest) throw new Error('the study was read anew meanwhile');
     propose(base, now.proposal, tuned);
   } catch (refused) {
@@ -102,6 +139,11 @@ const preview = () => {
     by.textContent = signed(value - proposal.base[p][axis]);
   }
   askProposal(design, digestTaken());
+  for (const { now, then, to } of proposal.values) {
+    const isTaken = proposal.rates.checked;
+    to.textContent = !isTaken ? now : proposal.share === 1 ? then : brief(mixed(Number(now), Number(then), proposal.share), 6);
+  }
+  byId('proposal-note').textContent = isSame(proposal.base, state.design) ? '' : 'Points have moved since this proposal was made. “Now” and Apply refer to the design before.';
   askExact();
 };
 
@@ -143,14 +185,15 @@ const yieldsTable = (yields) => (yields
     html('tbody', {}, ...yields.rows.map(([band, ...shares]) => html('tr', {}, html('th', { scope: 'row', text: band.replaceAll('_', ' ') }), ...shares.map((text) => html('td', { class: 'number', text })))))))]
   : []);
 
-const propose = (base, { design, rates: changed, headline, side_effects: effects, yields, remarks, interrupted, edits }, tuned) => {
+const propose = (base, { design, rates: changed, headline, side_effects: effects, yields, remarks, interrupted, edits, origins }, tuned) => {
   const changes = [];
   design.forEach((point, p) => point.forEach((c, axis) => { if (c !== base[p][axis]) changes.push({ p, axis }); }));
   const { points, unit } = state.overview;
   const [usual] = ROUNDINGS[unit];
   const rates = html('input', { type: 'checkbox', id: 'take-rates', 'aria-label': 'take the tuned rates', on: { change: preview } });
   rates.checked = true;
-  proposal = { base, found: design, changes, share: 1, step: usual, tuned, edits, rates };
+  const values = changed.map(([name, now, then]) => ({ name, now, then, to: html('td', { class: 'number' }) }));
+  proposal = { base, found: design, changes, share: 1, step: usual, digest: state.overview.digest, tuned, edits, origins, rates, values };
   const rows = changes.map((change) => {
     const { p, axis } = change;
     const label = `${points[p].name} ${AXES[axis]}`;
@@ -162,7 +205,7 @@ const propose = (base, { design, rates: changed, headline, side_effects: effects
   const amount = html('output', { text: '100 %', 'aria-live': 'off' });
   const share = html('input', {
     type: 'range', min: 0, max: 100, value: 100, id: 'share', 'aria-label': 'Apply, percent',
-    on: { input: () => { proposal.share = Number(share.value) / 100; amount.textContent = `${share.value} %`; preview(); } },
+    on: { input: () => { proposal.share = Number(share.value) / 100; amount.textContent = `${share.value} %`; preview(); retuneSoon(); } },
   });
   const rounding = html('select', { id: 'rounding', on: { change: () => { proposal.step = Number(rounding.value); preview(); } } },
     ...ROUNDINGS[unit].map((value) => html('option', { value, text: value ? `${value} ${unit}` : 'no rounding' })));
@@ -171,7 +214,8 @@ const propose = (base, { design, rates: changed, headline, side_effects: effects
   const reject = html('button', { id: 'reject', text: 'Reject', on: { click: close } });
   const result = html('span', { id: 'proposal-misfit' });
   show(
-    html('div', { class: 'heading' }, html('h2', { text: interrupted ? 'Proposal, cancelled before its end' : 'Proposal' }), html('p', { text: headline.replace('->', '→') }), result, html('span', { class: 'group' }, accept, reject)),
+    html('div', { class: 'heading' }, html('h2', { text: interrupted ? 'Proposal, cancelled before its end' : 'Proposal' }), html('p', { text: `Full proposal: ${headline.replace('->', '→')}` }), result, html('span', { class: 'group' }, accept, reject)),
+    html('p', { id: 'proposal-note', class: 'hint' }),
     html('label', { class: 'direction' }, html('span', { text: 'Apply' }), share, amount),
     html('label', { class: 'direction' }, html('span', { text: 'Round coordinates to' }), rounding),
     changes.length
@@ -179,7 +223,8 @@ const propose = (base, { design, rates: changed, headline, side_effects: effects
       : html('p', { text: 'Nothing moves.' }),
     ...(tuned ? [scroller('Tuned values', html('table', { id: 'rates' },
       html('thead', {}, html('tr', {}, html('td', {}, rates), ...[state.overview.is_car ? 'value' : 'elastic part', 'now', 'tuned'].map((text, k) => html('th', { text, class: k ? 'number' : null })))),
-      html('tbody', {}, ...changed.map(([name, now, then]) => html('tr', {}, html('td'), html('th', { scope: 'row', text: name.replaceAll('_', ' ') }), html('td', { class: 'number', text: now }), html('td', { class: 'number', text: then }))))))] : []),
+      html('tbody', {}, ...values.map(({ name, now, to }) => html('tr', {}, html('td'), html('th', { scope: 'row', text: name.replaceAll('_', ' ') }), html('td', { class: 'number', text: now }), to)))))] : []),
+    html('h3', { text: 'Results of the full proposal' }),
     ...effectsTable(effects),
     ...yieldsTable(yields),
     ...remarks.map((text) => html('p', { class: 'hint', text })),

@@ -128,7 +128,7 @@ export const travel = (to) => {
   if (!found || to === present) return;
   present = to;
   state.design = copy(found.design);
-  if (found.overview !== state.overview) {
+  if (found.overview.digest !== state.overview.digest) {
     state.overview = { ...found.overview, base: state.overview.base };
     found.overview = state.overview;
     takeMotion(state.overview);

@@ -1,6 +1,7 @@
 // Tune: progress, cancel, and the result as a proposal beside the present state.
 import { AXES, brief, byId, html, scroller, signed } from './draw.js';
-import { askMisfit, askProposal, copy, of, on, put, snapped, state, takeOverview } from './design.js';
+import { askMisfit, askProposal, copy, described, isSame, of, on, put, snapped, state, takeOverview } from './design.js';
+import { say } from './dialog.js';
 import { openTab, tellTab } from './layout.js';
 import { announce } from './speech.js';
 import { post } from './server.js';
@@ -244,7 +245,10 @@ export const startTuning = () => {
   };
   on('study', allow);
   on('motion', () => { state.proposed = null; preview(); });
-  on('edited', allow);
+  on('edited', () => {
+    if (proposal) say('The proposal is closed: it belongs to the values before this change. Press Tune for a new one.', 'ask');
+    allow();
+  });
   on('deed', preview);
   on('chosen', preview);
   on('place', preview);

@@ -139,12 +139,12 @@ const preview = () => {
     to.textContent = brief(value, 8);
     by.textContent = signed(value - proposal.base[p][axis]);
   }
-  askProposal(design, digestTaken());
   for (const { now, then, to } of proposal.values) {
     const isTaken = proposal.rates.checked;
     to.textContent = !isTaken ? now : proposal.share === 1 ? then : brief(mixed(Number(now), Number(then), proposal.share), 6);
   }
   byId('proposal-note').textContent = isSame(proposal.base, state.design) ? '' : 'Points have moved since this proposal was made. “Now” and Apply refer to the design before.';
+  askProposal(design, digestTaken());
   askExact();
 };
 

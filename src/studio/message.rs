@@ -196,7 +196,7 @@ pub(super) struct WheelDrawn {
     pub radius: f64,
 }
 
-/// Present text of a file, and the text that saving would write.
+/// Text of a file as it was opened, and the text with the changes of the page.
 #[derive(Serialize)]
 pub(super) struct TextChange {
     pub file: String,

@@ -59,6 +59,9 @@ const save = async (anyway = false) => {
   const design = copy(state.design);
   // Changed values are shown as text before they are written.
   if (isEdited() && !anyway) {
+    const { base, file } = state.overview;
+    const now = await post('digest', null).catch(() => base);
+    if (now !== base) return settleConflict(`${file} has changed since it was opened`);
     const sure = await question('Save these changes?', `${state.overview.files.join(', ')}: lines that change.`, [['yes', 'Save'], ['', 'Cancel']], await writtenDiff());
     if (!sure) return;
   }
@@ -67,12 +70,51 @@ const save = async (anyway = false) => {
     if (anyway) await readStudy();
   } catch (refused) {
     if (refused.status !== 409 || anyway) return say(refused.message, 'bad');
-    const chosen = await question('The file has changed', `${refused.message}, by you or another program. Choose one:`, [
-      ['merge', 'Put my changes into it'], ['as', 'Save as…'], ['reload', 'Reload it, drop my moves'], ['', 'Cancel'],
-    ]);
-    if (chosen?.answer === 'merge') return save(true);
-    if (chosen?.answer === 'as') return saveAs();
-    if (chosen?.answer === 'reload') return reload();
+    return settleConflict(refused.message);
+  }
+};
+// Another program has changed the file since it was read.
+const settleConflict = async (message) => {
+  const chosen = await question('The file has changed', `${message}, by you or another program. Choose one:`, [
+    ['merge', 'Put my changes into it'], ['as', 'Save as…'], ['reload', 'Reload it, drop my changes'], ['', 'Cancel'],
+  ]);
+  if (chosen?.answer === 'merge') return save(true);
+  if (chosen?.answer === 'as') return saveAs();
+  if (chosen?.answer === 'reload') return reload();
+};
+// The moves and edits of this page that are not saved. Moves are coordinates by the names of points.
+const unsaved = () => {
+  const { points, from, edits } = state.overview;
+  const moves = points.flatMap(({ name }, p) => state.design[p].map((c, axis) => [name, axis, c, state.opened[p][axis]])).filter(([, , c, was]) => c !== was);
+  return { moves, from, edits };
+};
+// The design of the file with moves on top of it, and the points that the file does not have.
+const withMoves = ({ points, design: opened }, moves) => {
+  const design = copy(opened);
+  const missing = [];
+  for (const [name, axis, value] of moves) {
+    const p = points.findIndex((point) => point.name === name && !point.follows);
+    if (p < 0) missing.push(name);
+    else if (Number.isInteger(axis) && axis >= 0 && axis < 3 && Number.isFinite(value)) design[p][axis] = value;
+  }
+  return { design, missing };
+};
+// Reads the changed file, and puts the moves and edits of this page on top, as a save into the changed file would do. If the
+// file cannot take them, the page stays as it is.
+const rebase = async () => {
+  try {
+    const { moves, edits } = unsaved();
+    const overview = await post('study', null);
+    const edited = edits.length ? await post('edit', { digest: overview.digest, edits }) : null;
+    const { design, missing } = withMoves(overview, moves);
+    if (missing.length) throw new Error(`the file no longer has ${[...new Set(missing)].join(', ')}`);
+    dropHistory();
+    await readStudy(overview);
+    if (edited) takeOverview(edited, 'Kept changes', edits, design);
+    else put(design, 'kept');
+    say(`${state.overview.file} read again. Your unsaved changes are kept.`);
+  } catch (refused) {
+    say(`Not read again: ${refused.message}. The page still shows the earlier text with your changes.`, 'bad');
   }
 };
 const reload = async () => {

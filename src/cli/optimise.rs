@@ -156,7 +156,15 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     }
     let expected = tuning.expected_yield.as_ref();
     let expected = expected.and_then(|found| found.as_ref().ok());
-    summary.yields = pool.install(|| yields(&study, optimise, tuned.as_ref(), expected, interrupt::flag()));
+    summary.yields = pool.install(|| {
+        yields(
+            &study,
+            optimise,
+            tuned.as_ref(),
+            expected,
+            interrupt::flag(),
+        )
+    });
     let finished = Finished {
         path,
         study: &study,

@@ -57,8 +57,7 @@ pub use car::{
     CarCase, CarComparison, CarConstraintRecord, CarFact, CarLimits, CarMap, CarRecord, CarResults,
     CarState, CarStateRecord, CarTargetRecord, CarToleranceSummary, CarTuningRecord,
     CarVariableRecord, car_constraints_table, car_limits, car_targets_json, car_targets_table,
-    car_variables_table, car_with_axles, lift_limits_table,
-    optimised_car, settings_of_car,
+    car_variables_table, car_with_axles, lift_limits_table, optimised_car, settings_of_car,
 };
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
 pub use column::{ColumnConversion, ConvertedColumn, split_unit};

@@ -9,8 +9,8 @@ use crate::optimise::Control;
 use crate::report::{
     CarConstraintRecord, CarResults, CarTargetRecord, CarTuningRecord, CarVariableRecord,
     car_constraints_table, car_targets_json, car_targets_table, car_variables_table,
-    interrupted_in_words, misfit_in_words, misfit_table, optimised_car,
-    side_effects_in_words, side_effects_table,
+    interrupted_in_words, misfit_in_words, misfit_table, optimised_car, side_effects_in_words,
+    side_effects_table,
 };
 use crate::side_effects::{SideEffect, side_effects_of_car};
 use crate::study::{CarStudy, TunedCar};

@@ -9,8 +9,8 @@ use super::policy::policy;
 use crate::report::car::{CarCase, CarRecord, CarStateRecord};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::{
-    car_variables_table, counted, figure, shown_side_effects, side_effects_in_words, side_effects_table,
-    visible_side_effects, with_decimals, with_minus_signs,
+    car_variables_table, counted, figure, shown_side_effects, side_effects_in_words,
+    side_effects_table, visible_side_effects, with_decimals, with_minus_signs,
 };
 use crate::side_effects::SideEffect;
 

@@ -231,9 +231,17 @@ pub(super) fn contributors(summary: &ToleranceSummary) -> String {
             fitting(contributor)
         );
         let ends = [*yield_halved, *yield_doubled];
-        for ((class, end), label) in ["better", "worse"].into_iter().zip(ends).zip(end_labels(now, ends, &x)) {
+        for ((class, end), label) in ["better", "worse"]
+            .into_iter()
+            .zip(ends)
+            .zip(end_labels(now, ends, &x))
+        {
             let (a, b) = (x(now).min(x(end)), x(now).max(x(end)));
-            let EndLabel { place, below, is_left } = label;
+            let EndLabel {
+                place,
+                below,
+                is_left,
+            } = label;
             let anchor = if is_left { "end" } else { "start" };
             let _ = write!(
                 svg,
@@ -282,7 +290,11 @@ fn end_labels(now: f64, ends: [f64; 2], x: &impl Fn(f64) -> f64) -> [EndLabel; 2
     if sides[0] != sides[1] {
         return [beside(half, sides[0], 0.0), beside(twice, sides[1], 0.0)];
     }
-    let longer = if sides[0] { half.min(twice) } else { half.max(twice) };
+    let longer = if sides[0] {
+        half.min(twice)
+    } else {
+        half.max(twice)
+    };
     [-HALF_LINE, HALF_LINE].map(|below| beside(longer, sides[0], below))
 }
 
@@ -304,7 +316,11 @@ mod tests {
             assert!(twice.below - half.below > 10.0, "{half:?} {twice:?}");
             for label in [half, twice] {
                 for end in ends {
-                    let is_outside = if label.is_left { label.place < x(end) } else { label.place > x(end) };
+                    let is_outside = if label.is_left {
+                        label.place < x(end)
+                    } else {
+                        label.place > x(end)
+                    };
                     assert!(is_outside, "{label:?} {end}");
                 }
             }

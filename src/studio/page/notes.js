@@ -96,7 +96,7 @@ const targets = () => {
     html('td', { class: `number ${isMet(t) ? '' : 'bad'}`, text: brief(t.worst, 3) }), html('td', { class: 'number', text: t.worst_at === null ? words(t.worst_at_unit) : `${brief(t.worst_at, 4)} ${t.worst_at_unit}` })));
   const { builds } = state.overview;
   const about = builds ? [html('p', { class: 'hint', text: `The page shows the misfit of the nominal design. Tune lowers the root mean square misfit of ${builds} builds.` })] : [];
-  return [panel(builds ? 'Deviations of the nominal design in tolerances' : 'Deviations in tolerances', table(['target', 'rms', 'largest', 'at'], body), ...about)];
+  return [panel(builds ? 'Nominal deviations in tolerances' : 'Deviations in tolerances', table(['target', 'rms', 'largest', 'at'], body), ...about)];
 };
 
 const constraints = () => {

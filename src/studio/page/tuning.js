@@ -183,7 +183,7 @@ const effectsTable = ({ header, rows, rest }) => [
 const yieldsTable = (yields) => (yields
   ? [html('p', { text: yields.headline.replace('->', '→') }), scroller('Yields', html('table', { id: 'yields' },
     html('thead', {}, html('tr', {}, ...yields.header.map((text, k) => html('th', { text, class: k ? 'number' : null })))),
-    html('tbody', {}, ...yields.rows.map(([band, ...shares]) => html('tr', {}, html('th', { scope: 'row', text: band.replaceAll('_', ' ') }), ...shares.map((text) => html('td', { class: 'number', text })))))))]
+    html('tbody', {}, ...yields.rows.map(([band, ...shares]) => html('tr', {}, html('th', { scope: 'row', text: band.replaceAll('_', ' ').replaceAll(/(^|\s)-(?=\d)/g, '$1−') }), ...shares.map((text) => html('td', { class: 'number', text })))))))]
   : []);
 
 const propose = (base, { design, rates: changed, headline, side_effects: effects, yields, remarks, interrupted, edits, origins }, tuned) => {

@@ -145,7 +145,9 @@ fn the_misfit_of_a_robust_study_is_that_of_its_nominal_design() {
         let free = vec![true; 3 * study.wheel().design.len()];
         let unit = hardpoint::model::LengthUnit::Millimetre;
         let grid = hardpoint::exchange::Grid { step: 1.0, unit };
-        hardpoint::exchange::rounded(&study, grid, &free).unwrap().loss
+        hardpoint::exchange::rounded(&study, grid, &free)
+            .unwrap()
+            .loss
     };
     assert_eq!(of_rounding(&robust), of_rounding(&plain));
 }
@@ -160,7 +162,10 @@ fn a_robust_proposal_has_the_yields_of_optimise() {
     let state = tuned(&served, &of, &vec![[false; 3]; points]);
     let proposal = &state["proposal"];
     let headline = proposal["headline"].as_str().unwrap();
-    assert!(headline.contains("root mean square of 64 builds"), "{headline}");
+    assert!(
+        headline.contains("root mean square of 64 builds"),
+        "{headline}"
+    );
     let remarks = proposal["remarks"].to_string();
     assert!(remarks.contains(" in one of 64 builds"), "{remarks}");
 

@@ -90,6 +90,7 @@
 //! | `checked` | a checked study: curves, doubts, and stations that are not solved |
 //! | `assembled`, `compared`, `scatter` | assemblies, comparisons and builds, in memory |
 //! | `solved` | curves of a study, of one wheel or of both, with their files, tables and remarks |
+//! | `nominal`, `yields` | targets of the nominal design, and yields of builds, of a robust tuning |
 //! | `limits` | limits of the mechanism, as a table; nearest limits of builds |
 //! | `report` | files, tables, pages |
 //! | `results` | directories of results: rules for replacing files, locks |
@@ -118,6 +119,8 @@ pub mod in_motions;
 #[doc(hidden)]
 pub mod limits;
 #[doc(hidden)]
+pub mod nominal;
+#[doc(hidden)]
 pub mod report;
 #[doc(hidden)]
 pub mod results;
@@ -131,6 +134,8 @@ pub mod set_up;
 pub mod solved;
 #[doc(hidden)]
 pub mod studio;
+#[doc(hidden)]
+pub mod yields;
 
 // Public items and modules of the engine, with the same names.
 #[doc(inline)]

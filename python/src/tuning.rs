@@ -8,6 +8,7 @@ use crate::threads::{interruptible, on_threads};
 use hardpoint::in_motions::InMotion;
 use hardpoint::mechanism::DesignFault;
 use hardpoint::model::Suspension;
+use hardpoint::nominal::nominal_targets;
 use hardpoint::optimise::{
     Control, Infeasible, Iteration, Linearisation, TargetLayout, Tuning, assessed_at, evaluated,
     front, price_list, tune,
@@ -309,7 +310,7 @@ impl Residuals {
                 }
             }
         }
-        let layout = py.detach(|| TargetLayout::of(optimise, &own.vehicle));
+        let layout = py.detach(|| nominal_targets(optimise, &own.vehicle));
         Ok(Residuals {
             study,
             layout,

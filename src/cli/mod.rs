@@ -37,7 +37,6 @@ mod sweep;
 mod terminal;
 mod tolerance;
 mod unknown_option;
-mod yields;
 
 use crate::threads::stoppable;
 use clap::{Args, Parser, Subcommand, ValueEnum};

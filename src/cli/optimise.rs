@@ -5,7 +5,6 @@ use super::choices::Choices;
 use super::exit::{Exit, Stop};
 use super::output::{Output, design_fault, pool};
 use super::report::ReportOptions;
-use super::yields::yields;
 use super::{interrupt, progress, terminal};
 use crate::in_motions::InMotion;
 use crate::optimise::{Control, Tuning, tune};
@@ -17,6 +16,7 @@ use crate::rig::RigTests;
 use crate::side_effects::{SideEffect, side_effects};
 use crate::solved::Solved;
 use crate::study::{CarStudy, Optimise, Study, StudyErrors};
+use crate::yields::yields;
 use std::path::Path;
 
 /// Largest number of printed directions that leave the targets unchanged. The page and `summary.json` contain all of them.
@@ -32,9 +32,10 @@ pub(super) fn say_outcome(
     output.table_for_programs("misfit", || summary.misfit_table());
     if summary.has_design() {
         output.table("targets", &summary.targets_table())?;
-        output.text_only(
-            "\n  off: largest deviation from the target values, in the unit of the target\n",
-        )?;
+        output.text_only(&format!(
+            "\n  off: largest deviation from the target values{}, in the unit of the target\n",
+            summary.over_builds(" over")
+        ))?;
         for (_, column, by) in summary.missed() {
             output.say(&format!("  missed: {column}, by up to {by}\n"))?;
         }
@@ -155,7 +156,15 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     }
     let expected = tuning.expected_yield.as_ref();
     let expected = expected.and_then(|found| found.as_ref().ok());
-    summary.yields = pool.install(|| yields(&study, optimise, tuned.as_ref(), expected));
+    summary.yields = pool.install(|| {
+        yields(
+            &study,
+            optimise,
+            tuned.as_ref(),
+            expected,
+            interrupt::flag(),
+        )
+    });
     let finished = Finished {
         path,
         study: &study,

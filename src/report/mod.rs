@@ -55,9 +55,10 @@ pub use benchmarks::{
 };
 pub use car::{
     CarCase, CarComparison, CarConstraintRecord, CarFact, CarLimits, CarMap, CarRecord, CarResults,
-    CarState, CarStateRecord, CarTargetRecord, CarToleranceSummary, car_constraint_names,
-    car_constraints_table, car_limits, car_targets_json, car_targets_table, car_with_axles,
-    lift_limits_table, optimised_car, settings_of_car,
+    CarState, CarStateRecord, CarTargetRecord, CarToleranceSummary, CarTuningRecord,
+    CarVariableRecord, car_constraint_names, car_constraints_table, car_limits, car_targets_json,
+    car_targets_table, car_variables_table, car_with_axles, lift_limits_table, optimised_car,
+    settings_of_car,
 };
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
 pub use column::{ColumnConversion, ConvertedColumn, split_unit};
@@ -98,6 +99,7 @@ pub use set_up_summary::{
 };
 pub use side_effects::{
     further_in_words, shown_side_effects, side_effects_in_words, side_effects_table,
+    visible_side_effects,
 };
 pub use solve_summary::SolveSummary;
 pub use sweep::{

@@ -154,10 +154,17 @@ pub fn side_effects_table(effects: &[SideEffect]) -> Table {
     table
 }
 
+/// Side effects whose printed values show a change that no target asks for, the flagged ones first.
+pub fn visible_side_effects(effects: &[SideEffect]) -> Vec<SideEffect> {
+    let mut changed: Vec<SideEffect> = effects.iter().filter(|e| is_visible(e)).cloned().collect();
+    changed.sort_by_key(|effect| !effect.flagged);
+    changed
+}
+
 /// Side effects for people: first the flagged ones, then other visible changes. Also returns the number of visible changes that
 /// are left out.
 pub fn shown_side_effects(effects: &[SideEffect]) -> (Vec<SideEffect>, usize) {
-    let changed: Vec<SideEffect> = effects.iter().filter(|e| is_visible(e)).cloned().collect();
+    let changed = visible_side_effects(effects);
     let flagged = changed.iter().filter(|e| e.flagged).count();
     let shown = changed.len().min(MOST_ROWS.max(flagged));
     let more = changed.len() - shown;

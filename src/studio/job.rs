@@ -1,6 +1,6 @@
 //! A tuning that runs in the background.
 
-use super::message::{JobState, Proposal, SideEffectRows, TuneRequest};
+use super::message::{JobState, Proposal, SideEffectRows, TuneRequest, YieldRows};
 use super::overview::coordinates;
 use super::rates::rate_edits;
 use super::study_file::Opened;
@@ -10,6 +10,7 @@ use crate::optimise::{Control, Iteration, tune};
 use crate::report::{TuningSummary, brief};
 use crate::side_effects::side_effects;
 use crate::study::{Study, Variable};
+use crate::yields::yields;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -182,14 +183,32 @@ impl Job {
         let mut summary = TuningSummary::of(study, optimise, &tuning, None);
         let tuned = study.moved(&best.offsets);
         summary.side_effects = side_effects(study, &tuned).map_err(fault)?;
-        let (edits, rates) = rate_edits(study, text, &tuned);
+        let expected = tuning.expected_yield.as_ref();
+        let refused = expected.and_then(|found| found.as_ref().err());
+        let refused = refused.map(|reason| format!("the yield was not increased: {reason}"));
+        let expected = expected.and_then(|found| found.as_ref().ok());
+        let yields = yields(study, optimise, Some(&tuned), expected, &self.interrupt);
+        let of_yields = yields.iter().flat_map(|yields| {
+            let surrogate = yields.surrogate_in_words();
+            surrogate.into_iter().chain(yields.remark())
+        });
+        let of_yields: Vec<String> = of_yields.chain(refused).collect();
+        let rates = rate_edits(study, text, &tuned);
         Ok(Proposal {
-            edits,
-            rates,
+            edits: rates.edits,
+            origins: rates.origins,
+            rates: rates.words,
             design: coordinates(suspension, &best.design),
             headline: summary.headline(),
             side_effects: SideEffectRows::of(&summary.side_effects),
-            remarks: [remarks, summary.outcome_in_words(), summary.remarks()].concat(),
+            yields: yields.as_ref().map(YieldRows::from),
+            remarks: [
+                remarks,
+                summary.outcome_in_words(),
+                summary.remarks(),
+                of_yields,
+            ]
+            .concat(),
             interrupted: self.is_cancelled(),
         })
     }

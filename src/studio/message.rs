@@ -4,8 +4,8 @@
 use crate::SideEffect;
 use crate::curves::Frame;
 use crate::report::{
-    Cell, FailureRange, OutputRecord, Scene, Table, counted, further_in_words, shown_side_effects,
-    side_effects_table,
+    Cell, FailureRange, OutputRecord, Scene, Table, YieldRecord, counted, further_in_words,
+    shown_side_effects, side_effects_table,
 };
 use crate::study::ValueEdit;
 use serde::{Deserialize, Serialize};
@@ -149,6 +149,8 @@ pub(super) struct Overview {
     pub targets: Vec<TargetOverview>,
     pub variables: Vec<VariableOverview>,
     pub tunes: bool,
+    /// Number of builds whose misfit a tuning lowers. `None` if it lowers the misfit of the nominal design.
+    pub builds: Option<usize>,
     pub has_constraints: bool,
     pub starts: usize,
 }
@@ -194,7 +196,7 @@ pub(super) struct WheelDrawn {
     pub radius: f64,
 }
 
-/// Present text of a file, and the text that saving would write.
+/// Text of a file as it was opened, and the text with the changes of the page.
 #[derive(Serialize)]
 pub(super) struct TextChange {
     pub file: String,
@@ -454,12 +456,36 @@ pub(super) struct Proposal {
     pub design: Coordinates,
     /// Changes of the text that set the tuned rates of elastic parts.
     pub edits: Vec<ValueEdit>,
+    /// Present value of each edit, so that the page can apply a part of the change.
+    pub origins: Vec<serde_json::Value>,
     /// Changed rates in words: part, present rate, tuned rate.
     pub rates: Vec<[String; 3]>,
     pub headline: String,
     pub side_effects: SideEffectRows,
+    /// Yields of a robust tuning whose study has bands.
+    pub yields: Option<YieldRows>,
     pub remarks: Vec<String>,
     pub interrupted: bool,
+}
+
+/// Yields before and after a robust tuning: a sentence and a table of the bands.
+#[derive(Clone, Serialize)]
+pub(super) struct YieldRows {
+    pub headline: String,
+    pub header: Vec<String>,
+    pub rows: Vec<Vec<String>>,
+}
+
+impl From<&YieldRecord> for YieldRows {
+    fn from(yields: &YieldRecord) -> Self {
+        let table = yields.table();
+        let row = |cells: Vec<&Cell>| cells.iter().map(|cell| cell.text().to_owned()).collect();
+        YieldRows {
+            headline: yields.headline(),
+            header: table.header().into_iter().map(str::to_owned).collect(),
+            rows: table.rows().map(row).collect(),
+        }
+    }
 }
 
 /// Table of the changes that no target requests.

@@ -77,6 +77,10 @@ pub(super) fn overview(opened: &Opened) -> Overview {
             .map(variable)
             .collect(),
         tunes: optimise.is_some(),
+        builds: optimise
+            .and_then(|o| o.scatter.as_ref())
+            .filter(|scatter| scatter.lowers_misfit())
+            .map(|scatter| scatter.builds),
         has_constraints: optimise.is_some_and(|o| !o.constraints.is_empty()),
         starts: optimise.map_or(0, |o| o.starts),
     }

@@ -7,19 +7,25 @@ use serde_json::Value;
 /// Names of the axes of a bushing.
 const AXES: [&str; 6] = ["x", "y", "z", "about x", "about y", "about z"];
 
-/// Changes that set the tuned rates in a study's text. Also describes each change in words: part, present rate, tuned rate.
-pub(super) fn rate_edits(
-    study: &Study,
-    text: &str,
-    tuned: &Study,
-) -> (Vec<ValueEdit>, Vec<[String; 3]>) {
+/// Tuned rates, as changes of a study's texts.
+#[derive(Default)]
+pub(super) struct TunedRates {
+    pub edits: Vec<ValueEdit>,
+    /// Present value of each edit.
+    pub origins: Vec<Value>,
+    /// Each changed number in words: part, present rate, tuned rate.
+    pub words: Vec<[String; 3]>,
+}
+
+/// Changes that set the tuned rates in a study's text.
+pub(super) fn rate_edits(study: &Study, text: &str, tuned: &Study) -> TunedRates {
     let parsed = |text: &str| {
         let document: toml::Table = text.parse().unwrap_or_default();
         serde_json::to_value(document).unwrap_or_default()
     };
     let [now, then] = [text.to_owned(), study.with_rates_of(text.to_owned(), tuned)];
     let [now, then] = [parsed(&now), parsed(&then)];
-    let (mut edits, mut words) = (Vec::new(), Vec::new());
+    let mut rates = TunedRates::default();
     for section in ["bushings", "links"] {
         let parts = then[section].as_object().into_iter().flatten();
         for (name, part) in parts {
@@ -29,15 +35,17 @@ pub(super) fn rate_edits(
                     continue;
                 }
                 let path = [section, name, key].map(|step| PathStep::Key(step.to_owned()));
-                edits.push(ValueEdit {
+                rates.origins.push(old.clone());
+                rates.edits.push(ValueEdit {
                     path: path.into(),
                     value: Some(value.clone()),
                 });
-                words.extend(differences(&format!("{name} {key}"), old, value));
+                let words = differences(&format!("{name} {key}"), old, value);
+                rates.words.extend(words);
             }
         }
     }
-    (edits, words)
+    rates
 }
 
 /// Numbers of a key that differ, each with its name, old value and new value.

@@ -42,7 +42,7 @@ pub(super) trait Reading: Send + Sync {
     fn tuning(self: Arc<Self>, request: &TuneRequest) -> Result<Tuning, String>;
     /// Returns the texts with further changes of their values.
     fn edited(&self, edits: &[ValueEdit]) -> Result<Arc<dyn Reading>, String>;
-    /// Texts of the files now, and the texts that saving a design would write.
+    /// Texts of the files as they were opened, and these texts with a design and the edits.
     fn texts(&self, design: &Coordinates) -> Result<Vec<TextChange>, String>;
     /// Writes a design into the files. Returns the new state of the files.
     fn save(&self, design: &Coordinates, anyway: bool) -> Result<Arc<dyn Reading>, NotSaved>;
@@ -160,7 +160,7 @@ impl Reading for Opened {
     }
 
     fn texts(&self, design: &Coordinates) -> Result<Vec<TextChange>, String> {
-        self.file.texts(self, &self.design(design)?)
+        Ok(self.file.texts(self, &self.design(design)?))
     }
 
     fn save(&self, design: &Coordinates, anyway: bool) -> Result<Arc<dyn Reading>, NotSaved> {

@@ -37,7 +37,7 @@ pub(super) struct ServerState {
     directory: PathBuf,
     /// File of the study. Without a study, the page asks for one.
     file: OnceLock<Files>,
-    /// The latest last.
+    /// The latest used last.
     texts: Mutex<VecDeque<Arc<dyn Reading>>>,
     job: Mutex<Option<Arc<Job>>>,
     /// Report pages with their numbers, the latest last.
@@ -176,12 +176,15 @@ impl ServerState {
     }
 
     fn text(&self, digest: &str) -> Result<Arc<dyn Reading>, Refused> {
-        let texts = locked(&self.texts);
-        let found = texts.iter().rev().find(|text| text.digest() == digest);
-        found.cloned().ok_or_else(|| {
+        let mut texts = locked(&self.texts);
+        let place = texts.iter().rposition(|text| text.digest() == digest);
+        let found = place.and_then(|place| texts.remove(place)).ok_or_else(|| {
             let why = "the server has another version of the study: reload the page";
             (409, why.to_owned())
-        })
+        })?;
+        // A text that is used stays longer than one that is not.
+        texts.push_back(found.clone());
+        Ok(found)
     }
 
     fn remember(&self, opened: Arc<dyn Reading>) -> Arc<dyn Reading> {

@@ -6,6 +6,7 @@ mod tests;
 use super::message::{Coordinates, TextChange};
 use crate::mechanism::GeometryFault;
 use crate::model::{Axis, Frame, Suspension};
+use crate::nominal::nominal_targets;
 use crate::number::Vector3;
 use crate::optimise::TargetLayout;
 use crate::report::is_printable;
@@ -17,6 +18,7 @@ use crate::study::{
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use tempfile::NamedTempFile;
 
 /// A study text that was read, with the resolved study.
@@ -27,6 +29,8 @@ pub(super) struct Opened {
     pub digest: String,
     /// SHA-256 of the file's text to which `edits` apply.
     pub base: String,
+    /// Text of the file to which `edits` apply.
+    pub base_text: Arc<str>,
     /// Changes that are not in the file.
     pub edits: Vec<ValueEdit>,
     /// Text of the file with `edits` applied.
@@ -34,7 +38,7 @@ pub(super) struct Opened {
     pub study: Study,
     /// A variable for every coordinate.
     pub every: Vec<Variable>,
-    /// Stations at which targets are evaluated, if there are targets.
+    /// Stations at which targets of the nominal design are evaluated, if there are targets.
     pub layout: Option<TargetLayout>,
 }
 
@@ -51,13 +55,14 @@ impl Opened {
         let directory = path.parent().unwrap_or(Path::new(""));
         let study = Study::elastic_from_text(&path.display().to_string(), &text, directory)?;
         let layout = study.optimise.as_ref();
-        let layout = layout.map(|o| TargetLayout::of(o, &study.vehicle));
+        let layout = layout.map(|o| nominal_targets(o, &study.vehicle));
         let digest = digest(&text);
         Ok(Opened {
             file: StudyFile {
                 path: path.to_owned(),
             },
             base: digest.clone(),
+            base_text: text.as_str().into(),
             digest,
             edits: Vec::new(),
             every: Variable::every_coordinate(study.wheel(), [-1.0, 1.0]),
@@ -163,22 +168,20 @@ impl StudyFile {
         let edited = Opened::of(&self.path, text).map_err(|errors| errors.render(false))?;
         Ok(Opened {
             base: opened.base.clone(),
+            base_text: opened.base_text.clone(),
             edits: [&opened.edits, edits].concat(),
             ..edited
         })
     }
 
-    /// Present text of the file, and the text that saving a design would write.
-    pub(super) fn texts(
-        &self,
-        opened: &Opened,
-        design: &[Vector3<f64>],
-    ) -> Result<Vec<TextChange>, String> {
-        Ok(vec![TextChange {
+    /// Text of the file as it was opened, and the text with a design and the edits. Changes by other programs are not among
+    /// their differences.
+    pub(super) fn texts(&self, opened: &Opened, design: &[Vector3<f64>]) -> Vec<TextChange> {
+        vec![TextChange {
             file: self.name(),
-            before: self.text()?,
+            before: opened.base_text.to_string(),
             after: edited(&opened.study, &opened.text, design),
-        }])
+        }]
     }
 
     /// Writes a design into the study. If the file's text has changed since it was opened, the file stays unchanged. With

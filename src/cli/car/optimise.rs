@@ -7,9 +7,10 @@ use super::super::{RunArguments, interrupt};
 use super::{headline, keep, open, page, solver};
 use crate::optimise::Control;
 use crate::report::{
-    CarConstraintRecord, CarResults, CarTargetRecord, car_constraint_names, car_constraints_table,
-    car_targets_json, car_targets_table, contradiction_in_words, interrupted_in_words,
-    misfit_in_words, misfit_table, optimised_car, side_effects_in_words, side_effects_table,
+    CarConstraintRecord, CarResults, CarTargetRecord, CarTuningRecord, CarVariableRecord,
+    car_constraint_names, car_constraints_table, car_targets_json, car_targets_table,
+    car_variables_table, contradiction_in_words, interrupted_in_words, misfit_in_words,
+    misfit_table, optimised_car, side_effects_in_words, side_effects_table,
 };
 use crate::side_effects::{SideEffect, side_effects_of_car};
 use crate::study::{CarStudy, TunedCar};
@@ -61,6 +62,7 @@ pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
         targets: after.target_records(wanted, &before, x),
         contradiction: car_constraint_names(&constraints, &tuned.contradiction),
         constraints,
+        variables: after.variable_records(&study, x),
         effects: effects.map_err(unsolved)?,
         is_interrupted,
     };
@@ -72,6 +74,7 @@ pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
     let mut record = after.record("optimise", &mut tuned_solver, None, &remarks);
     record.targets.clone_from(&results.targets);
     record.side_effects.clone_from(&results.effects);
+    record.tuning = Some(results.record());
     let with_page = arguments.report && !is_interrupted;
     files.extend(page(&output, record, &files, with_page)?);
     output.finish()?;
@@ -92,6 +95,7 @@ struct TuningResults<'a> {
     constraints: Vec<CarConstraintRecord>,
     /// Names of constraints that exclude one another.
     contradiction: Vec<String>,
+    variables: Vec<CarVariableRecord>,
     effects: Vec<SideEffect>,
     is_interrupted: bool,
 }
@@ -104,7 +108,6 @@ impl TuningResults<'_> {
         let mut files = write_studies(output, self.texts)?;
         output.file("cases.csv", &self.after.cases_csv())?;
         output.file("cases_before.csv", &self.before.cases_csv())?;
-        let variables = self.after.variables_json(self.study, fit.x.as_slice());
         let [interrupted, starts] = self.tuned.interrupted;
         let summary = json!({
             "command": "optimise",
@@ -115,7 +118,7 @@ impl TuningResults<'_> {
             "evaluations": fit.evaluations(),
             "starts": starts,
             "interrupted_starts": interrupted,
-            "variables": variables,
+            "variables": self.variables,
             "targets": car_targets_json(&self.targets),
             "constraints": self.constraints,
             "contradiction": self.contradiction,
@@ -127,6 +130,16 @@ impl TuningResults<'_> {
         let csv = (!effects.is_empty()).then(|| side_effects_table(effects).csv(None).into_bytes());
         files.extend(output.file_if_any("side_effects.csv", csv)?);
         Ok(files)
+    }
+
+    /// Misfit and variables for the page.
+    fn record(&self) -> CarTuningRecord {
+        let fit = &self.tuned.fit;
+        CarTuningRecord {
+            misfits: [self.tuned.misfit_before, Some(fit.misfit())],
+            ended: fit.ended(),
+            variables: self.variables.clone(),
+        }
     }
 
     /// Describes the completed part of an interrupted tuning. `None` for a complete tuning.
@@ -157,8 +170,7 @@ impl TuningResults<'_> {
         if let Some(words) = contradiction_in_words(&self.contradiction) {
             output.say(&format!("{words}\n\n"))?;
         }
-        let x = fit.x.as_slice();
-        output.table("variables", &self.after.variables_table(study, x))?;
+        output.table("variables", &car_variables_table(&self.variables))?;
         say_side_effects(output, &self.effects)?;
         if let Some(words) = self.interruption() {
             output.say_failure(&format!("\n{words}\n"))?;

@@ -15,11 +15,13 @@ pub use limits::{CarLimits, car_limits, lift_limits_table};
 pub(super) use record::FORM as CAR_FORM;
 pub use record::{
     CarCase, CarConstraintRecord, CarFact, CarMap, CarRecord, CarStateRecord, CarTargetRecord,
+    CarTuningRecord, CarVariableRecord,
 };
 pub use studies::{car_with_axles, optimised_car, settings_of_car};
 pub use tolerance::CarToleranceSummary;
 pub use tuning::{
     car_constraint_names, car_constraints_table, car_targets_json, car_targets_table,
+    car_variables_table,
 };
 
 use crate::car::{

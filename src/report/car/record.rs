@@ -6,6 +6,7 @@ use crate::car::{
     AxleEnd, AxleResult, CarQuantity, CarSolver, Case, Equilibrium, WheelPlace, WheelResult,
     WholeResult,
 };
+use crate::report::misfit_in_words;
 use crate::report::scene::Scene;
 use serde::{Deserialize, Serialize};
 
@@ -42,6 +43,9 @@ pub struct CarRecord {
     pub map: Option<CarMap>,
     /// Targets of a tuning, with values before and after.
     pub targets: Vec<CarTargetRecord>,
+    /// Misfit and variables of a tuning.
+    #[serde(default)]
+    pub tuning: Option<CarTuningRecord>,
     /// Changes by a tuning that no target requests.
     #[serde(default)]
     pub side_effects: Vec<SideEffect>,
@@ -141,6 +145,39 @@ pub struct CarTargetRecord {
     pub deviation: Option<f64>,
 }
 
+/// Misfit and variables of a tuning.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CarTuningRecord {
+    /// Misfit before and after, in tolerances. `None` if the car cannot be compared.
+    pub misfits: [Option<f64>; 2],
+    /// Reason why the search ended.
+    pub ended: String,
+    /// Variables with their values.
+    pub variables: Vec<CarVariableRecord>,
+}
+
+/// A variable of a tuning: offset of hardpoints, or a value of the car.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CarVariableRecord {
+    /// Name of the variable.
+    pub name: String,
+    /// Value before the tuning.
+    pub before: Option<f64>,
+    /// Tuned value.
+    pub after: f64,
+    /// Lowest and highest value.
+    pub range: [f64; 2],
+}
+
+impl CarTuningRecord {
+    /// Misfits in words: `3.1 -> 0.4`.
+    pub fn misfits_in_words(&self) -> String {
+        let [before, after] = self.misfits.map(|misfit| misfit.map(misfit_in_words));
+        let after = after.unwrap_or_else(|| "unknown".to_owned());
+        before.map_or_else(|| after.clone(), |before| format!("{before} -> {after}"))
+    }
+}
+
 /// A constraint of a tuning.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CarConstraintRecord {
@@ -196,6 +233,7 @@ impl<'s> CarResults<'s> {
             cases: cases.collect(),
             map,
             targets: Vec::new(),
+            tuning: None,
             side_effects: Vec::new(),
             scenes: study.car.axles.each_ref().map(Scene::of_axle),
             files: Vec::new(),

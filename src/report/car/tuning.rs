@@ -1,8 +1,8 @@
 //! Targets, constraints and variables of a tuned car, for people and for programs.
 
-use super::record::{CarConstraintRecord, CarTargetRecord};
+use super::record::{CarConstraintRecord, CarTargetRecord, CarVariableRecord};
 use super::{CarResults, CarState};
-use crate::car::{CarQuantity, RigGoals, RigOutcome};
+use crate::car::{CarQuantity, CarVariable, RigGoals, RigOutcome};
 use crate::report::figure;
 use crate::report::table::{Cell, Table};
 use crate::study::{CarOptimise, CarStudy};
@@ -200,37 +200,34 @@ impl CarResults<'_> {
         records
     }
 
-    /// Table of the variables, for people: offsets of hardpoints, and values of all other variables.
-    pub fn variables_table(&self, before: &CarStudy, x: &[f64]) -> Table {
-        let mut table = Table::new(["variable", "lowest", "highest", "before", "after"]);
-        for (variable, value) in before.optimise.iter().flat_map(|o| &o.variables).zip(x) {
-            let cell = |value: f64| Cell::shown(value, figure(value, ""));
-            let cells: [Cell; 5] = [
-                variable.moves.label(&before.car).as_str().into(),
-                cell(variable.range[0]),
-                cell(variable.range[1]),
-                cell(variable.moves.value(&before.car).unwrap_or(f64::NAN)),
-                cell(*value),
-            ];
-            table.push(cells);
-        }
-        table
-    }
-
-    /// Variables for programs.
-    pub fn variables_json(&self, before: &CarStudy, x: &[f64]) -> Value {
+    /// Variables of a tuning with their values: offsets of hardpoints, and values of all other variables.
+    pub fn variable_records(&self, before: &CarStudy, x: &[f64]) -> Vec<CarVariableRecord> {
         let variables = before.optimise.iter().flat_map(|o| &o.variables).zip(x);
-        variables
-            .map(|(variable, value)| {
-                json!({
-                    "name": variable.moves.label(&before.car),
-                    "before": variable.moves.value(&before.car),
-                    "after": value,
-                    "range": variable.range,
-                })
-            })
-            .collect()
+        let record = |(variable, after): (&CarVariable, &f64)| CarVariableRecord {
+            name: variable.moves.label(&before.car),
+            before: variable.moves.value(&before.car),
+            after: *after,
+            range: variable.range,
+        };
+        variables.map(record).collect()
     }
+}
+
+/// Table of the variables of a tuning, for people.
+pub fn car_variables_table(records: &[CarVariableRecord]) -> Table {
+    let mut table = Table::new(["variable", "lowest", "highest", "before", "after"]);
+    for own in records {
+        let cell = |value: f64| Cell::shown(value, figure(value, ""));
+        let cells: [Cell; 5] = [
+            own.name.as_str().into(),
+            cell(own.range[0]),
+            cell(own.range[1]),
+            Cell::by(own.before, |value| figure(value, "")),
+            cell(own.after),
+        ];
+        table.push(cells);
+    }
+    table
 }
 
 /// Goals of one axle alone: index and name of the axle, its goals, and their outcome before and after a tuning.

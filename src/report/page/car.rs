@@ -7,11 +7,10 @@ use super::STYLE;
 use super::escape::{html, prose};
 use super::policy::policy;
 use crate::report::car::{CarCase, CarRecord, CarStateRecord};
-use crate::report::side_effects::is_visible;
 use crate::report::table::{Cell, Column, Table};
 use crate::report::{
-    counted, figure, shown_side_effects, side_effects_in_words, side_effects_table, with_decimals,
-    with_minus_signs,
+    car_variables_table, counted, figure, shown_side_effects, side_effects_in_words,
+    side_effects_table, visible_side_effects, with_decimals, with_minus_signs,
 };
 use crate::side_effects::SideEffect;
 
@@ -40,6 +39,10 @@ fn titled(case: &CarCase) -> String {
 
 /// The page of a car.
 pub fn car_page(record: &CarRecord) -> String {
+    let misfit = record.tuning.iter().map(|tuning| {
+        let misfits = html(&tuning.misfits_in_words().replace("->", "→"));
+        format!("<div><dt>Misfit</dt><dd>{misfits} <small>tolerances</small></dd></div>")
+    });
     let facts = record.facts.iter().map(|fact| {
         let name = fact.name.replace('_', " ");
         let value = shown(fact.value, &fact.unit);
@@ -69,6 +72,7 @@ pub fn car_page(record: &CarRecord) -> String {
         .collect();
     let sections = [
         targets(record),
+        variables(record),
         side_effects(record),
         corner_weights(record),
         transfer(record),
@@ -86,7 +90,7 @@ pub fn car_page(record: &CarRecord) -> String {
         style = style,
         about = html(&about(record)),
         verdict = prose(&verdict(record)),
-        facts = facts.collect::<String>(),
+        facts = misfit.chain(facts).collect::<String>(),
         failures = failures,
         remarks = remarks,
         main = sections.concat(),
@@ -209,6 +213,24 @@ fn targets(record: &CarRecord) -> String {
     )
 }
 
+/// Tuned variables, with the misfit and the reason why the search ended.
+fn variables(record: &CarRecord) -> String {
+    let Some(tuning) = &record.tuning else {
+        return String::new();
+    };
+    let note = format!(
+        "Misfit {} tolerances (root mean square of the targets); {}. Values of hardpoints are offsets from the design in the files.",
+        tuning.misfits_in_words(),
+        tuning.ended
+    );
+    section(
+        "variables",
+        "Variables",
+        &prose(&note.replace("->", "→")),
+        &car_variables_table(&tuning.variables).html(),
+    )
+}
+
 /// Changes that no target requests. Important changes come first. Other visible changes are in a section that can be opened.
 fn side_effects(record: &CarRecord) -> String {
     let effects = &record.side_effects;
@@ -219,7 +241,7 @@ fn side_effects(record: &CarRecord) -> String {
         let flagged = |row: usize| effects[row].flagged.then_some("unmet");
         super::table::table(&side_effects_table(effects), flagged)
     };
-    let seen: Vec<_> = effects.iter().filter(|e| is_visible(e)).cloned().collect();
+    let seen = visible_side_effects(effects);
     let (shown, more) = shown_side_effects(effects);
     let mut content = table(&shown);
     if more > 0 {

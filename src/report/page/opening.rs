@@ -1,11 +1,12 @@
 //! Opening screen of a tuned design: the result before the details.
 
 use super::escape::html;
+use super::run::deviations_in_words;
 use super::table::table;
 use crate::SideEffect;
 use crate::curves::Placement;
 use crate::report::record::{DesignRecord, Record};
-use crate::report::{Scene, TuningSummary, side_effects_table};
+use crate::report::{Scene, TuningSummary, counted, side_effects_table, visible_side_effects};
 use std::fmt::Write;
 
 /// Largest number of side effects on the opening screen.
@@ -40,13 +41,14 @@ pub(super) fn opening(tuning: &TuningSummary, record: &Record) -> String {
     {picture}
   </div>
   <div class="answer tables">
-    <div><h3>Targets in tolerances</h3>{targets}</div>
+    <div><h3>Targets</h3>{targets}<p class="note">{deviations}</p></div>
     <div><h3>Side effects</h3>{effects}{margins}</div>
   </div>
 </section>
 "#,
         verdict = html(&verdict(tuning)),
         bounds = bounds(tuning),
+        deviations = deviations_in_words(tuning),
         effects = effects(&tuning.side_effects),
         margins = margins(tuning),
     )
@@ -58,8 +60,14 @@ fn verdict(tuning: &TuningSummary) -> String {
     let flagged = tuning.side_effects.iter().filter(|e| e.flagged).count();
     let violated = tuning.violated().len();
     let mut words = match missed {
-        0 => format!("All {all} targets are within their tolerance."),
-        n => format!("{n} of {all} targets are outside their tolerance."),
+        0 => format!(
+            "All {all} targets are within their tolerance{}.",
+            tuning.over_builds(" in all")
+        ),
+        n => format!(
+            "{n} of {all} targets are outside their tolerance{}.",
+            tuning.over_builds(" in at least one of")
+        ),
     };
     match violated {
         0 => {}
@@ -93,15 +101,21 @@ fn effects(effects: &[SideEffect]) -> String {
     if effects.is_empty() {
         return "<p class=\"note\">Every output of the study has a target.</p>".to_owned();
     }
-    let mut shown: Vec<SideEffect> = effects.to_vec();
-    shown.sort_by_key(|effect| !effect.flagged);
-    let more = shown.len().saturating_sub(MOST_EFFECTS);
+    let mut shown = visible_side_effects(effects);
+    if shown.is_empty() {
+        return "<p class=\"note\">No output without a target changes unasked.</p>".to_owned();
+    }
+    let more = effects.len() - shown.len().min(MOST_EFFECTS);
     shown.truncate(MOST_EFFECTS);
     let flagged = |row: usize| shown[row].flagged.then_some("unmet");
     let rows = table(&side_effects_table(&shown), flagged);
     match more {
         0 => rows,
-        n => format!("{rows}<p class=\"note\">{n} further outputs are listed below.</p>"),
+        n => {
+            let words = counted(n, "further output");
+            let are = if n == 1 { "is" } else { "are" };
+            format!("{rows}<p class=\"note\">{words} {are} listed below.</p>")
+        }
     }
 }
 

@@ -15,7 +15,9 @@ use crate::report::failures::FailureRange;
 use crate::report::record::{DesignRecord, OutputRecord, Record};
 use crate::report::run::{Run, Summary};
 use crate::report::{FrontPoint, ToleranceSummary, TuningSummary, YieldRecord};
-use crate::report::{side_effects_in_words, side_effects_table};
+use crate::report::{
+    further_in_words, side_effects_in_words, side_effects_table, visible_side_effects,
+};
 use serde::Serialize;
 
 /// Parts of the page's own script.
@@ -208,9 +210,10 @@ fn facts(run: &Run) -> Vec<(&'static str, String)> {
         let [before, after] = tuning.misfits();
         let known = |m: Option<String>| html(m.as_deref().unwrap_or("unknown"));
         let misfit = format!(
-            "{} <span class=\"to\">→</span> <strong>{}</strong> <small>tolerances</small>",
+            "{} <span class=\"to\">→</span> <strong>{}</strong> <small>tolerances{}</small>",
             known(before),
-            known(after)
+            known(after),
+            tuning.over_builds(", root mean square of")
         );
         facts.push(("Misfit", misfit));
         let [active, all] = tuning.at_bounds();
@@ -219,7 +222,8 @@ fn facts(run: &Run) -> Vec<(&'static str, String)> {
         let (missed, targets) = (tuning.missed().len(), tuning.targets());
         let class = if missed == 0 { "" } else { " class=\"bad\"" };
         let met = targets - missed;
-        let met = format!("<span{class}>{met}</span> of {targets} <small>targets</small>");
+        let in_all = tuning.over_builds(" in all");
+        let met = format!("<span{class}>{met}</span> of {targets} <small>targets{in_all}</small>");
         facts.push(("Within tolerance", met));
         if !tuning.side_effects.is_empty() {
             let flagged = tuning.side_effects.iter().filter(|e| e.flagged).count();
@@ -366,6 +370,7 @@ fn tuning_sections(tuning: &TuningSummary, history: String, charts: &mut Charts)
     let unmet: Vec<usize> = tuning.missed().iter().map(|(row, ..)| *row).collect();
     format!(
         include_str!("tuning.html"),
+        deviations = deviations_in_words(tuning),
         targets = table(&tuning.targets_table(), |row| unmet
             .contains(&row)
             .then_some("unmet")),
@@ -387,16 +392,31 @@ fn tuning_sections(tuning: &TuningSummary, history: String, charts: &mut Charts)
     )
 }
 
-/// Section about changes that no target requests.
+/// Meaning of the deviations in the table of the targets.
+pub(super) fn deviations_in_words(tuning: &TuningSummary) -> String {
+    format!(
+        "Largest deviations from the targets{}, in the unit of each target.",
+        tuning.over_builds(" over")
+    )
+}
+
+/// Section about changes that no target requests. The table has the visible changes; the other outputs follow in words.
 fn side_effects(effects: &[SideEffect]) -> String {
     let Some(words) = side_effects_in_words(effects) else {
         return String::new();
     };
-    let flagged = |row: usize| effects[row].flagged.then_some("unmet");
+    let shown = visible_side_effects(effects);
+    let flagged = |row: usize| shown[row].flagged.then_some("unmet");
+    let rows = match shown.len() {
+        0 => String::new(),
+        _ => table(&side_effects_table(&shown), flagged),
+    };
+    let further = further_in_words(effects);
+    let further = further.iter().map(|line| format!("<p>{}</p>", prose(line)));
     format!(
-        r#"<p class="note">Side effects: changes that no target asks for; {}.</p>{}"#,
+        r#"<p class="note">Side effects: changes that no target asks for; {}.</p>{rows}{}"#,
         prose(&words),
-        table(&side_effects_table(effects), flagged)
+        further.collect::<String>()
     )
 }
 

@@ -230,19 +230,25 @@ pub(super) fn contributors(summary: &ToleranceSummary) -> String {
             middle + 4.0,
             fitting(contributor)
         );
-        for (class, end) in [("better", *yield_halved), ("worse", *yield_doubled)] {
+        let ends = [*yield_halved, *yield_doubled];
+        for ((class, end), label) in ["better", "worse"]
+            .into_iter()
+            .zip(ends)
+            .zip(end_labels(now, ends, &x))
+        {
             let (a, b) = (x(now).min(x(end)), x(now).max(x(end)));
-            let (place, anchor) = if end < now {
-                (a - 4.0, "end")
-            } else {
-                (b + 4.0, "start")
-            };
+            let EndLabel {
+                place,
+                below,
+                is_left,
+            } = label;
+            let anchor = if is_left { "end" } else { "start" };
             let _ = write!(
                 svg,
                 "<rect class=\"{class}\" x=\"{a:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"14\"/><text class=\"small\" x=\"{place:.1}\" y=\"{:.1}\" text-anchor=\"{anchor}\">{:.1} %</text>",
                 middle - 7.0,
                 b - a,
-                middle + 4.0,
+                middle + 4.0 + below,
                 100.0 * end
             );
         }
@@ -255,13 +261,71 @@ pub(super) fn contributors(summary: &ToleranceSummary) -> String {
     );
     format!(
         "<h3>Contributors</h3><p class=\"note\">Predicted share of builds in all bands with half (blue) and with twice (orange) the \
-         tolerance of each contributor.</p><div class=\"scatter\" tabindex=\"0\" role=\"group\">{svg}</svg></div>"
+         tolerance of each contributor. Of two values above each other, the upper one is with half the tolerance.</p><div class=\"scatter\" tabindex=\"0\" role=\"group\">{svg}</svg></div>"
     )
+}
+
+/// Place of the label at the end of a contributor's bar.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct EndLabel {
+    place: f64,
+    /// Distance from the middle of the row, downward.
+    below: f64,
+    /// True if the text is to the left of its place.
+    is_left: bool,
+}
+
+/// Labels of the yields with half and with twice a tolerance. If both yields are on the same side of the present one, the labels
+/// stand above each other beside the longer bar. They would otherwise cover each other or the longer bar.
+fn end_labels(now: f64, ends: [f64; 2], x: &impl Fn(f64) -> f64) -> [EndLabel; 2] {
+    const GAP: f64 = 4.0;
+    const HALF_LINE: f64 = 5.5;
+    let sides = ends.map(|end| end < now);
+    let beside = |end: f64, is_left: bool, below: f64| EndLabel {
+        place: x(end) + if is_left { -GAP } else { GAP },
+        below,
+        is_left,
+    };
+    let [half, twice] = ends;
+    if sides[0] != sides[1] {
+        return [beside(half, sides[0], 0.0), beside(twice, sides[1], 0.0)];
+    }
+    let longer = if sides[0] {
+        half.min(twice)
+    } else {
+        half.max(twice)
+    };
+    [-HALF_LINE, HALF_LINE].map(|below| beside(longer, sides[0], below))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Labels of yields on both sides of the present one stand at their bars. Labels on the same side stand above each other,
+    /// outside both bars, at least a line of 10 px apart.
+    #[test]
+    fn labels_at_bars_do_not_overlap() {
+        let x = |share: f64| 1000.0 * share;
+        let [half, twice] = end_labels(0.8, [0.9, 0.7], &x);
+        assert_eq!([half.is_left, twice.is_left], [false, true]);
+        assert_eq!([half.below, twice.below], [0.0; 2]);
+        for ends in [[0.835, 0.834], [0.834, 0.835], [0.6, 0.799]] {
+            let [half, twice] = end_labels(0.8, ends, &x);
+            assert_eq!(half.is_left, ends[0] < 0.8);
+            assert!(twice.below - half.below > 10.0, "{half:?} {twice:?}");
+            for label in [half, twice] {
+                for end in ends {
+                    let is_outside = if label.is_left {
+                        label.place < x(end)
+                    } else {
+                        label.place > x(end)
+                    };
+                    assert!(is_outside, "{label:?} {end}");
+                }
+            }
+        }
+    }
 
     /// The band is eight standard deviations wide, and its middle is one standard deviation from the mean. So Cp is 8/6 and Cpk
     /// is 3/3.

@@ -266,6 +266,14 @@ impl TuningSummary {
         [self.misfit_before, self.misfit_after].map(|m| m.map(misfit_in_words))
     }
 
+    /// Words for the builds that the deviations and misfits belong to, after `before`: ` over 64 builds`. Empty for the nominal
+    /// design.
+    pub fn over_builds(&self, before: &str) -> String {
+        self.scatter_builds.map_or(String::new(), |builds| {
+            format!("{before} {}", counted(builds, "build"))
+        })
+    }
+
     /// True if some start reached a design.
     pub fn has_design(&self) -> bool {
         self.misfit_after.is_some()
@@ -309,7 +317,8 @@ impl TuningSummary {
             let after = t.after.as_ref().filter(|d| d.worst.abs() > 1.0)?;
             let by = misfit_in_words(after.worst.abs());
             let at = with_unit(after.worst_at, &after.worst_at_unit);
-            Some((number, &*t.output, format!("{by} tolerances at {at}")))
+            let of = self.over_builds(" in one of");
+            Some((number, &*t.output, format!("{by} tolerances at {at}{of}")))
         });
         missed.collect()
     }

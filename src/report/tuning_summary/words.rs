@@ -180,9 +180,7 @@ impl TuningSummary {
                     1 => "; a constraint is violated".to_owned(),
                     several => format!("; {several} constraints are violated"),
                 };
-                let of_builds = self.scatter_builds.map_or(String::new(), |builds| {
-                    format!(", root mean square of {builds} builds")
-                });
+                let of_builds = self.over_builds(", root mean square of");
                 let effects = side_effects_in_words(&self.side_effects);
                 let effects = effects.map_or(String::new(), |words| format!("; {words}"));
                 format!(

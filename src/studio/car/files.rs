@@ -81,20 +81,18 @@ impl CarFiles {
         Ok([text_of(car)?, text_of(front)?, text_of(rear)?])
     }
 
-    /// Present texts, and the texts that saving would write.
-    pub(super) fn changes(
-        &self,
-        opened: &OpenedCar,
-        designs: &Designs,
-    ) -> Result<Vec<TextChange>, String> {
+    /// Texts of the files as they were opened, and these texts with designs and the edits. Changes by other programs are not
+    /// among their differences.
+    pub(super) fn changes(&self, opened: &OpenedCar, designs: &Designs) -> Vec<TextChange> {
         let after = with_designs(opened, designs);
-        let pairs = self.texts()?.into_iter().zip(after);
+        let before = opened.base_texts.as_ref().clone();
+        let pairs = before.into_iter().zip(after);
         let change = |(file, (before, after))| TextChange {
             file,
             before,
             after,
         };
-        Ok(self.names().into_iter().zip(pairs).map(change).collect())
+        self.names().into_iter().zip(pairs).map(change).collect()
     }
 
     /// Writes designs into the files. If the text of one file has changed since it was opened, no file changes. With `anyway`,
@@ -112,14 +110,8 @@ impl CarFiles {
             (true, _) => with_designs(opened, designs),
             (false, true) => self.merged(opened, designs, &before)?,
             (false, false) => {
-                let own = opened.texts_without_edits();
-                let changed = own.map_or(Vec::new(), |own| changed_files(self, &own, &before));
-                let names = if changed.is_empty() {
-                    self.names().join(", ")
-                } else {
-                    changed.join(", ")
-                };
-                let message = format!("{names}: changed since it was opened");
+                let changed = changed_files(self, &opened.base_texts, &before);
+                let message = format!("{}: changed since it was opened", changed.join(", "));
                 return Err(NotSaved::Changed(message));
             }
         };
@@ -210,13 +202,6 @@ impl CarFiles {
     /// Resolves texts before they are saved, so that no text is written that commands could not read.
     fn understood(&self, texts: &[String; 3]) -> Result<OpenedCar, NotSaved> {
         OpenedCar::of_texts(self, texts).map_err(|errors| not_understood(&errors))
-    }
-}
-
-impl OpenedCar {
-    /// Texts that were opened, if none of them has been edited since.
-    fn texts_without_edits(&self) -> Option<[String; 3]> {
-        self.edits.is_empty().then(|| self.texts())
     }
 }
 

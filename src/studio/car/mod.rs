@@ -45,6 +45,8 @@ pub(in crate::studio) struct OpenedCar {
     digest: String,
     /// SHA-256 of the files' texts to which `edits` apply.
     base: String,
+    /// Texts of the files to which `edits` apply.
+    base_texts: Arc<[String; 3]>,
     /// Changes that are not in the files.
     edits: Vec<ValueEdit>,
     study: CarStudy,
@@ -60,6 +62,7 @@ impl OpenedCar {
         OpenedCar {
             files,
             base: digest.clone(),
+            base_texts: study.texts().map(str::to_owned).into(),
             digest,
             edits: Vec::new(),
             every: [0, 1]
@@ -195,13 +198,14 @@ impl Reading for OpenedCar {
         let edited = OpenedCar::of_texts(&self.files, &texts);
         Ok(Arc::new(OpenedCar {
             base: self.base.clone(),
+            base_texts: self.base_texts.clone(),
             edits: [&self.edits, edits].concat(),
             ..edited.map_err(|errors| errors.render(false))?
         }))
     }
 
     fn texts(&self, design: &Coordinates) -> Result<Vec<TextChange>, String> {
-        self.files.changes(self, &self.designs(design)?)
+        Ok(self.files.changes(self, &self.designs(design)?))
     }
 
     fn save(&self, design: &Coordinates, anyway: bool) -> Result<Arc<dyn Reading>, NotSaved> {

@@ -60,6 +60,7 @@ pub(super) fn overview(opened: &OpenedCar) -> Overview {
             .map(|own| variable(own, study))
             .collect(),
         tunes: optimise.is_some(),
+        builds: None,
         has_constraints: optimise.is_some_and(|optimise| {
             let mut rigs = optimise.rigs.iter().flatten();
             let of_rigs = rigs.any(|rig| !rig.optimise.constraints.is_empty());

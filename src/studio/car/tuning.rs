@@ -10,6 +10,7 @@ use crate::report::{
 use crate::side_effects::side_effects_of_car;
 use crate::studio::job::{ALL_LOCKED, Job, NO_SECTION, Tuning, counted_from_file};
 use crate::studio::message::{Proposal, SideEffectRows, TuneRequest};
+use crate::studio::rates::TunedRates;
 use crate::study::{CarStudy, PathStep, TunedCar, ValueEdit};
 use std::sync::Arc;
 
@@ -65,7 +66,7 @@ fn run(
     let (after, fit) = (tuned.study, tuned.fit);
     let x = fit.x.as_slice();
     let effects = side_effects_of_car(study, &after)?;
-    let (edits, rates) = rates(study, &after, x);
+    let rates = rates(study, &after, x);
     let words = side_effects_in_words(&effects).map(|words| format!("; {words}"));
     let before = before.map_or(String::new(), |before| {
         format!("{} -> ", misfit_in_words(before))
@@ -82,10 +83,12 @@ fn run(
     outcome.extend(contradiction);
     Ok(Proposal {
         design: coordinates(&after),
-        edits,
-        rates,
+        edits: rates.edits,
+        origins: rates.origins,
+        rates: rates.words,
         headline,
         side_effects: SideEffectRows::of(&effects),
+        yields: None,
         remarks: [remarks, outcome].concat(),
         interrupted: job.is_cancelled(),
     })
@@ -114,9 +117,8 @@ fn misfit_of(opened: &OpenedCar, study: &CarStudy) -> Option<f64> {
     misfit(study, &mut solver, &results, rigs)?.value
 }
 
-/// Changes that write the tuned rates and figures of the car into the texts. Also describes each change in words: part, present
-/// value, tuned value.
-fn rates(study: &CarStudy, after: &CarStudy, x: &[f64]) -> (Vec<ValueEdit>, Vec<[String; 3]>) {
+/// Changes that write the tuned rates and figures of the car into the texts.
+fn rates(study: &CarStudy, after: &CarStudy, x: &[f64]) -> TunedRates {
     let variables = study.optimise.iter().flat_map(|o| &o.variables).zip(x);
     let own = variables.filter(|(variable, value)| {
         variable.moves.points().is_empty() && variable.moves.value(&study.car) != Some(**value)
@@ -132,8 +134,23 @@ fn rates(study: &CarStudy, after: &CarStudy, x: &[f64]) -> (Vec<ValueEdit>, Vec<
         [variable.moves.label(&study.car), now, brief(*value)]
     });
     let words = words.collect();
-    let settings = settings_of_car(study, &after.car, &variables, &x);
-    (settings.iter().filter_map(|own| edit(own)).collect(), words)
+    let edits_at = |car, x: &[f64]| -> Vec<ValueEdit> {
+        let settings = settings_of_car(study, car, &variables, x);
+        settings.iter().filter_map(|own| edit(own)).collect()
+    };
+    let present = variables.iter().zip(&x);
+    let present = present.map(|(own, tuned)| own.moves.value(&study.car).unwrap_or(*tuned));
+    let now = edits_at(&study.car, &present.collect::<Vec<_>>());
+    let edits = edits_at(&after.car, &x);
+    let origin = |edit: &ValueEdit| {
+        let own = now.iter().find(|now| now.path == edit.path);
+        own.and_then(|own| own.value.clone()).unwrap_or_default()
+    };
+    TunedRates {
+        origins: edits.iter().map(origin).collect(),
+        edits,
+        words,
+    }
 }
 
 /// Converts `path=value` to an edit of the texts.

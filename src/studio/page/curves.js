@@ -11,6 +11,10 @@ import { askForTarget } from './targets.js';
 const MARGIN = { left: 46, right: 10, top: 15, bottom: 33 };
 // Number of lines of a family that have a label each; of more only the first, the last and the present one.
 const MOST_LABELS = 5;
+// Letters of a range that fit into its box.
+const MOST_OF_RANGE = 17;
+// Width of a letter of an axis in pixels.
+const LETTER = 5.5;
 // Letters of a value in large type.
 const MOST_LETTERS = 14;
 // Height of the strip of deviations.
@@ -46,6 +50,22 @@ const partsOf = (columns) => {
 
 // Ticks of an axis with names, at least two: one alone says nothing about the scale.
 const several = (ends, count, isNamed) => [count, 2 * count, 4 * count].map((some) => ticks(...ends, Math.max(1, some))).find((found) => found.filter(isNamed).length > 1) ?? [];
+// The range of a curve, with as many digits as fit.
+const rangeOf = (low, high) => {
+  const forms = [(v) => brief(v, 3), (v) => brief(v, 2), (v) => v.toExponential(1).replaceAll('-', '−')];
+  const texts = forms.map((form) => `${form(low)}…${form(high)}`);
+  return texts.find((text) => text.length <= MOST_OF_RANGE) ?? texts.at(-1);
+};
+
+// Ticks whose names do not touch, at even distances, and with the tick at zero.
+const apart = (all, x) => {
+  if (all.length < 2) return all;
+  const widest = LETTER * (1 + Math.max(...all.map((tick) => brief(tick).length)));
+  const every = Math.ceil(widest / (x(all[1]) - x(all[0])));
+  const from = Math.max(0, all.indexOf(0)) % every;
+  const found = all.filter((_, k) => k % every === from);
+  return found.length > 1 ? found : [all[0], all.at(-1)];
+};
 
 class Chart {
   constructor(key, parts) {
@@ -217,7 +237,7 @@ class Chart {
     set(this.value, { class: isPair || words[0].length > MOST_LETTERS ? 'pair' : null });
     write(this.value, words.join('  '));
     const values = lines.flatMap(({ pieces }) => heights(pieces));
-    let text = values.length ? `${brief(Math.min(...values), 3)}…${brief(Math.max(...values), 3)}` : 'no value';
+    let text = values.length ? rangeOf(Math.min(...values), Math.max(...values)) : 'no value';
     if (first.slopes) {
       const known = lines.flatMap(({ slopes }) => slopes ?? []).filter((s) => s !== null);
       const rms = Math.sqrt(known.reduce((sum, s) => sum + s * s, 0) / Math.max(1, known.length));
@@ -246,10 +266,12 @@ class Chart {
       lines.push(['path', { class: tick === 0 ? 'zero' : null, d: `M${MARGIN.left} ${place}H${width - MARGIN.right}` }]);
       if (isNamed(tick)) word(MARGIN.left - 5, Number(place) + 3.5, 'end', brief(tick));
     }
-    for (const tick of ticks(...this.xs, this.inner[0] / 62)) {
+    const across = several(this.xs, this.inner[0] / 62, () => true);
+    const named = apart(across, x);
+    for (const tick of across) {
       const place = x(tick).toFixed(1);
       lines.push(['path', { class: tick === 0 ? 'zero' : null, d: `M${place} ${MARGIN.top}V${bottom}` }]);
-      word(place, bottom + 13, 'middle', brief(tick));
+      if (named.includes(tick)) word(place, bottom + 13, 'middle', brief(tick));
     }
     word(MARGIN.left + this.inner[0] / 2, bottom + 29, 'middle', `${name} [${own}]`, 'axis-title');
     if (unit) word(MARGIN.left - 5, 9, 'end', `[${unit}]`, 'axis-title');

@@ -81,8 +81,8 @@ export const history = () => ({ timeline, present });
 export const canUndo = () => present > 0;
 export const canRedo = () => present < timeline.length - 1;
 
-const DEEDS = { drag: 'Drag', key: 'Keys', coordinate: 'Typed', back: 'Back to the file', tune: 'Accepted proposal', draft: 'Restored', direction: 'Free direction', pin: 'Pinned design' };
-const described = (name, before) => {
+const DEEDS = { drag: 'Drag', key: 'Keys', coordinate: 'Typed', back: 'Back to the file', tune: 'Accepted proposal', draft: 'Restored', kept: 'Kept changes', direction: 'Free direction', pin: 'Pinned design' };
+export const described = (name, before) => {
   const moved = state.overview.points.flatMap((point, p) => (before[p].every((c, k) => c === state.design[p][k]) ? [] : [p]));
   const deed = DEEDS[name] ?? name;
   if (moved.length !== 1) return `${deed}: ${moved.length} points`;
@@ -128,7 +128,7 @@ export const travel = (to) => {
   if (!found || to === present) return;
   present = to;
   state.design = copy(found.design);
-  if (found.overview !== state.overview) {
+  if (found.overview.digest !== state.overview.digest) {
     state.overview = { ...found.overview, base: state.overview.base };
     found.overview = state.overview;
     takeMotion(state.overview);
@@ -153,13 +153,16 @@ export const resume = (deeds, at) => {
 };
 // The text of the file: `edits` lead from the text with the digest `from` to the text of an overview.
 export const isOfFile = (overview) => { overview.from = overview.digest; overview.edits = []; };
-// Takes the overview of a study whose values were changed by these edits; the design stays.
-export const takeOverview = (overview, label, edits) => {
+// Takes the overview of a study whose values were changed by these edits, in one deed. The design stays, or a new one is taken.
+// The label is a text, or a function of the design before.
+export const takeOverview = (overview, label, edits, design = null) => {
+  const before = state.design;
+  if (design) state.design = copy(design);
   overview.from = state.overview.from;
   overview.edits = [...state.overview.edits, ...edits];
   takeMotion(overview);
   state.overview = overview;
-  remember(label);
+  remember(typeof label === 'function' ? label(before) : label);
   emit('edited');
   emit('design');
   emit('deed');

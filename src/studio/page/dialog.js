@@ -1,14 +1,26 @@
 // Questions and messages over the page.
 import { byId, html } from './draw.js';
 
-// A question with answers; the answer, or null.
+// A question with answers; the answer, or null. An answer is a value, a label and perhaps a check. The check does what the answer
+// asks for, and returns a text if it cannot: the dialog then stays with this text, and with what was typed.
 export const question = (title, text, answers, ...fields) => new Promise((done) => {
   const dialog = byId('dialog');
   const form = dialog.querySelector('form');
   const inputs = fields.map((field) => (typeof field === 'string' ? html('input', { type: 'text', value: field, 'aria-label': title, name: 'name', autocomplete: 'off' }) : field));
   const input = inputs.find((one) => one.matches('input[type=text]'));
-  const buttons = answers.map(([value, label], k) => html('button', { value, text: label, class: k === 0 ? 'strong' : null }));
-  form.replaceChildren(html('h2', { id: 'dialog-title', text: title }), html('p', { text }), ...inputs, html('div', { class: 'group' }, ...buttons));
+  const why = html('p', { class: 'bad', role: 'alert', hidden: true });
+  const checked = (check, value) => async (event) => {
+    event.preventDefault();
+    const button = event.currentTarget;
+    button.disabled = true;
+    const refused = await check();
+    button.disabled = false;
+    why.textContent = refused ?? '';
+    why.hidden = refused === null;
+    if (refused === null) dialog.close(value);
+  };
+  const buttons = answers.map(([value, label, check], k) => html('button', { value, text: label, class: k === 0 ? 'strong' : null, ...(check ? { on: { click: checked(check, value) } } : {}) }));
+  form.replaceChildren(html('h2', { id: 'dialog-title', text: title }), html('p', { text }), ...inputs, why, html('div', { class: 'group' }, ...buttons));
   dialog.returnValue = '';
   dialog.addEventListener('close', () => done(dialog.returnValue ? { answer: dialog.returnValue, text: input?.value ?? '' } : null), { once: true });
   dialog.showModal();
@@ -33,4 +45,11 @@ export const say = (text, kind = 'good', ...actions) => {
   banner.replaceChildren(html('span', { text }), ...actions, close);
   if (kind === 'good' && !actions.length) setTimeout(() => { if (banner.firstChild?.textContent === text) hideMessage(); }, 5000);
 };
+// A refusal of a change. The next change that is taken removes it.
+let refusal = null;
+export const refuse = (text) => {
+  say(text, 'bad');
+  refusal = byId('banner').firstChild;
+};
+export const retract = () => { if (refusal?.isConnected) hideMessage(); };
 export const action = (text, handler) => html('button', { text, on: { click: () => { hideMessage(); handler(); } } });

@@ -1,6 +1,6 @@
 // Save, save as, export; and what the browser keeps of moves that are not saved.
 import { byId, html, svg } from './draw.js';
-import { askGhost, copy, emit, forget, isEdited, isMoved, isOfFile, isSame, of, on, put, state, takeMotion } from './design.js';
+import { askGhost, copy, emit, forget, isEdited, isMoved, isOfFile, isSame, of, on, put, state, takeMotion, takeOverview } from './design.js';
 import { dropHistory, resumeHistory } from './history.js';
 import { edit } from './targets.js';
 import { chartSvgs } from './curves.js';
@@ -10,9 +10,9 @@ import { action, question, say } from './dialog.js';
 import { writtenDiff } from './changes.js';
 import { acceptProposal, hasProposal, isTuning } from './tuning.js';
 
-// The study as the file has it, with the present design on top where that is wanted.
-export const readStudy = async () => {
-  const overview = await post('study', null);
+// The study as the file has it.
+export const readStudy = async (overview = null) => {
+  overview ??= await post('study', null);
   isOfFile(overview);
   takeMotion(overview);
   state.overview = overview;
@@ -51,14 +51,17 @@ const settleProposal = async () => {
   const chosen = await question('A proposal is open', 'Tune has proposed other points. The file gets the points as they are now, unless you accept the proposal first.', [
     ['accept', 'Accept it and save'], ['without', 'Save without it'], ['', 'Cancel'],
   ]);
-  if (chosen?.answer === 'accept') acceptProposal();
+  if (chosen?.answer === 'accept') await acceptProposal();
   return chosen !== null;
 };
 const save = async (anyway = false) => {
   if (!anyway && !await settleProposal()) return;
   const design = copy(state.design);
-  // Changed values are shown as text before they are written.
+  // Changed values are shown as text before they are written, unless the file has other values by now.
   if (isEdited() && !anyway) {
+    const { base, file } = state.overview;
+    const now = await post('digest', null).catch(() => base);
+    if (now !== base) return settleConflict(`${file} has changed since it was opened`);
     const sure = await question('Save these changes?', `${state.overview.files.join(', ')}: lines that change.`, [['yes', 'Save'], ['', 'Cancel']], await writtenDiff());
     if (!sure) return;
   }
@@ -67,12 +70,51 @@ const save = async (anyway = false) => {
     if (anyway) await readStudy();
   } catch (refused) {
     if (refused.status !== 409 || anyway) return say(refused.message, 'bad');
-    const chosen = await question('The file has changed', `${refused.message}, by you or another program. Choose one:`, [
-      ['merge', 'Put my changes into it'], ['as', 'Save as…'], ['reload', 'Reload it, drop my moves'], ['', 'Cancel'],
-    ]);
-    if (chosen?.answer === 'merge') return save(true);
-    if (chosen?.answer === 'as') return saveAs();
-    if (chosen?.answer === 'reload') return reload();
+    return settleConflict(refused.message);
+  }
+};
+// Another program has changed the file since it was read.
+const settleConflict = async (message) => {
+  const chosen = await question('The file has changed', `${message}, by you or another program. Choose one:`, [
+    ['merge', 'Put my changes into it'], ['as', 'Save as…'], ['reload', 'Reload it, drop my changes'], ['', 'Cancel'],
+  ]);
+  if (chosen?.answer === 'merge') return save(true);
+  if (chosen?.answer === 'as') return saveAs();
+  if (chosen?.answer === 'reload') return reload();
+};
+// The moves and edits of this page that are not saved. Moves are coordinates by the names of points.
+const unsaved = () => {
+  const { points, from, edits } = state.overview;
+  const moves = points.flatMap(({ name }, p) => state.design[p].map((c, axis) => [name, axis, c, state.opened[p][axis]])).filter(([, , c, was]) => c !== was);
+  return { moves, from, edits };
+};
+// The design of the file with moves on top of it, and the points that the file does not have.
+const withMoves = ({ points, design: opened }, moves) => {
+  const design = copy(opened);
+  const missing = [];
+  for (const [name, axis, value] of moves) {
+    const p = points.findIndex((point) => point.name === name && !point.follows);
+    if (p < 0) missing.push(name);
+    else if (Number.isInteger(axis) && axis >= 0 && axis < 3 && Number.isFinite(value)) design[p][axis] = value;
+  }
+  return { design, missing };
+};
+// Reads the changed file, and puts the moves and edits of this page on top, as a save into the changed file would do. If the
+// file cannot take them, the page stays as it is.
+const rebase = async () => {
+  try {
+    const { moves, edits } = unsaved();
+    const overview = await post('study', null);
+    const edited = edits.length ? await post('edit', { digest: overview.digest, edits }) : null;
+    const { design, missing } = withMoves(overview, moves);
+    if (missing.length) throw new Error(`the file no longer has ${[...new Set(missing)].join(', ')}`);
+    dropHistory();
+    await readStudy(overview);
+    if (edited) takeOverview(edited, 'Kept changes', edits, design);
+    else put(design, 'kept');
+    say(`${state.overview.file} read again. Your unsaved changes are kept.`);
+  } catch (refused) {
+    say(`Not read again: ${refused.message}. The page still shows the earlier text with your changes.`, 'bad');
   }
 };
 const reload = async () => {
@@ -108,42 +150,63 @@ const watchFile = async () => {
   if (now === null || now === state.overview.base || now === told || digest !== state.overview.digest) return;
   told = now;
   say(`${state.overview.files.length > 1 ? `${file} or an axle of it` : file} was changed by another program. This page still shows the earlier text.`, 'ask',
-    action(isMoved() ? 'Read it again, keep my moves' : 'Read it again', () => readStudy().catch((refused) => say(refused.message, 'bad'))));
+    isMoved() || isEdited() ? action('Read it again, keep my changes', rebase) : action('Read it again', reload));
 };
 
-// The browser keeps unsaved moves by point and edits of the text, so that they outlive the tab and the server.
-const key = () => `hardpoint studio ${state.overview.place}`;
-const dropDraft = () => { try { localStorage.removeItem(key()); } catch { /* no storage, no draft */ } };
+// The browser keeps unsaved moves by point and edits of the text, so that they outlive the tab and the server. Each tab has a
+// draft of its own: a tab that saves must not drop the work of another.
+const stem = () => `hardpoint studio ${state.overview.place} `;
+const tabNumber = () => {
+  let number = sessionStorage.getItem('hardpoint tab');
+  if (number === null) {
+    number = String(crypto.getRandomValues(new Uint32Array(1))[0]);
+    sessionStorage.setItem('hardpoint tab', number);
+  }
+  return number;
+};
+const key = () => stem() + tabNumber();
+const drop = (name) => { try { localStorage.removeItem(name()); } catch { /* no storage, no draft */ } };
+const dropDraft = () => drop(key);
 let timer = null;
 const keepDraft = () => {
   clearTimeout(timer);
   timer = setTimeout(() => {
     if (!isMoved() && !isEdited()) return dropDraft();
-    const { points, from, edits } = state.overview;
-    const moves = points.flatMap(({ name }, p) => state.design[p].map((c, axis) => [name, axis, c, state.opened[p][axis]])).filter(([, , c, was]) => c !== was);
-    try { localStorage.setItem(key(), JSON.stringify({ when: Date.now(), moves, from, edits })); } catch { /* as above */ }
+    try { localStorage.setItem(key(), JSON.stringify({ when: Date.now(), ...unsaved() })); } catch { /* as above */ }
   }, 200);
 };
+// The latest draft of the study, with the name under which the browser keeps it.
+const latestDraft = () => {
+  const read = (name) => { try { return [name, JSON.parse(localStorage.getItem(name))]; } catch { return [name, null]; } };
+  const isOwn = (name) => name.startsWith(stem()) && /^\d+$/.test(name.slice(stem().length));
+  try {
+    const drafts = Object.keys(localStorage).filter(isOwn).map(read).filter(([, draft]) => Array.isArray(draft?.moves));
+    return drafts.sort(([, a], [, b]) => b.when - a.when)[0] ?? [null, null];
+  } catch { return [null, null]; }
+};
+// Offers the work of another tab to a tab that has none.
+let isOffered = false;
 const offerDraft = () => {
-  let draft = null;
-  try { draft = JSON.parse(localStorage.getItem(key())); } catch { /* none that can be read */ }
-  if (!Array.isArray(draft?.moves)) return;
+  if (isOffered) return;
+  isOffered = true;
+  if (isMoved() || isEdited()) return;
+  const [name, draft] = latestDraft();
+  if (draft === null) return;
   const edits = Array.isArray(draft.edits) ? draft.edits : [];
   // Edits name places of the text by number, so they fit this text only.
   const hasEdits = edits.length > 0 && draft.from === state.overview.from;
-  const design = copy(state.opened);
-  for (const [name, axis, value] of draft.moves) {
-    const p = state.overview.points.findIndex((point) => point.name === name && !point.follows);
-    if (p >= 0 && Number.isInteger(axis) && axis >= 0 && axis < 3 && Number.isFinite(value)) design[p][axis] = value;
-  }
-  if (isSame(design, state.design) && (!hasEdits || isEdited())) return;
+  const { design } = withMoves(state.overview, draft.moves);
+  if (isSame(design, state.design) && !hasEdits) return;
+  const discard = () => drop(() => name);
   const restore = async () => {
-    if (hasEdits && !isEdited()) await edit(edits, 'Restored edits');
+    if (hasEdits) await edit(edits, 'Restored edits');
     put(design, 'draft');
+    // From now on the draft of this tab has them.
+    discard();
     if (edits.length && !hasEdits) say('The points are restored. Edits of targets and variables are not: the file has changed since.', 'bad');
   };
   const when = new Date(draft.when).toLocaleTimeString([], { hour: '2-digit', minute: '2-digit' });
-  say(`Unsaved changes from ${when}.`, 'ask', action('Restore', restore), action('Discard', dropDraft));
+  say(`Unsaved changes from ${when}.`, 'ask', action('Restore', restore), action('Discard', discard));
 };
 
 // Pictures: what is drawn, with the look it has on the screen.

@@ -16,8 +16,8 @@ const table = (head, body, isNumber = (k) => k > 0) => html('table', {}, html('t
 // Chips in the header: of fixed width, so that nothing moves while they change. Each leads to its panel.
 let chips = new Map();
 const buildChips = () => {
-  const { tunes, has_constraints: hasConstraints } = state.overview;
-  const names = [...(tunes ? [['misfit', 'Misfit', 'targets'], ['met', 'Targets met', 'targets']] : []),
+  const { tunes, builds, has_constraints: hasConstraints } = state.overview;
+  const names = [...(tunes ? [['misfit', builds ? 'Nominal misfit' : 'Misfit', 'targets'], ['met', 'Targets met', 'targets']] : []),
     ...(hasConstraints ? [['constraints', 'Constraints', 'constraints']] : []), ['solved', 'Solved', 'warnings'], ['warnings', 'Warnings', 'warnings']];
   chips = new Map(names.map(([key, name, place]) => {
     const [value, note] = [html('b'), html('small')];
@@ -94,8 +94,9 @@ const targets = () => {
     html('th', { scope: 'row' }, html('button', { class: 'name', text: quantity(t.column), title: 'Arrows for this target', 'aria-pressed': String(state.arrows === k), on: { click: () => { state.arrows = state.arrows === k ? null : k; emit('options'); } } })),
     html('td', { class: 'number', text: brief(t.rms, 3) }),
     html('td', { class: `number ${isMet(t) ? '' : 'bad'}`, text: brief(t.worst, 3) }), html('td', { class: 'number', text: t.worst_at === null ? words(t.worst_at_unit) : `${brief(t.worst_at, 4)} ${t.worst_at_unit}` })));
-  const found = [panel('Deviations in tolerances', table(['target', 'rms', 'largest', 'at'], body))];
-  return found;
+  const { builds } = state.overview;
+  const about = builds ? [html('p', { class: 'hint', text: `The page shows the misfit of the nominal design. Tune lowers the root mean square misfit of ${builds} builds.` })] : [];
+  return [panel(builds ? 'Nominal deviations in tolerances' : 'Deviations in tolerances', table(['target', 'rms', 'largest', 'at'], body), ...about)];
 };
 
 const constraints = () => {

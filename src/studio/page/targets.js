@@ -2,7 +2,7 @@
 // it into the study's text and keeps the comments.
 import { AXES, brief, html, quantity, scroller } from './draw.js';
 import { placeAfter, state, takeOverview } from './design.js';
-import { question, say } from './dialog.js';
+import { question, refuse, retract } from './dialog.js';
 import { post } from './server.js';
 
 const words = (text) => text.replaceAll(/[_.]/g, ' ');
@@ -15,18 +15,26 @@ export const degreesPerDrive = (motion) => {
 };
 export const writtenTarget = (k) => optimise()?.targets?.[k];
 
-// Sends edits, and takes the study that they give.
+// Sends edits, and takes the study that they give. Returns the reason of a refusal, or null.
 let busy = Promise.resolve();
-export const edit = (edits, label) => {
+const tried = (edits, label) => {
   busy = busy.then(async () => {
     try {
       const overview = await post('edit', { digest: state.overview.digest, edits });
       takeOverview(overview, label, edits);
+      retract();
+      return null;
     } catch (refused) {
-      say(`Not changed: ${refused.message}`, 'bad');
+      return refused.message;
     }
   });
   return busy;
+};
+// The same with a message over the page. Returns true if the study has changed.
+export const edit = async (edits, label) => {
+  const refused = await tried(edits, label);
+  if (refused !== null) refuse(`Not changed: ${refused}`);
+  return refused === null;
 };
 const at = (...path) => ['optimise', ...path];
 const nameOf = (k) => (state.overview.is_car ? goalName(writtenTarget(k) ?? {}) : quantity(state.overview.targets[k]?.column ?? `target ${k + 1}`));
@@ -40,7 +48,8 @@ const parsed = (text) => {
   const value = Number(text.trim().replace('−', '-').replace(',', '.'));
   return text.trim() === '' || !Number.isFinite(value) ? null : value;
 };
-// A field for one number of the study. An optional number is null while the field is empty.
+// A field for one number of the study. An optional number is null while the field is empty. `change` returns false if the study
+// refuses the number; the field then has the number of the study again.
 const field = (label, value, change, isOptional = false) => {
   const written = value === null ? '' : String(value);
   const input = html('input', { type: 'text', inputmode: 'decimal', value: written, 'aria-label': label, title: label, autocomplete: 'off' });
@@ -50,7 +59,7 @@ const field = (label, value, change, isOptional = false) => {
     input.classList.toggle('wrong', isWrong);
     if (isWrong || number === value) return;
     input.blur();
-    change(number);
+    Promise.resolve(change(number)).then((isTaken) => { if (isTaken === false) input.value = written; });
   });
   input.addEventListener('keydown', (event) => { if (event.key === 'Escape') { input.value = written; input.blur(); } });
   return input;
@@ -264,7 +273,7 @@ export const askForTarget = async (series, answer) => {
   const columns = series.map(({ column }) => answer.columns.find((c) => c.column === column));
   const [{ column, title, unit }] = columns;
   const subject = subjectOf(column, series.length);
-  if (!subject) return say(`${title} cannot have a target here.`, 'bad');
+  if (!subject) return refuse(`${title} cannot have a target here.`);
   const values = columns.flatMap((c) => c.values).filter((v) => v !== null);
   const [low, high] = values.length ? [Math.min(...values), Math.max(...values)].map(rounded) : [0, 1];
   const wide = Math.max(high - low, 1e-2);
@@ -285,15 +294,16 @@ export const askForTarget = async (series, answer) => {
   const point = html('select', {}, ...state.overview.points.filter(({ follows }) => !follows).map(({ name }) => html('option', { value: name, text: words(name) })));
   const first = !optimise();
   if (first) point.value = (state.overview.points[state.selected] ?? usualPoint(column) ?? state.overview.points[0]).name;
-  const answered = await question(`Add a target for ${title}`, first ? 'The study has no variables yet. Tune may move the point that you choose, in y and z.' : 'Limits and values can be changed afterwards.', [['add', 'Add target'], ['', 'Cancel']],
+  const add = () => {
+    const isBand = kind.value === 'band';
+    const [lowest, highest, tolerance] = ['low', 'high', 'tolerance'].map((key) => parsed(fields[key].value));
+    const wanted = lowest === null || tolerance === null || (isBand && highest === null) ? null : places.keys(isBand, lowest, highest);
+    if (!wanted) return 'A field has no number.';
+    const target = { ...subject, ...wanted, tolerance };
+    return tried(first ? firstTarget(target, point.value) : [{ path: at('targets', optimise().targets?.length ?? 0), value: target }], `Added target ${title}`);
+  };
+  await question(`Add a target for ${title}`, first ? 'The study has no variables yet. Tune may move the point that you choose, in y and z.' : 'Limits and values can be changed afterwards.', [['add', 'Add target', add], ['', 'Cancel']],
     labelled('The quantity', kind), ...places.always, lower, upper, ...places.onBand, ...places.onValue, labelled(`Tolerance [${unit}]`, fields.tolerance), ...(first ? [labelled('Point that may move', point)] : []));
-  if (!answered) return;
-  const isBand = kind.value === 'band';
-  const [lowest, highest, tolerance] = ['low', 'high', 'tolerance'].map((key) => parsed(fields[key].value));
-  const wanted = lowest === null || tolerance === null || (isBand && highest === null) ? null : places.keys(isBand, lowest, highest);
-  if (!wanted) return say('Not added: a field has no number.', 'bad');
-  const target = { ...subject, ...wanted, tolerance };
-  await edit(first ? firstTarget(target, point.value) : [{ path: at('targets', optimise().targets?.length ?? 0), value: target }], `Added target ${title}`);
 };
 const firstTarget = (target, point) => {
   const by = { mm: 10, m: 0.01, in: 0.4 }[state.overview.unit];

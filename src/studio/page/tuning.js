@@ -1,6 +1,7 @@
 // Tune: progress, cancel, and the result as a proposal beside the present state.
 import { AXES, brief, byId, html, scroller, signed } from './draw.js';
-import { askMisfit, askProposal, copy, of, on, put, snapped, state, takeOverview } from './design.js';
+import { askMisfit, askProposal, copy, described, isSame, of, on, put, snapped, state, takeOverview } from './design.js';
+import { say } from './dialog.js';
 import { openTab, tellTab } from './layout.js';
 import { announce } from './speech.js';
 import { post } from './server.js';
@@ -32,17 +33,54 @@ const rounded = (value, step) => (step ? snapped(value, step) : value);
 
 export const hasProposal = () => proposal !== null;
 export const isTuning = () => job !== null;
-export const acceptProposal = () => {
+export const acceptProposal = async () => {
+  await retune();
+  if (!proposal) return;
   const design = taken();
   const tuned = ratesTaken();
-  const { edits } = proposal;
   close();
-  if (tuned) takeOverview(tuned, 'Tuned rates', edits);
-  put(design, 'tune');
+  if (!tuned) return put(design, 'tune');
+  const label = (before) => (isSame(before, design) ? 'Accepted proposal: tuned values' : `${described('tune', before)}, tuned values`);
+  takeOverview(tuned.overview, label, tuned.edits, design);
 };
-// The study with the tuned rates of elastic parts, if there are any and they are taken.
-const ratesTaken = () => (proposal.tuned && proposal.rates.checked ? proposal.tuned : null);
-const digestTaken = () => ratesTaken()?.digest;
+// The study with the tuned values, if there are any and they are taken.
+const ratesTaken = () => (proposal.tuned?.overview && proposal.rates.checked ? proposal.tuned : null);
+const digestTaken = () => ratesTaken()?.overview.digest;
+
+// A value on the way from the present one to the tuned one. The values of a list are mixed one by one.
+const mixed = (from, to, share) => {
+  if (share === 1) return to;
+  if (Array.isArray(to)) return to.map((value, k) => mixed(from?.[k], value, share));
+  return Number.isFinite(from) && Number.isFinite(to) ? Number((from + share * (to - from)).toPrecision(12)) : to;
+};
+// Asks for the study with the part of the tuned values that is applied; one request at a time, the latest part at the end.
+let retuning = null;
+const retune = () => {
+  clearTimeout(pause);
+  const own = proposal;
+  const follow = async () => {
+    while (proposal === own && own.tuned && own.tuned.share !== own.share) {
+      const { share } = own;
+      const edits = own.edits.map(({ path, value }, k) => ({ path, value: mixed(own.origins[k], value, share) }));
+      let overview = null;
+      try {
+        if (share > 0) overview = await post('edit', { digest: own.digest, edits });
+      } catch (refused) {
+        say(`The tuned values cannot be applied in this part: ${refused.message}`, 'bad');
+      }
+      own.tuned = { share, overview, edits };
+    }
+    retuning = null;
+  };
+  return retuning ??= follow();
+};
+// While the slider moves, the values wait: each asked part is a text that the server keeps.
+const PAUSE = 150;
+let pause = null;
+const retuneSoon = () => {
+  clearTimeout(pause);
+  pause = setTimeout(() => retune().then(preview), PAUSE);
+};
 const wait = (milliseconds) => new Promise((done) => { setTimeout(done, milliseconds); });
 
 const tune = async () => {
@@ -64,13 +102,14 @@ const tune = async () => {
       await wait(120);
       now = await post('progress', { job });
       bar.value = now.starts;
-      const misfit = now.misfit === null ? '' : `, smallest misfit ${brief(now.misfit, 3)}`;
+      const { builds } = state.overview;
+      const misfit = now.misfit === null ? '' : `, smallest misfit ${brief(now.misfit, 3)}${builds ? ` (root mean square of ${builds} builds)` : ''}`;
       message.textContent = `${now.iterations} iterations${misfit}`;
     }
     if (now.error) throw new Error(now.error);
     if (digest !== state.overview.digest) throw new Error('the study was read anew meanwhile');
     const { edits } = now.proposal;
-    const tuned = edits.length ? await post('edit', { digest, edits }) : null;
+    const tuned = edits.length ? { share: 1, overview: await post('edit', { digest, edits }), edits } : null;
     if (digest !== state.overview.digest) throw new Error('the study was read anew meanwhile');
     propose(base, now.proposal, tuned);
   } catch (refused) {
@@ -100,6 +139,11 @@ const preview = () => {
     to.textContent = brief(value, 8);
     by.textContent = signed(value - proposal.base[p][axis]);
   }
+  for (const { now, then, to } of proposal.values) {
+    const isTaken = proposal.rates.checked;
+    to.textContent = !isTaken ? now : proposal.share === 1 ? then : brief(mixed(Number(now), Number(then), proposal.share), 6);
+  }
+  byId('proposal-note').textContent = isSame(proposal.base, state.design) ? '' : 'Points have moved since this proposal was made. “Now” and Apply refer to the design before.';
   askProposal(design, digestTaken());
   askExact();
 };
@@ -121,7 +165,7 @@ const tellMisfit = () => {
   if (!words) return;
   const isKnown = value !== undefined && value !== null;
   const cost = isKnown && exact !== null ? ` (rounding adds ${signed(value - exact, 2)})` : '';
-  words.textContent = isKnown ? `misfit with these coordinates: ${brief(value, 4)}${cost}` : '';
+  words.textContent = isKnown ? `${state.overview.builds ? 'nominal misfit' : 'misfit'} with these coordinates: ${brief(value, 4)}${cost}` : '';
 };
 
 // Changes that no target requests, flagged ones first.
@@ -135,14 +179,22 @@ const effectsTable = ({ header, rows, rest }) => [
   ...rest.map((text) => html('p', { class: 'hint', text })),
 ];
 
-const propose = (base, { design, rates: changed, headline, side_effects: effects, remarks, interrupted, edits }, tuned) => {
+// Yields of a robust tuning: of the present design, of the optimum without scatter, and of the proposal.
+const yieldsTable = (yields) => (yields
+  ? [html('p', { text: yields.headline.replace('->', '→') }), scroller('Yields', html('table', { id: 'yields' },
+    html('thead', {}, html('tr', {}, ...yields.header.map((text, k) => html('th', { text, class: k ? 'number' : null })))),
+    html('tbody', {}, ...yields.rows.map(([band, ...shares]) => html('tr', {}, html('th', { scope: 'row', text: band.replaceAll('_', ' ').replaceAll(/(^|\s)-(?=\d)/g, '$1−') }), ...shares.map((text) => html('td', { class: 'number', text })))))))]
+  : []);
+
+const propose = (base, { design, rates: changed, headline, side_effects: effects, yields, remarks, interrupted, edits, origins }, tuned) => {
   const changes = [];
   design.forEach((point, p) => point.forEach((c, axis) => { if (c !== base[p][axis]) changes.push({ p, axis }); }));
   const { points, unit } = state.overview;
   const [usual] = ROUNDINGS[unit];
   const rates = html('input', { type: 'checkbox', id: 'take-rates', 'aria-label': 'take the tuned rates', on: { change: preview } });
   rates.checked = true;
-  proposal = { base, found: design, changes, share: 1, step: usual, tuned, edits, rates };
+  const values = changed.map(([name, now, then]) => ({ name, now, then, to: html('td', { class: 'number' }) }));
+  proposal = { base, found: design, changes, share: 1, step: usual, digest: state.overview.digest, tuned, edits, origins, rates, values };
   const rows = changes.map((change) => {
     const { p, axis } = change;
     const label = `${points[p].name} ${AXES[axis]}`;
@@ -154,7 +206,7 @@ const propose = (base, { design, rates: changed, headline, side_effects: effects
   const amount = html('output', { text: '100 %', 'aria-live': 'off' });
   const share = html('input', {
     type: 'range', min: 0, max: 100, value: 100, id: 'share', 'aria-label': 'Apply, percent',
-    on: { input: () => { proposal.share = Number(share.value) / 100; amount.textContent = `${share.value} %`; preview(); } },
+    on: { input: () => { proposal.share = Number(share.value) / 100; amount.textContent = `${share.value} %`; preview(); retuneSoon(); } },
   });
   const rounding = html('select', { id: 'rounding', on: { change: () => { proposal.step = Number(rounding.value); preview(); } } },
     ...ROUNDINGS[unit].map((value) => html('option', { value, text: value ? `${value} ${unit}` : 'no rounding' })));
@@ -163,7 +215,8 @@ const propose = (base, { design, rates: changed, headline, side_effects: effects
   const reject = html('button', { id: 'reject', text: 'Reject', on: { click: close } });
   const result = html('span', { id: 'proposal-misfit' });
   show(
-    html('div', { class: 'heading' }, html('h2', { text: interrupted ? 'Proposal, cancelled before its end' : 'Proposal' }), html('p', { text: headline.replace('->', '→') }), result, html('span', { class: 'group' }, accept, reject)),
+    html('div', { class: 'heading' }, html('h2', { text: interrupted ? 'Proposal, cancelled before its end' : 'Proposal' }), html('p', { text: `Full proposal: ${headline.replace('->', '→')}` }), result, html('span', { class: 'group' }, accept, reject)),
+    html('p', { id: 'proposal-note', class: 'hint' }),
     html('label', { class: 'direction' }, html('span', { text: 'Apply' }), share, amount),
     html('label', { class: 'direction' }, html('span', { text: 'Round coordinates to' }), rounding),
     changes.length
@@ -171,8 +224,10 @@ const propose = (base, { design, rates: changed, headline, side_effects: effects
       : html('p', { text: 'Nothing moves.' }),
     ...(tuned ? [scroller('Tuned values', html('table', { id: 'rates' },
       html('thead', {}, html('tr', {}, html('td', {}, rates), ...[state.overview.is_car ? 'value' : 'elastic part', 'now', 'tuned'].map((text, k) => html('th', { text, class: k ? 'number' : null })))),
-      html('tbody', {}, ...changed.map(([name, now, then]) => html('tr', {}, html('td'), html('th', { scope: 'row', text: name.replaceAll('_', ' ') }), html('td', { class: 'number', text: now }), html('td', { class: 'number', text: then }))))))] : []),
+      html('tbody', {}, ...values.map(({ name, now, to }) => html('tr', {}, html('td'), html('th', { scope: 'row', text: name.replaceAll('_', ' ') }), html('td', { class: 'number', text: now }), to)))))] : []),
+    html('h3', { text: 'Results of the full proposal' }),
     ...effectsTable(effects),
+    ...yieldsTable(yields),
     ...remarks.map((text) => html('p', { class: 'hint', text })),
   );
   preview();
@@ -190,7 +245,10 @@ export const startTuning = () => {
   };
   on('study', allow);
   on('motion', () => { state.proposed = null; preview(); });
-  on('edited', allow);
+  on('edited', () => {
+    if (proposal) say('The proposal is closed: it belongs to the values before this change. Press Tune for a new one.', 'ask');
+    allow();
+  });
   on('deed', preview);
   on('chosen', preview);
   on('place', preview);

@@ -56,12 +56,28 @@ fn tuned_cars_are_studies() {
     hardpoint(directory.path(), &["new", "car"]).success();
     hardpoint(
         directory.path(),
-        &["optimise", "car.toml", "--out", "tuned"],
+        &["optimise", "car.toml", "--report", "--out", "tuned"],
     )
     .success();
     let tuned = directory.path().join("tuned");
     hardpoint(&tuned, &["solve", "optimised.toml", "--out", "again"]).success();
     let read = |path: &str| fs::read_to_string(tuned.join(path)).unwrap();
+    // The page has the misfit before and after, and every variable with its values.
+    let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
+    let page = read("report.html");
+    let (_, section) = page.split_once("<section id=\"variables\">").unwrap();
+    let (section, _) = section.split_once("</section>").unwrap();
+    let rows: Vec<&str> = section.split("<tr>").skip(2).collect();
+    let variables = summary["variables"].as_array().unwrap();
+    assert_eq!(rows.len(), variables.len(), "{section}");
+    assert!(variables.len() >= 2);
+    for (row, variable) in rows.iter().zip(variables) {
+        let name = variable["name"].as_str().unwrap().replace('_', "_<wbr>");
+        assert!(row.contains(&name), "{row} {name}");
+        assert_eq!(row.matches("<td class=\"number\">").count(), 4, "{row}");
+    }
+    assert!(page.contains("<dt>Misfit</dt><dd>"));
+    assert!(section.contains(" → "), "{section}");
     assert_eq!(read("cases.csv"), read("again/cases.csv"));
     assert_ne!(read("cases.csv"), read("cases_before.csv"));
 }

@@ -427,6 +427,7 @@ fn a_car_is_dragged_edited_tuned_and_saved() {
     browser.wait("document.getElementById('accept')");
     browser.wait("studio.state.proposed");
     browser.click("#accept");
+    browser.wait("document.getElementById('accept') === null");
     browser.wait(SETTLED);
     browser.wait("studio.state.answer.misfit.value < 0.1");
     browser.click("#save");

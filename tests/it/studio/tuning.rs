@@ -119,3 +119,86 @@ fn ranges_count_from_the_file() {
     );
     assert!(remarks.contains("missed: toe_deg, by up to"), "{remarks}");
 }
+
+/// The page shows the nominal design: a robust study has the misfits, deviations and slopes of the same study without builds.
+/// Rounding a design compares the same misfit.
+#[test]
+fn the_misfit_of_a_robust_study_is_that_of_its_nominal_design() {
+    let robust = sample("double_wishbone_robust.toml");
+    let plain = robust.replace("scatter = 64\n", "");
+    assert_ne!(plain, robust);
+    let of_page = |text: &str| {
+        let served = Served::of(text);
+        let of = served.moved("tie_rod_outer", 2, 0.5);
+        let request = json!({"of": of, "characteristics": ["toe"], "at": [0.0, 0.0], "curves_rack": null, "over": 0});
+        let misfit = served.post("solve", &request).json()["misfit"].take();
+        (misfit, served.overview()["builds"].take())
+    };
+    let (of_robust, builds) = of_page(&robust);
+    let (of_plain, none) = of_page(&plain);
+    assert!(of_plain["value"].as_f64().unwrap() > 1.0, "{of_plain}");
+    assert_eq!(of_robust, of_plain);
+    assert_eq!((builds, none), (json!(64), Value::Null));
+
+    let of_rounding = |text: &str| {
+        let study = hardpoint::Study::from_text("study", text, std::path::Path::new("")).unwrap();
+        let free = vec![true; 3 * study.wheel().design.len()];
+        let unit = hardpoint::model::LengthUnit::Millimetre;
+        let grid = hardpoint::exchange::Grid { step: 1.0, unit };
+        hardpoint::exchange::rounded(&study, grid, &free)
+            .unwrap()
+            .loss
+    };
+    assert_eq!(of_rounding(&robust), of_rounding(&plain));
+}
+
+/// The proposal of a robust tuning says that its deviations are those of builds, and has the yields of `hardpoint optimise`.
+#[test]
+fn a_robust_proposal_has_the_yields_of_optimise() {
+    let text = sample("double_wishbone_robust.toml").replace("builds = 20000", "builds = 2000");
+    let served = Served::of(&text);
+    let of = served.moved("tie_rod_outer", 2, 0.0);
+    let points = of["design"].as_array().unwrap().len();
+    let state = tuned(&served, &of, &vec![[false; 3]; points]);
+    let proposal = &state["proposal"];
+    let headline = proposal["headline"].as_str().unwrap();
+    assert!(
+        headline.contains("root mean square of 64 builds"),
+        "{headline}"
+    );
+    let remarks = proposal["remarks"].to_string();
+    assert!(remarks.contains(" in one of 64 builds"), "{remarks}");
+
+    let out = served.folder.path().join("out");
+    let output = std::process::Command::new(env!("CARGO_BIN_EXE_hardpoint"))
+        .args(["optimise", "--report", "--out"])
+        .arg(&out)
+        .arg(&served.study)
+        .output()
+        .unwrap();
+    let printed = String::from_utf8(output.stdout).unwrap();
+    let yields = proposal["yields"]["headline"].as_str().unwrap();
+    assert!(yields.contains("of 2000 builds"), "{yields}");
+    assert!(printed.contains(yields), "{yields}\n{printed}");
+    assert_eq!(proposal["yields"]["rows"].as_array().unwrap().len(), 4);
+    let over = "largest deviation from the target values over 64 builds";
+    assert!(printed.contains(over), "{printed}");
+
+    let page = fs::read_to_string(out.join("report.html")).unwrap();
+    for words in [
+        "2 of 2 targets are outside their tolerance in at least one of 64 builds.",
+        "Largest deviations from the targets over 64 builds, in the unit of each target.",
+        "<small>tolerances, root mean square of 64 builds</small>",
+        "<small>targets in all 64 builds</small>",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    assert_eq!(page.matches("target missed by up to").count(), 2);
+    assert!(page.matches(" in one of 64 builds").count() >= 2);
+    // A change that rounds to 0 is no side effect.
+    let (_, tables) = page.split_once("<h3>Side effects</h3>").unwrap();
+    let (tables, _) = tables.split_once("id=\"convergence\"").unwrap();
+    let is_row = |row: &&str| row.contains("scrub_<wbr>radius");
+    assert_eq!(tables.split("<tr").filter(is_row).count(), 0);
+    assert!(tables.contains("unchanged: "), "{tables}");
+}

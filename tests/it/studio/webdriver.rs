@@ -129,6 +129,13 @@ impl Browser {
         self.command("window", &json!({"handle": tab}));
     }
 
+    /// Shows pages as on paper.
+    pub fn print(&self) {
+        let media = json!({"media": "print"});
+        let message = json!({"cmd": "Emulation.setEmulatedMedia", "params": media});
+        self.command("goog/cdp/execute", &message);
+    }
+
     /// Return value of a script.
     pub fn run(&self, script: &str) -> Value {
         self.command("execute/sync", &json!({"script": script, "args": []}))

@@ -1,20 +1,21 @@
 //! Yield: share of builds within all bands, before and after a robust tuning.
 
-use super::interrupt;
 use crate::optimise::{Control, ExpectedYield, tune};
 use crate::report::YieldRecord;
 use crate::study::{Optimise, Study, Tolerance};
 use crate::tolerance::{MonteCarlo, Problem, monte_carlo};
 use std::ops::ControlFlow;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Yields for a robust tuning: of the design before it, of the optimum without scatter, and of the tuned design. All three come
 /// from the same Monte Carlo builds, as in `hardpoint tolerance`. The tuning uses other builds. `None` if the tuning is not
-/// robust, has no bands, or was interrupted.
-pub(super) fn yields(
+/// robust, has no bands, or was stopped by the flag.
+pub fn yields(
     study: &Study,
     optimise: &Optimise,
     tuned: Option<&Study>,
     expected: Option<&ExpectedYield>,
+    stop: &AtomicBool,
 ) -> Option<YieldRecord> {
     optimise.scatter.as_ref()?;
     let tolerance = study.tolerance.as_ref().filter(|t| !t.bands.is_empty())?;
@@ -22,9 +23,9 @@ pub(super) fn yields(
     let plain = match expected {
         // The search for the robust design began at the optimum without scatter.
         Some(expected) => Some(study.moved(&expected.plain)),
-        None => plain_optimum(study, optimise),
+        None => plain_optimum(study, optimise, stop),
     };
-    let of = |study: &Study| builds(study, tolerance);
+    let of = |study: &Study| builds(study, tolerance, stop);
     let yields = YieldRecord::of(
         tolerance,
         of(study),
@@ -33,17 +34,17 @@ pub(super) fn yields(
         expected,
     );
     // After an interruption, the yields would be based on different numbers of builds.
-    (!interrupt::is_raised()).then_some(yields)
+    (!stop.load(Ordering::SeqCst)).then_some(yields)
 }
 
 /// Study after a tuning without scatter.
-fn plain_optimum(study: &Study, optimise: &Optimise) -> Option<Study> {
+fn plain_optimum(study: &Study, optimise: &Optimise, stop: &AtomicBool) -> Option<Study> {
     let plain = Optimise {
         scatter: None,
         ..optimise.clone()
     };
     let control = Control {
-        interrupt: Some(interrupt::flag()),
+        interrupt: Some(stop),
         watch: None,
     };
     let tuning = tune(&study.vehicle, &plain, control).ok()?;
@@ -51,12 +52,12 @@ fn plain_optimum(study: &Study, optimise: &Optimise) -> Option<Study> {
 }
 
 /// Monte Carlo builds of a study. `None` if the study cannot be built.
-fn builds(study: &Study, tolerance: &Tolerance) -> Option<MonteCarlo> {
+fn builds(study: &Study, tolerance: &Tolerance, stop: &AtomicBool) -> Option<MonteCarlo> {
     let problem = Problem::of(study, tolerance).ok()?;
-    let problem = problem.interruptible(interrupt::flag());
+    let problem = problem.interruptible(stop);
     let nominal = problem.drawn().ok()?;
     let found = monte_carlo(&problem, &nominal, |_| {
-        if interrupt::is_raised() {
+        if stop.load(Ordering::SeqCst) {
             ControlFlow::Break(())
         } else {
             ControlFlow::Continue(())

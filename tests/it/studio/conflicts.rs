@@ -1,0 +1,169 @@
+//! Two tabs and other programs change one study.
+
+use super::browser::{READY, SETTLED, handle};
+use super::webdriver::Browser;
+use super::{Served, sample};
+use serde_json::{Value, json};
+use std::fs;
+
+/// Types a tolerance of the first target, and waits until the study has it.
+fn type_tolerance(browser: &Browser, text: &str) {
+    browser.click("#tab-targets");
+    browser.wait("document.querySelector('[data-target=\"0\"]')");
+    browser.run(&format!(
+        "const field = document.querySelector('[data-target=\"0\"] td:nth-child(3) input'); \
+         field.value = '{text}'; field.dispatchEvent(new Event('change'))"
+    ));
+    browser.wait(&format!(
+        "studio.state.overview.written.optimise.targets[0].tolerance === {text}"
+    ));
+    browser.wait(SETTLED);
+}
+
+fn place(browser: &Browser, point: &str) -> Value {
+    browser.run(&format!(
+        "return studio.state.design[studio.state.overview.points.findIndex((p) => p.name === '{point}')]"
+    ))
+}
+
+fn deeds(browser: &Browser) -> Value {
+    browser.click("#tab-history");
+    browser.run("return [...document.querySelectorAll('.deeds button')].map((b) => b.textContent)")
+}
+
+/// Another tab saves a move. The first tab reads the file again under its own move and edit: both stay, as one step of the
+/// history, over a reload too, and a save writes the changes of both tabs.
+#[test]
+fn a_file_is_read_again_under_the_changes_of_the_page() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("double_wishbone_front.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    let first = browser.tab();
+    browser.drag(&handle("front", "upper_ball_joint"), [3, -8], 4);
+    browser.wait(SETTLED);
+    type_tolerance(&browser, "0.0125");
+    let upper = place(&browser, "upper_ball_joint");
+    std::thread::sleep(std::time::Duration::from_millis(400));
+
+    browser.open_tab(&served.address);
+    browser.wait(READY);
+    // The draft of the first tab is offered, and not taken.
+    browser.wait("document.getElementById('banner').textContent.includes('Unsaved changes')");
+    browser.drag(&handle("front", "lower_ball_joint"), [4, 6], 4);
+    browser.wait(SETTLED);
+    let lower = place(&browser, "lower_ball_joint");
+    browser.click("#save");
+    browser.wait("document.getElementById('banner').textContent.includes('study.toml saved')");
+
+    browser.go_to(&first);
+    assert_ne!(place(&browser, "lower_ball_joint"), lower);
+    browser.run("window.dispatchEvent(new Event('focus'))");
+    browser.wait("document.getElementById('banner').textContent.includes('another program')");
+    browser.run(
+        "[...document.querySelectorAll('#banner button')].find((b) => b.textContent === 'Read it again, keep my changes').click()",
+    );
+    browser.wait("document.getElementById('banner').textContent.includes('changes are kept')");
+    browser.wait(SETTLED);
+    let is_kept = |browser: &Browser| {
+        assert_eq!(place(browser, "upper_ball_joint"), upper);
+        assert_eq!(place(browser, "lower_ball_joint"), lower);
+        let tolerance = "return studio.state.overview.written.optimise.targets[0].tolerance";
+        assert_eq!(browser.run(tolerance), json!(0.0125));
+        assert_eq!(deeds(browser), json!(["Kept changes", "As opened"]));
+    };
+    is_kept(&browser);
+    std::thread::sleep(std::time::Duration::from_millis(400));
+    browser.open(&served.address);
+    browser.wait(READY);
+    is_kept(&browser);
+
+    // The lines that change are those of this page.
+    let before = served.text();
+    browser.click("#save");
+    browser.wait("document.querySelector('#dialog button[value=yes]')");
+    let lines = browser.run("return [...document.querySelectorAll('.diff .gone, .diff .come')].map((line) => line.textContent)");
+    let lines = lines.to_string();
+    assert!(lines.contains("tolerance = 0.0125"), "{lines}");
+    assert!(
+        lines.contains("upper_ball_joint") && !lines.contains("lower_ball_joint"),
+        "{lines}"
+    );
+    browser.click("#dialog button[value=yes]");
+    browser.wait("document.getElementById('banner').textContent.includes('study.toml saved')");
+    let after = served.text();
+    let changed = before.lines().zip(after.lines()).filter(|(a, b)| a != b);
+    assert_eq!(changed.count(), 2);
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// A file that cannot take the page's changes is not read again, and the page keeps them.
+#[test]
+fn changes_that_a_file_cannot_take_stay_on_the_page() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let text = sample("double_wishbone_front.toml");
+    let served = Served::of(&text);
+    browser.open(&served.address);
+    browser.wait(READY);
+    type_tolerance(&browser, "0.0125");
+    let (without, _) = text.split_once("[optimise]").unwrap();
+    fs::write(&served.study, without).unwrap();
+    browser.run("window.dispatchEvent(new Event('focus'))");
+    browser.wait("document.getElementById('banner').textContent.includes('another program')");
+    browser.click("#banner button");
+    browser.wait("document.getElementById('banner').textContent.includes('Not read again')");
+    let tolerance = "return studio.state.overview.written.optimise.targets[0].tolerance";
+    assert_eq!(browser.run(tolerance), json!(0.0125));
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// A save after another program's change asks what to do before it shows lines. The lines that change, in the history and
+/// before a save, never contain those of the other program.
+#[test]
+fn lines_of_another_program_are_no_changes_of_the_page() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let text = sample("double_wishbone_front.toml");
+    let served = Served::of(&text);
+    browser.open(&served.address);
+    browser.wait(READY);
+    type_tolerance(&browser, "0.0125");
+    fs::write(&served.study, format!("# by hand\n{text}")).unwrap();
+    browser.click("#save");
+    browser.wait("document.getElementById('dialog').open");
+    let shown = browser.run("return document.getElementById('dialog').textContent");
+    assert!(
+        shown.as_str().unwrap().contains("The file has changed"),
+        "{shown}"
+    );
+    assert_eq!(
+        browser.run("return document.querySelectorAll('#dialog .diff').length"),
+        json!(0)
+    );
+    browser.run("document.getElementById('dialog').close('')");
+    browser.click("#tab-history");
+    browser.click("#changes");
+    browser.wait("document.querySelector('#dialog .diff')");
+    let lines = browser.run("return document.querySelector('#dialog .diff').textContent");
+    let lines = lines.as_str().unwrap();
+    assert!(
+        lines.contains("0.0125") && !lines.contains("by hand"),
+        "{lines}"
+    );
+    browser.run("document.getElementById('dialog').close('')");
+    browser.click("#save");
+    browser.wait("document.querySelector('#dialog button[value=merge]')");
+    browser.click("#dialog button[value=merge]");
+    browser.wait("document.getElementById('banner').textContent.includes('study.toml saved')");
+    let saved = served.text();
+    assert!(
+        saved.starts_with("# by hand\n") && saved.contains("tolerance = 0.0125"),
+        "{saved}"
+    );
+    assert_eq!(browser.console(), Vec::<String>::new());
+}

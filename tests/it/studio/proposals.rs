@@ -1,0 +1,232 @@
+//! Proposals, targets and curves of the page in a real browser, if there is one.
+
+use super::browser::{READY, SETTLED, handle};
+use super::car::{as_it_is, served as car};
+use super::webdriver::Browser;
+use super::{Served, sample};
+use serde_json::json;
+
+/// Half of a car's proposal has half of each move and of each tuned value. It is accepted and undone in one step.
+#[test]
+fn half_of_a_proposal_has_half_of_its_tuned_values() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = car("car", as_it_is);
+    browser.open(&served.address);
+    browser.wait(READY);
+    let rates = "return ['front', 'rear'].map((end) => studio.state.overview.written[end].anti_roll_bar.rate)";
+    let numbers = |script: &str| -> Vec<f64> {
+        let found = browser.run(script);
+        let found = found.as_array().unwrap().iter();
+        found.map(|v| v.as_f64().unwrap()).collect()
+    };
+    let (before, opened) = (numbers(rates), browser.run("return studio.state.design"));
+    browser.click("#tune");
+    browser.wait("document.getElementById('accept')");
+    browser.wait("studio.state.proposed");
+    let shown = "return [...document.querySelectorAll('#rates tbody tr')].map((row) => Number(row.lastChild.textContent))";
+    let full = numbers(shown);
+    browser.run("const share = document.getElementById('share'); share.value = 50; share.dispatchEvent(new Event('input'))");
+    // Accepted at once: the values of this part are still asked for.
+    browser.click("#accept");
+    browser.wait("document.getElementById('accept') === null");
+    browser.wait(SETTLED);
+    let half = numbers(rates);
+    for k in 0..2 {
+        let middle = 0.5 * (before[k] + full[k]);
+        // The proposal shows six digits.
+        assert!(
+            (half[k] - middle).abs() <= 1e-5 * middle,
+            "{half:?} {full:?}"
+        );
+        assert!((full[k] - before[k]).abs() > 1e-2 * before[k]);
+    }
+    assert_ne!(browser.run("return studio.state.design"), opened);
+    browser.click("#undo");
+    browser.wait(SETTLED);
+    assert_eq!(numbers(rates), before);
+    assert_eq!(browser.run("return studio.state.design"), opened);
+    assert_eq!(
+        browser.run("return document.getElementById('undo').disabled"),
+        json!(true)
+    );
+    browser.click("#redo");
+    browser.wait(SETTLED);
+    assert_eq!(numbers(rates), half);
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// An undone move marks an open proposal, and an undone change of a value closes it with a message.
+#[test]
+fn an_undo_tells_of_an_open_proposal() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("macpherson_bump_steer.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.click("#tab-targets");
+    browser.run(
+        "const field = document.querySelector('[data-target=\"0\"] td:nth-child(3) input'); \
+         field.value = '0.03'; field.dispatchEvent(new Event('change'))",
+    );
+    browser.wait("studio.state.overview.written.optimise.targets[0].tolerance === 0.03");
+    browser.drag(&handle("front", "tie_rod_inner"), [0, -6], 5);
+    browser.wait(SETTLED);
+    browser.click("#tune");
+    browser.wait("document.getElementById('accept')");
+    let note = "return document.getElementById('proposal-note').textContent";
+    assert_eq!(browser.run(note), json!(""));
+    let told = "document.getElementById('pane-proposal').textContent";
+    browser.wait(&format!("{told}.includes('Results of the full proposal')"));
+    browser.click("#undo");
+    browser.wait(SETTLED);
+    let said = browser.run(note);
+    assert!(
+        said.as_str().unwrap().contains("Points have moved"),
+        "{said}"
+    );
+    browser.click("#undo");
+    browser
+        .wait("document.getElementById('banner').textContent.includes('The proposal is closed')");
+    assert_eq!(
+        browser.run("return document.getElementById('proposal').hidden"),
+        json!(true)
+    );
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// A refused value does not stay in its field. A refused target stays in its dialog with the reason. The next change that is
+/// taken removes the message.
+#[test]
+fn refusals_are_told_where_they_are_corrected() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("double_wishbone_robust.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.click("#tab-targets");
+    let field = "document.querySelector('[data-target=\"0\"] td:nth-child(3) input')";
+    let type_in = |text: &str| {
+        browser.run(&format!(
+            "const field = {field}; field.value = '{text}'; field.dispatchEvent(new Event('change'))"
+        ));
+    };
+    let old = browser.run(&format!("return {field}.value"));
+    type_in("-1");
+    browser.wait("document.getElementById('banner').textContent.includes('Not changed')");
+    browser.wait(&format!("{field}.value === {old}"));
+    type_in("0.003");
+    browser.wait("studio.state.overview.written.optimise.targets[0].tolerance === 0.003");
+    assert_eq!(
+        browser.run("return document.getElementById('banner').hidden"),
+        json!(true)
+    );
+
+    browser.wait(SETTLED);
+    browser.click("[data-column=toe_deg] .adder");
+    browser.wait("document.getElementById('dialog').open");
+    let limit = |name: &str, text: &str| {
+        browser.run(&format!(
+            "[...document.querySelectorAll('#dialog label')].find((l) => l.textContent.startsWith('{name}')).querySelector('input').value = '{text}'"
+        ));
+    };
+    limit("Lower limit", "25");
+    limit("Upper limit", "20");
+    browser.click("#dialog button[value=add]");
+    browser.wait("document.querySelector('#dialog [role=alert]').textContent.length > 10");
+    assert_eq!(
+        browser.run("return document.getElementById('dialog').open"),
+        json!(true)
+    );
+    assert_eq!(
+        browser.run("return document.getElementById('banner').hidden"),
+        json!(true)
+    );
+    limit("Upper limit", "30");
+    browser.click("#dialog button[value=add]");
+    browser.wait("!document.getElementById('dialog').open");
+    let target = "return studio.state.overview.written.optimise.targets.at(-1).between";
+    assert_eq!(browser.run(target), json!([25, 30]));
+    assert_eq!(
+        browser.run("return studio.state.overview.targets.length"),
+        json!(3)
+    );
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// Every number beside a curve is whole, and each horizontal axis has at least two labels that do not touch.
+#[test]
+fn numbers_beside_curves_are_whole() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    for name in [
+        "macpherson_steering.toml",
+        "double_wishbone_compliance.toml",
+        "double_wishbone_robust.toml",
+    ] {
+        let served = Served::of(&sample(name));
+        browser.open(&served.address);
+        browser.wait(READY);
+        browser.wait(SETTLED);
+        let cut = browser.run(
+            "return [...document.querySelectorAll('.chartbox .values small')].map((small) => { \
+             const range = document.createRange(); range.selectNodeContents(small); \
+             const [text, box] = [range, small].map((own) => own.getBoundingClientRect()); \
+             return text.left < box.left - 0.5 || text.right > box.right + 0.5 ? small.textContent : null; }).filter(Boolean)",
+        );
+        assert_eq!(cut, json!([]), "{name}");
+        let bare = browser.run(
+            "return [...document.querySelectorAll('.chart')].map((chart) => { \
+             const words = [...chart.querySelectorAll('.axes text[text-anchor=middle]:not(.axis-title)')]; \
+             const boxes = words.map((word) => word.getBoundingClientRect()).sort((a, b) => a.left - b.left); \
+             const touch = boxes.some((box, k) => k > 0 && box.left < boxes[k - 1].right); \
+             return words.length < 2 || touch ? words.map((word) => word.textContent) : null; }).filter(Boolean)",
+        );
+        assert_eq!(bare, json!([]), "{name}");
+        assert_eq!(browser.console(), Vec::<String>::new());
+        // A page asks until it is left. The server ends here.
+        browser.open("about:blank");
+    }
+}
+
+/// On paper, a tuning report has the tables that its text refers to.
+#[test]
+fn a_printed_tuning_report_has_its_tables() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let study = folder.path().join("study.toml");
+    std::fs::write(&study, sample("double_wishbone_robust.toml")).unwrap();
+    let status = std::process::Command::new(env!("CARGO_BIN_EXE_hardpoint"))
+        .args(["optimise", "--quiet", "--report", "--out"])
+        .arg(folder.path().join("out"))
+        .arg(&study)
+        .stdout(std::process::Stdio::null())
+        .status()
+        .unwrap();
+    assert!(status.success());
+    browser.open(&format!(
+        "file://{}",
+        folder.path().join("out/report.html").display()
+    ));
+    browser.print();
+    let text = browser.run("return document.body.innerText");
+    let text = text.as_str().unwrap();
+    let (above, below) = text
+        .split_once("1 further output is listed below.")
+        .unwrap();
+    assert!(above.contains("kingpin_inclination"), "{above}");
+    for words in [
+        "unchanged: scrub_radius_mm",
+        "yield 0 % -> 100 % of 20000 builds",
+        "at upper bound",
+        "bump_steer_deg_per_mm: −0.006 to 0.006",
+    ] {
+        assert!(below.contains(words), "{words}: {below}");
+    }
+}

@@ -17,6 +17,8 @@ const MOST_OF_RANGE = 17;
 const LETTER = 5.5;
 // Letters of a value in large type.
 const MOST_LETTERS = 14;
+// Letters of both values of a pair beside a range.
+const MOST_OF_PAIR = 17;
 // Height of the strip of deviations.
 const STRIP = 26;
 let charts = [];
@@ -50,9 +52,11 @@ const partsOf = (columns) => {
 
 // Ticks of an axis with names, at least two: one alone says nothing about the scale.
 const several = (ends, count, isNamed) => [count, 2 * count, 4 * count].map((some) => ticks(...ends, Math.max(1, some))).find((found) => found.filter(isNamed).length > 1) ?? [];
-// The range of a curve, with as many digits as fit.
+// The range of a curve, with digits that tell its ends apart, as far as they fit.
 const rangeOf = (low, high) => {
-  const forms = [(v) => brief(v, 3), (v) => brief(v, 2), (v) => v.toExponential(1).replaceAll('-', '−')];
+  const apart = high > low ? Math.ceil(Math.log10(Math.max(Math.abs(low), Math.abs(high)) / (high - low))) + 2 : 3;
+  const needed = Array.from({ length: Math.min(6, Math.max(3, apart)) - 2 }, (_, k) => (v) => brief(v, 3 + k)).reverse();
+  const forms = [...needed, (v) => brief(v, 2), (v) => v.toExponential(1).replaceAll('-', '−')];
   const texts = forms.map((form) => `${form(low)}…${form(high)}`);
   return texts.find((text) => text.length <= MOST_OF_RANGE) ?? texts.at(-1);
 };
@@ -234,7 +238,8 @@ class Chart {
       const text = (digits) => `${side && isPair ? `${side[0].toUpperCase()} ` : ''}${brief(is, digits)}${isChanged ? ` (${signed(is - before, digits - 1)})` : ''}`;
       return isPair || text(4).length > MOST_LETTERS ? text(3) : text(4);
     });
-    set(this.value, { class: isPair || words[0].length > MOST_LETTERS ? 'pair' : null });
+    const isWide = isPair && words.join('  ').length > MOST_OF_PAIR;
+    set(this.value, { class: isWide ? 'pair wide' : isPair || words[0].length > MOST_LETTERS ? 'pair' : null });
     write(this.value, words.join('  '));
     const values = lines.flatMap(({ pieces }) => heights(pieces));
     let text = values.length ? rangeOf(Math.min(...values), Math.max(...values)) : 'no value';
@@ -243,6 +248,7 @@ class Chart {
       const rms = Math.sqrt(known.reduce((sum, s) => sum + s * s, 0) / Math.max(1, known.length));
       text = `${brief(rms, 3)} per ${state.overview.unit}`;
     }
+    // Long values of a pair take the place of the range, which the axis shows.
     write(this.range, text);
     const { name: over, unit: own } = state.overview.sliders[state.over];
     const sign = positive && positive !== 'always' ? `positive: ${positive}` : '';

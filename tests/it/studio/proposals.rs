@@ -167,18 +167,25 @@ fn numbers_beside_curves_are_whole() {
         "macpherson_steering.toml",
         "double_wishbone_compliance.toml",
         "double_wishbone_robust.toml",
+        "solid_axle_rear.toml",
     ] {
         let served = Served::of(&sample(name));
         browser.open(&served.address);
         browser.wait(READY);
         browser.wait(SETTLED);
         let cut = browser.run(
-            "return [...document.querySelectorAll('.chartbox .values small')].map((small) => { \
+            "return [...document.querySelectorAll('.chartbox .values small, .chartbox output')].filter((own) => own.offsetWidth > 0).map((small) => { \
              const range = document.createRange(); range.selectNodeContents(small); \
              const [text, box] = [range, small].map((own) => own.getBoundingClientRect()); \
              return text.left < box.left - 0.5 || text.right > box.right + 0.5 ? small.textContent : null; }).filter(Boolean)",
         );
         assert_eq!(cut, json!([]), "{name}");
+        // Both ends of a range are different numbers, unless the curve is level.
+        let alike = browser.run(
+            "return [...document.querySelectorAll('.chartbox .values small')].map((small) => small.textContent) \
+             .filter((text) => { const [low, high] = text.split('…'); return low === high && low !== '0'; })",
+        );
+        assert_eq!(alike, json!([]), "{name}");
         let bare = browser.run(
             "return [...document.querySelectorAll('.chart')].map((chart) => { \
              const words = [...chart.querySelectorAll('.axes text[text-anchor=middle]:not(.axis-title)')]; \

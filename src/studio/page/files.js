@@ -54,6 +54,8 @@ const settleProposal = async () => {
   if (chosen?.answer === 'accept') await acceptProposal();
   return chosen !== null;
 };
+// Starts and ends of this page's own saves: odd during a save.
+let ownChanges = 0;
 const save = async (anyway = false) => {
   if (!anyway && !await settleProposal()) return;
   const design = copy(state.design);
@@ -65,13 +67,14 @@ const save = async (anyway = false) => {
     const sure = await question('Save these changes?', `${state.overview.files.join(', ')}: lines that change.`, [['yes', 'Save'], ['', 'Cancel']], await writtenDiff());
     if (!sure) return;
   }
+  ownChanges += 1;
   try {
     saved(await post('save', { of: of(design), name: null, anyway }), design);
     if (anyway) await readStudy();
   } catch (refused) {
     if (refused.status !== 409 || anyway) return say(refused.message, 'bad');
     return settleConflict(refused.message);
-  }
+  } finally { ownChanges += 1; }
 };
 // Another program has changed the file since it was read.
 const settleConflict = async (message) => {
@@ -146,7 +149,10 @@ let told = null;
 const watchFile = async () => {
   if (document.hidden || !state.overview || isTuning() || hasProposal()) return;
   const { digest, file } = state.overview;
+  const own = ownChanges;
   const now = await post('digest', null).catch(() => null);
+  // While this page saves, the file differs from what the page knows.
+  if (own % 2 || own !== ownChanges) return;
   if (now === null || now === state.overview.base || now === told || digest !== state.overview.digest) return;
   told = now;
   say(`${state.overview.files.length > 1 ? `${file} or an axle of it` : file} was changed by another program. This page still shows the earlier text.`, 'ask',

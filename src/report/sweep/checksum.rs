@@ -1,20 +1,52 @@
 //! Checksum of a file of rows. It finds edits; it does not protect against forgery.
 
-use std::io::{self, BufRead, BufReader, Read};
+use crc32fast::Hasher;
+use std::fs::File;
+use std::io::{self, Read, Write};
 
 /// Checksum (CRC-32) of all bytes of a reader, in hexadecimal digits.
-pub(super) fn checksum(bytes: impl Read) -> io::Result<String> {
-    let mut bytes = BufReader::with_capacity(1 << 16, bytes);
-    let mut sum = crc32fast::Hasher::new();
-    loop {
-        let chunk = match bytes.fill_buf() {
-            Ok([]) => return Ok(format!("{:08x}", sum.finalize())),
-            Ok(chunk) => chunk,
-            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
-            Err(error) => return Err(error),
-        };
-        sum.update(chunk);
-        let read = chunk.len();
-        bytes.consume(read);
+pub(super) fn checksum(mut bytes: impl Read) -> io::Result<String> {
+    let mut sum = Summing {
+        to: io::sink(),
+        sum: Hasher::new(),
+    };
+    io::copy(&mut bytes, &mut sum)?;
+    Ok(sum.checksum())
+}
+
+/// File whose checksum is computed while it is written.
+pub(super) type SummedFile = Summing<File>;
+
+/// Writer that sums the bytes that pass through it.
+pub(super) struct Summing<W> {
+    to: W,
+    sum: Hasher,
+}
+
+impl Summing<File> {
+    pub(super) fn new(file: File) -> Self {
+        Summing {
+            to: file,
+            sum: Hasher::new(),
+        }
+    }
+}
+
+impl<W> Summing<W> {
+    /// Checksum of all bytes so far, in hexadecimal digits.
+    pub(super) fn checksum(self) -> String {
+        format!("{:08x}", self.sum.finalize())
+    }
+}
+
+impl<W: Write> Write for Summing<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let written = self.to.write(bytes)?;
+        self.sum.update(&bytes[..written]);
+        Ok(written)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.to.flush()
     }
 }

@@ -1,6 +1,7 @@
 //! Tables of results as Apache Parquet: the columns and values of the CSV file, in row groups, compressed with Zstandard. Numbers
 //! survive the conversion to text and back exactly. So rows come from the workers as CSV text, and are read back as CSV text.
 
+use super::checksum::SummedFile;
 use crate::sweep::csv::{append_number, append_text, append_whole};
 use parquet::basic::{Compression, ZstdLevel};
 use parquet::column::reader::ColumnReader;
@@ -20,7 +21,7 @@ const GROUP: usize = 1 << 15;
 
 /// Parquet file that is being written.
 pub(super) struct ParquetFile {
-    writer: SerializedFileWriter<File>,
+    writer: SerializedFileWriter<SummedFile>,
     columns: Vec<Column>,
     rows: usize,
 }
@@ -104,7 +105,7 @@ fn failed(error: ParquetError) -> io::Error {
 
 impl ParquetFile {
     /// Begins a file with the columns of a CSV header.
-    pub(super) fn begin(file: File, header: &[u8]) -> io::Result<Self> {
+    pub(super) fn begin(file: SummedFile, header: &[u8]) -> io::Result<Self> {
         let header = String::from_utf8_lossy(header);
         let names: Vec<&str> = header.trim_end().split(',').collect();
         let columns: Vec<Column> = names.iter().map(|name| Column::named(name)).collect();
@@ -175,12 +176,11 @@ impl ParquetFile {
     }
 
     /// Writes the remaining rows and the end of the file.
-    pub(super) fn finish(mut self) -> io::Result<()> {
+    pub(super) fn finish(mut self) -> io::Result<SummedFile> {
         if self.rows > 0 {
             self.write_group().map_err(failed)?;
         }
-        self.writer.close().map_err(failed)?;
-        Ok(())
+        self.writer.into_inner().map_err(failed)
     }
 }
 

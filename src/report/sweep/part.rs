@@ -4,7 +4,6 @@
 //! last. So if the rows exist, the part is complete, even after a crash. Several processes on several machines may compute parts
 //! in one directory.
 
-use super::checksum::checksum;
 use super::directory::SweepDirectory;
 use super::table_file::TableFile;
 use super::text::SweepText;
@@ -131,8 +130,8 @@ pub(super) fn put(
         part,
         rows_length: rows.length,
         curves_length: curves.as_ref().map(|c| c.length),
-        rows_checksum: Some(rows.checksum()?),
-        curves_checksum: curves.as_ref().map(Whole::checksum).transpose()?,
+        rows_checksum: rows.checksum.clone(),
+        curves_checksum: curves.as_ref().and_then(|c| c.checksum.clone()),
         statistics,
     };
     let name = record.statistics_name(part);
@@ -146,6 +145,7 @@ pub(super) fn put(
     };
     let statistics = Whole {
         length: text.len() as u64,
+        checksum: None,
         temporary: written().map_err(unwritten(&path))?,
         name,
     };
@@ -168,6 +168,8 @@ struct Whole {
     name: String,
     temporary: NamedTempFile,
     length: u64,
+    /// Checksum of a table.
+    checksum: Option<String>,
 }
 
 impl Pending {
@@ -188,10 +190,11 @@ impl Pending {
     }
 
     fn finish(self) -> Result<Whole, WriteError> {
-        self.table.finish()?;
+        let checksum = self.table.finish()?;
         let metadata = self.temporary.as_file().metadata();
         Ok(Whole {
             length: metadata.map_err(unwritten(self.temporary.path()))?.len(),
+            checksum,
             temporary: self.temporary,
             name: self.name,
         })
@@ -199,12 +202,6 @@ impl Pending {
 }
 
 impl Whole {
-    /// Checksum of the file.
-    fn checksum(&self) -> Result<String, WriteError> {
-        let file = self.temporary.reopen().and_then(checksum);
-        file.map_err(unwritten(self.temporary.path()))
-    }
-
     fn persist(self, directory: &Path) -> Result<(), WriteError> {
         let path = directory.join(&self.name);
         let persisted = self.temporary.persist(&path);

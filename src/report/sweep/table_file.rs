@@ -1,5 +1,6 @@
 //! A file of rows in CSV or Parquet, written in complete blocks, and a reader for it.
 
+use super::checksum::SummedFile;
 use crate::results::{WriteError, unwritten};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Write};
@@ -13,7 +14,7 @@ pub struct TableFile {
 
 enum Out {
     Standard,
-    Csv(File),
+    Csv(SummedFile),
     #[cfg(feature = "parquet")]
     Parquet(Box<super::parquet_file::ParquetFile>),
 }
@@ -31,6 +32,7 @@ impl TableFile {
 
     /// Starts to write a file. The extension of its final name decides the format. `header` is a CSV header.
     pub fn begin(file: File, path: PathBuf, header: &[u8]) -> Result<Self, WriteError> {
+        let file = SummedFile::new(file);
         #[cfg(feature = "parquet")]
         if is_parquet(&path) {
             let file = super::parquet_file::ParquetFile::begin(file, header);
@@ -78,13 +80,15 @@ impl TableFile {
         }
     }
 
-    /// Completes the file.
-    pub fn finish(self) -> Result<(), WriteError> {
-        match self.out {
-            Out::Standard | Out::Csv(_) => Ok(()),
+    /// Completes the file. Returns its checksum; `None` for standard output.
+    pub fn finish(self) -> Result<Option<String>, WriteError> {
+        let file = match self.out {
+            Out::Standard => return Ok(None),
+            Out::Csv(file) => file,
             #[cfg(feature = "parquet")]
-            Out::Parquet(file) => file.finish().map_err(unwritten(&self.path)),
-        }
+            Out::Parquet(file) => file.finish().map_err(unwritten(&self.path))?,
+        };
+        Ok(Some(file.checksum()))
     }
 }
 

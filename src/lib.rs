@@ -90,7 +90,7 @@
 //! | `checked` | a checked study: curves, doubts, and stations that are not solved |
 //! | `assembled`, `compared`, `scatter` | assemblies, comparisons and builds, in memory |
 //! | `solved` | curves of a study, of one wheel or of both, with their files, tables and remarks |
-//! | `nominal`, `yields` | targets of the nominal design, and yields of builds, of a robust tuning |
+//! | `yields` | yields of builds, before and after a robust tuning |
 //! | `limits` | limits of the mechanism, as a table; nearest limits of builds |
 //! | `report` | files, tables, pages |
 //! | `results` | directories of results: rules for replacing files, locks |
@@ -118,8 +118,6 @@ pub mod exchange;
 pub mod in_motions;
 #[doc(hidden)]
 pub mod limits;
-#[doc(hidden)]
-pub mod nominal;
 #[doc(hidden)]
 pub mod report;
 #[doc(hidden)]

@@ -37,12 +37,14 @@ pub fn yields(
     (!stop.load(Ordering::SeqCst)).then_some(yields)
 }
 
+/// Sentence about a search that did not increase the yield.
+pub fn not_increased(reason: impl std::fmt::Display) -> String {
+    format!("the yield was not increased: {reason}")
+}
+
 /// Study after a tuning without scatter.
 fn plain_optimum(study: &Study, optimise: &Optimise, stop: &AtomicBool) -> Option<Study> {
-    let plain = Optimise {
-        scatter: None,
-        ..optimise.clone()
-    };
+    let plain = optimise.nominal();
     let control = Control {
         interrupt: Some(stop),
         watch: None,

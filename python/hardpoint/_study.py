@@ -290,7 +290,7 @@ class End:
     """End of a range."""
 
     value: float
-    """Limit, in the length unit, degrees, or the unit that the name ends with. NaN if it is not known or if there is none."""
+    """Limit. The name ends with its unit; without one, it is a length in the study's unit. NaN for an unknown or missing limit."""
     cause: str
     """Reason for the limit."""
     build: int | None = None

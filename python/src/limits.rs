@@ -86,7 +86,7 @@ pub(crate) fn limits_of_builds<'py>(
     Ok((result, nearest.rejected.0))
 }
 
-/// Value of a limit; NaN if it is not known or if there is none.
+/// Value of a limit; NaN for an unknown or missing limit.
 fn value(end: &LimitEnd) -> f64 {
     end.value.unwrap_or(f64::NAN)
 }

@@ -8,7 +8,6 @@ use crate::threads::{interruptible, on_threads};
 use hardpoint::in_motions::InMotion;
 use hardpoint::mechanism::DesignFault;
 use hardpoint::model::Suspension;
-use hardpoint::nominal::nominal_targets;
 use hardpoint::optimise::{
     Control, Infeasible, Iteration, Linearisation, TargetLayout, Tuning, assessed_at, evaluated,
     front, price_list, tune,
@@ -20,6 +19,7 @@ use hardpoint::report::{
 use hardpoint::side_effects::side_effects;
 use hardpoint::solved::Solved;
 use hardpoint::study::{Optimise, Variable};
+use hardpoint::yields::not_increased;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1};
 use pyo3::exceptions::PyStopIteration;
 use pyo3::prelude::*;
@@ -118,7 +118,7 @@ fn expected_yield<'py>(py: Python<'py>, tuning: &Tuning) -> PyResult<Option<Boun
             known.set_item("surrogate", expected.surrogate)?;
             Some(known)
         }
-        Some(Err(reason)) => return Err(failure(format!("the yield was not increased: {reason}"))),
+        Some(Err(reason)) => return Err(failure(not_increased(reason))),
     })
 }
 
@@ -310,7 +310,7 @@ impl Residuals {
                 }
             }
         }
-        let layout = py.detach(|| nominal_targets(optimise, &own.vehicle));
+        let layout = py.detach(|| TargetLayout::nominal(optimise, &own.vehicle));
         Ok(Residuals {
             study,
             layout,

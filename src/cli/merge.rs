@@ -72,7 +72,7 @@ pub(super) fn run(arguments: &MergeArguments) -> Result<Exit, Stop> {
 enum Kept {
     /// Study of a wheel or an axle, and its path.
     Suspension(PathBuf, Box<Study>),
-    /// Study of a car, with those of its axles.
+    /// Study of a car. It contains the studies of both axles.
     Car(Box<CarStudy>),
 }
 

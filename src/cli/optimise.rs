@@ -16,7 +16,7 @@ use crate::rig::RigTests;
 use crate::side_effects::{SideEffect, side_effects};
 use crate::solved::Solved;
 use crate::study::{CarStudy, Optimise, Study, StudyErrors};
-use crate::yields::yields;
+use crate::yields::{not_increased, yields};
 use std::path::Path;
 
 /// Largest number of printed directions that leave the targets unchanged. The page and `summary.json` contain all of them.
@@ -275,7 +275,7 @@ impl Finished<'_> {
             output.say_remarks(yields.remark())?;
         }
         if let Some(Err(reason)) = &self.tuning.expected_yield {
-            let words = format!("the yield was not increased: {reason}");
+            let words = not_increased(reason);
             output.say_failure(&format!("\n{words}\n"))?;
         }
         let after = self.tuned.map(|(_, after)| after);

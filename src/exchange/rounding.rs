@@ -20,7 +20,6 @@
 //! the misfit of each exactly.
 
 use crate::model::LengthUnit;
-use crate::nominal::nominal_targets;
 use crate::number::Vector3;
 use crate::optimise::{Linearisation, TargetLayout, evaluated};
 use crate::study::{Optimise, Study, Variable};
@@ -216,7 +215,7 @@ impl<'a> Problem<'a> {
         Targets {
             study,
             variables: Variable::every_coordinate(study.wheel(), [-1.0, 1.0]),
-            layout: nominal_targets(optimise, &study.vehicle),
+            layout: TargetLayout::nominal(optimise, &study.vehicle),
         }
     }
 }

@@ -162,11 +162,7 @@ fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
                 .to_owned(),
         );
     }
-    if mechanism
-        .points
-        .iter()
-        .any(|point| point.name == "watt_pivot")
-    {
+    if mechanism.has_watt_linkage() {
         return Err(
             "suspensions.ini has links alone for a solid axle, but a Watt linkage holds this axle"
                 .to_owned(),

@@ -1,11 +1,9 @@
 //! Limits of builds, and the nearest limits among them.
 
 use super::elastic::{in_equilibrium, rows_of_axle, rows_of_wheel};
-use super::{LimitEnd, LimitRow, axle_rows, ranges_by_rack, travel_left, wheel_rows};
+use super::{LimitEnd, LimitRow, WheelLimits, axle_rows, travel_left};
 use crate::axle::{AxlePlan, axle_curves};
 use crate::mechanism::DesignFault;
-use crate::plan::Plan;
-use crate::solve::Solver;
 use crate::study::{AxleStudy, Drive, Study, Vehicle, WheelStudy};
 use crate::tolerance::Problem;
 
@@ -49,14 +47,10 @@ impl VehicleLimits {
                 (in_equilibrium(rows)?, margin)
             }
             None => {
-                let plan = Plan::of(own);
-                let mut solver =
-                    Solver::new(&suspension.mechanism, &suspension.design).map_err(fault)?;
-                let limits = solver.limits().map_err(fault)?;
-                let by_rack = ranges_by_rack(&plan, &mut solver).map_err(fault)?;
-                let rows = wheel_rows(study, &limits, &by_rack);
-                let by_rack = by_rack.iter().map(|(_, range)| range);
-                let margin = travel_left(by_rack, plan.station_order.values());
+                let found = WheelLimits::of(own).map_err(fault)?;
+                let rows = found.rows(study);
+                let by_rack = found.by_rack.iter().map(|(_, range)| range);
+                let margin = travel_left(by_rack, found.plan.station_order.values());
                 let is_travel = study.motion().drive != Drive::PaperTheta;
                 (rows, is_travel.then_some(margin))
             }

@@ -10,7 +10,7 @@ use crate::optimise::{Control, Iteration, tune};
 use crate::report::{TuningSummary, brief};
 use crate::side_effects::side_effects;
 use crate::study::{Study, Variable};
-use crate::yields::yields;
+use crate::yields::{not_increased, yields};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, AtomicU64, AtomicUsize, Ordering};
@@ -185,7 +185,7 @@ impl Job {
         summary.side_effects = side_effects(study, &tuned).map_err(fault)?;
         let expected = tuning.expected_yield.as_ref();
         let refused = expected.and_then(|found| found.as_ref().err());
-        let refused = refused.map(|reason| format!("the yield was not increased: {reason}"));
+        let refused = refused.map(not_increased);
         let expected = expected.and_then(|found| found.as_ref().ok());
         let yields = yields(study, optimise, Some(&tuned), expected, &self.interrupt);
         let of_yields = yields.iter().flat_map(|yields| {

@@ -14,12 +14,11 @@
 //!
 //! A misfit of zero has no gradient. Zero is reported, because the square of the misfit has its minimum there.
 //!
-//! The page solves the nominal design. So its misfit is that of the nominal design, also if a tuning improves builds.
+//! The page solves the nominal design. Its misfit describes this design, even if a tuning improves builds.
 
 use super::message::{ConstraintRoom, Coordinates, Misfit, TargetMisfit};
 use super::study_file::Opened;
 use crate::mechanism::DesignFault;
-use crate::nominal::nominal_targets;
 use crate::optimise::{Assessment, TargetLayout, assessed};
 use crate::study::{Optimise, Study};
 use nalgebra::{DMatrix, DVector};
@@ -35,7 +34,7 @@ pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, D
     let suspension = study.wheel();
     // The layout contains the coordinates of the right wheel. So it must be made again if that wheel has its own points.
     let has_own = study.axle().is_some_and(|both| both.axle.right.is_some());
-    let own = has_own.then(|| nominal_targets(optimise, &study.vehicle));
+    let own = has_own.then(|| TargetLayout::nominal(optimise, &study.vehicle));
     let found = assessed(suspension, &opened.every, own.as_ref().unwrap_or(layout))?;
     Ok(Some(match found {
         Ok(found) => of_assessment(study, optimise, layout, &found),

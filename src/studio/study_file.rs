@@ -6,7 +6,6 @@ mod tests;
 use super::message::{Coordinates, TextChange};
 use crate::mechanism::GeometryFault;
 use crate::model::{Axis, Frame, Suspension};
-use crate::nominal::nominal_targets;
 use crate::number::Vector3;
 use crate::optimise::TargetLayout;
 use crate::report::is_printable;
@@ -55,7 +54,7 @@ impl Opened {
         let directory = path.parent().unwrap_or(Path::new(""));
         let study = Study::elastic_from_text(&path.display().to_string(), &text, directory)?;
         let layout = study.optimise.as_ref();
-        let layout = layout.map(|o| nominal_targets(o, &study.vehicle));
+        let layout = layout.map(|o| TargetLayout::nominal(o, &study.vehicle));
         let digest = digest(&text);
         Ok(Opened {
             file: StudyFile {

@@ -6,7 +6,7 @@ use super::{Car, Masses, Moves};
 use crate::ask::{Accepted, six_digits};
 
 /// Rates of an axle that a study can vary.
-pub(crate) const RATES: [AxleParameter; 6] = [
+const RATES: [AxleParameter; 6] = [
     AxleParameter::SpringRate,
     AxleParameter::BarRate,
     AxleParameter::HeaveSpringRate,
@@ -16,7 +16,7 @@ pub(crate) const RATES: [AxleParameter; 6] = [
 ];
 
 /// Values of the whole car that a study can vary.
-pub(crate) const FIGURES: [Moves; 7] = [
+const FIGURES: [Moves; 7] = [
     Moves::Body(BodyParameter::Mass),
     Moves::Body(BodyParameter::CgX),
     Moves::Body(BodyParameter::CgY),
@@ -29,11 +29,7 @@ pub(crate) const FIGURES: [Moves; 7] = [
 impl Car {
     /// Returns the first value that a study does not accept, in words. `None` if a study accepts all values of this car.
     pub fn refusal(&self) -> Option<String> {
-        let rates = [0, 1].into_iter().flat_map(|axle| {
-            let rate = move |parameter| Moves::Rate { axle, parameter };
-            RATES.map(rate)
-        });
-        rates.chain(FIGURES).find_map(|moves| {
+        Moves::values().find_map(|moves| {
             let value = moves.value(self)?;
             let accepted = moves.accepted(self);
             (!accepted.contains(value)).then(|| {
@@ -61,6 +57,15 @@ impl Car {
 }
 
 impl Moves {
+    /// Everything but hardpoints that a study can vary: rates of both axles, then values of the whole car.
+    pub fn values() -> impl Iterator<Item = Moves> {
+        let rates = [0, 1].into_iter().flat_map(|axle| {
+            let rate = move |parameter| Moves::Rate { axle, parameter };
+            RATES.map(rate)
+        });
+        rates.chain(FIGURES)
+    }
+
     /// Values that a study accepts, with all other values of the car as they are. They are in the unit of the study.
     pub fn accepted(&self, car: &Car) -> Accepted {
         match *self {

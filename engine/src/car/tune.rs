@@ -128,8 +128,8 @@ impl Objective<'_> {
         (first, count)
     }
 
-    /// Constraint of each row, and the number of constraints. Constraints of cases come first, then those of the front and the
-    /// rear rig.
+    /// Index of the constraint that each row belongs to, and the number of constraints. Constraints of cases have the first indices;
+    /// constraints of the front rig and of the rear rig follow.
     fn constraints_of_rows(&self) -> (Vec<usize>, usize) {
         let (mut equalities, mut others) = (Vec::new(), Vec::new());
         for (number, constraint) in self.goals.constraints.iter().enumerate() {
@@ -340,8 +340,7 @@ impl Constrained for Objective<'_> {
 pub struct CarTuning {
     /// All starts, and the index of the best.
     pub starts: Multistart,
-    /// Indices of constraints that exclude one another: first those of cases, then those of the front and the rear rig. If any
-    /// one of them were removed, the others could be satisfied. Empty if all can be satisfied together.
+    /// Indices of constraints that exclude one another, counted over cases, front rig and rear rig. If any one of them were removed, the others could be satisfied. Empty if all can be satisfied together.
     pub contradiction: Vec<usize>,
 }
 

@@ -461,29 +461,18 @@ impl<T: Valued> OwnBeside<T> {
             [T: Valued] lever.x;
             own: &'p OwnBeside<T> = self, arm: &'p OwnSum<T> = arm, pivot: Option<&'p Pivot<T>> = pivot,
             lever: Vector3<T> = lever, into: &'p mut Beside<T> = into => Option<()> {
-                own.condense_inline(arm, pivot, lever, into)
+                match pivot {
+                    None => {
+                        let rows: [[T; 3]; 3] = entries(&arm.by_turn);
+                        let by_joint: [[T; 3]; 3] = entries(&arm.moment_by_joint);
+                        let joint_by: [[T; 3]; 3] = entries(&arm.joint_by_turn);
+                        let inner = (rows, arm.moment.to_array(), by_joint, joint_by);
+                        own.condense_on(inner, arm.is_correction, lever, into)
+                    }
+                    Some(pivot) => own.condense_on(arm.with_pivot(pivot), arm.is_correction, lever, into),
+                }
             }
         )
-    }
-
-    #[inline(always)]
-    fn condense_inline(
-        &self,
-        arm: &OwnSum<T>,
-        pivot: Option<&Pivot<T>>,
-        lever: Vector3<T>,
-        into: &mut Beside<T>,
-    ) -> Option<()> {
-        match pivot {
-            None => {
-                let rows: [[T; 3]; 3] = entries(&arm.by_turn);
-                let by_joint: [[T; 3]; 3] = entries(&arm.moment_by_joint);
-                let joint_by: [[T; 3]; 3] = entries(&arm.joint_by_turn);
-                let inner = (rows, arm.moment.to_array(), by_joint, joint_by);
-                self.condense_on(inner, arm.is_correction, lever, into)
-            }
-            Some(pivot) => self.condense_on(arm.with_pivot(pivot), arm.is_correction, lever, into),
-        }
     }
 
     #[inline(always)]

@@ -328,13 +328,18 @@ impl Mechanism {
         mechanism
     }
 
+    /// Returns true if a Watt linkage holds this axle sideways.
+    pub fn has_watt_linkage(&self) -> bool {
+        self.point("watt_pivot").is_some()
+    }
+
     /// Reason why parts of this mechanism cannot be elastic. `None` if they can.
     pub fn why_not_elastic(&self) -> Option<&'static str> {
         if self.topology.is_twist_beam() {
             Some("elastic parts are not available for twist beams yet")
         } else if self.axle_steering().is_some() {
             Some("elastic parts are not available for a steered solid axle yet")
-        } else if self.point("watt_pivot").is_some() {
+        } else if self.has_watt_linkage() {
             Some("elastic parts are not available with a Watt linkage yet")
         } else {
             None

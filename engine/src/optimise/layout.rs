@@ -149,6 +149,13 @@ pub struct TargetLayout {
 }
 
 impl TargetLayout {
+    /// Lays out the targets and constraints of the nominal design alone. The layout of a robust study has the rows of all its
+    /// builds. An evaluation of the nominal design must not use that layout: it fills the rows of one build, and its misfit is
+    /// divided by the number of all rows.
+    pub fn nominal(optimise: &Optimise, vehicle: &Vehicle) -> Self {
+        TargetLayout::of(&optimise.nominal(), vehicle)
+    }
+
     /// Lays out the targets and constraints of a mechanism. Curves are compared at all stations of the motion between their
     /// ends, and at stations added for them. Single values have their own stations. The rack is where the study puts it, or
     /// straight ahead if the study moves it.

@@ -444,14 +444,12 @@ impl<'a> Tuner<'a> {
         let of_rows: Vec<usize> = labels.map(|label| label.constraint).collect();
         let count = self.optimise.constraints.len();
         smallest_conflict(starts, &of_rows, count, |constraints| {
+            let kept = constraints.iter();
+            let kept = kept.map(|c| self.optimise.constraints[*c].clone());
             let some = Optimise {
-                constraints: constraints
-                    .iter()
-                    .map(|c| self.optimise.constraints[*c].clone())
-                    .collect(),
+                constraints: kept.collect(),
                 // Constraints apply to the nominal design.
-                scatter: None,
-                ..self.optimise.clone()
+                ..self.optimise.nominal()
             };
             let layout = TargetLayout::of(&some, self.vehicle);
             let problem = || self.problem_of(&some, &layout);

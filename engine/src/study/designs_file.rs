@@ -25,7 +25,7 @@ pub struct DesignTable {
     values: Vec<f64>,
     /// SHA-256 digest of the file.
     pub digest: [u8; 32],
-    /// True if the file has a column `design` with other numbers than those of the rows.
+    /// True if a column `design` of the file numbers the rows differently than 0, 1, 2 and so on.
     pub has_other_numbers: bool,
 }
 

@@ -99,7 +99,7 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     let outputs = file.outputs.as_ref();
     let certify = outputs.and_then(|o| o.certify.as_ref());
     let is_beam = suspension.mechanism.topology.is_twist_beam();
-    let has_watt = suspension.mechanism.point("watt_pivot").is_some();
+    let has_watt = suspension.mechanism.has_watt_linkage();
     let is_quadratic = !is_beam && !has_watt && !is_steered;
     let certify = certify.filter(|certify| !is_quadratic && *certify.get_ref());
     let parts = file.bushings.values().map(Spanned::span);
@@ -192,7 +192,7 @@ fn drag_link_is_left(
 fn links(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let section = &file.suspension;
     let has = |name: &str| suspension.mechanism.point(name).is_some();
-    let (has_panhard, has_watt) = (has("panhard_axle"), has("watt_pivot"));
+    let (has_panhard, has_watt) = (has("panhard_axle"), suspension.mechanism.has_watt_linkage());
     if has_panhard && has_watt {
         let message =
             "a Panhard rod and a Watt linkage both hold the axle sideways: expected one of them";

@@ -98,6 +98,14 @@ pub struct FrontGoal {
 }
 
 impl Optimise {
+    /// The same tuning without builds: it improves the nominal design alone.
+    pub fn nominal(&self) -> Self {
+        Optimise {
+            scatter: None,
+            ..self.clone()
+        }
+    }
+
     /// Targets for the designs of a sweep: all of them, or none if a sweep cannot evaluate one of them. `motion` is the study's
     /// own motion.
     pub fn swept_targets(&self, motion: &Motion) -> &[Target] {

@@ -2,7 +2,7 @@
 
 use super::{CarResults, CarState};
 use crate::car::{AxleParameter, Car};
-use crate::car::{BodyParameter, CarQuantity, Moves, Parameter, WheelResult};
+use crate::car::{BodyParameter, CarQuantity, Moves, WheelResult};
 use crate::model::{Axis, PointId};
 use crate::report::figure::resolution;
 use crate::report::files::csv_of_rows;
@@ -192,7 +192,7 @@ fn in_first_units(moves: &Moves, first: &Car, car: &Car, value: f64) -> f64 {
 /// Relative difference up to which values of cars with different units count as equal: rounding of their conversion.
 const ROUNDING: f64 = 1e-12;
 
-/// Returns true if a value differs from that of the first car. Values in the same units are compared exactly.
+/// Returns true if a value differs from the value of the first car. Values in the same units must be equal to the last bit.
 fn is_changed(first: Option<f64>, other: Option<f64>, in_same_units: bool) -> bool {
     match (first, other) {
         (Some(a), Some(b)) if !in_same_units => (a - b).abs() > ROUNDING * a.abs().max(b.abs()),
@@ -202,29 +202,6 @@ fn is_changed(first: Option<f64>, other: Option<f64>, in_same_units: bool) -> bo
 
 /// Parameters, rates and coordinates of the first car that differ in another car, in the units and axes of the first car.
 fn changes(cars: &[&Car]) -> Vec<Change> {
-    let rates = [0, 1].into_iter().flat_map(|axle| {
-        let all = [
-            AxleParameter::SpringRate,
-            AxleParameter::BarRate,
-            AxleParameter::HeaveSpringRate,
-            AxleParameter::TBarRate,
-            AxleParameter::HeaveBarRate,
-            AxleParameter::TyreRate,
-        ];
-        all.map(|parameter| Parameter::Axle(axle, parameter))
-    });
-    let body = [
-        BodyParameter::Mass,
-        BodyParameter::CgX,
-        BodyParameter::CgY,
-        BodyParameter::CgZ,
-        BodyParameter::BrakeShareFront,
-        BodyParameter::DriveShareFront,
-    ];
-    let moves = rates.chain(body.map(Parameter::Body)).map(|of| match of {
-        Parameter::Axle(axle, parameter) => Moves::Rate { axle, parameter },
-        Parameter::Body(parameter) => Moves::Body(parameter),
-    });
     let mut changes = Vec::new();
     let units = |car: &Car| (car.length_unit, car.mass_unit);
     let in_same_units = |k: usize| units(cars[k]) == units(cars[0]);
@@ -234,7 +211,7 @@ fn changes(cars: &[&Car]) -> Vec<Change> {
             changes.push(Change { name, unit, values });
         }
     };
-    for moves in moves.chain([Moves::Wheelbase]) {
+    for moves in Moves::values() {
         let value = |car: &&Car| {
             let value = in_first_units(&moves, cars[0], car, moves.value(car)?);
             Some(value * sign_in_first(&moves, cars[0], car) + 0.0)

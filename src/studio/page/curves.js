@@ -54,11 +54,14 @@ const partsOf = (columns) => {
 const several = (ends, count, isNamed) => [count, 2 * count, 4 * count].map((some) => ticks(...ends, Math.max(1, some))).find((found) => found.filter(isNamed).length > 1) ?? [];
 // The range of a curve, with digits that tell its ends apart, as far as they fit.
 const rangeOf = (low, high) => {
-  const apart = high > low ? Math.ceil(Math.log10(Math.max(Math.abs(low), Math.abs(high)) / (high - low))) + 2 : 3;
-  const needed = Array.from({ length: Math.min(6, Math.max(3, apart)) - 2 }, (_, k) => (v) => brief(v, 3 + k)).reverse();
-  const forms = [...needed, (v) => brief(v, 2), (v) => v.toExponential(1).replaceAll('-', '−')];
-  const texts = forms.map((form) => `${form(low)}…${form(high)}`);
-  return texts.find((text) => text.length <= MOST_OF_RANGE) ?? texts.at(-1);
+  const telling = high > low ? Math.ceil(Math.log10(Math.max(Math.abs(low), Math.abs(high)) / (high - low))) + 2 : 3;
+  const most = Math.min(6, Math.max(3, telling));
+  const between = (form) => `${form(low)}…${form(high)}`;
+  for (let digits = most; digits >= 2; digits -= 1) {
+    const text = between((v) => brief(v, digits));
+    if (text.length <= MOST_OF_RANGE) return text;
+  }
+  return between((v) => v.toExponential(1).replaceAll('-', '−'));
 };
 
 // Ticks whose names do not touch, at even distances, and with the tick at zero.

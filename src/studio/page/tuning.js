@@ -47,7 +47,7 @@ export const acceptProposal = async () => {
 const ratesTaken = () => (proposal.tuned?.overview && proposal.rates.checked ? proposal.tuned : null);
 const digestTaken = () => ratesTaken()?.overview.digest;
 
-// A value on the way from the present one to the tuned one. The values of a list are mixed one by one.
+// A value between the present and the tuned one. Each value of a list is mixed on its own.
 const mixed = (from, to, share) => {
   if (share === 1) return to;
   if (Array.isArray(to)) return to.map((value, k) => mixed(from?.[k], value, share));

@@ -592,7 +592,7 @@ fn directions_of_each_wheel_are_those_of_its_points() {
         assert_eq!(found.wheels.len(), 2);
         let [before, after] = [&study, &found.adjusted].map(|study| &study.axle().unwrap().axle);
         for (side, summary) in Side::ALL.into_iter().zip(&found.wheels) {
-            // Points are those of a left wheel: y is positive outboard.
+            // The points describe a left wheel: y is positive outboard.
             let move_of = |point: &str| {
                 let [before, after] = [before, after].map(|axle| {
                     let wheel = axle.suspension(side);

@@ -6,6 +6,16 @@ use super::{Served, sample};
 use serde_json::{Value, json};
 use std::fs;
 
+/// Opens a study and changes a tolerance in it. Returns the text of its file, and the server.
+fn edited(browser: &Browser) -> (String, Served) {
+    let text = sample("double_wishbone_front.toml");
+    let served = Served::of(&text);
+    browser.open(&served.address);
+    browser.wait(READY);
+    type_tolerance(browser, "0.0125");
+    (text, served)
+}
+
 /// Types a tolerance of the first target, and waits until the study has it.
 fn type_tolerance(browser: &Browser, text: &str) {
     browser.click("#tab-targets");
@@ -80,7 +90,7 @@ fn a_file_is_read_again_under_the_changes_of_the_page() {
     browser.wait(READY);
     is_kept(&browser);
 
-    // The lines that change are those of this page.
+    // The dialog shows only the lines that this page changes.
     let before = served.text();
     browser.click("#save");
     browser.wait("document.querySelector('#dialog button[value=yes]')");
@@ -105,11 +115,7 @@ fn changes_that_a_file_cannot_take_stay_on_the_page() {
     let Some(browser) = Browser::start() else {
         return;
     };
-    let text = sample("double_wishbone_front.toml");
-    let served = Served::of(&text);
-    browser.open(&served.address);
-    browser.wait(READY);
-    type_tolerance(&browser, "0.0125");
+    let (text, served) = edited(&browser);
     let (without, _) = text.split_once("[optimise]").unwrap();
     fs::write(&served.study, without).unwrap();
     browser.run("window.dispatchEvent(new Event('focus'))");
@@ -122,17 +128,13 @@ fn changes_that_a_file_cannot_take_stay_on_the_page() {
 }
 
 /// A save after another program's change asks what to do before it shows lines. The lines that change, in the history and
-/// before a save, never contain those of the other program.
+/// before a save, never contain changes of the other program.
 #[test]
 fn lines_of_another_program_are_no_changes_of_the_page() {
     let Some(browser) = Browser::start() else {
         return;
     };
-    let text = sample("double_wishbone_front.toml");
-    let served = Served::of(&text);
-    browser.open(&served.address);
-    browser.wait(READY);
-    type_tolerance(&browser, "0.0125");
+    let (text, served) = edited(&browser);
     fs::write(&served.study, format!("# by hand\n{text}")).unwrap();
     browser.click("#save");
     browser.wait("document.getElementById('dialog').open");

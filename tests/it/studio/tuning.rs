@@ -152,7 +152,7 @@ fn the_misfit_of_a_robust_study_is_that_of_its_nominal_design() {
     assert_eq!(of_rounding(&robust), of_rounding(&plain));
 }
 
-/// The proposal of a robust tuning says that its deviations are those of builds, and has the yields of `hardpoint optimise`.
+/// The proposal of a robust tuning says that its deviations come from builds, and shows the yields of `hardpoint optimise`.
 #[test]
 fn a_robust_proposal_has_the_yields_of_optimise() {
     let text = sample("double_wishbone_robust.toml").replace("builds = 20000", "builds = 2000");

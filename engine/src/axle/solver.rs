@@ -104,7 +104,6 @@ pub struct AxleSolver<'a, const N: usize> {
     lines: &'static [Line],
     /// Complete designs of both halves of a rigid axle.
     whole: [Vec<Vector3<f64>>; 2],
-    tape: Tape,
     buffer: Vec<Vector3<Jet<f64, N>>>,
     gradients: [Vec<Vector3<f64>>; 2],
 }
@@ -243,7 +242,6 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 degree_with_rack
             }),
             whole: Default::default(),
-            tape: Tape::default(),
             buffer: vec![zero.map(Jet::constant); points],
             gradients: [vec![zero; points], vec![zero; points]],
         })

@@ -121,7 +121,7 @@ impl<'a> CarSolver<'a> {
             linearised.map_err(|failure| NoEquilibrium::NoPose { axle, failure })
         };
         let linearised = [linearised(0)?, linearised(1)?];
-        let tape = Tape::default();
+        let tape = Tape::new();
         let tracked = parameters.map(|value| tape.input(value));
         let placed = linearised.each_ref().each(|axle| axle.on_tape(&tape));
         let first = placed

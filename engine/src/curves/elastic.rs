@@ -8,7 +8,7 @@ use crate::characteristics::{Characteristic, Quantity};
 use crate::compliance::{KcRun, KcValue, NoEquilibrium, Parameter, sign_of_figure};
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, LengthUnit, PointId, Suspension};
-use crate::number::{Each, Tape};
+use crate::number::Each;
 use crate::plan::Plan;
 use crate::study::{ComplianceStudy, ElasticFigure};
 
@@ -83,11 +83,10 @@ pub(super) fn elastic_curves(
         columns: columns.into_iter().chain(loads.columns()).collect(),
         ..Curves::default()
     };
-    let mut tape = Tape::default();
     for rack in &plan.racks {
         for (number, travel) in plan.station_order.values().iter().enumerate() {
             let at = [*travel, *rack];
-            let found = values_and_gradients(&run, at, &wanted, &parameters, &mut tape);
+            let found = values_and_gradients(&run, at, &wanted, &parameters);
             let (status, values, gradients) = match found {
                 Ok((values, gradients)) => (Status::Ok, values, gradients),
                 Err(why) => (Status::Failed(why.into()), Vec::new(), Vec::new()),
@@ -138,13 +137,12 @@ fn values_and_gradients(
     at: [f64; 2],
     wanted: &[KcValue],
     parameters: &[Parameter],
-    tape: &mut Tape,
 ) -> Result<ValuesAndGradients, NoEquilibrium> {
     if parameters.is_empty() {
         return Ok((run.values(at, wanted)?, Vec::new()));
     }
     let (mut values, mut gradients) = (vec![None; wanted.len()], Vec::new());
-    run.gradients(at, wanted, parameters, tape, &mut |found| {
+    run.gradients(at, wanted, parameters, &mut |found| {
         values[found.number] = found.value;
         if found.value.is_some() {
             gradients.push((found.number, found.by.to_vec()));

@@ -3,19 +3,45 @@
 //! Every operation records its operands and its derivatives by them. One backward pass over this record gives the
 //! derivatives of a result by all inputs, for a few times the cost of the result (A. Griewank, A. Walther, *Evaluating
 //! Derivatives*, 2nd ed., SIAM 2008, chapter 3). [`super::Dual`] is the better choice for a few inputs.
+//!
+//! The record belongs to the thread, and a number knows its place in it. Such a number fits in two registers. With a reference
+//! to its record it would be passed through memory, which takes a tenth longer for a sheet of tests with derivatives.
 
 use super::{Real, Scalar, array_of};
 use std::cell::RefCell;
-use std::ops::{Add, Div, Mul, Neg, Sub};
+use std::marker::PhantomData;
+use std::num::NonZeroU32;
+use std::ops::{Add, Div, Mul, Neg, Range, Sub};
 
 /// Number of results in one backward pass.
 const AT_ONCE: usize = 8;
 
-/// Record of one computation.
-#[derive(Clone, Debug, Default)]
+thread_local! {
+    /// Operations of all tapes of the thread.
+    static RECORD: RefCell<Record> = const { RefCell::new(Record::empty()) };
+}
+
+/// A computation in numbers that are recorded. It uses the record of its thread, whose memory it leaves to the next tape.
+///
+/// Only the numbers of the thread's newest tape take part in operations. A tape that is dropped takes its numbers off the record.
+#[derive(Debug)]
 pub struct Tape {
-    nodes: RefCell<Vec<Node>>,
-    adjoints: RefCell<Adjoints>,
+    /// Place of the first number on the record.
+    first: usize,
+    /// Count of older tapes of the thread, and place of the first number of the last of them.
+    older: (usize, usize),
+    /// A tape stays in its thread.
+    of_thread: PhantomData<*const ()>,
+}
+
+#[derive(Debug)]
+struct Record {
+    nodes: Vec<Node>,
+    adjoints: Adjoints,
+    /// Count of tapes.
+    tapes: usize,
+    /// Place of the first number of the newest tape.
+    newest: usize,
 }
 
 /// Record of a number: up to two operands, and the derivatives by them. Indices have four bytes, because a long computation
@@ -27,7 +53,7 @@ struct Node {
 }
 
 /// Derivatives of some results by each number. All are zero between two passes.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug)]
 struct Adjoints {
     of: Vec<[f64; AT_ONCE]>,
     /// One bit for each number, set if its derivative may be nonzero. A pass visits only these numbers. Most numbers of a
@@ -70,17 +96,17 @@ impl Adjoints {
         }
     }
 
-    /// Processes all marked numbers below `end`, from last to first. Only the derivatives by the first `inputs` numbers
+    /// Processes all marked numbers below `end`, from last to first. Only the derivatives by the inputs, which have no operands,
     /// remain.
-    fn pass_back(&mut self, end: usize, inputs: usize, nodes: &[Node]) {
-        for word in (0..end.div_ceil(64)).rev() {
+    fn pass_back(&mut self, end: usize, inputs: &Range<usize>, nodes: &[Node]) {
+        for word in (inputs.start / 64..end.div_ceil(64)).rev() {
             // Operands have lower indices than their results, often in the same word.
             while self.noted[word] != 0 {
                 let bit = 63 - self.noted[word].leading_zeros() as usize;
                 self.noted[word] &= !(1 << bit);
                 let number = 64 * word + bit;
                 self.pass_on(number, &nodes[number]);
-                if number >= inputs {
+                if number >= inputs.end {
                     self.of[number] = [0.0; AT_ONCE];
                 }
             }
@@ -88,25 +114,120 @@ impl Adjoints {
     }
 }
 
+impl Record {
+    const fn empty() -> Self {
+        Record {
+            nodes: Vec::new(),
+            adjoints: Adjoints {
+                of: Vec::new(),
+                noted: Vec::new(),
+            },
+            tapes: 0,
+            newest: 0,
+        }
+    }
+
+    /// Adds a number.
+    ///
+    /// # Panics
+    /// If the record has 2^32 entries, which need 100 GB.
+    #[inline(always)]
+    fn note<'t>(&mut self, value: f64, node: Node) -> Tracked<'t> {
+        self.nodes.push(node);
+        let place = u32::try_from(self.nodes.len()).expect("fewer than 2^32 entries");
+        Tracked {
+            value,
+            place: NonZeroU32::new(place),
+            of_tape: PhantomData,
+        }
+    }
+
+    /// Adds the result of an operation.
+    #[inline(always)]
+    fn note_result<'t>(
+        &mut self,
+        value: f64,
+        operands: [NonZeroU32; 2],
+        slopes: [f64; 2],
+    ) -> Tracked<'t> {
+        let [first, second] = operands;
+        let operands = [first.get() - 1, second.get() - 1];
+        debug_assert!(
+            operands[0].min(operands[1]) as usize >= self.newest,
+            "numbers of one tape"
+        );
+        self.note(value, Node { operands, slopes })
+    }
+
+    /// Derivatives of numbers by the inputs. Numbers that are near each other share a backward pass, because they depend on the
+    /// same numbers.
+    fn pass_back(&mut self, numbers: &[usize], inputs: &Range<usize>) -> Vec<[f64; AT_ONCE]> {
+        let Record {
+            nodes, adjoints, ..
+        } = self;
+        adjoints.fit(nodes.len());
+        let mut found = Vec::new();
+        for results in numbers.chunks(AT_ONCE) {
+            for (lane, number) in results.iter().enumerate() {
+                adjoints.note(*number)[lane] = 1.0;
+            }
+            let end = results.last().map_or(0, |last| last + 1);
+            adjoints.pass_back(end, inputs, nodes);
+            found.extend_from_slice(&adjoints.of[inputs.clone()]);
+            adjoints.of[inputs.clone()].fill([0.0; AT_ONCE]);
+        }
+        found
+    }
+
+    /// Follows a number back through operations with one operand. Returns the number where they start, and the derivative by it.
+    /// In this way, numbers that differ only by a factor share their derivatives.
+    fn origin_of(&self, number: usize, inputs: &Range<usize>) -> (usize, f64) {
+        let (mut number, mut factor) = (number, 1.0);
+        while number >= inputs.end {
+            let Node {
+                operands: [operand, _],
+                slopes: [slope, other],
+            } = self.nodes[number];
+            if other != 0.0 || slope == 0.0 || !slope.is_finite() {
+                break;
+            }
+            (number, factor) = (operand as usize, factor * slope);
+        }
+        (number, factor)
+    }
+}
+
 impl Tape {
-    /// Clears the tape, and keeps its memory.
-    pub fn clear(&mut self) {
-        self.nodes.get_mut().clear();
+    /// Makes an empty tape, which is the thread's newest.
+    #[expect(
+        clippy::new_without_default,
+        reason = "a tape changes its thread's record"
+    )]
+    pub fn new() -> Self {
+        RECORD.with_borrow_mut(|record| {
+            let tape = Tape {
+                first: record.nodes.len(),
+                older: (record.tapes, record.newest),
+                of_thread: PhantomData,
+            };
+            (record.tapes, record.newest) = (record.tapes + 1, tape.first);
+            tape
+        })
     }
 
     /// Removes all entries but the first `length`. The numbers that they record must not be used any more.
     pub fn truncate(&self, length: usize) {
-        self.nodes.borrow_mut().truncate(length);
+        RECORD.with_borrow_mut(|record| record.nodes.truncate(self.first + length));
     }
 
     /// Adds an input. If all inputs are made first, their indices start from 0 in order.
     pub fn input(&self, value: f64) -> Tracked<'_> {
-        self.note(value, Node::default())
+        RECORD.with_borrow_mut(|record| record.note(value, Node::default()))
     }
 
     /// Number of entries on the tape, which is the index of the next one.
     pub fn len(&self) -> usize {
-        self.nodes.borrow().len()
+        RECORD.with_borrow(|record| record.nodes.len() - self.first)
     }
 
     /// Returns true if the tape is empty.
@@ -114,22 +235,8 @@ impl Tape {
         self.len() == 0
     }
 
-    /// # Panics
-    /// If the tape has 2^32 entries, which need 100 GB.
-    #[inline(always)]
-    fn note(&self, value: f64, node: Node) -> Tracked<'_> {
-        let mut nodes = self.nodes.borrow_mut();
-        let index = u32::try_from(nodes.len()).expect("fewer than 2^32 entries");
-        nodes.push(node);
-        Tracked {
-            value,
-            origin: Some((self, index)),
-        }
-    }
-
     /// Derivatives of results by the first `inputs` numbers of the tape. `receive` gets the index of each result and its
-    /// derivatives. Several results share a backward pass; each has the same bits as it would have alone. Results that are
-    /// near each other on the tape share a pass, because they depend on the same numbers.
+    /// derivatives. Several results share a backward pass; each has the same bits as it would have alone.
     ///
     /// # Panics
     /// If the tape has fewer numbers than `inputs`.
@@ -139,36 +246,31 @@ impl Tape {
         inputs: usize,
         mut receive: impl FnMut(usize, &[f64]),
     ) {
-        let nodes = self.nodes.borrow();
-        let mut adjoints = self.adjoints.borrow_mut();
-        adjoints.fit(nodes.len());
-        let origins: Vec<Option<(usize, f64)>> = of
-            .iter()
-            .map(|result| Some(origin_of(result.index()?, inputs, &nodes)))
-            .collect();
-        let mut distinct: Vec<usize> = origins
-            .iter()
-            .flatten()
-            .map(|(number, _)| *number)
-            .collect();
-        distinct.sort_unstable();
-        distinct.dedup();
-        let mut found: Vec<[f64; AT_ONCE]> = Vec::new();
-        for results in distinct.chunks(AT_ONCE) {
-            for (lane, number) in results.iter().enumerate() {
-                adjoints.note(*number)[lane] = 1.0;
-            }
-            let end = results.last().map_or(0, |last| last + 1);
-            adjoints.pass_back(end, inputs, &nodes);
-            found.extend_from_slice(&adjoints.of[..inputs]);
-            adjoints.of[..inputs].fill([0.0; AT_ONCE]);
-        }
-        let mut gradient = vec![0.0; inputs];
+        let inputs = self.first..self.first + inputs;
+        let (origins, distinct, found) = RECORD.with_borrow_mut(|record| {
+            let origins: Vec<Option<(usize, f64)>> = of
+                .iter()
+                .map(|result| {
+                    let place = result.place?.get() as usize;
+                    Some(record.origin_of(place - 1, &inputs))
+                })
+                .collect();
+            let mut distinct: Vec<usize> = origins
+                .iter()
+                .flatten()
+                .map(|(number, _)| *number)
+                .collect();
+            distinct.sort_unstable();
+            distinct.dedup();
+            let found = record.pass_back(&distinct, &inputs);
+            (origins, distinct, found)
+        });
+        let mut gradient = vec![0.0; inputs.len()];
         for (result, origin) in origins.into_iter().enumerate() {
             gradient.fill(0.0);
             if let Some((number, factor)) = origin {
                 let place = distinct.partition_point(|own| *own < number);
-                let group = &found[place / AT_ONCE * inputs..][..inputs];
+                let group = &found[place / AT_ONCE * inputs.len()..][..inputs.len()];
                 for (by, found) in gradient.iter_mut().zip(group) {
                     *by = found[place % AT_ONCE] * factor;
                 }
@@ -178,28 +280,29 @@ impl Tape {
     }
 }
 
-/// Follows a number back through operations with one operand. Returns the number where they start, and the derivative by it. In
-/// this way, numbers that differ only by a factor share their derivatives.
-fn origin_of(number: usize, inputs: usize, nodes: &[Node]) -> (usize, f64) {
-    let (mut number, mut factor) = (number, 1.0);
-    while number >= inputs {
-        let Node {
-            operands: [operand, _],
-            slopes: [slope, other],
-        } = nodes[number];
-        if other != 0.0 || slope == 0.0 || !slope.is_finite() {
-            break;
-        }
-        (number, factor) = (operand as usize, factor * slope);
+impl Drop for Tape {
+    fn drop(&mut self) {
+        RECORD.with_borrow_mut(|record| {
+            record.tapes -= 1;
+            // Tapes that are dropped in another order leave their numbers to the last.
+            let (first, newest) = match (record.tapes, self.older) {
+                (0, _) => (0, 0),
+                (tapes, (older, newest)) if tapes == older => (self.first, newest),
+                _ => return,
+            };
+            record.nodes.truncate(first);
+            record.newest = newest;
+        });
     }
-    (number, factor)
 }
 
 /// A number on a [`Tape`], or a constant, which is on no tape.
 #[derive(Clone, Copy, Debug)]
 pub struct Tracked<'t> {
     value: f64,
-    origin: Option<(&'t Tape, u32)>,
+    /// Place on the record, from 1. `None` for a constant.
+    place: Option<NonZeroU32>,
+    of_tape: PhantomData<&'t Tape>,
 }
 
 impl<'t> Tracked<'t> {
@@ -208,7 +311,8 @@ impl<'t> Tracked<'t> {
     pub fn constant(value: f64) -> Self {
         Tracked {
             value,
-            origin: None,
+            place: None,
+            of_tape: PhantomData,
         }
     }
 
@@ -217,39 +321,25 @@ impl<'t> Tracked<'t> {
         self.value
     }
 
-    /// Index of the number on the tape. `None` for a constant.
-    pub fn index(self) -> Option<usize> {
-        self.origin.map(|(_, index)| index as usize)
-    }
-
     #[inline(never)]
     fn of_one(self, value: f64, slope: f64) -> Self {
-        match self.origin {
+        match self.place {
             // A number that does not change with its operand needs no record.
-            Some(_) if slope == 0.0 => Tracked::constant(value),
-            None => Tracked::constant(value),
-            Some((tape, index)) => tape.note(
-                value,
-                Node {
-                    operands: [index, index],
-                    slopes: [slope, 0.0],
-                },
-            ),
+            Some(place) if slope != 0.0 => {
+                RECORD.with_borrow_mut(|record| record.note_result(value, [place; 2], [slope, 0.0]))
+            }
+            _ => Tracked::constant(value),
         }
     }
 
     #[inline(never)]
-    fn of_two(self, other: Self, value: f64, [by_self, by_other]: [f64; 2]) -> Self {
-        match (self.origin, other.origin) {
-            (Some((tape, a)), Some((_, b))) => tape.note(
-                value,
-                Node {
-                    operands: [a, b],
-                    slopes: [by_self, by_other],
-                },
-            ),
-            (Some(_), None) => self.of_one(value, by_self),
-            (None, _) => other.of_one(value, by_other),
+    fn of_two(self, other: Self, value: f64, slopes: [f64; 2]) -> Self {
+        match (self.place, other.place) {
+            (Some(own), Some(its)) => {
+                RECORD.with_borrow_mut(|record| record.note_result(value, [own, its], slopes))
+            }
+            (Some(_), None) => self.of_one(value, slopes[0]),
+            (None, _) => other.of_one(value, slopes[1]),
         }
     }
 }
@@ -339,7 +429,7 @@ mod tests {
     /// Backward and forward differentiation give the same derivatives, also for the slope of a series.
     #[test]
     fn agrees_with_dual_numbers() {
-        let tape = Tape::default();
+        let tape = Tape::new();
         let (x, y) = (tape.input(0.6), tape.input(-0.4));
         let (p, q) = (Dual::<f64, 2>::input(0.6, 0), Dual::input(-0.4, 1));
         let series = (Jet([x, x.one()]), Jet::constant(y));
@@ -353,11 +443,38 @@ mod tests {
         });
     }
 
+    /// A tape may be used inside another one, and tapes may be dropped in any order. Each starts with its own inputs, and the
+    /// last leaves an empty record.
+    #[test]
+    fn tapes_share_a_record() {
+        let gradient = |tape: &Tape, of: Tracked<'_>| {
+            let mut found = Vec::new();
+            tape.gradients(&[of], 2, |_, by| found = by.to_vec());
+            found
+        };
+        let of_two = |tape: &Tape| {
+            let (x, y) = (tape.input(0.6), tape.input(-0.4));
+            gradient(tape, formula(x, y))
+        };
+        let outer = Tape::new();
+        let (x, y) = (outer.input(0.6), outer.input(-0.4));
+        let product = x * y;
+        let alone = of_two(&Tape::new());
+        assert_eq!(outer.len(), 3);
+        assert_eq!(gradient(&outer, product * x), [2.0 * 0.6 * -0.4, 0.36]);
+        assert_eq!(gradient(&outer, formula(x, y)), alone);
+        let newest = Tape::new();
+        drop(outer);
+        assert_eq!(of_two(&newest), alone);
+        drop(newest);
+        assert_eq!(RECORD.with_borrow(|record| record.nodes.len()), 0);
+    }
+
     /// Results that share a pass have the same bits as results of separate passes. Some results are constants or inputs, or have
     /// undefined slopes.
     #[test]
     fn results_do_not_touch_each_other() {
-        let tape = Tape::default();
+        let tape = Tape::new();
         let inputs: Vec<_> = (0..5)
             .map(|k| tape.input(0.3 + 0.1 * f64::from(k)))
             .collect();

@@ -10,7 +10,6 @@ use super::{Infeasible, Linearisation};
 use crate::compliance::{AxleParameter, Compliance, KcRun, KcValue, Parameter};
 use crate::evaluate::index_or_push;
 use crate::model::{Axis, PointId, Side, Suspension};
-use crate::number::Tape;
 use crate::study::{
     ComplianceStudy, Limited, Motion, Optimise, Site, TargetKind, Variable, WheelStudy,
 };
@@ -183,7 +182,6 @@ pub(super) fn elastic_rows<'a>(
         suspension,
         parameters,
         parts: layout.elastic.parts.clone(),
-        tape: Tape::default(),
         slopes: vec![0.0; variables.len()],
     })
 }
@@ -194,7 +192,6 @@ struct Rows<'a> {
     /// Coordinates and rates that the variables move.
     parameters: Vec<Parameter>,
     parts: Compliance,
-    tape: Tape,
     slopes: Vec<f64>,
 }
 
@@ -250,7 +247,6 @@ impl RowsBeside for Rows<'_> {
             suspension,
             parameters,
             parts,
-            tape,
             slopes,
         } = self;
         parts.clone_from(&layout.elastic.parts);
@@ -270,7 +266,7 @@ impl RowsBeside for Rows<'_> {
             }
             let mut missing = false;
             let at = [station.travel, station.rack];
-            let found = run.gradients(at, &station.values, parameters, tape, &mut |found| {
+            let found = run.gradients(at, &station.values, parameters, &mut |found| {
                 let own = |sample: &&TargetSample| sample.of == found.number;
                 let Some(value) = found.value else {
                     missing = true;

@@ -13,7 +13,7 @@ use crate::compliance::{AxleCompliance, AxleParameter, Parameter};
 use crate::evaluate::index_or_push;
 use crate::mechanism::NoPose;
 use crate::model::{Axis, PointId, Side};
-use crate::number::{Each, Tape};
+use crate::number::Each;
 use crate::study::{AxleComplianceStudy, Variable};
 
 /// Rows of a layout of an axle with these elastic parts, whose points move.
@@ -55,7 +55,6 @@ pub(super) fn elastic_axle_rows<'a>(
         sides,
         parameters,
         parts: elastic.parts.clone(),
-        tape: Tape::default(),
         slopes: vec![0.0; variables.len()],
     })
 }
@@ -69,7 +68,6 @@ struct Rows<'a> {
     /// Coordinates and rates that the variables move.
     parameters: Vec<AxleParameter>,
     parts: AxleCompliance,
-    tape: Tape,
     slopes: Vec<f64>,
 }
 
@@ -117,7 +115,6 @@ impl RowsBeside for Rows<'_> {
             sides,
             parameters,
             parts,
-            tape,
             slopes,
         } = self;
         parts.clone_from(&elastic.parts);
@@ -169,7 +166,7 @@ impl RowsBeside for Rows<'_> {
                         .for_each(|(number, value)| receive(number, value, &[]));
                 })
             } else {
-                equilibria.gradients(at, &reads, parameters, tape, &mut receive)
+                equilibria.gradients(at, &reads, parameters, &mut receive)
             };
             if let Err(why) = found {
                 let why = NoPose::from(why);

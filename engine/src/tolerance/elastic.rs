@@ -18,7 +18,7 @@ use crate::compliance::{AxleParameter, KcRun, KcValue, Parameter};
 use crate::curves::Column;
 use crate::evaluate::{ElasticQuantities, ElasticRead, Request, Stations};
 use crate::model::{Axis, PointId, Suspension};
-use crate::number::{Tape, Vector3};
+use crate::number::Vector3;
 use crate::study::{Band, ComplianceStudy, Rate, Source, Study, TargetKind, Tolerance, WheelStudy};
 use crate::threads::Interrupt;
 
@@ -148,28 +148,21 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
     parameters.extend(rates(problem.tolerance).map(|(_, rate)| rate.parameter));
     let stations = problem.stations();
     let mut gradient = vec![f64::NAN; problem.cells() * sources.len()];
-    let mut tape = Tape::default();
     for station in 0..stations.count() {
         let numbers = problem.request.read_at(station);
         let wanted: Vec<KcValue> = numbers.iter().map(|k| problem.elastic[*k]).collect();
         let travel = stations.values()[stations.value_of(station)];
         let rack = stations.racks[stations.rack_of(station)] * suspension.frame.sign(Axis::Y);
         // A station without an equilibrium has no derivatives.
-        let _: Result<(), _> = run.gradients(
-            [travel, rack],
-            &wanted,
-            &parameters,
-            &mut tape,
-            &mut |found| {
-                if found.value.is_none() {
-                    return;
-                }
-                let cell = problem.cell(numbers[found.number], station);
-                let into = &mut gradient[cell * sources.len()..][..sources.len()];
-                let moves = |k: usize| std::slice::from_ref(&moves[k]);
-                write_slopes(sources, moves, found.by, into);
-            },
-        );
+        let _: Result<(), _> = run.gradients([travel, rack], &wanted, &parameters, &mut |found| {
+            if found.value.is_none() {
+                return;
+            }
+            let cell = problem.cell(numbers[found.number], station);
+            let into = &mut gradient[cell * sources.len()..][..sources.len()];
+            let moves = |k: usize| std::slice::from_ref(&moves[k]);
+            write_slopes(sources, moves, found.by, into);
+        });
     }
     Ok(gradient)
 }

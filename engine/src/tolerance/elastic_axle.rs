@@ -20,7 +20,6 @@ use crate::axle::AxleRead;
 use crate::compliance::{AxleParameter, Parameter};
 use crate::evaluate::AxleStations;
 use crate::model::{Axis, PointId, Side};
-use crate::number::Tape;
 use crate::study::{AxleComplianceStudy, Source, Tolerance};
 
 /// Inputs of the elastic parts that differ between builds: scattering rates, then tensions of links.
@@ -71,7 +70,6 @@ pub(super) fn gradients(
     }
     parameters.extend(inputs(problem.tolerance, &problem.wheel_assemblers[0]));
     let mut gradient = vec![f64::NAN; problem.cells() * sources.len()];
-    let mut tape = Tape::default();
     for (station, placement) in stations.placements.iter().enumerate() {
         let Some(at) = placement.on_level_pads() else {
             continue;
@@ -81,7 +79,7 @@ pub(super) fn gradients(
         let reads: Vec<AxleRead> = reads.collect();
         // A station without an equilibrium has no derivatives.
         let _: Result<(), _> =
-            equilibria.gradients(at, &reads, &parameters, &mut tape, &mut |number, _, by| {
+            equilibria.gradients(at, &reads, &parameters, &mut |number, _, by| {
                 let cell = problem.cell(numbers[number], station);
                 let into = &mut gradient[cell * sources.len()..][..sources.len()];
                 let width = tensions.len() / sources.len().max(1);

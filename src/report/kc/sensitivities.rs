@@ -8,7 +8,6 @@ use crate::compliance::{
     KcStation, KcTest, KcValue, Parameter, Shape, SubframeMount, TestLoad,
 };
 use crate::model::{Axis, PointId};
-use crate::number::Tape;
 use crate::study::RATE_AXES;
 
 /// An input as it is printed: name, axis and unit, and the factor from the program's unit.
@@ -113,7 +112,6 @@ impl KcResults<'_> {
     ) -> Option<Vec<u8>> {
         let inputs = self.inputs(parts, &[], points);
         let parameters: Vec<Parameter> = inputs.iter().map(|input| input.parameter).collect();
-        let mut tape = Tape::default();
         let gradients = |station: &KcStation, outcomes: &[KcOutcome]| {
             // Lists one figure after the other, each with its secant if there are levels.
             let mut wanted = Vec::new();
@@ -134,7 +132,7 @@ impl KcResults<'_> {
                 places.push(vec![[None, None]; outcome.figures.len()]);
             }
             let at = [station.travel, station.rack];
-            let read = run.gradients(at, &wanted, &parameters, &mut tape, &mut |gradient| {
+            let read = run.gradients(at, &wanted, &parameters, &mut |gradient| {
                 let [number, figure, kind] = of_wanted[gradient.number];
                 places[number][figure][kind] = gradient.value.map(|_| gradient.by.to_vec());
             });
@@ -184,14 +182,13 @@ impl KcResults<'_> {
             }));
         }
         let parameters: Vec<Parameter> = inputs.iter().map(|input| input.parameter).collect();
-        let mut tape = Tape::default();
         let gradients = |station: &KcStation, outcomes: &[KcOutcome]| {
             let tests: Vec<KcTest> = outcomes.iter().map(|outcome| outcome.test).collect();
             let travels = [
                 station.travel,
                 station.right_travel.unwrap_or(station.travel),
             ];
-            run.gradients(travels, station.rack, &tests, &parameters, &mut tape)
+            run.gradients(travels, station.rack, &tests, &parameters)
         };
         (!points.is_empty()).then(|| self.sensitivity_rows(&inputs, gradients))
     }

@@ -145,7 +145,7 @@ fn derivatives_are_those_of_the_reference() {
                 .map(|input| parameter(input, &suspension, &parts))
                 .collect();
             let at = solved(&wheel, state, design_load);
-            let tape = Tape::default();
+            let tape = Tape::new();
             let design = &suspension.design;
             let varied = OnTape::new(&suspension, design, &parts, &parameters, &tape).unwrap();
             let moving = varied.carried(&at).unwrap();

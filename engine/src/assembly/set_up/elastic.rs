@@ -40,7 +40,7 @@ use crate::characteristics::Characteristic;
 use crate::compliance::{AxleParameter, KcRun, KcValue, NoEquilibrium, Parameter};
 use crate::mechanism::NoPose;
 use crate::model::{Axis, PointId, Side, Suspension};
-use crate::number::{Dual, Each, Matrix3, Tape, Vector3};
+use crate::number::{Dual, Each, Matrix3, Vector3};
 use crate::study::{Adjustment, ComplianceStudy};
 
 /// Largest number of steps in the search for the height at which the spring has its length.
@@ -364,7 +364,6 @@ impl<'a> Elastic<'a> {
         let points = (0..built[0].suspension.design.len()).map(PointId);
         let coordinates = points.flat_map(|point| Axis::ALL.each(|axis| (point, axis)));
         let parameters = coordinates.map(|(point, axis)| Parameter::Point(point, axis));
-        let mut tape = Tape::default();
         match &self.reads {
             Reads::Wheel(elastic, wanted) => {
                 let (suspension, parts) = (self.suspension(), &elastic.parts);
@@ -373,7 +372,7 @@ impl<'a> Elastic<'a> {
                     .map_err(|fault| SetUpError::Fault(fault.of_design(parts, suspension)))?;
                 let parameters: Vec<Parameter> = parameters.collect();
                 let mut found = Found::of(wanted.len());
-                run.gradients([0.0; 2], wanted, &parameters, &mut tape, &mut |own| {
+                run.gradients([0.0; 2], wanted, &parameters, &mut |own| {
                     if let Some(value) = own.value {
                         found.values[own.number] = value;
                         found.by[own.number] = own.by.to_vec();
@@ -409,7 +408,7 @@ impl<'a> Elastic<'a> {
                 let mut found = Found::of(wanted.len());
                 let at = ([0.0; 2], 0.0);
                 found.rotation = equilibria.rotation(at)?;
-                equilibria.gradients(at, wanted, &parameters, &mut tape, &mut |k, value, by| {
+                equilibria.gradients(at, wanted, &parameters, &mut |k, value, by| {
                     found.values[k] = value;
                     found.by[k] = by.to_vec();
                 })?;

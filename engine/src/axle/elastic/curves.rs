@@ -9,7 +9,6 @@ use crate::compliance::{AxleParameter, NoEquilibrium, Parameter};
 use crate::curves::{Column, Curves, Sensitivity, Station, Status};
 use crate::mechanism::{DesignFault, NoPose};
 use crate::model::{Axis, Side};
-use crate::number::Tape;
 use crate::study::AxleComplianceStudy;
 
 /// Curves of an axle under a plan. An error if the axle has no elastic model.
@@ -37,7 +36,6 @@ pub(in crate::axle) fn curves(
         equilibria: &equilibria,
         reads,
         columns,
-        tape: Tape::default(),
     };
     for (number, placement) in plan.motion.placements().iter().enumerate() {
         let at = place(&plan.motion, axle, (number, placement), None);
@@ -88,7 +86,6 @@ struct StationReader<'a> {
     equilibria: &'a Equilibria<'a>,
     reads: Vec<AxleRead>,
     columns: Vec<AxleColumn>,
-    tape: Tape,
 }
 
 impl StationReader<'_> {
@@ -142,7 +139,7 @@ impl StationReader<'_> {
         let reads: Vec<AxleRead> = values.iter().map(|k| self.reads[*k]).collect();
         let (columns, axle) = (&self.columns, self.axle);
         self.equilibria
-            .gradients(at, &reads, &parameters, &mut self.tape, &mut |k, _, by| {
+            .gradients(at, &reads, &parameters, &mut |k, _, by| {
                 let column = values[k];
                 let factor = columns[column].factor;
                 for (of, by) in parameters.iter().zip(by) {

@@ -441,7 +441,6 @@ impl Equilibria<'_> {
         (travels, rack): ([f64; 2], f64),
         wanted: &[AxleRead],
         parameters: &[AxleParameter],
-        tape: &mut Tape,
         receive: &mut dyn FnMut(usize, f64, &[f64]),
     ) -> Result<(), NoEquilibrium> {
         let lost = || NoEquilibrium {
@@ -455,9 +454,8 @@ impl Equilibria<'_> {
             if numbers.is_empty() {
                 continue;
             }
-            tape.clear();
-            let tape = &*tape;
-            let station = self.run.on_tape(conditions, &plain, parameters, tape);
+            let tape = Tape::new();
+            let station = self.run.on_tape(conditions, &plain, parameters, &tape);
             let mut station = station.ok_or_else(lost)?;
             let values = read(&self.run, &mut station, &own, self.home, |station, test| {
                 self.run.secants_on_tape(&plain, station, test)

@@ -256,9 +256,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let linearised = linearise(&self.corners, (lines, parts), placed, coordinates)?;
         let inputs = linearised.inputs();
         // The tape records the wheels once, then every quantity.
-        self.tape.clear();
-        let tape = &self.tape;
-        let [(left, of_left), (right, of_right)] = linearised.on_tape(tape);
+        let tape = Tape::new();
+        let [(left, of_left), (right, of_right)] = linearised.on_tape(&tape);
         let (readings, first) = ([left, right], [of_left, of_right]);
         let state = self.state(readings, placed).settled(slopes);
         let value = |sought: &Sought| match sought {

@@ -167,17 +167,15 @@ pub struct KcGradient<'g> {
 
 impl KcRun<'_> {
     /// Values at a station with their derivatives by inputs. The station has a travel, and a rack displacement along the
-    /// study's +y. `tape` is working memory.
+    /// study's +y.
     pub fn gradients(
         &self,
         [travel, rack]: [f64; 2],
         wanted: &[KcValue],
         parameters: &[Parameter],
-        tape: &mut Tape,
         receive: &mut dyn FnMut(KcGradient<'_>),
     ) -> Result<(), NoEquilibrium> {
-        tape.clear();
-        let tape = &*tape;
+        let tape = Tape::new();
         let along = self.suspension.frame.sign(Axis::Y);
         let at = self.wheel.at(travel, along * rack)?;
         let lost = || NoEquilibrium {
@@ -190,7 +188,7 @@ impl KcRun<'_> {
             &self.design,
             &self.compliance,
             parameters,
-            tape,
+            &tape,
         );
         let varied = varied.map_err(|_| lost())?;
         let here = varied.carried(&at).ok_or_else(lost)?;

@@ -364,7 +364,7 @@ fn derivatives_by_the_design_agree_with_differences() {
         let case = sample(WISHBONES, &LOWER, relaxed, &mut random);
         let parameters = inputs(&case);
         let at = case.axle().at(travels, rack).unwrap();
-        let tape = Tape::default();
+        let tape = Tape::new();
         let designs = [&case.suspension.design[..]; 2];
         let wheels = [&case.suspension; 2];
         let by: Vec<AxleParameter> = parameters

@@ -283,11 +283,10 @@ impl World {
     }
 
     /// Forces out of balance, then the misses of the constraints.
-    fn residual(&self, loads: &[Load], tape: &mut Tape) -> Vec<f64> {
-        tape.clear();
-        let tape = &*tape;
+    fn residual(&self, loads: &[Load]) -> Vec<f64> {
+        let tape = Tape::new();
         let (first, count) = self.sizes();
-        let all = self.moved(tape);
+        let all = self.moved(&tape);
         let mut sum = Tracked::constant(0.0);
         for energy in &self.energies {
             sum = sum + self.energy(&all, energy);
@@ -360,14 +359,13 @@ impl World {
 
     /// Newton's method; the tangent by central differences. Fails with the size of the last step.
     fn settle(&mut self, loads: &impl Fn(&World) -> Vec<Load>) -> Result<(), f64> {
-        let mut tape = Tape::default();
         self.multipliers = vec![0.0; self.rows()];
         let (_, count) = self.sizes();
         let total = count + self.multipliers.len();
         let mut matrix = Vec::new();
         let mut size = f64::INFINITY;
         for round in 0..80 {
-            let residual = self.residual(&loads(self), &mut tape);
+            let residual = self.residual(&loads(self));
             // Steps with an old matrix shrink by a factor near it, and hardly far from it.
             if round % 4 == 0 && size > 1e-7 {
                 matrix = vec![vec![0.0; total]; total];
@@ -378,7 +376,7 @@ impl World {
                         let mut step = vec![0.0; total];
                         step[column] = sign * scale;
                         near.step(&step);
-                        near.residual(&loads(&near), &mut tape)
+                        near.residual(&loads(&near))
                     });
                     let [low, high] = &mut ends;
                     for row in 0..total {
@@ -415,7 +413,7 @@ impl World {
 
     /// Present position of a point.
     pub fn position(&self, on: On) -> Vector3<f64> {
-        let tape = Tape::default();
+        let tape = Tape::new();
         let all = self.moved(&tape);
         self.at(&all, on).map(|c| c.value())
     }

@@ -93,7 +93,7 @@ fn derivatives_by_hardpoints_and_rates_are_those_of_the_second_formulation() {
         }
         let sides = Side::ALL.map(|side| study.axle.suspension(side));
         let designs = sides.map(|side| &side.design[..]);
-        let tape = Tape::default();
+        let tape = Tape::new();
         let varied = AxleOnTape::new(sides, designs, parts, &parameters, &tape).unwrap();
         let there = varied.carried(&at).unwrap();
         let found = tracked(&varied.axle, &there);
@@ -278,7 +278,7 @@ fn gradients_of_link_figures_are_those_of_whole_studies() {
     };
     let run = AxleKcRun::new(vehicle, &elastic.parts).unwrap();
     let gradients = run
-        .gradients(travels, 0.0, &[test], &parameters, &mut Tape::default())
+        .gradients(travels, 0.0, &[test], &parameters)
         .unwrap()
         .remove(0);
     let base = values([0.0; 2]);

@@ -12,14 +12,13 @@ pub type FigureGradients = [Option<Vec<f64>>; 2];
 impl AxleKcRun<'_> {
     /// Derivatives of the figures of tests at a station by inputs, for each test in the order of its outcome. Hardpoints and
     /// parts of both wheels change together. Tests under the same conditions share the station's equilibrium and its tape.
-    /// The rack displacement is along the study's +y. `None` if the station has no equilibrium. `tape` is working memory.
+    /// The rack displacement is along the study's +y. `None` if the station has no equilibrium.
     pub fn gradients(
         &self,
         travels: [f64; 2],
         rack: f64,
         tests: &[KcTest],
         parameters: &[Parameter],
-        tape: &mut Tape,
     ) -> Option<Vec<Vec<FigureGradients>>> {
         let inputs: Vec<AxleParameter> = parameters.iter().map(|p| (*p).into()).collect();
         let mut gradients = vec![Vec::new(); tests.len()];
@@ -29,13 +28,12 @@ impl AxleKcRun<'_> {
             let alike = |test: &usize| tests[*test].conditions() == conditions;
             let (own, others): (Vec<usize>, _) = rest.into_iter().partition(alike);
             rest = others;
-            tape.clear();
-            let tape = &*tape;
+            let tape = Tape::new();
             let own_tests = own.iter().map(|test| &tests[*test]);
             let along_kernel = self.along() * rack;
             let plain = self.here(conditions, travels, along_kernel, own_tests);
             let plain = plain.ok()?;
-            let mut station = self.on_tape(conditions, &plain, &inputs, tape)?;
+            let mut station = self.on_tape(conditions, &plain, &inputs, &tape)?;
             let mut places = Vec::new();
             let mut results = Vec::new();
             for number in &own {
@@ -55,7 +53,7 @@ impl AxleKcRun<'_> {
                     &plain,
                     &mut station,
                     &tests[number],
-                    (tape, parameters.len()),
+                    (&tape, parameters.len()),
                     &mut gradients[number],
                 );
             }

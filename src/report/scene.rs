@@ -26,6 +26,30 @@ pub struct Scene {
     pub right_wheel_centre: Option<usize>,
 }
 
+/// Direction of sight.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sight {
+    /// From the front: the car's left is on the right.
+    Front,
+    /// From the side, with the wheel in front: forward is to the left for a left wheel or an axle, to the right for a right wheel.
+    Side,
+    /// From above: forward is up, and the car's left is on the left.
+    Top,
+}
+
+impl Sight {
+    /// All three views, in the order of an engineering drawing.
+    pub(super) const ALL: [Sight; 3] = [Sight::Front, Sight::Side, Sight::Top];
+
+    pub(super) fn title(self) -> &'static str {
+        match self {
+            Sight::Front => "front view",
+            Sight::Side => "side view",
+            Sight::Top => "top view",
+        }
+    }
+}
+
 /// A body of the drawing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SceneBody {
@@ -67,6 +91,18 @@ impl Scene {
             wheel_radius: suspension.wheel_radius,
             signs: Axis::ALL.map(sign),
             right_wheel_centre: None,
+        }
+    }
+
+    /// Axes of a view that point to the right and up: index of the study's axis, and sign of its direction.
+    pub(super) fn axes(&self, sight: Sight) -> [(usize, f64); 2] {
+        let [forward, outboard, up] = self.signs;
+        // Both frames are right-handed, so this is the car's left. It is inboard for a right wheel.
+        let left = forward * up;
+        match sight {
+            Sight::Front => [(1, left), (2, up)],
+            Sight::Side => [(0, -forward * left * outboard), (2, up)],
+            Sight::Top => [(1, -left), (0, forward)],
         }
     }
 

@@ -6,6 +6,7 @@ use super::table::table;
 use crate::SideEffect;
 use crate::curves::Placement;
 use crate::report::record::{DesignRecord, Record};
+use crate::report::scene::Sight;
 use crate::report::{Scene, TuningSummary, counted, side_effects_table, visible_side_effects};
 use std::fmt::Write;
 
@@ -142,11 +143,11 @@ fn pictures(record: &Record) -> String {
     else {
         return String::new();
     };
-    let views = [("Front", [1, 2]), ("Side", [0, 2])];
-    let figures = views.map(|(name, axes)| {
+    let views = [("Front", Sight::Front), ("Side", Sight::Side)];
+    let figures = views.map(|(name, sight)| {
         format!(
             "<figure><figcaption>{name}</figcaption>{}</figure>",
-            picture(&record.scene, [first, last], axes)
+            picture(&record.scene, [first, last], sight)
         )
     });
     format!(
@@ -159,14 +160,15 @@ const WIDTH: f64 = 300.0;
 const HEIGHT: f64 = 220.0;
 const EDGE: f64 = 14.0;
 
-/// Picture of two designs, seen along an axis.
-fn picture(scene: &Scene, designs: [&Placement; 2], axes: [usize; 2]) -> String {
-    let flat = |p: &[f64; 3]| axes.map(|k| scene.signs[k] * p[k]);
+/// Picture of two designs in one view.
+fn picture(scene: &Scene, designs: [&Placement; 2], sight: Sight) -> String {
+    let axes = scene.axes(sight);
+    let flat = |p: &[f64; 3]| axes.map(|(axis, sign)| sign * p[axis]);
     let all = designs.iter().flat_map(|d| &d.points).map(flat);
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     let radius = scene.wheel_radius.unwrap_or(0.0);
     let centre = flat(&designs[1].points[scene.wheel_centre]);
-    let wide = if axes[0] == 0 { radius } else { 0.0 };
+    let wide = if sight == Sight::Side { radius } else { 0.0 };
     let rim = [-1.0, 1.0].map(|by| [centre[0] + by * wide, centre[1] + by * radius]);
     for p in all.chain(rim) {
         for k in 0..2 {

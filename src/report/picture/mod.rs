@@ -8,9 +8,10 @@ mod view;
 use super::chart::{Charted, Layout, Lettering, PICTURE_STYLE, SIZE, chart_groups, charts_over};
 use super::record::{OutputRecord, Record};
 use super::run::{Run, Summary};
+use super::scene::Sight;
 use crate::SideEffect;
 use serde::Serialize;
-use view::{Sight, View};
+use view::View;
 
 /// A file with a picture.
 #[derive(Clone, Debug, PartialEq)]

@@ -8,7 +8,7 @@ use crate::curves::{Frame, Placement};
 use crate::report::chart::lettering::{Anchor, Lettering, Words};
 use crate::report::chart::mark::{number, path};
 use crate::report::record::Record;
-use crate::report::scene::{BodyKind, Scene};
+use crate::report::scene::{BodyKind, Scene, Sight};
 use std::fmt::Write;
 
 /// Styles of the drawing.
@@ -22,39 +22,6 @@ pub(super) const STYLE: &str = ".arm{stroke:#0b63c5;stroke-width:3}.link{stroke:
 
 /// Smallest move that is drawn as an arrow, relative to the size of the drawing.
 const LEAST_ARROW: f64 = 0.004;
-
-/// Direction of sight.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Sight {
-    /// From the front: the left wheel is on the right.
-    Front,
-    /// From the left side: forward is to the left.
-    Side,
-    /// From above: forward is up.
-    Top,
-}
-
-impl Sight {
-    /// All three views, in the order of an engineering drawing.
-    pub(super) const ALL: [Sight; 3] = [Sight::Front, Sight::Side, Sight::Top];
-
-    fn title(self) -> &'static str {
-        match self {
-            Sight::Front => "front view",
-            Sight::Side => "side view",
-            Sight::Top => "top view",
-        }
-    }
-
-    /// Axes to the right and up: index of the axis, and sign of its direction.
-    fn axes(self) -> [(usize, f64); 2] {
-        match self {
-            Sight::Front => [(1, 1.0), (2, 1.0)],
-            Sight::Side => [(0, -1.0), (2, 1.0)],
-            Sight::Top => [(1, -1.0), (0, 1.0)],
-        }
-    }
-}
 
 /// One view of the designs of a run.
 #[derive(Clone, Debug)]
@@ -153,10 +120,7 @@ impl<'r> View<'r> {
     }
 
     fn projection(&self, scene: &Scene, poses: &[&Placement]) -> Projection {
-        let mut axes = self.sight.axes();
-        for (axis, sign) in &mut axes {
-            *sign *= scene.signs[*axis];
-        }
+        let axes = scene.axes(self.sight);
         let mut low = [f64::INFINITY; 2];
         let mut high = [f64::NEG_INFINITY; 2];
         for pose in poses {
@@ -217,8 +181,7 @@ impl<'r> View<'r> {
     /// Draws arrows along the study's axes in the lower left corner.
     fn triad(&self, svg: &mut String, lettering: &Lettering, scene: &Scene) {
         let origin = [46.0, self.size[1] - 30.0];
-        for (k, (axis, sign)) in self.sight.axes().into_iter().enumerate() {
-            let sign = sign * scene.signs[axis];
+        for (k, (axis, sign)) in scene.axes(self.sight).into_iter().enumerate() {
             let along = if k == 0 { [sign, 0.0] } else { [0.0, -sign] };
             let tip = [0, 1].map(|i| origin[i] + 22.0 * along[i]);
             arrow(svg, "axis", origin, tip);

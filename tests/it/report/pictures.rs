@@ -187,23 +187,37 @@ fn a_tuning_is_shown_with_its_mechanism_and_side_effects() {
     }
 }
 
-/// In the front view the left wheel is on the right, in the side view forward is to the left, from above to the top.
+/// In the front view the left wheel is on the right, in the side view forward is to the left, from above to the top. A right
+/// wheel is on the left; from its side, forward is to the right.
 #[test]
 fn views_are_as_their_titles_say() {
-    let run = Run::of("solve", "plain", &study("double_wishbone_solve.toml"), &[]);
-    let mechanism = fs::read_to_string(run.plots().join("mechanism.svg")).unwrap();
-    let at = |view: usize, name: &str| -> [f64; 2] {
-        let label = mechanism.split(&format!(">{name}<")).nth(view).unwrap();
-        let number = |key: &str| {
-            let text = label.rsplit_once(&format!("{key}=\"")).unwrap().1;
-            text.split('"').next().unwrap().parse().unwrap()
-        };
-        [number("x"), number("y")]
+    let left = study("double_wishbone_solve.toml");
+    let mirrored = |line: &str| match line.split(',').collect::<Vec<_>>()[..] {
+        [x, y, z, ..] if line.contains("= [ ") => format!("{x}, -{},{z}", y.trim()),
+        _ => line.to_owned(),
     };
-    assert!(at(0, "lower_arm_front")[0] < at(0, "lower_ball_joint")[0]);
-    assert!(at(0, "upper_ball_joint")[1] < at(0, "lower_ball_joint")[1]);
-    assert!(at(1, "lower_arm_front")[0] < at(1, "lower_arm_rear")[0]);
-    assert!(at(2, "lower_arm_front")[1] < at(2, "lower_arm_rear")[1]);
+    let lines: Vec<String> = left.lines().map(mirrored).collect();
+    let right = lines
+        .join("\n")
+        .replace("side = \"left\" ", "side = \"right\"");
+    for (text, side) in [(left, 1.0), (right, -1.0)] {
+        let run = Run::of("solve", "plain", &text, &[]);
+        let mechanism = fs::read_to_string(run.plots().join("mechanism.svg")).unwrap();
+        let at = |view: usize, name: &str| -> [f64; 2] {
+            let label = mechanism.split(&format!(">{name}<")).nth(view).unwrap();
+            let number = |key: &str| -> f64 {
+                let text = label.rsplit_once(&format!("{key}=\"")).unwrap().1;
+                text.split('"').next().unwrap().parse().unwrap()
+            };
+            [number("x"), number("y")]
+        };
+        let across = |view, a, b| side * (at(view, b)[0] - at(view, a)[0]);
+        assert!(across(0, "lower_arm_front", "lower_ball_joint") > 0.0);
+        assert!(at(0, "upper_ball_joint")[1] < at(0, "lower_ball_joint")[1]);
+        assert!(across(1, "lower_arm_front", "lower_arm_rear") > 0.0);
+        assert!(at(2, "lower_arm_front")[1] < at(2, "lower_arm_rear")[1]);
+        assert!(across(2, "lower_ball_joint", "lower_arm_front") > 0.0);
+    }
 }
 
 /// The picture in the README is the program's own, made with

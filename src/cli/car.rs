@@ -95,11 +95,14 @@ fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Out
             "--plots makes pictures of curves; pictures of a car are on its page (--report)",
         ));
     }
-    if arguments.report
-        && (command == "tolerance" || arguments.out.as_deref() == Some(Path::new("-")))
-    {
+    if arguments.report && command == "tolerance" {
         return Err(Stop::wrong_input(
-            "--report is the page of a solve or a tuning in a directory, not of `tolerance` or of --out -",
+            "--report: `tolerance` makes no page for a car; its tables and files have all results",
+        ));
+    }
+    if arguments.report && arguments.out.as_deref() == Some(Path::new("-")) {
+        return Err(Stop::wrong_input(
+            "--report makes a page in a directory, so it does not go with --out -",
         ));
     }
     let (out, format) = (arguments.out.as_deref(), arguments.study.format);

@@ -17,6 +17,17 @@ pub(in crate::report) fn shortened(label: &str, longest: usize) -> String {
     }
 }
 
+/// Shortens a text to at most [`LONGEST`] letters, and keeps its end.
+fn without_middle(label: &str) -> String {
+    let letters: Vec<char> = label.chars().collect();
+    if letters.len() <= LONGEST {
+        return label.to_owned();
+    }
+    let (first, last) = (LONGEST / 2 - 1, LONGEST / 2);
+    let [first, last] = [&letters[..first], &letters[letters.len() - last..]];
+    first.iter().chain(&['…']).chain(last).collect()
+}
+
 /// Shortened labels of lines.
 pub(super) fn short_labels(lines: &[Line]) -> Vec<Option<String>> {
     let own = lines.iter().filter_map(|line| line.label.as_deref());
@@ -43,8 +54,9 @@ pub(in crate::report) fn told_apart(names: &[&str]) -> Vec<String> {
     let shared = &first[..shared.filter(|_| clash).unwrap_or(0)];
     let start = shared.rfind([' ', '_', '-', ',']).map_or(0, |at| at + 1);
     let short = |name: &&str| match start {
+        0 if clash => without_middle(name),
         0 => shortened(name, LONGEST),
-        start => shortened(&format!("…{}", &name[start..]), LONGEST),
+        start => without_middle(&format!("…{}", &name[start..])),
     };
     names.iter().map(short).collect()
 }
@@ -111,6 +123,11 @@ mod tests {
         let apart = ["double_wishbone_solve", "macpherson_solve"];
         assert_eq!(told_apart(&apart), ["double_wishbo…", "macpherson_so…"]);
         assert_eq!(told_apart(&["left", "right"]), ["left", "right"]);
+        let third = ["base", "my_long_study_front", "my_long_study_rear"];
+        assert_eq!(
+            told_apart(&third),
+            ["base", "my_lon…y_front", "my_lon…dy_rear"]
+        );
         // Two equal names belong to pieces of one curve.
         assert_eq!(
             told_apart(&["a name of many letters"; 2]),

@@ -145,6 +145,14 @@ fn lines_of_design(
     families.into_iter().map(line).collect()
 }
 
+/// Colours of the designs, with their names in full.
+fn key(labels: &[String]) -> String {
+    let item = |(design, label): (usize, &String)| {
+        format!("<li><i class=\"{}\"></i>{}</li>", hue(design), html(label))
+    };
+    labels.iter().enumerate().map(item).collect()
+}
+
 /// Control that selects the horizontal axis of the charts.
 fn controls(moving: &[String]) -> String {
     let option = |column: &String| {
@@ -190,6 +198,7 @@ pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[
     sections.extend([("figures", "Figures"), ("hardpoints", "Hardpoints")]);
     let main = format!(
         include_str!("compare.html"),
+        key = key(&comparison.labels),
         charts = figures_of_outputs,
         stage = stage,
         figures = comparison.table().html(),

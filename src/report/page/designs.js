@@ -68,6 +68,7 @@ const drawScatter = (state) => {
   scatterPlaces = allRows.map(at);
   for (const { look, rows } of groups) {
     const d = rows.map((row) => scatterPlaces[row]).filter(Boolean).map(([a, b]) => `M${a.toFixed(1)} ${b.toFixed(1)}h.01`).join('');
+    if (['target', 'main'].includes(look)) parts.push(svg('path', { class: 'dot around', d }));
     parts.push(svg('path', { class: `dot ${look}`, d }));
   }
   const given = [columns[state.x].at_design, columns[state.y].at_design];
@@ -136,7 +137,7 @@ const sayPicked = ({ picked }) => {
   byId('picked-command').textContent = `hardpoint sweep STUDY --design ${design} > design_${design}.toml`;
   const failing = shown.failing[picked];
   const at = shown.failed_at[picked];
-  byId('picked-status').textContent = failing === null ? 'Solved at every station.' : `Not solved everywhere: ${shown.reasons[failing].join(': ')}${at === null ? '' : `, nearest at ${at}`}.`;
+  byId('picked-status').textContent = failing === null ? 'Solved everywhere.' : `Not solved everywhere: ${shown.reasons[failing].join(': ')}${at === null ? '' : `, nearest at ${at}`}.`;
   byId('picked').value = String(picked);
   root.dataset.picked = design;
   root.dataset.pickedValues = columns.map((_, k) => exact(value(k, picked))).join(' ');

@@ -1,7 +1,9 @@
 // Designs as lines over several axes, each with its scale. A drag along an axis keeps the designs in that part of it.
 const parallel = byId('parallel-plot');
 const MOST_AXES = 12;
-const PARALLEL = { size: [1180, 400], box: [50, 66, 1130, 360] };
+const PARALLEL = { size: [1180, 436], box: [50, 102, 1130, 396] };
+// Letters in a line of an axis title, relative to the letters between two axes.
+const TITLE = 1.8;
 const brushes = new Map();
 
 // Axes: variables with the largest effects, then deviations from the targets; without targets, outputs of the designs.
@@ -17,6 +19,14 @@ const parallelAxes = (state) => {
 };
 const placeOfAxis = (i, all) => PARALLEL.box[0] + (all > 1 ? (i * (PARALLEL.box[2] - PARALLEL.box[0])) / (all - 1) : 0);
 const heightOn = (k, v) => PARALLEL.box[3] - shareOn(axisOf(k, false), v) * (PARALLEL.box[3] - PARALLEL.box[1]);
+
+// A title in up to two lines of at most this many letters.
+const linesOf = (words, most) => {
+  if (words.length <= most) return [words];
+  const at = words.lastIndexOf(' ', most) > 0 ? words.lastIndexOf(' ', most) : most;
+  const rest = words.slice(at).trim();
+  return [words.slice(0, at), rest.length > most ? `${rest.slice(0, most - 1)}…` : rest];
+};
 
 // Designs that are within every brush.
 const brushed = () => (brushes.size ? new Set(allRows.filter((row) => [...brushes].every(([k, [low, high]]) => value(k, row) !== null && value(k, row) >= low && value(k, row) <= high))) : null);
@@ -43,9 +53,11 @@ const drawParallel = (state) => {
     const anchor = i === 0 ? 'start' : i === axes.length - 1 ? 'end' : 'middle';
     const shift = anchor === 'middle' ? 0 : anchor === 'start' ? -30 : 30;
     const words = titled(k);
-    const most = Math.max(8, Math.floor((PARALLEL.box[2] - PARALLEL.box[0]) / Math.max(1, axes.length - 1) / 6.2));
-    parts.push(svg('path', { class: 'frame', d: `M${x} ${top}V${bottom}` }),
-      svg('text', { class: 'axis-text', x: Number(x) + shift, y: i % 2 ? 58 : 44, 'text-anchor': anchor, text: words.length > 2 * most ? `${words.slice(0, 2 * most - 1)}…` : words }, svg('title', { text: words })));
+    const most = Math.max(14, Math.floor((TITLE * (PARALLEL.box[2] - PARALLEL.box[0])) / Math.max(1, axes.length - 1) / 6.6));
+    parts.push(svg('path', { class: 'frame', d: `M${x} ${top}V${bottom}` }));
+    linesOf(words, most).forEach((text, line, all) => {
+      parts.push(svg('text', { class: 'axis-text', x: Number(x) + shift, y: (i % 2 ? 92 : 62) - 13 * (all.length - 1 - line), 'text-anchor': anchor, text }, svg('title', { text: words })));
+    });
     for (const [share, text] of marks) {
       const y = bottom - share * (bottom - top);
       parts.push(svg('text', { class: 'axis-text small', x: Number(x) + 4, y: (y + 3.5).toFixed(1), text }));

@@ -37,28 +37,44 @@ pub(super) fn short_labels(lines: &[Line]) -> Vec<Option<String>> {
     lines.iter().map(of_line).collect()
 }
 
-/// Shortens names to at most [`LONGEST`] letters. Names that would become equal lose the words with which they begin.
+/// Shortens names to at most [`LONGEST`] letters. Names that would become equal lose the words with which they begin, or letters
+/// in their middle.
 pub(in crate::report) fn told_apart(names: &[&str]) -> Vec<String> {
-    let clash = names.iter().enumerate().any(|(k, a)| {
-        let mut before = names[..k].iter();
-        before.any(|b| a != b && shortened(a, LONGEST) == shortened(b, LONGEST))
-    });
+    let clash = |names: &[String]| {
+        names.iter().enumerate().any(|(k, a)| {
+            let mut before = names[..k].iter();
+            before.any(|b| a != b && shortened(a, LONGEST) == shortened(b, LONGEST))
+        })
+    };
+    let mut names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+    if clash(&names) {
+        without_shared_words(&mut names);
+    }
+    let shorten = if clash(&names) {
+        without_middle
+    } else {
+        |name: &str| shortened(name, LONGEST)
+    };
+    names.iter().map(|name| shorten(name)).collect()
+}
+
+/// Removes the words with which all names begin.
+fn without_shared_words(names: &mut [String]) {
     let common = |a: &str, b: &str| {
         let same = a.char_indices().zip(b.chars());
         let same = same.take_while(|((_, x), y)| x == y);
         let ends = same.map(|((at, x), _)| at + x.len_utf8());
         ends.last().unwrap_or(0)
     };
-    let first = names.first().copied().unwrap_or("");
+    let first = &names[0];
     let shared = names.iter().map(|name| common(first, name)).min();
-    let shared = &first[..shared.filter(|_| clash).unwrap_or(0)];
+    let shared = &first[..shared.unwrap_or(0)];
     let start = shared.rfind([' ', '_', '-', ',']).map_or(0, |at| at + 1);
-    let short = |name: &&str| match start {
-        0 if clash => without_middle(name),
-        0 => shortened(name, LONGEST),
-        start => without_middle(&format!("…{}", &name[start..])),
-    };
-    names.iter().map(short).collect()
+    if start > 0 {
+        for name in names {
+            *name = format!("…{}", &name[start..]);
+        }
+    }
 }
 
 /// Labels beside the ends of curves, without overlaps. If there is not enough space, only the first, the last and the strong

@@ -12,7 +12,7 @@ use serde::Serialize;
 /// Width and height of a chart.
 pub(in crate::report) const SIZE: [f64; 2] = [420.0, 350.0];
 /// Left and top of the plot within the chart.
-const START: [f64; 2] = [62.0, 48.0];
+const START: [f64; 2] = [68.0, 48.0];
 /// Height of the space below the plot for ticks and title.
 const BELOW: f64 = 44.0;
 /// Height of the strip of deviations, including the gap above it.

@@ -9,6 +9,8 @@ use crate::report::record::{MotionRecord, OutputRecord, Record};
 
 /// Largest number of curves per design and wheel in one chart.
 const MOST_FAMILIES: usize = 9;
+/// Largest number of curves of each wheel that all have labels.
+const MOST_OF_EACH_WHEEL: usize = 3;
 
 /// Groups outputs that share a chart: one output of a wheel, or the same output of both wheels.
 pub(in crate::report) fn chart_groups<'r>(
@@ -179,6 +181,7 @@ impl Chart {
                     .push(("", format!("{} of {all} values of {name}", families.len())));
             }
             let several = families.len() > 1;
+            let is_few = families.len() <= MOST_OF_EACH_WHEEL;
             for family in families {
                 let apart = moving.first().map(|name| in_words(name, family.place));
                 let class = class_of(&family, is_last, side, [several, is_scatter]);
@@ -203,10 +206,14 @@ impl Chart {
                 let names = [side.map(str::to_owned), own.clone()];
                 let main: Vec<String> = names.into_iter().flatten().collect();
                 let main = (!main.is_empty()).then(|| main.join(", "));
+                let own_in_short = || moving.first().map(|name| in_short(name, family.place));
                 let alone = record.motion.designs.len() == 1;
                 let label = match (is_last, side, several) {
-                    (true, Some(side), _) => family.is_present.then(|| side.to_owned()),
-                    (true, None, true) => moving.first().map(|name| in_short(name, family.place)),
+                    (true, Some(side), _) if family.is_present => Some(side.to_owned()),
+                    // The colour tells the wheel.
+                    (true, Some(_), _) if is_few => own_in_short(),
+                    (true, Some(_), _) => None,
+                    (true, None, true) => own_in_short(),
                     (true, None, false) => (!alone).then(|| design.label.clone()),
                     (false, side, _) => {
                         (family.is_present && side != Some("right")).then(|| design.label.clone())

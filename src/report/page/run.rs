@@ -303,10 +303,15 @@ fn interruption(run: &Run) -> String {
 
 /// Remarks on the accuracy of every design.
 fn remarks(run: &Run) -> String {
+    let is_only = labelled(run).count() == 1;
     let of_design = |(label, design): (String, &DesignRecord)| {
-        let remarks = design.remarks.iter();
-        let line = |remark: &String| format!("<p><b>{}</b>, {}</p>", html(&label), prose(remark));
-        remarks.map(line).collect::<String>()
+        let of = if is_only {
+            String::new()
+        } else {
+            format!("<b>{}</b>: ", html(&label))
+        };
+        let line = |remark: &String| format!("<p>{of}{}</p>", prose(remark));
+        design.remarks.iter().map(line).collect::<String>()
     };
     labelled(run).map(of_design).collect()
 }

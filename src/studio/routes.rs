@@ -5,8 +5,8 @@ use super::connections::Place;
 use super::http::{Connection, Head, Response, Unread};
 use super::job::Job;
 use super::message::{
-    CurvesRequest, Designed, EditRequest, InfluenceRequest, JobRequest, SaveRequest, Saved, SolveRequest,
-    SolvedAnswer, StartRequest, TuneRequest,
+    CurvesRequest, Designed, EditRequest, InfluenceRequest, JobRequest, SaveRequest, Saved,
+    SolveRequest, SolvedAnswer, StartRequest, TuneRequest,
 };
 use super::reading::{Files, Reading};
 use super::study_file::{NotSaved, Over, name_of};

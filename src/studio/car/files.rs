@@ -7,7 +7,8 @@ use crate::report::car_with_axles;
 use crate::results::digest_of_texts;
 use crate::studio::message::TextChange;
 use crate::studio::study_file::{
-    NotSaved, Over, Prepared, edited, moved_in, name_of, new_path, not_understood, text_of, write_new,
+    NotSaved, Over, Prepared, edited, moved_in, name_of, new_path, not_understood, text_of,
+    write_new,
 };
 use crate::study::{CarStudy, PathStep, ValueEdit, edited_text};
 use std::fs;

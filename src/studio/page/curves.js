@@ -64,6 +64,8 @@ const rangeOf = (low, high) => {
   return between((v) => v.toExponential(1).replaceAll('-', '−'));
 };
 
+const decimals = (text) => (text.includes('e') ? 0 : (text.split('.')[1] ?? '').length);
+
 // Ticks whose names do not touch, at even distances, and with the tick at zero.
 const apart = (all, x) => {
   if (all.length < 2) return all;
@@ -265,11 +267,12 @@ class Chart {
     return value !== null && Math.abs(value) < 1e-9 * (this.ys[1] - this.ys[0]) ? 0 : value;
   }
 
-  // A value with its change against the file: with more and with fewer digits of the change.
+  // A value with its change against the file: with more and with fewer digits of the change. It has the digits of the value before.
   changesOf({ here, before }) {
     const is = this.shown(here);
-    const value = brief(is, 4);
-    if (is === null || before === null || Math.abs(is - before) <= 1e-12) return [value];
+    const text = brief(is, 4);
+    if (is === null || before === null || Math.abs(is - before) <= 1e-12) return [text];
+    const value = text.includes('e') ? text : is.toFixed(Math.max(...[is, before].map((own) => decimals(brief(own, 4))))).replace('-', '−');
     return [3, 2].map((digits) => `${value} (${signed(is - before, digits)})`);
   }
 

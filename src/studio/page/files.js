@@ -103,7 +103,8 @@ const withMoves = ({ points, design: opened }, moves) => {
 // stays as it is. Returns true if the file was read.
 const rebase = async () => {
   try {
-    const { moves, edits } = unsaved();
+    const { moves, from, edits } = unsaved();
+    if (from !== state.file.digest) throw new Error('the file was changed after your last save, and you went back to a state before that save. Use “Save as”');
     const overview = await post('study', null);
     const { unit, axes } = state.overview;
     if (overview.unit !== unit || overview.axes.some((sign, k) => sign !== axes[k])) throw new Error('the file now has different axes or another unit');

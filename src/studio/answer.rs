@@ -2,7 +2,7 @@
 
 use super::beside::beside;
 use super::groups::{Groups, nearest};
-use super::message::{ColumnValues, Designed, Drawn, SolveRequest, SolvedAnswer};
+use super::message::{ColumnValues, Coordinates, Designed, Drawn, SolveRequest, SolvedAnswer};
 use super::misfit;
 use super::study_file::Opened;
 use super::turns::Stop;
@@ -176,9 +176,14 @@ fn grouped(found: &Curves, plan: &Plan, request: &SolveRequest) -> (Groups, Vec<
     (Groups::of(&places, 1, &request.at), racks.collect())
 }
 
-/// `curves.csv` of a design, as `hardpoint solve` writes it.
-pub(super) fn csv(opened: &Opened, of: &Designed) -> Result<Vec<u8>, String> {
-    Ok(Solved::of(&opened.moved(&of.design)?)?.csv())
+/// Curves of a design over a named motion or over the study's own, as `hardpoint solve` writes them.
+pub(super) fn csv(
+    opened: &Opened,
+    design: &Coordinates,
+    motion: Option<&str>,
+) -> Result<Vec<u8>, String> {
+    let study = opened.moved(design)?;
+    Ok(Solved::of(&*in_motion(&study, motion)?)?.csv())
 }
 
 /// Hardpoints of a design as a table.

@@ -22,6 +22,18 @@ pub(super) struct Designed {
     pub design: Coordinates,
 }
 
+/// A design whose curves are exported.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CurvesRequest {
+    /// SHA-256 of the study text.
+    pub digest: String,
+    pub design: Coordinates,
+    /// Name of the motion. `None` for the study's own.
+    #[serde(default)]
+    pub motion: Option<String>,
+}
+
 /// Changes of a study text that the server has read.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -114,6 +126,10 @@ pub(super) struct SaveRequest {
     pub name: Option<String>,
     /// True to write the moved coordinates although the file has changed, or to replace an existing file of that name.
     pub anyway: bool,
+    /// SHA-256 of the file's text that the page knows. `None` for the text that the design's changes start from. After a save and
+    /// an undo, the two differ.
+    #[serde(default)]
+    pub base: Option<String>,
 }
 
 /// Data of the study that do not change while points move.
@@ -132,6 +148,8 @@ pub(super) struct Overview {
     pub written: serde_json::Value,
     pub topology: String,
     pub unit: String,
+    /// Signs of the study's axes in the kernel's frame.
+    pub axes: [f64; 3],
     pub points: Vec<PointOverview>,
     pub design: Coordinates,
     pub scene: WholeScene,
@@ -525,6 +543,7 @@ impl SideEffectRows {
 
 #[derive(Serialize)]
 pub(super) struct Saved {
+    /// Names of the files whose texts have changed.
     pub file: String,
     pub digest: String,
 }

@@ -8,7 +8,7 @@ use super::study_file::Opened;
 use crate::attia::PaperTheta;
 use crate::characteristics::Characteristic;
 use crate::compliance::{not_of_equilibrium, sign_of_figure};
-use crate::model::{PointId, Suspension};
+use crate::model::{Axis, PointId, Suspension};
 use crate::number::Vector3;
 use crate::plan::Plan;
 use crate::report::{Scene, wanted_between};
@@ -54,6 +54,7 @@ pub(super) fn overview(opened: &Opened) -> Overview {
         written: written(&opened.text),
         topology: mechanism.topology.name.replace('_', " "),
         unit: unit.symbol().to_owned(),
+        axes: Axis::ALL.map(|axis| suspension.frame.sign(axis)),
         points: names.enumerate().map(point).collect(),
         design: coordinates(suspension, &suspension.design),
         scene: scene(suspension),

@@ -30,6 +30,7 @@ pub(super) fn file(name: &str) -> Option<Response> {
         "dialog.js" => (SCRIPT, include_str!("page/dialog.js")),
         "handles.js" => (SCRIPT, include_str!("page/handles.js")),
         "history.js" => (SCRIPT, include_str!("page/history.js")),
+        "labels.js" => (SCRIPT, include_str!("page/labels.js")),
         "layout.js" => (SCRIPT, include_str!("page/layout.js")),
         "targets.js" => (SCRIPT, include_str!("page/targets.js")),
         "mechanism_view.js" => (SCRIPT, include_str!("page/mechanism_view.js")),

@@ -5,7 +5,7 @@ use super::message::{
     Coordinates, Designed, DirectionsAnswer, InfluenceAnswer, InfluenceRequest, LimitsAnswer,
     Overview, SolveRequest, SolvedAnswer, TextChange, TuneRequest,
 };
-use super::study_file::{NotSaved, Opened, StudyFile};
+use super::study_file::{NotSaved, Opened, Over, StudyFile};
 use super::turns::Stop;
 use super::{answer, car, directions, influence, overview};
 use crate::in_motions::InMotion;
@@ -30,8 +30,8 @@ pub(super) trait Reading: Send + Sync {
     fn directions(&self, of: &Designed) -> Result<DirectionsAnswer, String>;
     /// Limits of the mechanism.
     fn limits(&self, of: &Designed) -> Result<LimitsAnswer, String>;
-    /// Results of a design, as `hardpoint solve` writes them.
-    fn csv(&self, of: &Designed) -> Result<Vec<u8>, String>;
+    /// Results of a design over a named motion or over the study's own, as `hardpoint solve` writes them.
+    fn csv(&self, design: &Coordinates, motion: Option<&str>) -> Result<Vec<u8>, String>;
     /// Hardpoints of a design as a table.
     fn points(&self, of: &Designed) -> Result<Vec<u8>, String>;
     /// Hardpoints and centre lines of a design, for CAD.
@@ -44,10 +44,18 @@ pub(super) trait Reading: Send + Sync {
     fn edited(&self, edits: &[ValueEdit]) -> Result<Arc<dyn Reading>, String>;
     /// Texts of the files as they were opened, and these texts with a design and the edits.
     fn texts(&self, design: &Coordinates) -> Result<Vec<TextChange>, String>;
-    /// Writes a design into the files. Returns the new state of the files.
-    fn save(&self, design: &Coordinates, anyway: bool) -> Result<Arc<dyn Reading>, NotSaved>;
+    /// Writes a design into the files.
+    fn save(&self, design: &Coordinates, over: &Over) -> Result<Written, NotSaved>;
     /// Writes the texts with a design to new files in the same folder. Returns their names.
     fn save_as(&self, design: &Coordinates, name: &str, anyway: bool) -> Result<String, NotSaved>;
+}
+
+/// Result of a save.
+pub(super) struct Written {
+    /// New state of the files.
+    pub now: Arc<dyn Reading>,
+    /// Names of the files whose texts have changed.
+    pub files: Vec<String>,
 }
 
 /// Files with which the studio was opened.
@@ -116,8 +124,8 @@ impl Reading for Opened {
         directions::limits(self, of)
     }
 
-    fn csv(&self, of: &Designed) -> Result<Vec<u8>, String> {
-        answer::csv(self, of)
+    fn csv(&self, design: &Coordinates, motion: Option<&str>) -> Result<Vec<u8>, String> {
+        answer::csv(self, design, motion)
     }
 
     fn points(&self, of: &Designed) -> Result<Vec<u8>, String> {
@@ -163,9 +171,13 @@ impl Reading for Opened {
         Ok(self.file.texts(self, &self.design(design)?))
     }
 
-    fn save(&self, design: &Coordinates, anyway: bool) -> Result<Arc<dyn Reading>, NotSaved> {
+    fn save(&self, design: &Coordinates, over: &Over) -> Result<Written, NotSaved> {
         let design = self.design(design).map_err(NotSaved::Refused)?;
-        Ok(Arc::new(self.file.save(self, &design, anyway)?))
+        let (now, is_changed) = self.file.save(self, &design, over)?;
+        Ok(Written {
+            now: Arc::new(now),
+            files: is_changed.then(|| self.file.name()).into_iter().collect(),
+        })
     }
 
     fn save_as(&self, design: &Coordinates, name: &str, anyway: bool) -> Result<String, NotSaved> {

@@ -5,11 +5,11 @@ use super::connections::Place;
 use super::http::{Connection, Head, Response, Unread};
 use super::job::Job;
 use super::message::{
-    Designed, EditRequest, InfluenceRequest, JobRequest, SaveRequest, Saved, SolveRequest,
-    SolvedAnswer, StartRequest, TuneRequest,
+    CurvesRequest, Designed, EditRequest, InfluenceRequest, JobRequest, SaveRequest, Saved,
+    SolveRequest, SolvedAnswer, StartRequest, TuneRequest,
 };
 use super::reading::{Files, Reading};
-use super::study_file::{NotSaved, name_of};
+use super::study_file::{NotSaved, Over, name_of};
 use super::turns::{STOPPED, Stop, Turns};
 use super::{page, start};
 use crate::threads::stoppable;
@@ -158,7 +158,7 @@ impl ServerState {
             ),
             "directions" => self.with_text(body, |r: &Designed| r, |own, of| own.directions(of)),
             "limits" => self.with_text(body, |r: &Designed| r, |own, of| own.limits(of)),
-            "csv" => self.file_of(body, CSV, |own, of| own.csv(of)),
+            "csv" => self.csv(body),
             "points" => self.file_of(body, CSV, |own, of| own.points(of)),
             "dxf" => self.file_of(body, DXF, |own, of| own.drawing(of)),
             "report" => self.make_report(body),
@@ -274,6 +274,14 @@ impl ServerState {
         Ok(Response::new(200, kind, file))
     }
 
+    /// Answers with the exported results of a design.
+    fn csv(&self, body: &[u8]) -> Result<Response, Refused> {
+        let request: CurvesRequest = message(body)?;
+        let opened = self.text(&request.digest)?;
+        let file = opened.csv(&request.design, request.motion.as_deref());
+        Ok(Response::new(200, CSV, file.map_err(|why| (422, why))?))
+    }
+
     fn tune(&self, body: &[u8]) -> Result<Response, Refused> {
         let request: TuneRequest = message(body)?;
         let opened = self.text(&request.of.digest)?;
@@ -311,11 +319,15 @@ impl ServerState {
         };
         let saved = match &request.name {
             None => {
-                let saved = opened.save(design, request.anyway);
-                let saved = self.remember(saved.map_err(refused)?);
+                let over = Over {
+                    known: request.base.as_deref(),
+                    anyway: request.anyway,
+                };
+                let written = opened.save(design, &over).map_err(refused)?;
+                let now = self.remember(written.now);
                 Saved {
-                    file: saved.overview().file,
-                    digest: saved.digest().to_owned(),
+                    file: written.files.join(", "),
+                    digest: now.digest().to_owned(),
                 }
             }
             Some(name) => {

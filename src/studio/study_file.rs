@@ -41,6 +41,14 @@ pub(super) struct Opened {
     pub layout: Option<TargetLayout>,
 }
 
+/// Files that a save may replace.
+pub(super) struct Over<'r> {
+    /// SHA-256 of the files' texts that the page knows. `None` for the texts that the design's changes start from.
+    pub known: Option<&'r str>,
+    /// True to write the changes into files that another program has changed.
+    pub anyway: bool,
+}
+
 /// Reason why a file was not saved.
 pub(super) enum NotSaved {
     /// The file has changed since it was opened, or another file of that name exists.
@@ -183,18 +191,19 @@ impl StudyFile {
         }]
     }
 
-    /// Writes a design into the study. If the file's text has changed since it was opened, the file stays unchanged. With
-    /// `anyway`, the coordinates that differ from the opened text are written into the changed file.
+    /// Writes a design into the study. If the file's text is not the known one, the file stays unchanged. With `anyway`, the
+    /// coordinates that differ from the opened text are written into the changed file. Returns the study, and true if the text of
+    /// the file has changed.
     pub(super) fn save(
         &self,
         opened: &Opened,
         design: &[Vector3<f64>],
-        anyway: bool,
-    ) -> Result<Opened, NotSaved> {
+        over: &Over,
+    ) -> Result<(Opened, bool), NotSaved> {
         let text = self.text().map_err(NotSaved::Refused)?;
-        let edited = if digest(&text) == opened.base {
+        let edited = if digest(&text) == over.known.unwrap_or(&opened.base) {
             edited(&opened.study, &opened.text, design)
-        } else if anyway {
+        } else if over.anyway {
             let own = edited_text(&text, &opened.edits).map_err(NotSaved::Refused)?;
             let now = self.understood(&self.path, own)?;
             let wheels = [opened, &now].map(|text| text.study.wheel());
@@ -208,7 +217,8 @@ impl StudyFile {
         let prepared = Prepared::replacing(&self.path, &text, &edited.text)?;
         prepared.check_unchanged()?;
         prepared.put()?;
-        Ok(edited)
+        let is_changed = text != edited.text;
+        Ok((edited, is_changed))
     }
 
     /// Writes the opened text with a design to another file in the same folder. An existing file of that name is only replaced
@@ -419,18 +429,28 @@ pub(super) fn moved_in(
     Ok(merged)
 }
 
+/// Largest length of a name in bytes. A temporary file has a longer name.
+const LONGEST_NAME: usize = 200;
+
 /// Checks that a name is valid on every operating system, for a study in the folder itself.
 pub(super) fn check_name(name: &str) -> Result<(), String> {
-    let is_plain = |c: char| !c.is_control() && !"/\\:*?\"<>|".contains(c);
-    let is_name = Path::new(name).file_name() == Some(name.as_ref());
+    if name.contains(['/', '\\', ':']) {
+        return Err(format!(
+            "{name} names a folder or a drive; expected a name alone, as in mine.toml"
+        ));
+    }
+    let length = name.len();
+    if length > LONGEST_NAME {
+        return Err(format!(
+            "the name has {length} bytes; expected at most {LONGEST_NAME}"
+        ));
+    }
     let stem = name.strip_suffix(".toml").unwrap_or("");
     if stem.trim().is_empty() || stem.starts_with('.') || stem.ends_with([' ', '.']) {
         return Err("expected a name that ends in .toml, as in mine.toml".to_owned());
     }
-    if !is_name || !name.chars().all(is_plain) || name.len() > 200 {
-        return Err(
-            "expected the name of a file in the folder of the study, without a folder".to_owned(),
-        );
+    if name.contains(|c: char| c.is_control() || "*?\"<>|".contains(c)) {
+        return Err("expected a name without the characters * ? \" < > |".to_owned());
     }
     if !is_printable(name) {
         return Err(

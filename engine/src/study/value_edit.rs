@@ -157,7 +157,8 @@ fn replace(old: &mut Value, new: &Json) -> Option<()> {
     Some(())
 }
 
-/// Changes, removes or adds an entry of a list. A comment after an entry, on the same line, is removed with it.
+/// Changes, removes or adds an entry of a list. A comment after an entry, on the same line, is removed with it. Comments above the
+/// first entry may belong to the whole list, so they stay.
 fn set_entry(list: &mut Array, at: usize, value: Option<&Json>) -> Option<()> {
     match value {
         Some(value) if at < list.len() => replace(list.get_mut(at)?, value),
@@ -178,7 +179,11 @@ fn set_entry(list: &mut Array, at: usize, value: Option<&Json>) -> Option<()> {
             };
             match list.get_mut(at + 1) {
                 Some(next) => {
-                    let next_prefix = without_own(&prefix(next));
+                    let own = without_own(&prefix(next));
+                    let next_prefix = match at {
+                        0 if before.contains('#') => format!("{}{own}", before.trim_end()),
+                        _ => own,
+                    };
                     next.decor_mut().set_prefix(next_prefix);
                 }
                 None => {
@@ -218,11 +223,24 @@ fn prefix(value: &Value) -> String {
     prefix.unwrap_or("").to_owned()
 }
 
-/// Changes, removes or adds a `[[table]]`.
+/// Changes, removes or adds a `[[table]]`. Comments above the first table may belong to all tables, so they stay.
 fn set_table(tables: &mut ArrayOfTables, at: usize, value: Option<&Json>) -> Option<()> {
     match value {
         None if at < tables.len() => {
+            let above = |table: &Table| {
+                let prefix = table.decor().prefix().and_then(|own| own.as_str());
+                prefix.unwrap_or("").to_owned()
+            };
+            let removed = above(tables.get(at)?);
             tables.remove(at);
+            if at == 0
+                && removed.contains('#')
+                && let Some(next) = tables.get_mut(0)
+            {
+                let own = above(next);
+                let both = format!("{}\n{}", removed.trim_end(), own.trim_start_matches('\n'));
+                next.decor_mut().set_prefix(both);
+            }
             Some(())
         }
         None => None,

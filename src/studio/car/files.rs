@@ -7,7 +7,8 @@ use crate::report::car_with_axles;
 use crate::results::digest_of_texts;
 use crate::studio::message::TextChange;
 use crate::studio::study_file::{
-    NotSaved, Prepared, edited, moved_in, name_of, new_path, not_understood, text_of, write_new,
+    NotSaved, Over, Prepared, edited, moved_in, name_of, new_path, not_understood, text_of,
+    write_new,
 };
 use crate::study::{CarStudy, PathStep, ValueEdit, edited_text};
 use std::fs;
@@ -95,18 +96,20 @@ impl CarFiles {
         self.names().into_iter().zip(pairs).map(change).collect()
     }
 
-    /// Writes designs into the files. If the text of one file has changed since it was opened, no file changes. With `anyway`,
-    /// the values and coordinates that differ from the opened texts are written into the present files.
+    /// Writes designs into the files. If the text of one file is not the known one, no file changes. With `anyway`, the values
+    /// and coordinates that differ from the opened texts are written into the present files. Returns the car, and the names of
+    /// the files whose texts have changed.
     pub(super) fn save(
         &self,
         opened: &OpenedCar,
         designs: &Designs,
-        anyway: bool,
-    ) -> Result<OpenedCar, NotSaved> {
+        over: &Over,
+    ) -> Result<(OpenedCar, Vec<String>), NotSaved> {
         let missing = |why| NotSaved::Refused(format!("nothing is saved: {why}"));
         let before = self.texts().map_err(missing)?;
-        let is_same = digest_of_texts(&before.each_ref().map(String::as_str)) == opened.base;
-        let after = match (is_same, anyway) {
+        let known = over.known.unwrap_or(&opened.base);
+        let is_same = digest_of_texts(&before.each_ref().map(String::as_str)) == known;
+        let after = match (is_same, over.anyway) {
             (true, _) => with_designs(opened, designs),
             (false, true) => self.merged(opened, designs, &before)?,
             (false, false) => {
@@ -137,7 +140,7 @@ impl CarFiles {
             own.put().map_err(|why| half_written(why, &done))?;
             done.push(name_of(path));
         }
-        Ok(understood)
+        Ok((understood, done))
     }
 
     /// Merges the user's edits and moved points into `now`, the present texts of files that another program has changed.

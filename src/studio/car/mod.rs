@@ -17,8 +17,8 @@ use super::message::{
     Coordinates, Designed, DirectionsAnswer, InfluenceAnswer, InfluenceRequest, LimitsAnswer,
     Overview, SidePlacement, SolveRequest, SolvedAnswer, TextChange, TuneRequest,
 };
-use super::reading::Reading;
-use super::study_file::{NotSaved, check_geometry, in_kernel};
+use super::reading::{Reading, Written};
+use super::study_file::{NotSaved, Over, check_geometry, in_kernel};
 use super::turns::Stop;
 use crate::car::{AXLE_NAMES, CarSolver};
 use crate::exchange::{car_point_pages, car_points_csv};
@@ -161,8 +161,8 @@ impl Reading for OpenedCar {
         Ok(LimitsAnswer::of("Wheel lift", &table, is_shown, notes))
     }
 
-    fn csv(&self, of: &Designed) -> Result<Vec<u8>, String> {
-        let study = self.moved(&of.design)?;
+    fn csv(&self, design: &Coordinates, _: Option<&str>) -> Result<Vec<u8>, String> {
+        let study = self.moved(design)?;
         let mut solver = solver(&study)?;
         Ok(CarResults::solve(&study, &mut solver, study.cases.len()).cases_csv())
     }
@@ -208,9 +208,11 @@ impl Reading for OpenedCar {
         Ok(self.files.changes(self, &self.designs(design)?))
     }
 
-    fn save(&self, design: &Coordinates, anyway: bool) -> Result<Arc<dyn Reading>, NotSaved> {
+    fn save(&self, design: &Coordinates, over: &Over) -> Result<Written, NotSaved> {
         let designs = self.designs(design).map_err(NotSaved::Refused)?;
-        Ok(Arc::new(self.files.save(self, &designs, anyway)?))
+        let (now, files) = self.files.save(self, &designs, over)?;
+        let now = Arc::new(now);
+        Ok(Written { now, files })
     }
 
     fn save_as(&self, design: &Coordinates, name: &str, anyway: bool) -> Result<String, NotSaved> {

@@ -3,7 +3,7 @@
 use super::misfit::{name_of, name_on_rig};
 use super::{OpenedCar, coordinates};
 use crate::car::{AXLE_NAMES, AxleParameter, Car, CarQuantity, CarVariable, rate_key};
-use crate::model::PointId;
+use crate::model::{Axis, PointId};
 use crate::report::{Scene, readable_unit};
 use crate::studio::message::{
     CharacteristicOverview, Overview, PointOverview, Slider, TargetOverview, VariableOverview,
@@ -44,6 +44,7 @@ pub(super) fn overview(opened: &OpenedCar) -> Overview {
         written: written(study),
         topology: [0, 1].map(topology).join(", "),
         unit: study.car.length_unit.symbol().to_owned(),
+        axes: Axis::ALL.map(|axis| study.frame().sign(axis)),
         points: points(study),
         design: coordinates(study),
         scene: scene(study),

@@ -1,6 +1,6 @@
 // The lines of the study that saving would change.
 import { html } from './draw.js';
-import { of } from './design.js';
+import { of, state } from './design.js';
 import { post } from './server.js';
 
 // Lines kept around a change.
@@ -33,9 +33,10 @@ export const difference = (before, after) => {
   return lines;
 };
 
+// After a save and an undo, the text that is shown does not start from that of the file.
 export const writtenDiff = async () => {
-  const files = await post('texts', of());
-  const shown = files.flatMap((one) => {
+  const [files, present] = await Promise.all([post('texts', of()), post('texts', of(state.opened, state.file.digest))]);
+  const shown = files.map((one, k) => ({ ...one, before: present[k].before })).flatMap((one) => {
     const lines = changedLines(one);
     return lines.length && files.length > 1 ? [html('div', { class: 'skip-lines', text: one.file }), ...lines] : lines;
   });

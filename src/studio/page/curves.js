@@ -1,5 +1,5 @@
 // Curves over one of the sliders: now, as opened, wanted, and a proposal beside them.
-import { brief, byId, html, hundredth, placed, refill, set, show, signed, svg, tenth, ticks, write } from './draw.js';
+import { brief, byId, html, hundredth, measured, placed, refill, set, show, signed, svg, tenth, ticks, write } from './draw.js';
 import { ask, askGhost, chooseMotion, emit, here as placeNow, isInGesture, on, onRest, state } from './design.js';
 import { framed } from './frame.js';
 import { Deviation } from './deviation.js';
@@ -7,18 +7,18 @@ import { EdgeHandles } from './handles.js';
 import { announce } from './speech.js';
 import { at, curveOf, endsOf, familyOf, heights, knownOf, runs, wholeOf } from './runs.js';
 import { askForTarget } from './targets.js';
+import { labelsOf, spread, widest } from './labels.js';
 
 const MARGIN = { left: 46, right: 10, top: 15, bottom: 33 };
-// Number of lines of a family that have a label each; of more only the first, the last and the present one.
-const MOST_LABELS = 5;
+// Distance of labels from the ends of their lines.
+const GAP = 8;
 // Letters of a range that fit into its box.
 const MOST_OF_RANGE = 17;
 // Width of a letter of an axis in pixels.
 const LETTER = 5.5;
-// Letters of a value in large type.
-const MOST_LETTERS = 14;
-// Letters of both values of a pair beside a range.
-const MOST_OF_PAIR = 17;
+// Sizes of a value in pixels, large and small, and the width of the range beside it.
+const VALUE = { large: 13.12, small: 11.52 };
+const RANGE = 125;
 // Height of the strip of deviations.
 const STRIP = 26;
 let charts = [];
@@ -63,6 +63,8 @@ const rangeOf = (low, high) => {
   }
   return between((v) => v.toExponential(1).replaceAll('-', '−'));
 };
+
+const decimals = (text) => (text.includes('e') ? 0 : (text.split('.')[1] ?? '').length);
 
 // Ticks whose names do not touch, at even distances, and with the tick at zero.
 const apart = (all, x) => {
@@ -162,8 +164,6 @@ class Chart {
     const targets = targetsOf(this.series.map(({ column }) => column), answer.rack);
     // Under curves with targets there is a strip of their deviation.
     this.bottom = MARGIN.bottom + (targets.length ? STRIP : 0);
-    this.inner = [width - MARGIN.left - MARGIN.right, height - MARGIN.top - this.bottom];
-    set(this.clip, { width: this.inner[0] + MARGIN.right, height: this.inner[1] });
     const group = answer.shown;
     const whole = wholeOf(answer);
     const family = familyOf(whole, group);
@@ -182,6 +182,10 @@ class Chart {
       };
     });
     this.series.forEach((one, k) => { one.values = found[k].values; });
+    const labels = labelsOf(lines);
+    this.right = labels.length ? GAP + widest(labels) + 2 : MARGIN.right;
+    this.inner = [width - MARGIN.left - this.right, height - MARGIN.top - this.bottom];
+    set(this.clip, { width: this.inner[0] + Math.min(this.right, MARGIN.right), height: this.inner[1] });
 
     const wantedAt = targets.flatMap((t) => t.points.map((p) => p[0]));
     this.xs = endsOf([...knownOf(answer).ends, ...state.overview.sliders[state.over].values, ...wantedAt]);
@@ -220,7 +224,7 @@ class Chart {
     refill(this.parts.others, lines.map(({ side, family: some }) => ['path', { class: side, d: some.map((f) => path(f.pieces)).join('') }]));
     set(this.parts.others, { class: whole === answer ? 'others' : 'others stale' });
     refill(this.parts.pins, lines.flatMap(({ pins }) => pins.map(([letter, some]) => ['path', { class: `pin-${letter}`, d: path(some) }])));
-    this.drawLabels(lines, x, y);
+    this.drawLabels(labels, x, y);
     this.edges.draw(targets, this.scales, this.xs);
     this.deviation.draw(targets, lines, { x, base: height - STRIP / 2, low: this.inner[0] + MARGIN.left, at, answer });
     this.drawGaps(answer, group, x, height);
@@ -234,16 +238,14 @@ class Chart {
     const isPair = lines.length > 1;
     write(this.title, isPair ? first.found.title.replace(/^(left|right) /i, '') : first.found.title);
     write(this.unit, `${isPair ? ', both wheels' : ''}${unit ? ` [${unit}]` : ''}`);
-    const words = lines.map(({ side, here, before }) => {
-      // A value that rounding leaves of nothing is nothing.
-      const is = here !== null && Math.abs(here) < 1e-9 * (this.ys[1] - this.ys[0]) ? 0 : here;
-      const isChanged = !isPair && is !== null && before !== null && Math.abs(is - before) > 1e-12;
-      const text = (digits) => `${side && isPair ? `${side[0].toUpperCase()} ` : ''}${brief(is, digits)}${isChanged ? ` (${signed(is - before, digits - 1)})` : ''}`;
-      return isPair || text(4).length > MOST_LETTERS ? text(3) : text(4);
-    });
-    const isWide = isPair && words.join('  ').length > MOST_OF_PAIR;
-    set(this.value, { class: isWide ? 'pair wide' : isPair || words[0].length > MOST_LETTERS ? 'pair' : null });
-    write(this.value, words.join('  '));
+    // Texts of the value, the longest first. The first one that fits is shown.
+    const texts = isPair ? [lines.map(({ side, here }) => `${side ? `${side[0].toUpperCase()} ` : ''}${brief(this.shown(here), 3)}`).join('  ')] : this.changesOf(first);
+    const fits = (text, size) => measured(text, size, 600) < this.size.width - RANGE;
+    const large = isPair ? undefined : texts.find((text) => fits(text, VALUE.large));
+    const small = texts.find((text) => fits(text, VALUE.small));
+    const words = large ?? small ?? texts[0];
+    set(this.value, { class: large !== undefined ? null : small !== undefined ? 'pair' : 'pair wide' });
+    write(this.value, words);
     const values = lines.flatMap(({ pieces }) => heights(pieces));
     let text = values.length ? rangeOf(Math.min(...values), Math.max(...values)) : 'no value';
     if (first.slopes) {
@@ -251,18 +253,32 @@ class Chart {
       const rms = Math.sqrt(known.reduce((sum, s) => sum + s * s, 0) / Math.max(1, known.length));
       text = `${brief(rms, 3)} per ${state.overview.unit}`;
     }
-    // Long values of a pair take the place of the range, which the axis shows.
+    // Long values take the place of the range, which the axis shows.
     write(this.range, text);
     const { name: over, unit: own } = state.overview.sliders[state.over];
     const sign = positive && positive !== 'always' ? `positive: ${positive}` : '';
-    set(this.svg, { 'aria-label': `${this.title.textContent}${isPair ? ', both wheels' : ''}: ${words.join(', ')} ${unit} at ${over} ${brief(placeNow())} ${own}, ${first.slopes || !values.length ? '' : 'range '}${text}${sign ? `; ${sign}` : ''}` });
+    set(this.svg, { 'aria-label': `${this.title.textContent}${isPair ? ', both wheels' : ''}: ${words.replace('  ', ', ')} ${unit} at ${over} ${brief(placeNow())} ${own}, ${first.slopes || !values.length ? '' : 'range '}${text}${sign ? `; ${sign}` : ''}` });
     set(this.figure, { title: sign || null });
     set(this.adder, { 'aria-label': `+ target for ${this.title.textContent}` });
   }
 
+  // A value that rounding leaves of nothing is nothing.
+  shown(value) {
+    return value !== null && Math.abs(value) < 1e-9 * (this.ys[1] - this.ys[0]) ? 0 : value;
+  }
+
+  // A value with its change against the file: with more and with fewer digits of the change. It has the digits of the value before.
+  changesOf({ here, before }) {
+    const is = this.shown(here);
+    const text = brief(is, 4);
+    if (is === null || before === null || Math.abs(is - before) <= 1e-12) return [text];
+    const value = text.includes('e') ? text : is.toFixed(Math.max(...[is, before].map((own) => decimals(brief(own, 4))))).replace('-', '−');
+    return [3, 2].map((digits) => `${value} (${signed(is - before, digits)})`);
+  }
+
   drawAxes(width, height, x, y, unit) {
     const { name, unit: own } = state.overview.sliders[state.over];
-    const key = [width, height, this.bottom, ...this.xs, ...this.ys, name].join();
+    const key = [width, height, this.bottom, this.right, ...this.xs, ...this.ys, name].join();
     if (key === this.frame) return;
     this.frame = key;
     const [lines, words] = [[], []];
@@ -272,7 +288,7 @@ class Chart {
     const isNamed = (tick) => y(tick) > MARGIN.top + 5;
     for (const tick of several(this.ys, this.inner[1] / 34, isNamed)) {
       const place = y(tick).toFixed(1);
-      lines.push(['path', { class: tick === 0 ? 'zero' : null, d: `M${MARGIN.left} ${place}H${width - MARGIN.right}` }]);
+      lines.push(['path', { class: tick === 0 ? 'zero' : null, d: `M${MARGIN.left} ${place}H${width - this.right}` }]);
       if (isNamed(tick)) word(MARGIN.left - 5, Number(place) + 3.5, 'end', brief(tick));
     }
     const across = several(this.xs, this.inner[0] / 62, () => true);
@@ -287,33 +303,11 @@ class Chart {
     refill(this.parts.axes, [...lines, ...words]);
   }
 
-  // Names at the right end of lines: of both wheels, and of the lines of a family.
-  drawLabels(lines, x, y) {
-    const wanted = [];
-    const end = (pieces) => pieces.at(-1)?.at(-1);
-    const isPair = lines.length > 1;
-    for (const { side, pieces, family } of lines) {
-      const own = end(pieces);
-      const unit = family.length ? state.overview.sliders[state.family].unit : '';
-      const place = family.length ? state.answer.group_places[state.answer.shown][state.family] : null;
-      const text = [isPair ? side : null, place === null ? null : `${brief(place, 3)} ${unit}`].filter(Boolean).join(' ');
-      if (own && text) wanted.push([own, text, `strong ${side ?? ''}`]);
-      const known = family.filter((f) => end(f.pieces));
-      const named = known.length <= MOST_LABELS ? known : [known[0], known.at(-1)];
-      for (const f of named) if (!isPair || side === 'left') wanted.push([end(f.pieces), `${brief(f.value, 3)} ${unit}`, side ?? '']);
-    }
-    for (const { pins } of lines) for (const [letter, pieces] of pins) if (end(pieces)) wanted.push([end(pieces), letter, `pin pin-${letter}`]);
-    const taken = [];
-    const labels = wanted.flatMap(([[a, b], text, kind]) => {
-      const height = y(b);
-      if (height < MARGIN.top - 1 || height > MARGIN.top + this.inner[1] + 1) return [];
-      // Above the line's end, or below where that is taken or outside.
-      const free = [height - 4, height + 11].find((h) => h > MARGIN.top + 6 && h < MARGIN.top + this.inner[1] && taken.every((t) => Math.abs(t - h) > 10));
-      if (free === undefined) return [];
-      taken.push(free);
-      return [['text', { class: kind, ...placed(x(a) + 6, free), 'text-anchor': 'end', text }]];
-    });
-    refill(this.parts.labels, labels);
+  drawLabels(labels, x, y) {
+    const found = spread(labels, [MARGIN.top, MARGIN.top + this.inner[1]], y);
+    const leader = ({ end, at: from, to }) => (Math.abs(to - from) > 4 ? `M${tenth(x(end[0]) + 1)} ${tenth(from)}L${tenth(x(end[0]) + GAP - 1)} ${tenth(to)}` : '');
+    refill(this.parts.labels, [['path', { d: found.map(leader).join('') }],
+      ...found.map(({ end, text, kind, to }) => ['text', { class: kind, ...placed(x(end[0]) + GAP, to + 3.5), text }])]);
   }
 
   drawBands(targets, x, y) {

@@ -4,6 +4,8 @@ import { post } from './server.js';
 
 export const state = {
   overview: null,
+  // The overview of the file, as opened or last saved.
+  file: null,
   // Coordinates in the study's axes, by point.
   design: [],
   // Coordinates of the file.
@@ -152,7 +154,11 @@ export const resume = (deeds, at) => {
   takeMotion(state.overview);
 };
 // The text of the file: `edits` lead from the text with the digest `from` to the text of an overview.
-export const isOfFile = (overview) => { overview.from = overview.digest; overview.edits = []; };
+export const isOfFile = (overview) => {
+  overview.from = overview.digest;
+  overview.edits = [];
+  state.file = overview;
+};
 // Takes the overview of a study whose values were changed by these edits, in one deed. The design stays, or a new one is taken.
 // The label is a text, or a function of the design before.
 export const takeOverview = (overview, label, edits, design = null) => {
@@ -308,14 +314,25 @@ const run = async () => {
   if (isOfText) emit('answer', own.since);
 };
 
-// The same for the design as it was opened, and for a proposal: for curves to compare with.
+// The same for the file's design with the values of the file, to compare with. One request at a time.
+let isGhostAsked = false;
+let isGhostWanted = false;
 export const askGhost = async () => {
-  const { motion, overview: { digest, base, is_car: isCar } } = state;
-  // Changes of a car are against its files, also where values were edited.
-  const ghost = await post('solve', request(state.opened, isCar ? base : digest)).catch(() => null);
-  if (digest !== state.overview.digest || motion !== state.motion) return;
-  state.ghost = ghost;
-  emit('ghost');
+  isGhostWanted = true;
+  if (isGhostAsked) return;
+  isGhostAsked = true;
+  while (isGhostWanted) {
+    isGhostWanted = false;
+    const { motion, file } = state;
+    const isKnown = (name) => file.characteristics.some((own) => own.name === name && own.available);
+    const asked = { ...request(state.opened, file.digest), characteristics: state.chosen.filter(isKnown) };
+    const ghost = await post('solve', asked).catch(() => null);
+    if (file === state.file && motion === state.motion) {
+      state.ghost = ghost;
+      emit('ghost');
+    }
+  }
+  isGhostAsked = false;
 };
 // The answers of pinned designs. They follow what is asked of the present one.
 export const askPins = async () => {

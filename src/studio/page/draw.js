@@ -67,6 +67,24 @@ export const refill = (group, wanted) => {
   });
   while (group.children.length > wanted.length) group.lastElementChild.remove();
 };
+// Width of a text in the page's font, in pixels.
+const ruler = document.createElement('canvas').getContext('2d');
+let family = null;
+export const measured = (text, size, weight) => {
+  family ??= getComputedStyle(document.body).fontFamily;
+  ruler.font = `${weight} ${size}px ${family}`;
+  return ruler.measureText(text).width;
+};
+// Writes a text into a field. The field is as wide as its text.
+export const fill = (input, text) => {
+  input.value = text;
+  input.style.setProperty('--letters', String(input.value.length));
+};
+export const fitted = (input) => {
+  input.addEventListener('input', () => fill(input, input.value));
+  fill(input, input.value);
+  return input;
+};
 export const byId = (id) => document.getElementById(id);
 // Replaces the content of an element. The focus stays at the control of the same name, else at the control in the same order.
 const CONTROLS = 'button, input, select, summary, a[href], [tabindex]';

@@ -31,9 +31,7 @@ export const readStudy = async (overview = null) => {
   askGhost();
 };
 
-const saved = ({ digest }, design) => {
-  const file = state.overview.files.join(', ');
-  const wasMoved = isMoved() || isEdited();
+const saved = ({ digest, file }, design) => {
   state.overview.digest = digest;
   state.overview.base = digest;
   isOfFile(state.overview);
@@ -42,7 +40,7 @@ const saved = ({ digest }, design) => {
   askGhost();
   emit('saved');
   emit('design');
-  if (!wasMoved) say(`No change was made to ${file}.`);
+  if (!file) say(`No change was made to ${state.overview.files.join(', ')}.`);
   else say(isTuning() ? `${file} saved with the present points; the running tuning is not included.` : `${file} saved`);
 };
 // A proposal on the page is no part of the design yet.
@@ -56,11 +54,11 @@ const settleProposal = async () => {
 };
 // Starts and ends of this page's own saves: odd during a save.
 let ownChanges = 0;
-const save = async (anyway = false) => {
-  if (!anyway && !await settleProposal()) return;
+const save = async (isSure = false) => {
+  if (!isSure && !await settleProposal()) return;
   const design = copy(state.design);
   // Changed values are shown as text before they are written, unless the file has other values by now.
-  if (isEdited() && !anyway) {
+  if (isEdited() && !isSure) {
     const { base, file } = state.overview;
     const now = await post('digest', null).catch(() => base);
     if (now !== base) return settleConflict(`${file} has changed since it was opened`);
@@ -69,10 +67,9 @@ const save = async (anyway = false) => {
   }
   ownChanges += 1;
   try {
-    saved(await post('save', { of: of(design), name: null, anyway }), design);
-    if (anyway) await readStudy();
+    saved(await post('save', { of: of(design), name: null, anyway: false, base: state.file.digest }), design);
   } catch (refused) {
-    if (refused.status !== 409 || anyway) return say(refused.message, 'bad');
+    if (refused.status !== 409) return say(refused.message, 'bad');
     return settleConflict(refused.message);
   } finally { ownChanges += 1; }
 };
@@ -81,7 +78,7 @@ const settleConflict = async (message) => {
   const chosen = await question('The file has changed', `${message}, by you or another program. Choose one:`, [
     ['merge', 'Put my changes into it'], ['as', 'Save as…'], ['reload', 'Reload it, drop my changes'], ['', 'Cancel'],
   ]);
-  if (chosen?.answer === 'merge') return save(true);
+  if (chosen?.answer === 'merge' && await rebase()) return save(true);
   if (chosen?.answer === 'as') return saveAs();
   if (chosen?.answer === 'reload') return reload();
 };
@@ -102,12 +99,15 @@ const withMoves = ({ points, design: opened }, moves) => {
   }
   return { design, missing };
 };
-// Reads the changed file, and puts the moves and edits of this page on top, as a save into the changed file would do. If the
-// file cannot take them, the page stays as it is.
+// Reads the changed file, and puts the moves and edits of this page on top, in one deed. If the file cannot take them, the page
+// stays as it is. Returns true if the file was read.
 const rebase = async () => {
   try {
-    const { moves, edits } = unsaved();
+    const { moves, from, edits } = unsaved();
+    if (from !== state.file.digest) throw new Error('the file was changed after your last save, and you went back to a state before that save. Use “Save as”');
     const overview = await post('study', null);
+    const { unit, axes } = state.overview;
+    if (overview.unit !== unit || overview.axes.some((sign, k) => sign !== axes[k])) throw new Error('the file now has different axes or another unit');
     const edited = edits.length ? await post('edit', { digest: overview.digest, edits }) : null;
     const { design, missing } = withMoves(overview, moves);
     if (missing.length) throw new Error(`the file no longer has ${[...new Set(missing)].join(', ')}`);
@@ -116,8 +116,10 @@ const rebase = async () => {
     if (edited) takeOverview(edited, 'Kept changes', edits, design);
     else put(design, 'kept');
     say(`${state.overview.file} read again. Your unsaved changes are kept.`);
+    return true;
   } catch (refused) {
     say(`Not read again: ${refused.message}. The page still shows the earlier text with your changes.`, 'bad');
+    return false;
   }
 };
 const reload = async () => {
@@ -216,7 +218,7 @@ const offerDraft = () => {
 };
 
 // Pictures: what is drawn, with the look it has on the screen.
-const LOOKS = ['stroke', 'stroke-width', 'stroke-dasharray', 'stroke-linecap', 'stroke-linejoin', 'fill', 'fill-opacity', 'stroke-opacity', 'opacity', 'font-size', 'font-family', 'font-weight', 'display'];
+const LOOKS = ['stroke', 'stroke-width', 'stroke-dasharray', 'stroke-linecap', 'stroke-linejoin', 'fill', 'fill-opacity', 'stroke-opacity', 'opacity', 'font-size', 'font-family', 'font-weight', 'paint-order', 'display'];
 const still = (source) => {
   const image = source.cloneNode(true);
   const [from, to] = [source, image].map((element) => [element, ...element.querySelectorAll('*')]);
@@ -269,8 +271,9 @@ const sheets = {
 const exported = async (what) => {
   const { name } = state.overview;
   const [of_, form] = what.split('-');
+  const { motion } = state;
   if (what === 'print') window.print();
-  else if (what === 'csv') download(`${name}.csv`, new Blob([await postForText('csv', of())], { type: 'text/csv' }));
+  else if (what === 'csv') download(`${motion === null ? name : `${name}_${motion}`}.csv`, new Blob([await postForText('csv', { ...of(), motion })], { type: 'text/csv' }));
   else if (what === 'points') download(`${name}_hardpoints.csv`, new Blob([await postForText('points', of())], { type: 'text/csv' }));
   else if (what === 'dxf') download(`${name}.dxf`, new Blob([await postForText('dxf', of())], { type: 'image/vnd.dxf' }));
   else if (what === 'report') {

@@ -1,6 +1,6 @@
 // The page: starts its parts, and holds what belongs to none of them.
 import { brief, byId, html } from './draw.js';
-import { ask, askGhost, canRedo, canUndo, emit, isSettled, on, put, redo, state, undo } from './design.js';
+import { ask, askGhost, canRedo, canUndo, emit, isEdited, isSettled, on, put, redo, state, undo } from './design.js';
 import { Refused, watchServer } from './server.js';
 import { startViews } from './views.js';
 import { drawnPlaces, drawnValues, startCurves } from './curves.js';
@@ -72,7 +72,7 @@ const startSliders = () => {
   const place = (event) => {
     show();
     ask(event);
-    if (state.curvesAtRack) askGhost();
+    if (state.curvesAtRack || isEdited()) askGhost();
   };
   byId('home').addEventListener('click', (event) => { state.at = state.overview.sliders.map((slider) => slider.home); emit('place', event); });
   byId('rack-curves').addEventListener('change', (event) => { state.curvesAtRack = event.target.checked; askGhost(); ask(event); });

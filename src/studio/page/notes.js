@@ -1,5 +1,5 @@
 // Panels beside the curves: targets, constraints, limits, free directions, warnings.
-import { brief, byId, html, quantity, renew, scroller, set, write } from './draw.js';
+import { brief, byId, html, measured, quantity, renew, scroller, set, write } from './draw.js';
 import { of, begin, copy, emit, finish, isInGesture, isSame, on, onRest, snapped, state } from './design.js';
 import { openTab, tellTab } from './layout.js';
 import { post } from './server.js';
@@ -13,7 +13,7 @@ const words = (column) => column.replaceAll('_', ' ');
 const panel = (title, ...children) => html('div', { class: 'panel', id: `panel-${title.toLowerCase().replaceAll(' ', '-')}` }, html('h2', { text: title }), ...children);
 const table = (head, body, isNumber = (k) => k > 0) => html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text, k) => html('th', { text, class: isNumber(k) ? 'number' : null })))), html('tbody', {}, ...body));
 
-// Chips in the header: of fixed width, so that nothing moves while they change. Each leads to its panel.
+// Chips in the header. They become wider, but never narrower, so that little moves while they change. Each leads to its panel.
 let chips = new Map();
 const buildChips = () => {
   const { tunes, builds, has_constraints: hasConstraints } = state.overview;
@@ -22,8 +22,10 @@ const buildChips = () => {
   chips = new Map(names.map(([key, name, place]) => {
     const [value, note] = [html('b'), html('small')];
     const chip = html('button', { class: 'chip', 'data-chip': key, on: { click: () => lead(place) } }, html('span', { text: name }), html('span', { class: 'value' }, value, note));
-    return [key, { chip, value, note }];
+    return [key, { chip, value, note, widest: {} }];
   }));
+  // After the first move the misfit is compared.
+  widen('misfit', { note: ' from 00.0' });
   byId('figures').replaceChildren(...[...chips.values()].map(({ chip }) => chip));
 };
 // Opens the tab of a chip, and selects the point of the member that it is about.
@@ -42,11 +44,24 @@ const selectNamed = (text) => {
 };
 // Chips that need all stations keep their values while a point moves, and are pale.
 const markStale = (isStale) => { for (const key of ['solved', 'warnings']) chips.get(key)?.chip.classList.toggle('stale', isStale); };
+// Sizes of the texts of a chip in pixels, of a window with the usual size of letters.
+const SIZES = { value: [15.2, 700], note: [12, 400] };
+const widen = (key, texts) => {
+  const { chip, widest } = chips.get(key) ?? {};
+  if (!chip) return;
+  for (const [part, text] of Object.entries(texts)) {
+    const width = Math.ceil(measured(text, ...SIZES[part]));
+    if (width <= (widest[part] ?? 0)) continue;
+    widest[part] = width;
+    chip.style.setProperty(`--${part}`, `${width / 16}rem`);
+  }
+};
 const tell = (key, value, note, bad, about = note) => {
   const found = chips.get(key);
   if (!found) return;
   write(found.value, value);
   write(found.note, note ? ` ${note}` : '');
+  widen(key, { value, note: found.note.textContent });
   found.chip.classList.toggle('bad', Boolean(bad));
   set(found.chip, { title: about ? `${value} ${about}` : null });
 };
@@ -134,7 +149,9 @@ const limitsPanel = () => {
   const cell = (text) => (isNumber(text) ? html('td', { class: 'number', text: text.replace('-', '−') }) : html('td', { class: 'words', text: words(text) }));
   const hasNumbers = (k) => k > 0 && rows.some((texts) => isNumber(texts[k]));
   const cells = rows.map(([first, ...others]) => html('tr', {}, html('th', { scope: 'row', text: quantity(first) || '–' }), ...others.map(cell)));
-  return [panel(title, scroller(title, table(header, cells, hasNumbers)), ...notes.map((text) => html('p', { class: 'hint', text })))];
+  const found = panel(title, scroller(title, table(header, cells, hasNumbers)), ...notes.map((text) => html('p', { class: 'hint', text })));
+  found.classList.toggle('wide', header.length > 5);
+  return [found];
 };
 
 const warnings = () => {

@@ -23,9 +23,9 @@ const point = (p, axis, wait = 90) => {
 const MOST_DIGITS = 9;
 const short = (value) => {
   const whole = String(value);
-  if (whole.length <= MOST_DIGITS || whole.includes('e')) return whole;
-  const decimals = Math.max(0, MOST_DIGITS - 2 - Math.trunc(value).toString().length);
-  return `${value.toFixed(decimals)}…`;
+  if (whole.length <= MOST_DIGITS) return whole;
+  const decimals = MOST_DIGITS - 2 - Math.trunc(value).toString().length;
+  return whole.includes('e') || decimals < 0 ? `${value.toExponential(1)}…` : `${value.toFixed(decimals)}…`;
 };
 
 const putValue = (input, text) => { if (input.value !== text) input.value = text; };
@@ -103,6 +103,7 @@ const build = () => {
   });
   watch.disconnect();
   for (const { tr } of rows) watch.observe(tr);
+  byId('coordinates').classList.toggle('tuned', state.overview.tunes);
   byId('coordinates').replaceChildren(html('thead', {}, head), html('tbody', {}, ...rows.map((r) => r.tr)));
 };
 

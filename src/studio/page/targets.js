@@ -1,6 +1,6 @@
 // Targets, variables and constraints of the study, changed on the page. An edit is a value and a path; the server writes
 // it into the study's text and keeps the comments.
-import { AXES, brief, html, quantity, scroller } from './draw.js';
+import { AXES, brief, fill, fitted, html, quantity, scroller } from './draw.js';
 import { placeAfter, state, takeOverview } from './design.js';
 import { question, refuse, retract } from './dialog.js';
 import { post } from './server.js';
@@ -52,20 +52,20 @@ const parsed = (text) => {
 // refuses the number; the field then has the number of the study again.
 const field = (label, value, change, isOptional = false) => {
   const written = value === null ? '' : String(value);
-  const input = html('input', { type: 'text', inputmode: 'decimal', value: written, 'aria-label': label, title: label, autocomplete: 'off' });
+  const input = fitted(html('input', { type: 'text', inputmode: 'decimal', value: written, 'aria-label': label, title: label, autocomplete: 'off' }));
   input.addEventListener('change', () => {
     const number = parsed(input.value);
     const isWrong = number === null && !(isOptional && input.value.trim() === '');
     input.classList.toggle('wrong', isWrong);
     if (isWrong || number === value) return;
     input.blur();
-    Promise.resolve(change(number)).then((isTaken) => { if (isTaken === false) input.value = written; });
+    Promise.resolve(change(number)).then((isTaken) => { if (isTaken === false) fill(input, written); });
   });
-  input.addEventListener('keydown', (event) => { if (event.key === 'Escape') { input.value = written; input.blur(); } });
+  input.addEventListener('keydown', (event) => { if (event.key === 'Escape') { fill(input, written); input.blur(); } });
   return input;
 };
 const remover = (label, path, name) => html('button', { class: 'small', text: '✕', title: label, 'aria-label': label, on: { click: () => edit([{ path, value: null }], `Removed ${name}`) } });
-const headed = (title, head, rows, ...more) => html('div', { class: 'panel form' }, html('h2', { text: title }), scroller(title,
+const headed = (title, head, rows, ...more) => html('div', { class: head.length > 5 ? 'panel form wide' : 'panel form' }, html('h2', { text: title }), scroller(title,
   html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text) => html(text ? 'th' : 'td', { text })))), html('tbody', {}, ...rows))), ...more);
 
 // Fields of the numbers by which a table of the study limits or wants a value.
@@ -118,7 +118,7 @@ const variableAdder = () => {
   const point = choice('point of the new variable', points.map(({ name }) => name));
   if (state.selected !== null) point.value = points[state.selected].name;
   const axis = choice('axis of the new variable', AXES);
-  const range = html('input', { type: 'text', value: unit === 'mm' ? '10' : unit === 'm' ? '0.01' : '0.4', 'aria-label': 'range of the new variable, either way' });
+  const range = fitted(html('input', { type: 'text', value: unit === 'mm' ? '10' : unit === 'm' ? '0.01' : '0.4', 'aria-label': 'range of the new variable, either way' }));
   const add = () => {
     const by = parsed(range.value);
     range.classList.toggle('wrong', by === null);

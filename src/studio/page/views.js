@@ -2,7 +2,7 @@
 import { along, AXES, brief, byId, centred, cross, dot, heldByFinger, html, minus, norm, placed, set, show, signed, svg, tenth, write } from './draw.js';
 import { MechanismView } from './mechanism_view.js';
 import { flat, rims } from './space.js';
-import { begin, emit, finish, gradient, grip, moveTo, on, snapped, state, stepped } from './design.js';
+import { begin, emit, finish, gradient, grip, isEdited, moveTo, on, snapped, state, stepped } from './design.js';
 
 // Points nearer to each other than this, in pixels, lie on each other.
 const STACKED = 9;
@@ -167,7 +167,8 @@ class View extends MechanismView {
     const round = (path, at) => set(path, { d: at ? rimsOf(at, scene).map((own) => this.path(own, true)).join('') : '' });
     bodies(this.bodies, frame);
     round(this.wheel, frame);
-    const opened = placement(state.answer?.opened);
+    // The server compares with the points of the file. After a change of values, the file's own mechanism is another one.
+    const opened = placement(isEdited() ? state.ghost?.frame : state.answer?.opened);
     bodies(this.ghost, opened);
     round(this.ghost.at(-1), opened);
     bodies(this.proposal, placement(state.proposed?.frame));
@@ -396,6 +397,7 @@ export const startViews = () => {
   });
   for (const event of ['selection', 'options', 'proposed', 'pins', 'unanswered', 'late']) on(event, drawAll);
   on('design', () => { if (state.isLate) drawAll(); });
+  on('ghost', () => { if (isEdited()) drawAll(); });
   byId('part').addEventListener('change', (event) => {
     part = event.target.value;
     views.forEach((view) => view.fit());

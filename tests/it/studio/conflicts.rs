@@ -93,7 +93,7 @@ fn a_file_is_read_again_under_the_changes_of_the_page() {
     // The dialog shows only the lines that this page changes.
     let before = served.text();
     browser.click("#save");
-    browser.wait("document.querySelector('#dialog button[value=yes]')");
+    browser.wait("document.querySelector('#dialog[open] button[value=yes]')");
     let lines = browser.run("return [...document.querySelectorAll('.diff .gone, .diff .come')].map((line) => line.textContent)");
     let lines = lines.to_string();
     assert!(lines.contains("tolerance = 0.0125"), "{lines}");
@@ -128,7 +128,7 @@ fn changes_that_a_file_cannot_take_stay_on_the_page() {
 }
 
 /// A save after another program's change asks what to do before it shows lines. The lines that change, in the history and
-/// before a save, never contain changes of the other program.
+/// before a save, never contain changes of the other program. Changes that were put into the file can be undone.
 #[test]
 fn lines_of_another_program_are_no_changes_of_the_page() {
     let Some(browser) = Browser::start() else {
@@ -167,5 +167,14 @@ fn lines_of_another_program_are_no_changes_of_the_page() {
         saved.starts_with("# by hand\n") && saved.contains("tolerance = 0.0125"),
         "{saved}"
     );
+    assert_eq!(deeds(&browser), json!(["Kept changes", "As opened"]));
+    browser.click("#undo");
+    browser.wait(SETTLED);
+    browser.run("document.getElementById('banner').textContent = ''");
+    browser.click("#save");
+    browser.wait("document.querySelector('#dialog[open] button[value=yes]')");
+    browser.click("#dialog button[value=yes]");
+    browser.wait("document.getElementById('banner').textContent.includes('study.toml saved')");
+    assert_eq!(served.text(), format!("# by hand\n{text}"));
     assert_eq!(browser.console(), Vec::<String>::new());
 }

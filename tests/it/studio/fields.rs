@@ -125,3 +125,41 @@ fn the_right_half_of_a_solid_axle_follows() {
     );
     assert_eq!(browser.console(), Vec::<String>::new());
 }
+
+/// No field cuts its number and no chip its text, in a usual and in a wide window and on a phone. On a phone the table of points has
+/// its headings.
+#[test]
+fn fields_are_as_wide_as_their_numbers() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let long = sample("macpherson_front.toml").replace("-260.0, 350.0", "-260.2362, 350.2362");
+    let many = sample("double_wishbone_axle.toml").replace("steps = 9", "steps = 2049");
+    for served in [
+        super::car::served("car", super::car::as_it_is),
+        Served::of(&long),
+        Served::of(&many),
+    ] {
+        for width in [1400, 1920, 390] {
+            browser.size(width, 900);
+            browser.open(&served.address);
+            browser.wait(READY);
+            browser.wait(SETTLED);
+            for tab in ["points", "targets", "constraints", "parts"] {
+                browser.click(&format!("#tab-{tab}"));
+                let cut = browser.run(
+                    "return [...document.querySelectorAll('input[type=text], .chip .value, .chip b')] \
+                     .filter((e) => e.checkVisibility() && e.scrollWidth > e.clientWidth + 1).map((e) => e.value ?? e.textContent)",
+                );
+                assert_eq!(cut, json!([]), "{width} {tab}");
+            }
+            browser.click("#tab-points");
+            let headings = browser.run(
+                "return [...document.querySelectorAll('#coordinates thead th')].filter((e) => e.checkVisibility() && e.offsetWidth > 20).map((e) => e.textContent).join()",
+            );
+            assert!(headings.as_str().unwrap().contains("x ["), "{headings}");
+        }
+        browser.size(1440, 900);
+        browser.open("about:blank");
+    }
+}

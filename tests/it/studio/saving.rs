@@ -215,3 +215,71 @@ fn edits_are_refused_or_merged() {
         by_hand.replace("weight = 0.5 }", "weight = 0.75 }")
     );
 }
+
+/// A removed target takes its own comment with it. A comment above the first target may belong to all of them, so it stays.
+#[test]
+fn a_comment_above_all_targets_stays() {
+    let served = Served::of(&sample("macpherson_front.toml"));
+    let overview = served.overview();
+    let without = |numbers: &[usize]| {
+        let removed = numbers.iter();
+        let removed = removed.map(|k| json!({"path": ["optimise", "targets", k], "value": null}));
+        let new = edited(
+            &served,
+            &overview["digest"],
+            removed.collect::<Vec<_>>().into(),
+        );
+        let of = json!({"digest": new["digest"], "design": new["design"]});
+        let texts = served.post("texts", &of).json();
+        texts[0]["after"].as_str().unwrap().to_owned()
+    };
+    let all = "# Pairs of wheel travel and angle in degrees.\n";
+    let own = "# At most 0.1 degrees from the toe of the design.\n";
+    let text = without(&[0]);
+    assert!(
+        text.contains(&format!(
+            "\n\n{all}[[optimise.targets]]\ncharacteristic = \"kingpin_inclination\""
+        )) && text.contains(own),
+        "{text}"
+    );
+    let text = without(&[0, 0]);
+    assert!(
+        text.contains(&format!("{all}{own}[[optimise.targets]]\n")),
+        "{text}"
+    );
+    let text = without(&[2]);
+    assert!(text.contains(all) && !text.contains(own), "{text}");
+    // The same in a list of variables.
+    let commented =
+        sample("macpherson_front.toml").replace("variables = [\n", "variables = [\n  # All\n");
+    let served = Served::of(&commented);
+    let removed = json!([{"path": ["optimise", "variables", 0], "value": null}]);
+    let new = edited(&served, &served.overview()["digest"], removed);
+    let of = json!({"digest": new["digest"], "design": new["design"]});
+    let texts = served.post("texts", &of).json();
+    let text = texts[0]["after"].as_str().unwrap();
+    assert!(
+        text.contains("[\n  # All\n  { hardpoint = \"strut_lower\""),
+        "{text}"
+    );
+}
+
+/// A message about a name says what is wrong with it. A saved car names the files whose texts have changed.
+#[test]
+fn messages_name_the_fault_and_the_files() {
+    let served = super::car::served("car", super::car::as_it_is);
+    let of = super::car::moved(&served, &[("rear_toe_link_inner", 2, 1.5)]);
+    let long = format!("{}.toml", "a".repeat(253));
+    for (name, fault) in [
+        ("../x.toml", "../x.toml names a folder or a drive"),
+        (&long, "the name has 258 bytes; expected at most 200"),
+        ("x?.toml", "without the characters"),
+        ("x.txt", "a name that ends in .toml"),
+    ] {
+        let answer = served.post("save", &json!({"of": of, "name": name, "anyway": false}));
+        assert!(answer.text().contains(fault), "{}", answer.text());
+    }
+    let save = json!({"of": of, "name": null, "anyway": false});
+    let saved = served.post("save", &save).json();
+    assert_eq!(saved["file"], json!("car_rear.toml"));
+}

@@ -131,8 +131,18 @@ impl Browser {
 
     /// Shows pages as on paper.
     pub fn print(&self) {
-        let media = json!({"media": "print"});
-        let message = json!({"cmd": "Emulation.setEmulatedMedia", "params": media});
+        self.emulate("setEmulatedMedia", &json!({"media": "print"}));
+    }
+
+    /// Shows pages in a window of this size.
+    pub fn size(&self, width: u32, height: u32) {
+        let size =
+            json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": false});
+        self.emulate("setDeviceMetricsOverride", &size);
+    }
+
+    fn emulate(&self, what: &str, parameters: &Value) {
+        let message = json!({"cmd": format!("Emulation.{what}"), "params": parameters});
         self.command("goog/cdp/execute", &message);
     }
 

@@ -1,0 +1,110 @@
+//! The state with which the page compares: the file as opened or last saved, with its rates and targets.
+
+use super::browser::{READY, SETTLED};
+use super::webdriver::Browser;
+use super::{Served, sample};
+use serde_json::json;
+
+const WHEEL_RATE: &str = r#"
+[optimise]
+variables = [{ hardpoint = "spring_upper", axis = "z", range = [-10.0, 10.0] }]
+targets = [{ characteristic = "wheel_rate", over = "heave", at = 0.0, value = 25.0, tolerance = 1.0 }]
+"#;
+
+fn misfit(browser: &Browser) -> String {
+    browser.wait(SETTLED);
+    let shown =
+        browser.run("return document.querySelector('[data-chip=misfit] .value').textContent");
+    shown.as_str().unwrap().to_owned()
+}
+
+fn type_in(browser: &Browser, label: &str, text: &str) {
+    browser.run(&format!(
+        "const field = document.querySelector('input[aria-label=\"{label}\"]'); \
+         field.value = '{text}'; field.dispatchEvent(new Event('change'))"
+    ));
+}
+
+/// A changed rate and a moved point are compared with the file. The change has a dashed curve. A save makes the saved state the
+/// reference. An undo after the save leads back to the earlier values, which a second save writes.
+#[test]
+fn a_changed_rate_is_compared_with_the_file() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let text = sample("double_wishbone_axle.toml") + WHEEL_RATE;
+    let served = Served::of(&text);
+    browser.open(&served.address);
+    browser.wait(READY);
+    let opened = misfit(&browser);
+    let opened = opened.strip_suffix(" tol.").unwrap();
+
+    browser.click("#tab-parts");
+    type_in(&browser, "spring rate", "70");
+    let from_opened = format!("from {opened}");
+    browser.wait(&format!(
+        "document.querySelector('[data-chip=misfit]').textContent.endsWith('{from_opened}')"
+    ));
+    let dashed = "return ['ghosts', 'now'].map((layer) => document.querySelector(`[data-column='both wheel_rate_N_per_mm'] .${layer} path`).getAttribute('d'))";
+    let lines = browser.run(dashed);
+    assert!(lines[0] != "" && lines[0] != lines[1], "{lines}");
+
+    browser.click("#tab-points");
+    type_in(&browser, "lower_ball_joint z", "131");
+    let moved = misfit(&browser);
+    assert!(moved.ends_with(&from_opened), "{moved}");
+
+    let save = || {
+        browser.run("document.getElementById('banner').textContent = ''");
+        browser.click("#save");
+        browser.wait("document.querySelector('#dialog[open] button[value=yes]')");
+        browser.click("#dialog button[value=yes]");
+        browser.wait("document.getElementById('banner').textContent.includes('study.toml saved')");
+    };
+    save();
+    let saved = moved.split(' ').next().unwrap();
+    browser.wait("document.querySelector('[data-chip=misfit]').textContent.endsWith('tol.')");
+    browser.click("#undo");
+    browser.wait(SETTLED);
+    browser.click("#undo");
+    assert_eq!(misfit(&browser), format!("{opened} from {saved}"));
+    save();
+    assert_eq!(served.text(), text);
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// After Tune has changed points and bushings, the misfit is compared with that of the file: the proposal has the same two numbers.
+#[test]
+fn tuned_bushings_are_compared_with_the_file() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let tuned = r#"
+[optimise]
+variables = [
+  { hardpoint = "tie_rod_inner", axis = "z", range = [-10.0, 10.0] },
+  { bushing = "lower_arm_rear", stiffness = "y", range = [0.5, 2.0], relative = true },
+]
+targets = [{ characteristic = "toe", points = [[-40.0, 0.0], [0.0, 0.0], [40.0, 0.0]], tolerance = 0.02 }]
+"#;
+    let served = Served::of(&(sample("double_wishbone_compliance.toml") + tuned));
+    browser.open(&served.address);
+    browser.wait(READY);
+    let opened = browser.run("return studio.state.answer.misfit.value");
+    browser.click("#tune");
+    browser.wait("document.getElementById('accept')");
+    browser.wait("studio.state.proposed");
+    browser.click("#accept");
+    browser.wait("studio.state.overview.digest !== studio.state.overview.base");
+    let after = misfit(&browser);
+    assert!(after.contains("from"), "{after}");
+    assert_eq!(
+        browser.run("return studio.state.ghost.misfit.value"),
+        opened
+    );
+    // The mechanism of the file has its own bushings, too.
+    let drawn = browser
+        .run("return document.querySelector('[data-view=front] .ghost path').getAttribute('d')");
+    assert_ne!(drawn, json!(""));
+    assert_eq!(browser.console(), Vec::<String>::new());
+}

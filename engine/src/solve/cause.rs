@@ -57,11 +57,14 @@ use nalgebra::{Matrix5, SMatrix};
 /// root a sine has only half as many digits.
 pub(crate) const SINGULAR_PART: f64 = 1e-6;
 
+/// Component of the tangent along the moving quantity below which the path is about to turn back: the sine of half a degree.
+const FLAT: f64 = 0.01;
+
 impl Curve<'_> {
     /// Returns the reason why the path turns back at a fold.
     pub(crate) fn cause(&self, fold: &CurvePoint) -> LimitCause {
-        if self.mechanism.rigid_axle.is_some() {
-            return LimitCause::AxleFolds;
+        if let Some(cause) = self.cause_of_axle() {
+            return cause;
         }
         let at = self.configuration(fold);
         let nearest = nearest_part(&at);
@@ -78,6 +81,24 @@ impl Curve<'_> {
             (Moving::Drive, Drive::Travel) if fold.moved[2] < 0.0 => LimitCause::CentreHighest,
             (Moving::Drive, Drive::Travel) => LimitCause::CentreLowest,
         }
+    }
+
+    /// Reason for a fold of a rigid axle. `None` for a wheel.
+    fn cause_of_axle(&self) -> Option<LimitCause> {
+        self.mechanism.rigid_axle.as_ref()?;
+        Some(if self.mechanism.topology.is_twist_beam() {
+            LimitCause::BeamFolds
+        } else {
+            LimitCause::AxleFolds
+        })
+    }
+
+    /// Reason why the path could not be followed beyond its last point. `slope` is the change of the moving quantity along the path
+    /// there, relative to the largest possible one. Both halves of a symmetric axle fold at the same point. There the path meets
+    /// others, so it may end just before that point.
+    pub(crate) fn cause_without_fold(&self, slope: f64) -> LimitCause {
+        let axle = self.cause_of_axle().filter(|_| slope < FLAT);
+        axle.unwrap_or(LimitCause::Unresolved)
     }
 
     /// The mechanism at a fold.

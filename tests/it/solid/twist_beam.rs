@@ -464,8 +464,31 @@ fn what_a_twist_beam_lacks_is_refused() {
     aside.shear_centre[1] = 1.0;
     let mut on_line = beam.clone();
     on_line.shear_centre = [beam.mount[0], 0.0, beam.mount[2]];
-    for (beam, reason) in [(aside, "y = 0"), (on_line, "line through both mounts")] {
+    let mut near_line = on_line.clone();
+    near_line.shear_centre[2] += 0.25;
+    for (beam, reason) in [
+        (aside, "y = 0"),
+        (on_line, "lies 0 mm from the line through both mounts"),
+        (near_line, "lies 0.25 mm from the line through both mounts"),
+    ] {
         let errors = Study::from_text("beam.toml", &beam.text(STILL), Path::new("")).unwrap_err();
         assert!(errors.to_string().contains(reason), "{errors}");
+    }
+}
+
+/// Both arms of a symmetric beam are vertical at the same heave. Every station beyond it has this reason, however its path ended.
+#[test]
+fn heaves_beyond_vertical_arms_have_one_reason() {
+    let text = include_str!("../../../studies/twist_beam_solve.toml");
+    let start = text.find("roll = {").unwrap();
+    let end = text[start..].find("\n[outputs]").unwrap() + start;
+    let heaves = "heave = [451.38, 451.5, 451.8, 600.0, 900.0]\n";
+    let text = format!("{}{heaves}{}", &text[..start], &text[end..]);
+    let study = Study::from_text("beam.toml", &text, Path::new("")).unwrap();
+    let solved = hardpoint::solved::Solved::of(&study).unwrap();
+    let failures = solved.failures();
+    assert!(!failures.is_empty());
+    for failure in failures.iter().map(ToString::to_string) {
+        assert!(failure.contains("the arms are vertical"), "{failure}");
     }
 }

@@ -107,9 +107,15 @@ fn section<'f>(
     if elastic.next().is_none() && !is_steering_elastic {
         let message = "nothing is elastic: expected [bushings.NAME] or [links.NAME]";
         let error = problems.add(section.span(), message);
-        error.help(
-            "`hardpoint kc` of a study without [compliance] has the tests of the rigid mechanism",
-        );
+        error.help(match suspension.mechanism.rigid_axle {
+            Some(_) => {
+                "give axial_stiffness in [links.NAME]; `hardpoint kc` needs it, and `hardpoint solve` computes the rigid axle \
+                 without [compliance]"
+            }
+            None => {
+                "`hardpoint kc` of a study without [compliance] has the tests of the rigid mechanism"
+            }
+        });
         return None;
     }
     Some(Some(section))

@@ -255,7 +255,7 @@ impl Solver<'_> {
         };
         let end = |target: f64| match curve.to(&start.0, value, target) {
             Ok(_) => RangeEnd::FullTurn,
-            Err(PathEnd::Unresolved { value, .. }) => RangeEnd::Unresolved(value),
+            Err(PathEnd::Unresolved(value)) => RangeEnd::Unresolved(value),
             Err(PathEnd::Fold(fold)) => {
                 let (at, cause) = (curve.configuration(&fold), curve.cause(&fold));
                 RangeEnd::Fold(Limit {

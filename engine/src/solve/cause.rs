@@ -49,7 +49,7 @@
 use super::closed_form::{Roles, UpperRoles};
 use super::continuation::{Curve, CurvePoint, Moving};
 use crate::mechanism::{Closure, Configuration, Driver, LimitCause, PartMeasure};
-use crate::model::{Drive, Mechanism, PointId};
+use crate::model::{Drive, Mechanism, PointId, TwistBeam};
 use crate::number::{Each, Vector3};
 use nalgebra::{Matrix5, SMatrix};
 
@@ -57,14 +57,17 @@ use nalgebra::{Matrix5, SMatrix};
 /// root a sine has only half as many digits.
 pub(crate) const SINGULAR_PART: f64 = 1e-6;
 
-/// Component of the tangent along the moving quantity below which the path is about to turn back: the sine of half a degree.
-const FLAT: f64 = 0.01;
+/// Sine of the largest angle, half a degree, between a vertical arm and the vertical.
+const VERTICAL: f64 = 0.01;
 
 impl Curve<'_> {
     /// Returns the reason why the path turns back at a fold.
     pub(crate) fn cause(&self, fold: &CurvePoint) -> LimitCause {
-        if let Some(cause) = self.cause_of_axle() {
-            return cause;
+        if let Some(rigid) = &self.mechanism.rigid_axle {
+            return match &rigid.twist_beam {
+                None => LimitCause::AxleFolds,
+                Some(beam) => self.cause_of_beam(beam, fold),
+            };
         }
         let at = self.configuration(fold);
         let nearest = nearest_part(&at);
@@ -83,22 +86,18 @@ impl Curve<'_> {
         }
     }
 
-    /// Reason for a fold of a rigid axle. `None` for a wheel.
-    fn cause_of_axle(&self) -> Option<LimitCause> {
-        self.mechanism.rigid_axle.as_ref()?;
-        Some(if self.mechanism.topology.is_twist_beam() {
-            LimitCause::BeamFolds
+    /// Reason for a fold of a twist beam. In heave without a difference of travels, the arms of both halves are vertical at a fold.
+    /// If they are not, the path has met that of twisted halves, along which the heave has an extreme.
+    fn cause_of_beam(&self, beam: &TwistBeam, fold: &CurvePoint) -> LimitCause {
+        let at = self.configuration(fold);
+        let arm = at.point(self.mechanism.wheel_centre) - at.point(beam.mount);
+        let is_vertical = arm.x.abs() < VERTICAL * arm.x.hypot(arm.z);
+        let is_level = self.moving == Moving::Rack && self.held.value == 0.0;
+        if is_level && !is_vertical {
+            LimitCause::Unresolved
         } else {
-            LimitCause::AxleFolds
-        })
-    }
-
-    /// Reason why the path could not be followed beyond its last point. `slope` is the change of the moving quantity along the path
-    /// there, relative to the largest possible one. Both halves of a symmetric axle fold at the same point. There the path meets
-    /// others, so it may end just before that point.
-    pub(crate) fn cause_without_fold(&self, slope: f64) -> LimitCause {
-        let axle = self.cause_of_axle().filter(|_| slope < FLAT);
-        axle.unwrap_or(LimitCause::Unresolved)
+            LimitCause::BeamFolds
+        }
     }
 
     /// The mechanism at a fold.

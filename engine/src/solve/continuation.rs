@@ -73,14 +73,8 @@ pub(crate) struct CurvePoint {
 pub(crate) enum PathEnd {
     /// The path turns back at this point.
     Fold(Box<CurvePoint>),
-    /// The path could not be followed beyond this value, because it meets or nearly meets another path. `slope` is the component
-    /// of the path's tangent along the moving quantity, 1 if the path could not be followed at all.
-    Unresolved {
-        /// Last value on the path.
-        value: f64,
-        /// Size of the component.
-        slope: f64,
-    },
+    /// The path could not be followed beyond this value, because it meets or nearly meets another path.
+    Unresolved(f64),
 }
 
 /// Longest step, relative to the mechanism's size (or in rad).
@@ -119,14 +113,11 @@ impl Curve<'_> {
         let direction = if target >= value { 1.0 } else { -1.0 };
         let mut here = self
             .at(pose, value, None, direction)
-            .ok_or(PathEnd::Unresolved { value, slope: 1.0 })?;
+            .ok_or(PathEnd::Unresolved(value))?;
         // If the path is known only with few digits, a correction may lead back to a point before the start.
         let unresolved = |at: &CurvePoint| {
             let gone = direction * (at.value() - value);
-            PathEnd::Unresolved {
-                value: if gone > 0.0 { at.value() } else { value },
-                slope: at.tangent[6].abs(),
-            }
+            PathEnd::Unresolved(if gone > 0.0 { at.value() } else { value })
         };
         let mut step = LONGEST_STEP;
         for _ in 0..MOST_STEPS {

@@ -595,6 +595,10 @@ fn signs_are_explained_only_if_there_are_values() {
         let arguments = ["kc", &path, "--set", &motion, "--out", "kc"];
         let ran = hardpoint(&arguments, directory.path());
         let said = String::from_utf8(ran.stdout).unwrap();
-        assert_eq!(said.contains("Signs: docs"), is_explained, "{said}");
+        assert_eq!(
+            said.contains("Derivatives at the station"),
+            is_explained,
+            "{said}"
+        );
     }
 }

@@ -129,7 +129,8 @@ fn a_fit_of_an_exact_sheet_converges() {
             variables(&names)
         )
     };
-    let csv = RigTests::of(&elastic(&with(NAME, "")), None).unwrap();
+    let own = elastic(&with(NAME, ""));
+    let csv = RigTests::of(&own, None).unwrap();
     let csv = csv.results.kc_csv();
     let directory = tempfile::tempdir().unwrap();
     let exact = noisy(&csv, 0.0, 1);

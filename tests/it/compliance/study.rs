@@ -186,9 +186,10 @@ fn figures_without_their_test_are_named_with_it() {
             1,
         );
         let characteristics = format!("[outputs]\ncharacteristics = [\"{outputs}\"]");
-        let text = match text.contains("[outputs]") {
-            true => text.replacen("[outputs]", &characteristics, 1),
-            false => format!("{text}\n{characteristics}\n"),
+        let text = if text.contains("[outputs]") {
+            text.replacen("[outputs]", &characteristics, 1)
+        } else {
+            format!("{text}\n{characteristics}\n")
         };
         let read = Study::elastic_from_text("study.toml", &text, Path::new("."));
         read.map(|_| ()).unwrap_err().render(false)

@@ -212,7 +212,8 @@ mod tests {
 
     #[test]
     fn names_of_figures_give_the_keys_of_their_tests() {
-        let keys = |name| figure_and_keys(name).map(|(figure, keys)| (figure, keys.join(", ")));
+        let keys =
+            |name: &str| figure_and_keys(name).map(|(figure, keys)| (figure, keys.join(", ")));
         let of = |figure, keys: &str| Some((figure, keys.to_owned()));
         assert_eq!(
             keys("toe_by_lateral_force_trail_30_opposed_secant"),

@@ -5,6 +5,7 @@ use crate::derive::MotionPoint;
 use crate::linear::lu::Lu6;
 use crate::mechanism::Driver;
 use crate::mechanism::Failure;
+use crate::mechanism::LimitCause;
 use crate::mechanism::Pose;
 use crate::mechanism::Work;
 use crate::mechanism::{GOOD_PREDICTION, ROUNDING};
@@ -88,7 +89,7 @@ impl Solver<'_> {
         let (limit, cause) = match curve.to(pose, value, target) {
             Ok(found) => return Ok(found.pose()),
             Err(PathEnd::Fold(fold)) => (fold.value(), curve.cause(&fold)),
-            Err(PathEnd::Unresolved { value, slope }) => (value, curve.cause_without_fold(slope)),
+            Err(PathEnd::Unresolved(limit)) => (limit, LimitCause::Unresolved),
         };
         Err(match moving {
             Moving::Rack => Failure::RackUnreachable { limit, cause },

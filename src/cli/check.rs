@@ -12,7 +12,9 @@ use crate::evaluate::NotInLanes;
 use crate::mechanism::DesignFault;
 use crate::model::{Axis, Suspension};
 use crate::plan::Plan;
-use crate::report::{Cell, Column, SolveSummary, Summary, Table, as_written, counted};
+use crate::report::{
+    Cell, Column, SolveSummary, Summary, Table, as_written, counted, violated_constraints,
+};
 use crate::solve::StationOrder;
 use crate::study::{
     CarStudy, Designs, Drive, Formulation, Scatter, Study, Sweep, Tolerance, Vehicle, WheelStudy,
@@ -42,6 +44,9 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Stop> {
     let mut out = Printer::new(arguments.format);
     out.say(&format!("{}: valid\n\n", path.display()))?;
     for line in checked.remarks(&study) {
+        out.remark(&format!("{line}\n\n"))?;
+    }
+    for line in violated_constraints(&study).map_err(|why| design_fault(&study, path, &why))? {
         out.remark(&format!("{line}\n\n"))?;
     }
     for failure in checked.failures(study.wheel()) {
@@ -157,9 +162,10 @@ fn asked(study: &Study) -> Vec<String> {
     }
     if let Some(optimise) = &study.optimise {
         lines.push(format!(
-            "Tuning (optimise only): {}, {}, {}.",
+            "Tuning (optimise only): {}, {}, {}, {}.",
             counted(optimise.variables.len(), "variable"),
             counted(optimise.targets.len(), "target"),
+            counted(optimise.constraints.len(), "constraint"),
             counted(optimise.starts, "start")
         ));
         lines.extend(optimise.scatter.as_ref().map(robust));

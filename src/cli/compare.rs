@@ -32,7 +32,7 @@ pub(super) struct CompareArguments {
     pub(super) force: bool,
     /// Format of printed tables
     #[arg(long, value_enum, default_value_t = TableFormat::Text)]
-    format: TableFormat,
+    pub(super) format: TableFormat,
 }
 
 pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {

@@ -6,7 +6,10 @@ use super::output::design_fault;
 use super::printer::Printer;
 use crate::compliance::{AxleKcRun, Compliance, ElasticWheel, KcWheelState, Relaxed};
 use crate::model::{LengthUnit, Suspension};
-use crate::report::{Table, brief, elastic_parts, no_equilibrium, plausibility};
+use crate::report::{
+    Table, brief, elastic_parts, no_equilibrium, plausibility, variable_plausibility,
+    violated_constraints,
+};
 use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study};
 
 /// Limit of a plausible stiffness in N/mm. A larger value may be in N/m by mistake. Applies if lengths are in millimetres.
@@ -79,7 +82,9 @@ fn say_doubts(
     for line in plausibility(study.wheel()).map_err(fault)? {
         out.remark(&format!("{line}\n\n"))?;
     }
-    for doubt in doubts(study, parts) {
+    let doubts = doubts(study, parts);
+    let doubts = doubts.into_iter().chain(variable_plausibility(study));
+    for doubt in doubts.chain(violated_constraints(study).map_err(fault)?) {
         out.remark(&format!("{doubt}\n\n"))?;
     }
     Ok(out)

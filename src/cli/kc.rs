@@ -75,9 +75,15 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
     } else {
         "with the signs of a left wheel"
     };
-    output.text_only(&format!(
-        "\nDerivatives at the station and secants over the window, {signs}. Signs: docs/compliance.md\n"
-    ))?;
+    let is_any_solved = results
+        .stations
+        .iter()
+        .any(|station| station.outcomes.is_ok());
+    if is_any_solved {
+        output.text_only(&format!(
+            "\nDerivatives at the station and secants over the window, {signs}. Signs: docs/compliance.md\n"
+        ))?;
+    }
     output.say_remarks(results.warnings())?;
     for failure in results.failures() {
         output.say_failure(&format!("\nnot solved: {failure}\n"))?;

@@ -7,6 +7,7 @@ use super::corner::Picked;
 use super::figure_names::figure;
 use super::table::PointTable;
 use crate::model::LengthUnit;
+use crate::report::unit_in_words;
 
 /// Unit of length in a file: a unit of studies, or a multiple of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -174,7 +175,7 @@ pub(super) fn unit(
         (Some(unit), _) if fits(&unit) => Ok(unit),
         (Some(unit), fitting) => {
             let better = fitting.map_or(String::new(), |unit| {
-                format!("; in {} they would be", unit.symbol())
+                format!("; in {} they would be", unit_in_words(unit.symbol()))
             });
             notes.push(format!(
                 "please check: the points are up to {size:.4} {} from {from}, which is not the size of \

@@ -169,11 +169,6 @@ pub(super) fn because(limit: &Limit, study: &Study) -> String {
         (LimitCause::DependentLinks, _) => {
             format!("{} are at a dead centre with each other", links.join(", "))
         }
-        (LimitCause::AxleFolds, _) if study.wheel().mechanism.topology.is_twist_beam() => {
-            "the wheel centres rise no further: the arms are vertical, or the halves block each \
-             other"
-                .to_owned()
-        }
         (cause @ LimitCause::AxleFolds, _) => {
             format!("{cause}; the largest force is in {}", links.join(", "))
         }

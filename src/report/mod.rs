@@ -83,9 +83,10 @@ pub use page::{
 };
 pub use picture::{Picture, picture_names, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
+pub(crate) use plausibility::{VIOLATED, constraint_margins};
 pub use plausibility::{
     axle_plausibility, both_wheels_plausibility, plausibility, rack_doubt, spring_doubts,
-    study_doubts, variable_plausibility,
+    study_doubts, variable_plausibility, violated_constraints,
 };
 pub use record::{
     BandCurve, DesignRecord, DrawnDesign, MotionRecord, NamedMotionRecord, OutputRecord, Record,
@@ -108,7 +109,7 @@ pub use sweep::{
     write_part,
 };
 pub use table::{Cell, Column, Format, Table, Tables};
-pub use text::{counted, is_printable, printable, wrapped};
+pub use text::{counted, is_printable, printable, unit_in_words, wrapped};
 pub use tolerance_summary::{RankingRecord, RejectRecord, ToleranceSummary, ValueRecord, rejected};
 pub use tuning_summary::{
     TuningSummary, contradiction_in_words, interrupted_in_words, misfit_in_words, misfit_table,

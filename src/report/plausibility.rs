@@ -4,9 +4,12 @@
 mod axle;
 mod carrier;
 mod spring;
+mod tuning;
 
 pub use axle::{axle_plausibility, both_wheels_plausibility};
 pub use spring::spring_doubts;
+pub use tuning::violated_constraints;
+pub(crate) use tuning::{VIOLATED, constraint_margins};
 
 use super::figure::{brief, with_decimals};
 use super::{Directions, Reading};
@@ -20,7 +23,8 @@ use crate::solve::Solver;
 use crate::study::{AxleStudy, Designs, Move, Study};
 
 /// Largest plausible camber, toe and inclination of a steering axis (degrees).
-const WHEEL_ANGLE: f64 = 15.0;
+const CAMBER: f64 = 15.0;
+const TOE: f64 = 5.0;
 const STEERING_AXIS_ANGLE: f64 = 30.0;
 /// Plausible range of the motion ratio of a spring.
 const MOTION_RATIO: [f64; 2] = [0.1, 2.0];
@@ -97,8 +101,8 @@ pub fn rack_doubt(study: &Study) -> Option<String> {
     })
 }
 
-/// Doubts about the variables of a study, one per line: coordinates where the key expects offsets, or offsets where it expects
-/// coordinates.
+/// Doubts about the variables and targets of a study, one per line: coordinates where the key expects offsets, offsets where it
+/// expects coordinates, or points far beyond the motion.
 pub fn variable_plausibility(study: &Study) -> Vec<String> {
     let mut remarks = PlausibilityRemarks {
         suspension: study.wheel(),
@@ -112,6 +116,7 @@ pub fn variable_plausibility(study: &Study) -> Vec<String> {
     for variable in study.optimise.iter().flat_map(|o| &o.variables) {
         remarks.range(&variable.moves, false, variable.range);
     }
+    remarks.found.extend(tuning::target_doubts(study));
     remarks.found
 }
 
@@ -457,12 +462,12 @@ impl<'a> PlausibilityRemarks<'a> {
             return Ok(());
         };
         let view = WheelReading::of(&at, Constants::of(self.suspension));
-        for (name, angle) in [
-            ("camber", Characteristic::Camber),
-            ("toe", Characteristic::Toe),
+        for (name, angle, most) in [
+            ("camber", Characteristic::Camber, CAMBER),
+            ("toe", Characteristic::Toe, TOE),
         ] {
             let angle = view.characteristic(angle)[0].to_degrees();
-            if angle.abs() > WHEEL_ANGLE {
+            if angle.abs() > most {
                 self.say(format!(
                     "the {name} is {angle:.1} deg in the design position"
                 ));

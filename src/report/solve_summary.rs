@@ -9,7 +9,7 @@ use super::table::{Cell, Column, Table};
 use crate::axle::Axle;
 use crate::curves::{Curves, Station, Status};
 use crate::mechanism::Work;
-use crate::model::Side;
+use crate::model::{PointId, Side};
 use crate::study::Study;
 use serde::{Deserialize, Serialize};
 
@@ -191,8 +191,12 @@ fn is_design(curves: &Curves, station: &Station) -> bool {
 fn right_wheel(axle: &Axle) -> String {
     let (left, right) = (&axle.left, axle.suspension(Side::Right));
     let springs = axle.setup.springs.as_ref();
+    // Points that exist only once, such as those of a Panhard rod, belong to neither half.
+    let mut points = left.design.iter().zip(&right.design).enumerate();
+    let moved = points
+        .any(|(id, (left, right))| left != right && !axle.left.mechanism.is_single(PointId(id)));
     let own = [
-        ("hardpoints", left.design != right.design),
+        ("hardpoints", moved),
         (
             "wheel",
             left.mechanism.spin_axis != right.mechanism.spin_axis,

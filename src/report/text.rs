@@ -11,6 +11,14 @@ pub fn counted<N: Display + PartialEq + From<u8>>(number: N, thing: &str) -> Str
     }
 }
 
+/// Unit of length for a sentence, from its symbol. The symbol `in` would read as a preposition.
+pub fn unit_in_words(symbol: &str) -> &str {
+    match symbol {
+        "in" => "inches",
+        other => other,
+    }
+}
+
 /// Characters after which a line may break within a word.
 const JOINTS: [char; 4] = ['_', '/', ',', '.'];
 

@@ -20,11 +20,9 @@ use super::message::{ConstraintRoom, Coordinates, Misfit, TargetMisfit};
 use super::study_file::Opened;
 use crate::mechanism::DesignFault;
 use crate::optimise::{Assessment, TargetLayout, assessed};
+use crate::report::constraint_margins;
 use crate::study::{Optimise, Study};
 use nalgebra::{DMatrix, DVector};
-
-/// Violation below which a constraint counts as satisfied, in visible units such as a millimetre.
-pub(super) const VIOLATED: f64 = 1e-6;
 
 /// Misfit of a design, if its study has targets.
 pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, DesignFault> {
@@ -115,22 +113,13 @@ fn gradient(
 
 /// Smallest margin of each constraint over all stations at which it is checked.
 fn rooms(optimise: &Optimise, layout: &TargetLayout, rows: &DVector<f64>) -> Vec<ConstraintRoom> {
-    let constraints = optimise.constraints.iter().enumerate();
-    let room = |number: usize| {
-        let labels = layout.labels().iter().enumerate();
-        let own = labels.filter(|(_, label)| label.constraint == number);
-        own.map(|(row, _)| layout.room(row, rows[row]))
-            .fold(f64::INFINITY, f64::min)
-    };
-    constraints
-        .map(|(number, constraint)| {
-            let (room, part) = (room(number), &constraint.parts[0]);
-            ConstraintRoom {
-                name: constraint.name.clone(),
-                room: room + 0.0,
-                unit: part.unit.clone(),
-                is_violated: room < -VIOLATED * part.visible,
-            }
+    let margins = constraint_margins(optimise, layout, rows).into_iter();
+    margins
+        .map(|own| ConstraintRoom {
+            name: own.name,
+            room: own.room,
+            unit: own.unit,
+            is_violated: own.is_violated,
         })
         .collect()
 }

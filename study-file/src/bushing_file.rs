@@ -129,7 +129,14 @@ pub fn read(source: &Arc<Source>) -> Result<BushingFile, StudyErrors> {
         });
     }
     let end = source.text.len()..source.text.len();
-    for (name, curve) in CURVES.iter().zip(&curves) {
+    for ((name, curve), is_given) in CURVES.iter().zip(&curves).zip(seen) {
+        if !is_given {
+            let message = format!(
+                "the file has no block [{name}]: expected {}",
+                CURVES.join(", ")
+            );
+            return Err(StudyError::new(source.clone(), None, message).into());
+        }
         if curve.len() < 2 {
             let message = format!(
                 "expected two points or more in the block [{name}], found {}",

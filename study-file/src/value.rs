@@ -33,7 +33,7 @@ impl Number {
         if value.abs() <= most {
             Ok(value)
         } else if value.is_finite() {
-            Err(format!("a number between -{most:e} and {most:e}"))
+            Err(format!("a number with a magnitude of at most {most:e}"))
         } else {
             Err("a finite number".to_owned())
         }

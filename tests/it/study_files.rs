@@ -42,7 +42,7 @@ const CORPUS: &[(&str, usize, &str)] = &[
     (
         "coordinate_1e300",
         10,
-        "expected a number between -1e12 and 1e12, found 1e300",
+        "expected a number with a magnitude of at most 1e12, found 1e300",
     ),
     (
         "coordinate_infinite",

@@ -56,9 +56,10 @@ pub use fault::{AxleFault, ElasticFault, Motion, NoEquilibrium};
 pub use inputs::{AxleParameter, OnTape, Parameter};
 pub(crate) use kc::{AxleFigure, Conditions, Here};
 pub use kc::{
-    AxleKcRun, AxleVehicle, FIGURE_NAMES, FigureGradients, KcAxleState, KcFigure, KcGradient,
-    KcLevel, KcOutcome, KcRun, KcState, KcStation, KcSubject, KcTest, KcValue, KcWheelState,
-    TestLoad, TestMode, TestPlace, follows_y_axis, quantities, sign_of_figure,
+    AxleKcRun, AxleVehicle, FigureGradients, KcAxleState, KcFigure, KcGradient, KcLevel, KcOutcome,
+    KcRun, KcState, KcStation, KcSubject, KcTest, KcValue, KcWheelState, TestLoad, TestMode,
+    TestPlace, figure_and_keys, figure_names, figures_by, follows_y_axis, is_figure_of_axles,
+    loads_of_figure, quantities, sign_of_figure,
 };
 pub(crate) use lanes::{EquilibriaInLanes, LaneMemory, WheelsInLanes};
 pub use law::Shape;

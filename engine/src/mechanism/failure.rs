@@ -102,6 +102,8 @@ pub enum LimitCause {
     DependentLinks,
     /// The links of a rigid axle are at a dead centre.
     AxleFolds,
+    /// The arms of a twist beam are vertical, or its halves block each other.
+    BeamFolds,
     /// No part is singular. The wheel centre is at the highest point of its path.
     CentreHighest,
     /// No part is singular. The wheel centre is at the lowest point of its path.
@@ -125,6 +127,7 @@ impl LimitCause {
                 | LimitCause::StrutSquare
                 | LimitCause::DependentLinks
                 | LimitCause::AxleFolds
+                | LimitCause::BeamFolds
         )
     }
 
@@ -136,6 +139,9 @@ impl LimitCause {
             LimitCause::StrutSquare => "the strut is perpendicular to the steering axis",
             LimitCause::DependentLinks => "links are at a dead centre with each other",
             LimitCause::AxleFolds => "the links of the axle are at a dead centre",
+            LimitCause::BeamFolds => {
+                "the wheel centres move no further: the arms are vertical, or the halves block each other"
+            }
             LimitCause::CentreHighest => "the wheel centre is at its highest point",
             LimitCause::CentreLowest => "the wheel centre is at its lowest point",
             LimitCause::ArmStandsStill => "the arm stops while the wheel moves on",

@@ -179,7 +179,9 @@ impl fmt::Display for Termination {
             Termination::NotStationary => {
                 "not converged: no step improves the design, but the slope is not zero"
             }
-            Termination::ConstraintsExcludeEachOther => "the constraints contradict each other",
+            Termination::ConstraintsExcludeEachOther => {
+                "a constraint is violated, and no small move reduces its violation"
+            }
             Termination::IterationLimit => "the limit of iterations was reached",
             Termination::EvaluationLimit => "the limit of evaluations was reached",
             Termination::Interrupted => "interrupted",

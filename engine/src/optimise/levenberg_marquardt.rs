@@ -54,6 +54,9 @@ const ACCEPTABLE: f64 = 1e-4;
 /// Ratios below which the damping rises for the next step, and above which it falls.
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
+/// Length of a step, as a fraction of the range, up to which the residuals follow their slopes: the curvature along such a step
+/// changes them by less than rounding, and a kink by little more.
+const STRAIGHT: f64 = 1e-11;
 /// Largest number of corrections of a trial. Each correction is at most half as long as the previous one; most converge
 /// quadratically.
 const CORRECTIONS: u32 = 8;
@@ -74,6 +77,8 @@ pub struct LevenbergMarquardt<'a> {
     excess: DVector<f64>,
     correction: LocalModel<'a>,
     corrected_x: DVector<f64>,
+    /// Largest norm of the deviation from the promised residuals after a step of at most [`STRAIGHT`]. It is rounding.
+    seen_rounding: f64,
 }
 
 impl<'a> LevenbergMarquardt<'a> {
@@ -96,6 +101,7 @@ impl<'a> LevenbergMarquardt<'a> {
             excess: DVector::zeros(0),
             correction: LocalModel::new(bounds, 0),
             corrected_x: DVector::zeros(n),
+            seen_rounding: 0.0,
         }
     }
 
@@ -118,7 +124,8 @@ impl<'a> LevenbergMarquardt<'a> {
 
     /// Imbalance of the optimality conditions at a point.
     fn residual(&self, at: &Linearisation, x: &DVector<f64>) -> f64 {
-        between_bounds(at, x, self.record.bounds, 0.5 * self.model.scale())
+        let pivot = 0.5 * self.model.scale();
+        between_bounds(at, x, self.record.bounds, pivot, self.seen_rounding)
     }
 
     /// Prepares the model at the current point and tests that point for a minimum.
@@ -173,6 +180,24 @@ impl<'a> LevenbergMarquardt<'a> {
         self.trial.check()
     }
 
+    /// Predicts the residuals at the trial point by their slopes at `x`.
+    fn promise(&mut self, x: &DVector<f64>) {
+        self.corrected_x.copy_from(&self.trial_x);
+        self.corrected_x -= x;
+        self.promised.copy_from(&self.current.residuals);
+        self.promised
+            .gemv(1.0, &self.current.jacobian, &self.corrected_x, 1.0);
+    }
+
+    /// Notes the rounding of the residuals if the step from `x` to the trial is so short that they should be as promised.
+    fn note_rounding(&mut self, x: &DVector<f64>) {
+        if self.model.largest_component() <= STRAIGHT {
+            self.promise(x);
+            self.promised -= &self.trial.residuals;
+            self.seen_rounding = self.seen_rounding.max(self.promised.norm());
+        }
+    }
+
     /// Corrects a trial reached from `x` until the cost is at most `goal`. It stops if a correction is more than half as long as
     /// the previous one. Returns the number of evaluated points, or an error at a point without residuals.
     fn correct(
@@ -183,11 +208,7 @@ impl<'a> LevenbergMarquardt<'a> {
         goal: f64,
     ) -> (u32, Result<(), Infeasible>) {
         let mut length = self.model.step_length();
-        self.corrected_x.copy_from(&self.trial_x);
-        self.corrected_x -= x;
-        self.promised.copy_from(&self.current.residuals);
-        self.promised
-            .gemv(1.0, &self.current.jacobian, &self.corrected_x, 1.0);
+        self.promise(x);
         for evaluations in 0..CORRECTIONS {
             self.excess.copy_from(&self.trial.residuals);
             self.excess -= &self.promised;
@@ -285,6 +306,7 @@ impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
                 shortened = true;
                 continue;
             }
+            self.note_rounding(&x);
             let predicted = self.model.predicted_reduction();
             let found = cost - self.trial.cost();
             // A small predicted reduction by a damped step does not prove a minimum. The reduction by an undamped step must be

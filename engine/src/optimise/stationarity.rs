@@ -11,9 +11,10 @@
 //! Jacobian times their norm. It is 0 at a minimum and of order one elsewhere. A run has converged if it is below
 //! [`CONVERGED`].
 //!
-//! A slope is a sum of products, so it is never exactly zero. Residuals have the rounding error [`Options::misfit_below`], and
-//! variables have a resolution below which no method makes steps. A slope that is no larger than the effect of these two counts
-//! as zero.
+//! A slope is a sum of products, so it is never exactly zero. Residuals have the rounding error [`Options::misfit_below`], or a
+//! larger one that short steps have shown: an equilibrium has more rounding than a pose. Variables have a resolution below which
+//! no method makes steps. A slope that is no larger than the effect of these two counts as zero. So a fit of exact measurements
+//! converges: its residuals are rounding, and so is their slope, however large it is relative to them.
 //!
 //! Multipliers come from non-negative least squares, which minimise the left side of (1). If gradients are linearly dependent,
 //! several sets of multipliers do so; the smallest set is used. At a kink a row has several gradients, and the same least squares
@@ -46,6 +47,8 @@ pub(super) struct Sizes {
     /// Largest pivot of their scaled Jacobian, and its longest column.
     pub pivot: f64,
     pub longest: f64,
+    /// Norm of the residuals' rounding that short steps have shown; 0 without such steps.
+    pub seen_rounding: f64,
     /// Number of variables, and the shortest step of each.
     pub variables: usize,
     pub resolution: f64,
@@ -54,7 +57,8 @@ pub(super) struct Sizes {
 impl Scale {
     /// Scale of half the squared residuals.
     pub(super) fn new(of: Sizes) -> Self {
-        let of_residuals = Options::default().misfit_below * (of.residuals as f64).sqrt();
+        let usual = Options::default().misfit_below * (of.residuals as f64).sqrt();
+        let of_residuals = usual.max(of.seen_rounding);
         let of_variables = of.longest * of.resolution * (of.variables as f64).sqrt();
         Scale {
             steepest: of.pivot * of.norm,
@@ -74,11 +78,13 @@ impl Scale {
 }
 
 /// Residual of the optimality conditions with bounds only. The largest pivot is that of the scaled Jacobian, in half ranges.
+/// `seen_rounding` is the norm of the residuals' rounding that short steps have shown.
 pub(super) fn between_bounds(
     at: &Linearisation,
     x: &DVector<f64>,
     bounds: &Bounds,
     pivot: f64,
+    seen_rounding: f64,
 ) -> f64 {
     let (mut left, mut most, mut longest) = (0.0_f64, 0.0_f64, 0.0_f64);
     for (j, column) in at.jacobian.column_iter().enumerate() {
@@ -97,6 +103,7 @@ pub(super) fn between_bounds(
         norm: at.residuals.norm(),
         pivot,
         longest,
+        seen_rounding,
         variables: x.len(),
         // Resolution in half ranges.
         resolution: 2.0 * Options::default().step_below,
@@ -181,6 +188,7 @@ mod tests {
             norm: 1.0,
             pivot: 1.0,
             longest: 1.0,
+            seen_rounding: 0.0,
             variables,
             resolution: 1e-12,
         })

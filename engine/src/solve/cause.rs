@@ -49,7 +49,7 @@
 use super::closed_form::{Roles, UpperRoles};
 use super::continuation::{Curve, CurvePoint, Moving};
 use crate::mechanism::{Closure, Configuration, Driver, LimitCause, PartMeasure};
-use crate::model::{Drive, Mechanism, PointId};
+use crate::model::{Drive, Mechanism, PointId, TwistBeam};
 use crate::number::{Each, Vector3};
 use nalgebra::{Matrix5, SMatrix};
 
@@ -57,11 +57,17 @@ use nalgebra::{Matrix5, SMatrix};
 /// root a sine has only half as many digits.
 pub(crate) const SINGULAR_PART: f64 = 1e-6;
 
+/// Sine of the largest angle, half a degree, between a vertical arm and the vertical.
+const VERTICAL: f64 = 0.01;
+
 impl Curve<'_> {
     /// Returns the reason why the path turns back at a fold.
     pub(crate) fn cause(&self, fold: &CurvePoint) -> LimitCause {
-        if self.mechanism.rigid_axle.is_some() {
-            return LimitCause::AxleFolds;
+        if let Some(rigid) = &self.mechanism.rigid_axle {
+            return match &rigid.twist_beam {
+                None => LimitCause::AxleFolds,
+                Some(beam) => self.cause_of_beam(beam, fold),
+            };
         }
         let at = self.configuration(fold);
         let nearest = nearest_part(&at);
@@ -77,6 +83,20 @@ impl Curve<'_> {
             // Sign of the second coefficient of the travel as a series in the arc length.
             (Moving::Drive, Drive::Travel) if fold.moved[2] < 0.0 => LimitCause::CentreHighest,
             (Moving::Drive, Drive::Travel) => LimitCause::CentreLowest,
+        }
+    }
+
+    /// Reason for a fold of a twist beam. In heave without a difference of travels, the arms of both halves are vertical at a fold.
+    /// If they are not, the path has met that of twisted halves, along which the heave has an extreme.
+    fn cause_of_beam(&self, beam: &TwistBeam, fold: &CurvePoint) -> LimitCause {
+        let at = self.configuration(fold);
+        let arm = at.point(self.mechanism.wheel_centre) - at.point(beam.mount);
+        let is_vertical = arm.x.abs() < VERTICAL * arm.x.hypot(arm.z);
+        let is_level = self.moving == Moving::Rack && self.held.value == 0.0;
+        if is_level && !is_vertical {
+            LimitCause::Unresolved
+        } else {
+            LimitCause::BeamFolds
         }
     }
 

@@ -1,8 +1,10 @@
 //! Resolves `[axle]` and the sections that belong to it: both wheels, steering, springs, motions of an axle.
 
 mod motion;
+mod quantities;
 mod springs;
 
+pub(super) use quantities::quantities;
 pub(super) use springs::{force_curve, springs};
 
 use super::compliance::axle_compliance;
@@ -10,7 +12,6 @@ use super::elastic_targets::refuse_in_outputs;
 use super::error::Problems;
 use super::file::{self, File};
 use super::loads::{Holding, loads_of_axle};
-use super::names::choose;
 use super::output_measures::measured;
 use super::outputs::{self, distinct};
 use super::resolve::Parts;
@@ -20,9 +21,7 @@ use super::solid_axle;
 use super::suspension::{above_zero, kilograms, positive};
 use super::twist_beam;
 use super::value::{Text, Values};
-use crate::axle::{
-    Axle, AxleKind, AxleMotion, AxlePlan, Coordinate, Quantity, Setup, not_in_equilibrium,
-};
+use crate::axle::{Axle, AxleMotion, AxlePlan, Coordinate, Quantity, Setup, not_in_equilibrium};
 use crate::characteristics::Constants;
 use crate::model::{Axis, Side, Suspension};
 use crate::number::Each;
@@ -368,42 +367,6 @@ fn plan(
         loads: loads?,
         ..AxlePlan::of(motion?, quantities)
     })
-}
-
-/// All quantities with this name. Quantities of the two wheels share a name.
-pub(super) fn quantities(
-    text: &Text,
-    axle: &Axle,
-    problems: &mut Problems,
-) -> Option<Vec<Quantity>> {
-    let names = axle.quantity_names();
-    let names: Vec<_> = names.iter().map(|name| (&**name, &**name)).collect();
-    let name = choose(text, "quantity of an axle", &names, problems)?;
-    let found = axle.quantities(name);
-    if found.is_empty() {
-        let of = |kind: AxleKind| Quantity::named(name).iter().any(|q| q.is_of(kind));
-        let needs = match (
-            of(AxleKind::Independent),
-            of(AxleKind::SteeredSolid),
-            of(AxleKind::Solid),
-        ) {
-            (true, true, _) => "independently suspended wheels, or a drag link",
-            (true, false, _) => "independently suspended wheels",
-            (_, _, true) => "a solid axle",
-            _ => "a twist beam",
-        };
-        let message = match axle.kind() {
-            AxleKind::Independent => {
-                format!("{name} needs {needs}; these wheels are suspended independently")
-            }
-            AxleKind::Solid | AxleKind::SteeredSolid => {
-                format!("{name} needs {needs}; this is a solid axle")
-            }
-            AxleKind::TwistBeam => format!("{name} needs {needs}; this is a twist beam"),
-        };
-        return problems.refuse(text.span(), message);
-    }
-    Some(found)
 }
 
 /// Checks that the study gives all inputs of a quantity, and reports the missing ones. Returns true if none is missing.

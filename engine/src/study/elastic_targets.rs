@@ -6,6 +6,7 @@ use super::names::choose;
 use super::output_measures::measured;
 use super::resolve::Context;
 use super::suspension::ABOVE_ZERO;
+use super::untested;
 use super::value::Text;
 use super::{
     ElasticFigure, NamedParts, RATE_AXES, Rate, TargetKind, TargetQuantity, Variable, file, moves,
@@ -120,7 +121,12 @@ pub(super) fn quantity(
     );
     let characteristics = Characteristic::ALL.iter();
     options.extend(characteristics.map(|c| (c.info().name, None)));
-    if let Some(number) = choose(name, "characteristic or figure", &options, problems)? {
+    let what = "characteristic or figure";
+    let known = || options.iter().map(|(name, _)| *name);
+    if untested::refuses(name, what, known, &elastic.tests, problems) {
+        return None;
+    }
+    if let Some(number) = choose(name, what, &options, problems)? {
         return Some(ElasticQuantity::Figure(figures[number].clone()));
     }
     let known = super::outputs::characteristic(name, suspension, problems)?;

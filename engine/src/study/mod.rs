@@ -46,6 +46,7 @@ mod targets;
 mod tolerance;
 mod tuning;
 mod twist_beam;
+mod untested;
 mod value_edit;
 mod vehicle;
 

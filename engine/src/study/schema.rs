@@ -1,7 +1,7 @@
 //! JSON schema of studies.
 
 use crate::car::CarQuantity;
-use crate::compliance::{FIGURE_NAMES, TestLoad};
+use crate::compliance::{TestLoad, figure_names};
 use crate::model::{FrameConvention, LengthUnit, Side, Topology};
 use crate::number::Each;
 use hardpoint_study_file::schema::{self, Allowed, Root};
@@ -36,7 +36,7 @@ fn figure_pattern() -> String {
     format!(
         "^({})(_trail_-?[0-9.]+)?(_wheel_height|_wheel_load)?(_opposed|_left_loaded|_right_loaded)?(_without_bar)?(_locked_rack)?\
          (_secant)?({loads})?$",
-        FIGURE_NAMES.join("|")
+        figure_names().join("|")
     )
 }
 
@@ -53,10 +53,10 @@ fn names(root: Root, path: &str) -> Option<Vec<String>> {
             "suspension.frame" => FrameConvention::ALL.each(FrameConvention::name).to_vec(),
             "outputs.characteristics[]" => {
                 let mut names = crate::axle::Quantity::names();
-                names.extend(FIGURE_NAMES);
+                names.extend(figure_names());
                 names
             }
-            "optimise.targets[].figure" => FIGURE_NAMES.to_vec(),
+            "optimise.targets[].figure" => figure_names(),
             "setup.want" => crate::axle::Quantity::names(),
             _ => return None,
         }),

@@ -1,25 +1,25 @@
 //! Targets from measured K&C sheets in the layout of `kc.csv`: a target for each figure at each station.
 
+mod columns;
 mod of_axle;
 
-use super::curve_file::{self, at_record, delimiter, only_column, refuse_other_units};
+use super::curve_file::{self, at_record, delimiter};
 use super::elastic_targets;
 use super::elastic_targets::ElasticQuantity;
 use super::error::{Problems, Source, StudyErrors};
 use super::file::Target as Written;
+use super::names::nearest;
 use super::resolve::Context;
 use super::source::{LONGEST_TEXT, read_text};
 use super::value::{Number, Text};
 use super::{AxleStudy, ComplianceStudy, ElasticFigure, Site, Target, TargetQuantity, Wanted};
 use crate::ask::six_digits;
-use crate::compliance::{HeldQuantity, KcTest, KcValue, TestLoad};
+use crate::compliance::{HeldQuantity, KcTest, KcValue, TestLoad, figure_names, figures_by};
 use crate::model::Side;
+use columns::NEEDED;
 use of_axle::AxlePlace;
 use std::sync::Arc;
 use toml::Spanned;
-
-/// Required columns of a sheet.
-const NEEDED: [&str; 3] = ["load", "quantity", "value"];
 
 /// Keys of a target in a study: figure, station, value and tolerance, in printed units.
 #[derive(Clone, Debug)]
@@ -255,7 +255,7 @@ impl Reader<'_> {
             })?;
             match &header {
                 None => {
-                    self.check_header(&record)
+                    columns::check(&record, self.context.suspension.length_unit)
                         .map_err(|message| at_record(self.source, &record, message))?;
                     header = Some(record);
                 }
@@ -270,15 +270,6 @@ impl Reader<'_> {
             }
         }
         Ok(found)
-    }
-
-    /// Refuses columns with the same name, and positions in another unit.
-    fn check_header(&self, header: &csv::StringRecord) -> Result<(), String> {
-        for name in header.iter().filter(|name| !name.is_empty()) {
-            only_column(header, name)?;
-        }
-        let positions = ["travel", "travel_left", "travel_right", "rack", "trail"];
-        refuse_other_units(header, &positions, self.context.suspension.length_unit)
     }
 
     /// Adds the targets of a row: its value, and its secant.
@@ -352,6 +343,14 @@ impl Reader<'_> {
         match found.len() {
             1 => Ok(found.into_iter().next()),
             0 if is_secant => Ok(None),
+            0 if !figure_names().contains(&quantity) => {
+                let of_load = TestLoad::ALL.iter().filter(|(name, _)| *name == load);
+                let of_load = of_load.flat_map(|(_, load)| figures_by(*load));
+                let meant = nearest(quantity, of_load.copied());
+                let meant = meant.or_else(|| nearest(quantity, figure_names()));
+                let meant = meant.map_or(String::new(), |near| format!("; did you mean {near:?}?"));
+                row.wrong(format!("unknown quantity {quantity:?}{meant}"))
+            }
             0 => row.wrong(format!(
                 "no test of the study has {quantity} by {load} with these {columns}: add it to tests in [compliance]"
             )),
@@ -415,7 +414,7 @@ impl Reader<'_> {
             (None, Some(_)) => self.tolerance,
             (None, None) => {
                 return row.wrong(
-                    "figures of several units need a tolerance each: expected a column tolerance, or figure in the target"
+                    "this row has no tolerance: expected a number in the column tolerance, or figure in the target"
                         .to_owned(),
                 );
             }

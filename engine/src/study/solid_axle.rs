@@ -270,9 +270,15 @@ pub(super) fn wheels(
             return problems.refuse(place, message);
         }
         Some(RightWheel::Own(own)) => {
-            if !own.bodies.is_empty() || own.wheel.is_some() {
-                let message = "the right half of this axle differs in hardpoints and spring only";
-                return problems.refuse(place, message);
+            let bodies = own.bodies.keys().next().map(Text::span);
+            let wheel = own.wheel.as_ref().map(Spanned::span);
+            for (section, place) in [("bodies", bodies), ("wheel", wheel)] {
+                if let Some(place) = place {
+                    let message = format!(
+                        "the right half of this axle differs in hardpoints and spring only: leave [axle.right.{section}] out"
+                    );
+                    return problems.refuse(place, message);
+                }
             }
             differences(own, rigid, &mut left, problems)?;
         }

@@ -4,7 +4,9 @@ use super::error::Problems;
 use super::file::{self, File};
 use super::suspension::above_zero;
 use super::value::Text;
+use crate::ask::six_digits;
 use crate::model::{Suspension, TwistBeam};
+use crate::number::Each;
 
 /// Factor from the beam's torsional rate to the rate of the equivalent anti-roll bar. The angle of that bar is the one between
 /// its two levers. The beam's twist psi is half the difference of the rotations of the two halves, so k_t psi^2/2 = (k_t/4) (2
@@ -66,8 +68,14 @@ pub(super) fn check(
         return problems.refuse(place("mount"), message);
     }
     let apart = (mount.x - centre.x).hypot(mount.z - centre.z);
-    if apart < LEAST_APART * suspension.size() {
-        let message = "the shear centre is on the line through both mounts, so the halves cannot turn against each other";
+    let least = LEAST_APART * suspension.size();
+    if apart < least {
+        let [apart, least] = [apart, least].each(six_digits);
+        let unit = suspension.length_unit.symbol();
+        let message = format!(
+            "the shear centre lies {apart} {unit} from the line through both mounts, so the halves can hardly turn against each \
+             other: expected {least} {unit} or more"
+        );
         return problems.refuse(place("shear_centre"), message);
     }
     Some(())

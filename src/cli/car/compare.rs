@@ -4,7 +4,7 @@ use super::super::compare::{CompareArguments, labels, print_tables, write};
 use super::super::exit::{Exit, Stop};
 use super::super::terminal::note;
 use super::{solver, source};
-use crate::report::{CarComparison, CarResults, Tables};
+use crate::report::{CarComparison, CarResults, Format, Tables};
 use std::path::Path;
 
 /// True if all sources are cars. Refuses a mixture of cars and other studies.
@@ -39,9 +39,21 @@ pub(in crate::cli) fn compare(arguments: &CompareArguments) -> Result<Exit, Stop
     let comparison = CarComparison::of(&all).map_err(Stop::wrong_input)?;
     write(arguments, &inputs, &comparison.csv(), None)?;
     let mut tables = Tables::default();
-    tables.push("figures", comparison.table());
-    tables.push("changes", comparison.changes_table());
+    let format: Format = arguments.format.into();
+    let found = [
+        ("figures", comparison.table()),
+        ("changes", comparison.changes_table()),
+    ];
+    let is_equal = found.iter().all(|(_, table)| table.is_empty());
+    for (name, table) in found {
+        if format != Format::Text || !table.is_empty() {
+            tables.push(name, table);
+        }
+    }
     print_tables(arguments, &tables)?;
+    if is_equal {
+        note("no differences\n");
+    }
     if arguments.out != Path::new("-") {
         note(&format!("\n{}: comparison.csv\n", arguments.out.display()));
     }

@@ -15,7 +15,7 @@ use std::fmt::Write as _;
 const SOLID_AXLE: &str = "solid_axle";
 
 /// Targets of the template: constant toe.
-const TARGETS: &str = r#"  { characteristic = "toe", points = [[-80.0, 0.1], [0.0, 0.1], [80.0, 0.1]], tolerance = 0.02 },
+const TARGETS: &str = r#"  { characteristic = "toe", points = [[-80.0, 0.1], [0.0, 0.1], [80.0, 0.1]], tolerance = 0.03 },
 "#;
 
 /// Targets of an axle: constant toe in heave, and no roll steer.

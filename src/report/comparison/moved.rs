@@ -47,6 +47,10 @@ pub(super) fn moved(designs: &[Compared]) -> Vec<Moved> {
     moved_of(designs, 0, None)
 }
 
+/// Relative difference of coordinates that a conversion of units causes: the coordinate, the ratio and their product are rounded
+/// once each, there and back.
+const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
 /// Points of one wheel at different positions.
 fn moved_of(designs: &[Compared], wheel: usize, side: Option<Side>) -> Vec<Moved> {
     let first = &designs[0];
@@ -71,7 +75,16 @@ fn moved_of(designs: &[Compared], wheel: usize, side: Option<Side>) -> Vec<Moved
                 continue;
             };
             let by = [0, 1, 2].map(|axis| signs[axis] * (to[axis] * ratio - from[axis]));
-            if by.iter().any(|by| *by != 0.0) {
+            let has_other_unit = first.unit != design.unit;
+            let is_moved = |axis: usize| {
+                let rounding = if has_other_unit {
+                    ROUNDING * from[axis].abs()
+                } else {
+                    0.0
+                };
+                by[axis].abs() > rounding
+            };
+            if (0..3).any(is_moved) {
                 moved.push(Moved {
                     side,
                     point: name.clone(),

@@ -10,7 +10,7 @@ use crate::report::car::{CarCase, CarRecord, CarStateRecord};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::{
     car_variables_table, counted, figure, shown_side_effects, side_effects_in_words,
-    side_effects_table, visible_side_effects, with_decimals, with_minus_signs,
+    side_effects_table, unit_in_words, visible_side_effects, with_decimals, with_minus_signs,
 };
 use crate::side_effects::SideEffect;
 
@@ -107,7 +107,9 @@ fn about(record: &CarRecord) -> String {
     let cases = counted(record.cases.len(), "case");
     format!(
         "hardpoint {} {}: {cases}, {tyres}, lengths in {}",
-        record.version, record.command, record.length_unit
+        record.version,
+        record.command,
+        unit_in_words(&record.length_unit)
     )
 }
 

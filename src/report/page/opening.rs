@@ -61,9 +61,21 @@ fn verdict(tuning: &TuningSummary) -> String {
     let flagged = tuning.side_effects.iter().filter(|e| e.flagged).count();
     let violated = tuning.violated().len();
     let mut words = match missed {
+        0 if all == 1 => format!(
+            "The target is within its tolerance{}.",
+            tuning.over_builds(" in all")
+        ),
         0 => format!(
             "All {all} targets are within their tolerance{}.",
             tuning.over_builds(" in all")
+        ),
+        1 if all == 1 => format!(
+            "The target is outside its tolerance{}.",
+            tuning.over_builds(" in at least one of")
+        ),
+        1 => format!(
+            "1 of {all} targets is outside its tolerance{}.",
+            tuning.over_builds(" in at least one of")
         ),
         n => format!(
             "{n} of {all} targets are outside their tolerance{}.",

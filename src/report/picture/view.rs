@@ -9,6 +9,7 @@ use crate::report::chart::lettering::{Anchor, Lettering, Words};
 use crate::report::chart::mark::{number, path};
 use crate::report::record::Record;
 use crate::report::scene::{BodyKind, Scene, Sight};
+use crate::report::unit_in_words;
 use std::fmt::Write;
 
 /// Styles of the drawing.
@@ -383,7 +384,8 @@ pub(super) fn key(record: &Record, shift: [f64; 2], lettering: &Lettering) -> St
         svg.push('\n');
     }
     let y = 66.0 + 22.0 * kinds.len() as f64;
-    let unit = format!("axes of the study, lengths in {}", record.length_unit);
+    let unit = unit_in_words(&record.length_unit);
+    let unit = format!("axes of the study, lengths in {unit}");
     lettering.write(&mut svg, &Words::new(&unit, [16.0, y + 6.0], Anchor::Start));
     svg + "\n</g>\n"
 }

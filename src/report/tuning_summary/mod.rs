@@ -19,7 +19,7 @@ use crate::SideEffect;
 use crate::curves::Curves;
 use crate::model::Axis;
 use crate::optimise::{
-    ActiveBound, ConstraintOutcome, Fit, Fulfilment, Infeasible, Price, Termination, Tuning,
+    ActiveBound, ConstraintOutcome, Fit, Fulfilment, Price, Termination, Tuning,
 };
 use crate::study::{Limit, Optimise, Study, Target, Wanted};
 use serde::{Deserialize, Serialize};
@@ -342,11 +342,21 @@ impl TuningSummary {
 
     /// Number of starts that were interrupted, and total number of starts.
     pub fn interrupted(&self) -> [usize; 2] {
-        let word = Termination::Interrupted.to_string();
-        let interrupted = self.starts.iter().filter(|s| s.ended == word);
+        let interrupted = self.starts.iter().filter(|s| s.is_interrupted());
         [interrupted.count(), self.starts.len()]
     }
 }
+
+impl StartSummary {
+    /// Returns true for a start that was interrupted, or that was not begun before the interruption.
+    fn is_interrupted(&self) -> bool {
+        let word = Termination::Interrupted.to_string();
+        self.ended.strip_prefix(NOT_BEGUN).unwrap_or(&self.ended) == word
+    }
+}
+
+/// Words before the reason why a start was not begun.
+const NOT_BEGUN: &str = "not begun: ";
 
 /// Violation below which a constraint counts as satisfied. 1 is a millimetre or a degree.
 const VISIBLE: f64 = 1e-6;

@@ -251,8 +251,7 @@ impl StartSummary {
         let outcome = start.outcome.as_ref();
         let ended = match outcome {
             Ok(fit) => fit.ended(),
-            Err(Infeasible::Interrupted) => Termination::Interrupted.to_string(),
-            Err(infeasible) => format!("not begun: {infeasible}"),
+            Err(infeasible) => format!("{NOT_BEGUN}{infeasible}"),
         };
         let fit = outcome.ok();
         StartSummary {

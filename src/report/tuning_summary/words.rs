@@ -66,7 +66,27 @@ impl TuningSummary {
             }
         }
         remarks.extend(contradiction_in_words(&self.contradiction));
+        remarks.extend(self.least_violation_in_words());
         remarks
+    }
+
+    /// Reason why a start is kept although it violates constraints, with the violations. `None` if it violates none that a variable
+    /// affects.
+    fn least_violation_in_words(&self) -> Option<String> {
+        let violated = self
+            .violated()
+            .into_iter()
+            .map(|row| &self.constraints[row]);
+        let violated: Vec<String> = violated
+            .filter(|c| !self.unmoved_constraints.contains(&c.name))
+            .map(|c| format!("{} by {} {}", c.name, brief(-c.room), c.unit))
+            .collect();
+        let kept = self.best_start.filter(|_| !violated.is_empty())?;
+        Some(format!(
+            "no start satisfied all constraints; start {kept} is kept because its largest violation is the smallest, not \
+             because of its misfit. Missed: {}",
+            violated.join("; ")
+        ))
     }
 
     /// Sentences about the confidence intervals of a fit.
@@ -146,10 +166,7 @@ impl TuningSummary {
             return None;
         }
         let best = self.misfit_after?;
-        let begun: Vec<f64> = self.starts.iter().filter_map(|s| s.misfit).collect();
-        let [interrupted, _] = self.interrupted();
-        let word = Termination::Interrupted.to_string();
-        let ended = self.starts.iter().filter(|s| s.ended != word);
+        let ended = self.starts.iter().filter(|s| !s.is_interrupted());
         let ended: Vec<f64> = ended.filter_map(|s| s.misfit).collect();
         let near = ended.iter().filter(|m| **m <= 1.01 * best + 1e-6).count();
         let worst = ended.iter().copied().fold(best, f64::max);
@@ -160,13 +177,19 @@ impl TuningSummary {
             "{all} starts: {near} ended within 1 % of the smallest misfit{kept}, the worst at {}",
             misfit_in_words(worst)
         );
-        match all - begun.len() {
-            0 => {}
-            failed => text += &format!("; {failed} could not be started"),
-        }
-        match interrupted {
-            0 => {}
-            some => text += &format!("; {some} were interrupted"),
+        // Each start counts once.
+        for (is_interrupted, has_begun, words) in [
+            (false, false, "could not be started"),
+            (true, true, "interrupted"),
+            (true, false, "not begun before the interruption"),
+        ] {
+            let of_kind = |s: &&StartSummary| {
+                (s.is_interrupted(), s.misfit.is_some()) == (is_interrupted, has_begun)
+            };
+            match self.starts.iter().filter(of_kind).count() {
+                0 => {}
+                some => text += &format!("; {some} {words}"),
+            }
         }
         Some(text + "; history.csv and summary.json have all starts")
     }

@@ -15,9 +15,10 @@ use crate::car::{
     RigGoals,
 };
 use crate::optimise::{TargetLayout, assessed};
+use crate::report::VIOLATED;
 use crate::report::{CarResults, CarState};
 use crate::studio::message::{ConstraintRoom, Coordinates, Misfit, TargetMisfit};
-use crate::studio::misfit::{VIOLATED, of_assessment};
+use crate::studio::misfit::of_assessment;
 use crate::study::{CarOptimise, CarStudy};
 
 /// A target with its weight in the misfit.

@@ -42,6 +42,13 @@ fn changes_and_differences_are_listed() {
         assert!(row[4].is_empty() || cases.contains(&row[4]), "{row:?}");
     }
     assert!(compared > 300, "{compared}");
+    let same = ["compare", "car.toml", "car.toml", "--out", "same"];
+    let said = hardpoint(directory, &same).success();
+    let [stdout, stderr] = [&said.get_output().stdout, &said.get_output().stderr].map(|s| text(s));
+    assert!(
+        stdout.is_empty() && stderr.contains("no differences"),
+        "{stdout}{stderr}"
+    );
     // A car and an axle have nothing to compare.
     let refused = hardpoint(directory, &["compare", "car.toml", "car_front.toml"]).code(2);
     assert!(text(&refused.get_output().stderr).contains("a car can be compared with cars only"));

@@ -584,3 +584,21 @@ fn kc_does_not_ask_for_impossible_parts() {
     let said = refused(&["kc", &study("solid_axle_rear.toml")], directory.path());
     assert!(said.contains("expected [compliance]"), "{said}");
 }
+
+/// Without a solved station there are no derivatives to explain.
+#[test]
+fn signs_are_explained_only_if_there_are_values() {
+    let directory = tempfile::tempdir().unwrap();
+    let path = study("double_wishbone_compliance.toml");
+    for (travel, is_explained) in [("0.0", true), ("900.0", false)] {
+        let motion = format!("motion={{ travel = [{travel}] }}");
+        let arguments = ["kc", &path, "--set", &motion, "--out", "kc"];
+        let ran = hardpoint(&arguments, directory.path());
+        let said = String::from_utf8(ran.stdout).unwrap();
+        assert_eq!(
+            said.contains("Derivatives at the station"),
+            is_explained,
+            "{said}"
+        );
+    }
+}

@@ -119,6 +119,34 @@ fn rates_that_a_sheet_cannot_separate_are_named() {
     );
 }
 
+/// A fit of an exact sheet ends at zero from every start. Its residuals are the rounding of equilibria, and so is their slope.
+#[test]
+fn a_fit_of_an_exact_sheet_converges() {
+    let names = [("lower_arm_rear", "y"), ("lower_arm_front", "x")];
+    let asked = |targets: &str| {
+        format!(
+            "\n[optimise]\nfit = true\nstarts = 8\nvariables = [{}]\ntargets = [{targets}]\n",
+            variables(&names)
+        )
+    };
+    let own = elastic(&with(NAME, ""));
+    let csv = RigTests::of(&own, None).unwrap();
+    let csv = csv.results.kc_csv();
+    let directory = tempfile::tempdir().unwrap();
+    let exact = noisy(&csv, 0.0, 1);
+    std::fs::write(directory.path().join("sheet.csv"), exact).unwrap();
+    let text = with(NAME, &asked("{ file = \"sheet.csv\", tolerance = 1.0 }"));
+    let study = Study::elastic_from_text("case.toml", &text, directory.path());
+    let study = study.unwrap_or_else(|errors| panic!("{errors}"));
+    let optimise = study.optimise.as_ref().unwrap();
+    let tuning = tune(&study.vehicle, optimise, Control::default()).unwrap();
+    for start in &tuning.starts.starts {
+        let fit = start.outcome.as_ref().unwrap();
+        assert!(fit.misfit() < 1e-9, "{}", fit.misfit());
+        assert!(fit.termination.at_minimum(), "{}", fit.ended());
+    }
+}
+
 /// A study with a sheet is written out with the sheet's targets in it, and reads back as the same targets.
 #[test]
 fn a_sheet_is_written_out_in_the_study() {
@@ -141,15 +169,27 @@ fn mistakes_in_a_sheet_are_named_with_their_line() {
         ("lateral,", "sideways,", 2, "not a load of a test"),
         (
             "camber_by_lateral_force",
-            "camber_by_side_force",
+            "camber_by_sideforce",
             2,
-            "no test of the study has",
+            "unknown quantity \"camber_by_sideforce\"; did you mean \"camber_by_lateral_force\"?",
         ),
         ("0.02", "two", 2, "as value"),
         ("deg_per_kN", "deg_per_N", 2, "\"deg_per_kN\" as the unit"),
-        (",tolerance\n", ",error\n", 2, "a column tolerance"),
+        (
+            ",tolerance\n",
+            ",tol\n",
+            1,
+            "unknown column \"tol\"; did you mean \"tolerance\"?",
+        ),
+        (
+            ",tolerance\n",
+            ",reason\n",
+            2,
+            "a number in the column tolerance",
+        ),
         // Trail 0 and trail 30 have this figure.
-        ("trail_mm", "other", 2, "several tests"),
+        ("trail_mm", "reason", 2, "several tests"),
+        ("lateral,0.0", "lateral,15.0", 2, "no test of the study has"),
         (
             "trail_mm",
             "trail_in",
@@ -235,12 +275,18 @@ fn a_property_file_with_straight_curves_is_a_linear_bushing() {
     for (fy, more, phrase) in [
         ("-5.0 100.0\n5.0 -100.0", "", "must rise"),
         (
+            "[FY_CURVE]",
+            "",
+            "the file has no block [FY_CURVE]: expected FX_CURVE, FY_CURVE",
+        ),
+        (
             "-5.0 -100.0\n5.0 100.0",
             "\ncubic = [0.0, 0.0, 0.0, 0.0, 0.0, 0.0]",
             "expected no cubic",
         ),
     ] {
-        std::fs::write(directory.path().join("rear.bus"), bus(fy)).unwrap();
+        let whole = bus(fy).replace("[FY_CURVE]\n[FY_CURVE]", "[OTHER]");
+        std::fs::write(directory.path().join("rear.bus"), whole).unwrap();
         let text = with(NAME, "").replace(linear, &format!("file = \"rear.bus\"{more}"));
         let said = Study::elastic_from_text("case.toml", &text, directory.path())
             .unwrap_err()

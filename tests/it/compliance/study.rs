@@ -109,6 +109,18 @@ fn mistakes_are_named_by_line() {
             "modulus and area",
         ),
         (
+            "[tyre]",
+            "[links.tie_rod]\nmodulus = 70000.0\narea = 100.0\naxial_stiffness = 1.0e5\n[tyre]",
+            "[links.tie_rod]",
+            "found both",
+        ),
+        (
+            rear,
+            "stiffness = [-2e12, 2500.0, 1800.0, 8.0e4, 2.5e5, 2.5e5]",
+            "-2e12",
+            "expected a number with a magnitude of at most 1e12",
+        ),
+        (
             relaxed,
             &format!("{relaxed}\ntests = [{{ load = \"laterl\" }}]"),
             "laterl",
@@ -152,6 +164,100 @@ fn mistakes_are_named_by_line() {
         ),
     ] {
         assert_mistake(from, to, on, phrase);
+    }
+}
+
+/// A figure that no test of the study has is named with the test to add. Neither its name nor its spelling is doubted.
+#[test]
+fn figures_without_their_test_are_named_with_it() {
+    let refusal = |study: &str, tests: &str, outputs: &str| {
+        let text = text(study);
+        let kept = text.lines().scan(false, |is_list, line| {
+            // A list of tests ends with the line that starts with a bracket.
+            let begins = line.starts_with("tests = [");
+            let skips = begins || *is_list;
+            *is_list = skips && !line.trim_end().ends_with(']');
+            Some((!skips && !line.starts_with("characteristics = ")).then_some(line))
+        });
+        let kept: Vec<&str> = kept.flatten().collect();
+        let text = kept.join("\n").replacen(
+            "[compliance]",
+            &format!("[compliance]\ntests = [{tests}]"),
+            1,
+        );
+        let characteristics = format!("[outputs]\ncharacteristics = [\"{outputs}\"]");
+        let text = if text.contains("[outputs]") {
+            text.replacen("[outputs]", &characteristics, 1)
+        } else {
+            format!("{text}\n{characteristics}\n")
+        };
+        let read = Study::elastic_from_text("study.toml", &text, Path::new("."));
+        read.map(|_| ()).unwrap_err().render(false)
+    };
+    let braking = "{ load = \"braking\" }";
+    let (wheel, axle) = (STUDIES[0], "solid_axle_five_links.toml");
+    for (study, tests, figure, phrases) in [
+        (
+            wheel,
+            braking,
+            "toe_by_lateral_force_trail_30",
+            [
+                "no test of the study has the figure",
+                "add { load = \"lateral\", trail = 30 } to tests",
+            ],
+        ),
+        (
+            wheel,
+            braking,
+            "toe_by_latteral_force",
+            [
+                "did you mean \"toe_by_lateral_force\"",
+                "load = \"lateral\"",
+            ],
+        ),
+        (
+            wheel,
+            braking,
+            "steer_by_roll",
+            ["no test of the study", "it needs [axle]"],
+        ),
+        (
+            axle,
+            braking,
+            "panhard_tension",
+            ["no test of the study", "add { load = \"roll\" } to tests"],
+        ),
+        (
+            axle,
+            braking,
+            "toe_by_braking_opposed",
+            ["no test of the study", "mode = \"opposed\""],
+        ),
+    ] {
+        let said = refusal(study, tests, figure);
+        assert!(phrases.iter().all(|p| said.contains(p)), "{figure}: {said}");
+    }
+}
+
+/// The strut turns freely about its line: no stiffness, no constant torque, and no torque of a property file.
+#[test]
+fn nothing_acts_about_the_line_of_a_strut() {
+    let good = text("macpherson_compliance.toml");
+    let directory = tempfile::tempdir().unwrap();
+    let curve = |name: &str| format!("[{name}_CURVE]\n-1.0 -900.0\n1.0 900.0\n");
+    let curves = ["FX", "FY", "FZ", "TX", "TY", "TZ"].map(curve).concat();
+    let units = "[UNITS]\nLENGTH = 'mm'\nANGLE = 'degrees'\nFORCE = 'newton'\n";
+    std::fs::write(directory.path().join("top.bus"), format!("{units}{curves}")).unwrap();
+    let (before, after) = good.split_once("[bushings.strut_top]\n").unwrap();
+    let (own, rest) = after.split_once('\n').unwrap();
+    for more in [
+        &format!("{own}\npreload = [0.0, 0.0, 0.0, 0.0, 0.0, 5.0e6]"),
+        "file = \"top.bus\"",
+    ] {
+        let text = format!("{before}[bushings.strut_top]\n{more}\n{rest}");
+        let read = Study::elastic_from_text("study.toml", &text, directory.path());
+        let said = read.map(|_| ()).unwrap_err().render(false);
+        assert!(said.contains("turns freely about its line"), "{said}");
     }
 }
 
@@ -220,6 +326,11 @@ fn mistakes_of_elastic_axles_are_named() {
             "[bushings.subframe_front]",
             "[bushings.subframe_fron]",
             "has no [bushings.subframe_front]",
+        ),
+        (
+            "carries = [\n  \"lower_arm_front\", \"lower_arm_rear\", \"tie_rod_inner\", \"anti_roll_bar_inner\", \"anti_roll_bar_outer\",\n",
+            "carries = [\n",
+            "carries no hardpoint",
         ),
         ("c_factor = -60.0 ", "# ", "column_stiffness needs c_factor"),
         (

@@ -146,6 +146,36 @@ fn a_design_is_the_same_in_other_axes() {
     }
 }
 
+/// A design in another unit has not moved, although the conversion rounds its coordinates. A real move of a nanometre is listed.
+#[test]
+fn conversions_of_units_move_no_point() {
+    let directory = tempfile::tempdir().unwrap();
+    let at = directory.path();
+    fs::write(at.join("own.toml"), wheel()).unwrap();
+    let moved = wheel().replace("[-140.0,  685.0,  228.0]", "[-140.0, 685.000001, 228.0]");
+    assert_ne!(moved, wheel());
+    fs::write(at.join("moved.toml"), moved).unwrap();
+    let compared = |sources: [&str; 2]| {
+        let [one, other] = sources;
+        let arguments = ["compare", one, other, "--out", "sides", "--force"];
+        run(at, &arguments, 0)[0].clone()
+    };
+    for unit in ["in", "m"] {
+        let other = format!("{unit}.toml");
+        run(
+            at,
+            &["convert", "own.toml", "--unit", unit, "--out", &other],
+            0,
+        );
+        for sources in [["own.toml", &*other], [&*other, "own.toml"]] {
+            let said = compared(sources);
+            assert!(!said.contains("moved"), "{sources:?}: {said}");
+        }
+        let said = compared([&other, "moved.toml"]);
+        assert!(said.contains("moved"), "{said}");
+    }
+}
+
 /// Curves at a single rack displacement do not show the rack. `compare` still uses the displacement.
 #[test]
 fn a_fixed_rack_is_part_of_the_station() {

@@ -61,6 +61,10 @@ fn motions_and_parts_of_other_axles_are_refused() {
             "solid axle",
         ),
         (
+            "[motion]\nheave = [0.0]\n[axle.right.hardpoints]\nlower_link_axle = [0.0, -500.0, 255.0]\n[axle.right.wheel]\nstatic_toe = 0.1\n",
+            "leave [axle.right.wheel] out",
+        ),
+        (
             "[motion]\nheave = [0.0]\n[axle.right.hardpoints]\npanhard_axle = [-140.0, -470.0, 330.0]\n",
             "has only one",
         ),

@@ -49,3 +49,21 @@ fn both_halves_of_a_moved_axle_are_those_of_its_text() {
         assert_eq!(designs(&moved), designs(&written), "{topology} with {with}");
     }
 }
+
+/// A Panhard rod does not make the right half differ. The words name hardpoints of the right half only if the study gives some.
+#[test]
+fn only_own_points_are_called_own() {
+    let text = new("solid_axle", "panhard");
+    let own = text.replace(
+        "# [axle.right.hardpoints]",
+        "[axle.right.hardpoints]\nlower_link_axle = [5.0, -531.0, 255.0] #",
+    );
+    for (text, words) in [(text, "mirrored"), (own, "own hardpoints on the right")] {
+        let study = Study::from_text("new.toml", &text, Path::new("")).unwrap();
+        let summary = hardpoint::solved::Solved::of(&study)
+            .unwrap()
+            .summary()
+            .unwrap();
+        assert!(summary.headline().contains(words), "{}", summary.headline());
+    }
+}

@@ -464,8 +464,39 @@ fn what_a_twist_beam_lacks_is_refused() {
     aside.shear_centre[1] = 1.0;
     let mut on_line = beam.clone();
     on_line.shear_centre = [beam.mount[0], 0.0, beam.mount[2]];
-    for (beam, reason) in [(aside, "y = 0"), (on_line, "line through both mounts")] {
+    let mut near_line = on_line.clone();
+    near_line.shear_centre[2] += 0.25;
+    for (beam, reason) in [
+        (aside, "y = 0"),
+        (on_line, "lies 0 mm from the line through both mounts"),
+        (near_line, "lies 0.25 mm from the line through both mounts"),
+    ] {
         let errors = Study::from_text("beam.toml", &beam.text(STILL), Path::new("")).unwrap_err();
         assert!(errors.to_string().contains(reason), "{errors}");
+    }
+}
+
+/// Below the sample's range the arms are vertical. Above it the path of equal halves meets that of twisted ones, 3 degrees before the
+/// arms are vertical. Every station beyond an end has its reason, however the path to it ended, and no reason names links.
+#[test]
+fn heaves_beyond_the_range_have_one_reason_at_each_end() {
+    let text = include_str!("../../../studies/twist_beam_solve.toml");
+    let start = text.find("roll = {").unwrap();
+    let end = text[start..].find("\n[outputs]").unwrap() + start;
+    for (heaves, reason) in [
+        ("-900.0, -600.0, -590.0, -372.0", "the arms are vertical"),
+        (
+            "451.38, 451.5, 451.8, 452.0, 600.0, 900.0",
+            "the path meets another assembly there",
+        ),
+    ] {
+        let heaves = format!("heave = [{heaves}]\n");
+        let text = format!("{}{heaves}{}", &text[..start], &text[end..]);
+        let study = Study::from_text("beam.toml", &text, Path::new("")).unwrap();
+        let failures = hardpoint::solved::Solved::of(&study).unwrap().failures();
+        assert!(!failures.is_empty());
+        for failure in failures.iter().map(ToString::to_string) {
+            assert!(failure.contains(reason), "{failure}");
+        }
     }
 }

@@ -228,7 +228,7 @@ fn mistakes_in_the_rows_of_designs_are_named() {
             "tie_rod_inner_z\n1e13\n",
             &[
                 "rows.csv:2",
-                "a number between -1e12 and 1e12 as tie_rod_inner_z",
+                "a number with a magnitude of at most 1e12 as tie_rod_inner_z",
                 "1e13",
             ][..],
         ),

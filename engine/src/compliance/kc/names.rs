@@ -1,52 +1,173 @@
 //! Names of the figures of tests.
 
-/// Names of all figures, without the additions of [`crate::axle::TestFigure::stem`].
-pub const FIGURE_NAMES: &[&str] = &[
-    "toe_by_heave",
-    "camber_by_heave",
-    "caster_by_heave",
-    "half_track_by_heave",
-    "wheelbase_by_heave",
-    "compliant_ride_rate",
-    "steer_by_roll",
-    "camber_by_roll",
-    "compliant_roll_stiffness",
-    "link_roll_stiffness",
-    "lower_link_tension",
-    "upper_link_tension",
-    "panhard_tension",
-    "steer_by_rack",
-    "caster_by_rack",
-    "rack_force",
-    "toe_by_lateral_force",
-    "camber_by_lateral_force",
-    "caster_by_lateral_force",
-    "spin_by_lateral_force",
-    "wheel_centre_by_lateral_force",
-    "contact_by_lateral_force",
-    "lateral_stiffness_wheel_centre",
-    "lateral_stiffness_contact",
-    "jacking_by_lateral_force",
+use super::TestLoad;
+
+/// Names of all figures with the load of their test, without the additions of [`crate::axle::TestFigure::stem`]. Tests with two
+/// different loads may have the same figure.
+const FIGURES: &[(TestLoad, &[&str])] = &[
+    (
+        TestLoad::Heave,
+        &[
+            "toe_by_heave",
+            "camber_by_heave",
+            "caster_by_heave",
+            "half_track_by_heave",
+            "wheelbase_by_heave",
+            "compliant_ride_rate",
+        ],
+    ),
+    (
+        TestLoad::Roll,
+        &[
+            "steer_by_roll",
+            "camber_by_roll",
+            "compliant_roll_stiffness",
+            "link_roll_stiffness",
+            "lower_link_tension",
+            "upper_link_tension",
+            "panhard_tension",
+        ],
+    ),
+    (
+        TestLoad::Steering,
+        &["steer_by_rack", "caster_by_rack", "rack_force"],
+    ),
+    (
+        TestLoad::Lateral,
+        &[
+            "toe_by_lateral_force",
+            "camber_by_lateral_force",
+            "caster_by_lateral_force",
+            "spin_by_lateral_force",
+            "wheel_centre_by_lateral_force",
+            "contact_by_lateral_force",
+            "lateral_stiffness_wheel_centre",
+            "lateral_stiffness_contact",
+            "jacking_by_lateral_force",
+            "axle_steer_by_lateral_force",
+            "understeer_by_lateral_force",
+            "force_roll_centre_height_compliant",
+        ],
+    ),
+    (
+        TestLoad::Braking,
+        &[
+            "toe_by_braking",
+            "camber_by_braking",
+            "caster_by_braking",
+            "spin_by_braking",
+            "recession_by_braking",
+            "jacking_by_braking",
+            "longitudinal_stiffness_wheel_centre",
+        ],
+    ),
+    (
+        TestLoad::Traction,
+        &[
+            "toe_by_traction",
+            "camber_by_traction",
+            "caster_by_traction",
+            "spin_by_traction",
+            "recession_by_traction",
+            "longitudinal_stiffness_wheel_centre",
+        ],
+    ),
+    (
+        TestLoad::Aligning,
+        &[
+            "toe_by_aligning_moment",
+            "camber_by_aligning_moment",
+            "understeer_by_aligning_moment",
+        ],
+    ),
+    (
+        TestLoad::Vertical,
+        &["compliant_wheel_rate", "compliant_ride_rate"],
+    ),
+];
+
+/// Figures of the axle as a whole, apart from those of a roll test. A single wheel has none of them.
+const OF_AXLES: [&str; 4] = [
     "axle_steer_by_lateral_force",
     "understeer_by_lateral_force",
     "force_roll_centre_height_compliant",
-    "toe_by_braking",
-    "camber_by_braking",
-    "caster_by_braking",
-    "spin_by_braking",
-    "recession_by_braking",
-    "jacking_by_braking",
-    "toe_by_traction",
-    "camber_by_traction",
-    "caster_by_traction",
-    "spin_by_traction",
-    "recession_by_traction",
-    "longitudinal_stiffness_wheel_centre",
-    "toe_by_aligning_moment",
-    "camber_by_aligning_moment",
     "understeer_by_aligning_moment",
-    "compliant_wheel_rate",
 ];
+
+/// Names of all figures, each once.
+pub fn figure_names() -> Vec<&'static str> {
+    let mut names = Vec::new();
+    for name in FIGURES.iter().flat_map(|(_, names)| *names) {
+        if !names.contains(name) {
+            names.push(*name);
+        }
+    }
+    names
+}
+
+/// Names of the figures of tests with this load.
+pub fn figures_by(load: TestLoad) -> &'static [&'static str] {
+    let found = FIGURES.iter().find(|(own, _)| *own == load);
+    found.map_or(&[], |(_, names)| names)
+}
+
+/// Loads of the tests that have this figure.
+pub fn loads_of_figure(figure: &str) -> impl Iterator<Item = TestLoad> {
+    let with = FIGURES
+        .iter()
+        .filter(move |(_, names)| names.contains(&figure));
+    with.map(|(load, _)| *load)
+}
+
+/// Returns true for a figure that needs both wheels of an axle.
+pub fn is_figure_of_axles(figure: &str) -> bool {
+    OF_AXLES.contains(&figure) || figures_by(TestLoad::Roll).contains(&figure)
+}
+
+/// Additions to the name of a figure, and the keys of the test that cause them.
+const ADDITIONS: [(&str, &str); 7] = [
+    ("_wheel_height", "hold = \"wheel_height\""),
+    ("_wheel_load", "hold = \"wheel_load\""),
+    ("_opposed", "mode = \"opposed\""),
+    ("_left_loaded", "mode = \"single\""),
+    ("_right_loaded", "mode = \"single\""),
+    ("_without_bar", "anti_roll_bar = \"disconnected\""),
+    ("_locked_rack", "steering = \"locked_rack\""),
+];
+
+/// Splits the name of a figure in a study: the figure, and the keys of its test beside the load. `None` if no test gives such a
+/// name.
+pub fn figure_and_keys(name: &str) -> Option<(&'static str, Vec<String>)> {
+    let loads = FIGURES.iter().map(|(load, _)| format!("_{}", load.name()));
+    let mut without_load = loads.filter_map(|end| name.strip_suffix(&end));
+    figure_and_additions(name).or_else(|| without_load.find_map(figure_and_additions))
+}
+
+/// Splits a name that does not end with the load of its test.
+fn figure_and_additions(name: &str) -> Option<(&'static str, Vec<String>)> {
+    let name = name.strip_suffix("_secant").unwrap_or(name);
+    let names = figure_names().into_iter();
+    let figure = names
+        .filter(|figure| name.starts_with(figure))
+        .max_by_key(|figure| figure.len())?;
+    let mut rest = &name[figure.len()..];
+    let mut keys = Vec::new();
+    if let Some(trail) = rest.strip_prefix("_trail_") {
+        let end = trail.find('_').unwrap_or(trail.len());
+        trail[..end].parse::<f64>().ok()?;
+        keys.push(format!("trail = {}", &trail[..end]));
+        rest = &trail[end..];
+    }
+    while !rest.is_empty() {
+        let additions = ADDITIONS.iter();
+        let (left, key) = additions
+            .filter_map(|(addition, key)| Some((rest.strip_prefix(addition)?, *key)))
+            .next()?;
+        keys.push(key.to_owned());
+        rest = left;
+    }
+    Some((figure, keys))
+}
 
 /// Beginnings of the names of figures whose sign follows the study's y axis: they are by a displacement of the rack, or forces along it.
 const ALONG_Y: [&str; 3] = ["steer_by_rack", "caster_by_rack", "rack_force"];
@@ -90,8 +211,25 @@ mod tests {
     use super::*;
 
     #[test]
+    fn names_of_figures_give_the_keys_of_their_tests() {
+        let keys =
+            |name: &str| figure_and_keys(name).map(|(figure, keys)| (figure, keys.join(", ")));
+        let of = |figure, keys: &str| Some((figure, keys.to_owned()));
+        assert_eq!(
+            keys("toe_by_lateral_force_trail_30_opposed_secant"),
+            of("toe_by_lateral_force", "trail = 30, mode = \"opposed\"")
+        );
+        assert_eq!(keys("rack_force"), of("rack_force", ""));
+        assert_eq!(keys("toe_by_braking_secant"), of("toe_by_braking", ""));
+        let stiffness = "longitudinal_stiffness_wheel_centre";
+        assert_eq!(keys(&format!("{stiffness}_traction")), of(stiffness, ""));
+        assert_eq!(keys("toe_by_lateral_forces"), None);
+        assert_eq!(keys("camber"), None);
+    }
+
+    #[test]
     fn every_figure_has_a_sign() {
-        for name in FIGURE_NAMES {
+        for name in figure_names() {
             assert_ne!(sign_of_figure(name), "", "{name}");
         }
         assert_eq!(

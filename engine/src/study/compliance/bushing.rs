@@ -101,6 +101,11 @@ pub(super) fn rubber(
     };
     let any = |_: f64| true;
     let preload = six(&part.preload, 0.0, "a number", any, problems)?;
+    if name.get_ref() == "strut_top" && !is_free_about_z(&shapes, &preload) {
+        let message = "a strut turns freely about its line: expected 0.0 as the last entry of \
+                       stiffness, cubic and preload, and no torque tz";
+        return problems.refuse(written.span(), message);
+    }
     let direction = |axis: &Option<file::Coordinates>, problems: &mut Problems| match axis {
         None => Some(None),
         Some(written) => {
@@ -184,15 +189,12 @@ fn shapes(
             scale: scale[k],
         });
     }
-    if name.get_ref() == "strut_top" && !is_free_about_z(&shapes) {
-        let message = "a strut turns freely about its line: expected 0.0 as the last entry of stiffness and cubic, and no tz";
-        return problems.refuse(written.span(), message);
-    }
     shapes.try_into().ok()
 }
 
-fn is_free_about_z(shapes: &[Shape]) -> bool {
-    matches!(shapes[5], Shape::Cubic { rate, cubic } if rate == 0.0 && cubic == 0.0)
+fn is_free_about_z(shapes: &[Shape; 6], preload: &[f64; 6]) -> bool {
+    let is_free = matches!(shapes[5], Shape::Cubic { rate, cubic } if rate == 0.0 && cubic == 0.0);
+    is_free && preload[5] == 0.0
 }
 
 /// A curve that rises in both numbers.

@@ -38,8 +38,13 @@ pub(super) fn link(
             let (modulus, area) = (above_zero(modulus, problems), above_zero(area, problems));
             AxialStiffness::PerStrain(modulus? * area?)
         }
-        _ => {
-            let message = "expected axial_stiffness, or modulus and area";
+        (rate, modulus, area) => {
+            let both = rate.is_some() && (modulus.is_some() || area.is_some());
+            let message = if both {
+                "expected either axial_stiffness, or modulus and area; found both"
+            } else {
+                "expected axial_stiffness, or modulus and area"
+            };
             return problems.refuse(written.span(), message);
         }
     };

@@ -107,9 +107,17 @@ fn section<'f>(
     if elastic.next().is_none() && !is_steering_elastic {
         let message = "nothing is elastic: expected [bushings.NAME] or [links.NAME]";
         let error = problems.add(section.span(), message);
-        error.help(
-            "`hardpoint kc` of a study without [compliance] has the tests of the rigid mechanism",
-        );
+        let mechanism = &suspension.mechanism;
+        error.help(match (&mechanism.rigid_axle, mechanism.why_not_elastic()) {
+            (Some(_), Some(_)) => "`hardpoint solve` computes the rigid axle without [compliance]",
+            (Some(_), None) => {
+                "give axial_stiffness in [links.NAME]; `hardpoint kc` needs it, and `hardpoint solve` computes the rigid axle \
+                 without [compliance]"
+            }
+            (None, _) => {
+                "`hardpoint kc` of a study without [compliance] has the tests of the rigid mechanism"
+            }
+        });
         return None;
     }
     Some(Some(section))

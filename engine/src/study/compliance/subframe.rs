@@ -24,6 +24,10 @@ pub(super) fn subframe(
     };
     let written = section.get_ref();
     let mechanism = &suspension.mechanism;
+    if written.carries.get_ref().is_empty() {
+        let message = "the subframe carries no hardpoint and would have no effect: expected the names of hardpoints on it";
+        return problems.refuse(written.carries.span(), message);
+    }
     let carries = each(written.carries.get_ref(), |text| {
         let id = hardpoint(text, suspension, problems)?;
         if matches!(mechanism.body(id), Body::Chassis | Body::Rack) {

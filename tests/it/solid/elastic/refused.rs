@@ -39,6 +39,7 @@ fn five_rigid_links_are_refused_with_the_fix() {
     let end = five.find("[spring]").unwrap();
     let found = refusal(&format!("{}{}", &five[..start], &five[end..]));
     assert!(found.contains("nothing is elastic"), "{found}");
+    assert!(found.contains("`hardpoint kc` needs it"), "{found}");
 }
 
 /// Parts that the axle has once have no rate at the right half; motions and outputs of rigid axles are refused.

@@ -57,6 +57,7 @@ impl ConvexModel<'_> {
             norm: self.norm,
             pivot: self.goal.largest_pivot(),
             longest: self.goal.longest_column(),
+            seen_rounding: 0.0,
             variables: self.half.len(),
             resolution: RESOLUTION,
         })

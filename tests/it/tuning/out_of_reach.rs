@@ -1,0 +1,91 @@
+//! Constraints and targets that cannot be met: the words name them, before the tuning and after it.
+
+use super::edited;
+use hardpoint::optimise::{Control, tune};
+use hardpoint::report::{TuningSummary, variable_plausibility, violated_constraints};
+use hardpoint::study::Study;
+
+fn summary(study: &Study) -> TuningSummary {
+    let optimise = study.optimise.as_ref().unwrap();
+    let tuning = tune(&study.vehicle, optimise, Control::default()).unwrap();
+    TuningSummary::of(study, optimise, &tuning, None)
+}
+
+/// No start satisfies a length a metre away. The kept start has the smallest violation, and the words say that and by how much.
+#[test]
+fn an_impossible_constraint_is_named_with_its_violation() {
+    let far = "optimise.constraints=[{ length = \"tie_rod\", between = [1340.0, 1380.0] }]";
+    let study = edited("double_wishbone_front.toml", &[far, "optimise.starts=4"]);
+    let summary = summary(&study);
+    let remarks = summary.remarks().join("\n");
+    for phrase in [
+        "no design within the ranges satisfies this constraint: length tie_rod between 1340 and 1380",
+        "is kept because its largest violation is the smallest",
+        "Missed: length tie_rod between 1340 and 1380 by ",
+    ] {
+        assert!(remarks.contains(phrase), "{phrase}: {remarks}");
+    }
+    let table = serde_json::to_value(&summary).unwrap();
+    let room = table["constraints"][0]["room"].as_f64().unwrap();
+    assert!(
+        room < -900.0 && remarks.contains(&format!("{:.0}", -room)),
+        "{remarks}"
+    );
+    let ended: Vec<&str> = table["starts"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|s| s["ended"].as_str().unwrap())
+        .collect();
+    assert!(
+        !ended.iter().any(|ended| ended.contains("contradict")),
+        "{ended:?}"
+    );
+    // The length is in the design, before any tuning.
+    let before = violated_constraints(&study).unwrap();
+    let [line] = &before[..] else {
+        panic!("{before:?}")
+    };
+    assert!(
+        line.contains("length tie_rod between 1340 and 1380, missed by "),
+        "{line}"
+    );
+    let near = "optimise.constraints=[{ length = \"tie_rod\", between = [100.0, 900.0] }]";
+    let study = edited("double_wishbone_front.toml", &[near]);
+    assert!(violated_constraints(&study).unwrap().is_empty());
+}
+
+/// Points of a target in another unit than the motion are doubted; points a little beyond the motion are not.
+#[test]
+fn a_target_that_spans_much_more_than_its_motion_is_doubted() {
+    for (end, is_doubted) in [(1500.0, true), (100.0, false)] {
+        let target = format!(
+            "optimise.targets=[{{ characteristic = \"toe\", points = [[-{end:?}, 0.0], [{end:?}, 0.0]], tolerance = 0.01 }}]"
+        );
+        let study = edited("double_wishbone_front.toml", &[&target]);
+        let doubts = variable_plausibility(&study).join("\n");
+        assert_eq!(
+            doubts.contains("please check: the points of the target toe_deg run from -1500"),
+            is_doubted,
+            "{doubts}"
+        );
+    }
+}
+
+/// The first tuning that a user sees, that of a new study, meets its targets.
+#[test]
+fn tunings_of_new_studies_meet_their_targets() {
+    for topology in ["double_wishbone", "macpherson", "five_link"] {
+        let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
+        command.args(["new", topology, "--with", "optimise"]);
+        let text = command.assert().success().get_output().stdout.clone();
+        let text = String::from_utf8(text).unwrap();
+        let study = Study::from_text("new.toml", &text, std::path::Path::new("")).unwrap();
+        let missed = summary(&study);
+        assert!(
+            missed.missed().is_empty(),
+            "{topology}: {:?}",
+            missed.missed()
+        );
+    }
+}

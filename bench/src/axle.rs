@@ -77,9 +77,11 @@ pub(super) fn measure(
         (Some(width), None) => format!("lanes, {}", width.name()),
         _ => ONE_BY_ONE.to_owned(),
     };
-    for threads in 2..=threads {
+    let most = threads;
+    for threads in 2..=most {
         found.push((ANGLES, method.clone(), threads));
-        timings.extend(clock.in_rounds(&mut [of_threads(many, threads)?]));
+        let job = of_threads(many, threads).map_err(|reason| reason.up_to(most))?;
+        timings.extend(clock.in_rounds(&mut [job]));
     }
     let measurement = |((asked, method, threads), timing): ((_, _, _), Timing)| Measurement {
         asked,
@@ -147,7 +149,7 @@ fn of_one_thread<'p>(plan: &'p SweepPlan<'p>, mut worker: Worker<'p>) -> Job<'p>
 /// Makes a job in which each of several threads solves every design.
 fn of_threads<'p>(plan: &'p SweepPlan<'p>, threads: usize) -> Result<Job<'p>, Unmeasurable> {
     let pool = hardpoint_engine::threads::pool(threads);
-    let pool = pool.map_err(|_| Unmeasurable::Threads(threads))?;
+    let pool = pool.map_err(|_| Unmeasurable::threads(threads))?;
     let workers: Result<Vec<_>, _> = (0..threads)
         .map(|_| plan.worker().map(Mutex::new))
         .collect();

@@ -68,9 +68,32 @@ pub enum Unmeasurable {
     /// The design position has no equilibrium.
     #[error("the suspension has no equilibrium at its design height")]
     NoEquilibrium,
-    /// This number of threads cannot be started.
-    #[error("{0} threads cannot be started")]
-    Threads(usize),
+    /// Threads cannot be started.
+    #[error(
+        "{threads} threads cannot be started; the measurement takes 1 to {most} threads: give fewer with --threads"
+    )]
+    Threads {
+        /// Number of threads that cannot be started.
+        threads: usize,
+        /// Largest number of threads in the measurement.
+        most: usize,
+    },
+}
+
+impl Unmeasurable {
+    /// Reason that this number of threads cannot be started.
+    fn threads(threads: usize) -> Self {
+        let most = threads;
+        Unmeasurable::Threads { threads, most }
+    }
+
+    /// Completes the reason with the largest number of threads in the measurement.
+    fn up_to(self, most: usize) -> Self {
+        match self {
+            Unmeasurable::Threads { threads, .. } => Unmeasurable::Threads { threads, most },
+            other => other,
+        }
+    }
 }
 
 impl From<DesignFault> for Unmeasurable {

@@ -42,7 +42,7 @@ impl Subject {
         let changes = &arguments.set;
         Ok(match (&arguments.study, arguments.kind) {
             (Some(path), BenchKind::Cars) => {
-                if !CarStudy::is_at(path) {
+                if path.is_file() && !CarStudy::is_at(path) {
                     let message = "cars are measured for a study with [car]";
                     return Err(Stop::in_file(path, message));
                 }
@@ -50,6 +50,10 @@ impl Subject {
             }
             (None, BenchKind::Cars) => {
                 let message = "cars need a study: `hardpoint new car` writes one";
+                return Err(Stop::wrong_input(message));
+            }
+            (None, BenchKind::Equilibria) => {
+                let message = "equilibria need a study with [compliance]: `hardpoint new double_wishbone --with bushings` writes one";
                 return Err(Stop::wrong_input(message));
             }
             (Some(path), BenchKind::Equilibria) => {
@@ -102,7 +106,7 @@ impl Subject {
                 Err(stop(path, study, Unmeasurable::Rigid))
             }
             (_, BenchKind::Equilibria) => Ok(()),
-            (None, kind) => refuse_for_axle(kind, path),
+            (None, kind) => refuse_for_axle(kind, study, path),
             (Some(wheel), _) => match accuracy::Subject::of(wheel) {
                 Ok(_) => Ok(()),
                 Err(reason) => Err(stop(path, study, reason)),
@@ -229,22 +233,21 @@ fn measure(
 }
 
 /// Refuses measurements that only make sense for one wheel.
-fn refuse_for_axle(kind: BenchKind, path: &Path) -> Result<(), Stop> {
+fn refuse_for_axle(kind: BenchKind, study: &Study, path: &Path) -> Result<(), Stop> {
     let why = match kind {
         BenchKind::Throughput | BenchKind::Equilibria | BenchKind::Cars => return Ok(()),
         BenchKind::Accuracy => {
-            "accuracy compares formulations, starts and precisions of one wheel's equations, and each wheel of an axle \
-             is solved by the same equations"
+            "accuracy compares formulations, starts and precisions of one wheel's equations"
         }
         BenchKind::Effects => {
-            "effects measures the time that each output adds to the position of one wheel, in an \
-             order for one wheel"
+            "effects measures the time that each output adds to the position of one wheel, in an order for one wheel"
         }
     };
-    Err(Stop::in_file(
-        path,
-        format!(
-            "axle: {why}; remove [axle] to measure the left wheel, or use `hardpoint bench throughput`"
-        ),
-    ))
+    let remedy = if study.wheel().mechanism.rigid_axle.is_some() {
+        "one mechanism carries both wheels of this axle: use `hardpoint bench throughput`"
+    } else {
+        "each wheel of an axle is solved by the same equations: remove [axle] to measure the left wheel, or use \
+         `hardpoint bench throughput`"
+    };
+    Err(Stop::in_file(path, format!("axle: {why}; {remedy}")))
 }

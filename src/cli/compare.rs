@@ -2,6 +2,7 @@
 
 use super::TableFormat;
 use super::exit::{Exit, Stop};
+use super::interrupt;
 use super::output::kept_study;
 use super::terminal::{eprint, is_quiet, note, print, width};
 use crate::compared::{FirstMotion, compared};
@@ -111,6 +112,8 @@ pub(super) fn write(
         Some(page) => directory.write("report.html", page.as_bytes()),
         None => directory.remove("report.html"),
     });
+    // A signal that arrives from here on does not interrupt the command.
+    interrupt::stops_by_itself();
     let written = written.and_then(|()| directory.finish());
     written.map_err(Stop::unwritten)
 }

@@ -3,7 +3,7 @@
 use super::exit::{Exit, Stop};
 use super::export_source::Source;
 use super::import::{frame, unit};
-use super::save::{file_of_out, save};
+use super::save::{file_of_out, note_saved, save};
 use super::terminal::note;
 use crate::exchange::{
     Envelope, Page, Span, Tool, Tyre, Value, Written, bytes_of, csv, curves_in, drawing,
@@ -167,7 +167,10 @@ pub(super) fn run_of(arguments: &ExportArguments, given: Option<&Study>) -> Resu
     };
     match file_of_out(&arguments.out) {
         None => std::io::stdout().write_all(&bytes)?,
-        Some(out) => save(out, &bytes, arguments.force, &inputs(&source, arguments))?,
+        Some(out) => {
+            save(out, &bytes, arguments.force, &inputs(&source, arguments))?;
+            note_saved(out);
+        }
     }
     Ok(Exit::Done)
 }

@@ -11,7 +11,7 @@ use crate::exchange::{
 };
 use crate::model::{FrameConvention, LengthUnit};
 use crate::number::Vector3;
-use crate::report::{Cell, Table, split_unit};
+use crate::report::{Cell, Table, motion_names, split_unit};
 use crate::results::Manifest;
 use crate::solved::Solved;
 use crate::study::{LONGEST_TABLE, Study, read_bytes};
@@ -367,19 +367,20 @@ fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
         }
     }
     let curves = [before, after].map(|study| {
-        let csv = Solved::of(study).ok()?.csv();
-        page_of_csv("curves", &csv).ok()
+        let solved = Solved::of(study).ok()?;
+        let page = page_of_csv("curves", &solved.csv()).ok()?;
+        Some((motion_names(solved.curves()).len(), page))
     });
-    if let [Some(before), Some(after)] = curves {
-        note(&changes(&before, &after).text(width()));
+    if let [Some((motion, before)), Some((_, after))] = curves {
+        note(&changes(motion, &before, &after).text(width()));
     }
 }
 
-/// Largest change of each column of numbers.
-fn changes(before: &Page, after: &Page) -> Table {
+/// Largest change of each column of numbers. The first columns, `motion` in number, are those of the motion.
+fn changes(motion: usize, before: &Page, after: &Page) -> Table {
     let mut table = Table::new(["output", "largest change"]);
     let header = before.rows.first().map_or(&[][..], Vec::as_slice);
-    for (column, name) in header.iter().enumerate() {
+    for (column, name) in header.iter().enumerate().skip(motion) {
         let Value::Text(name) = name else { continue };
         let number = |row: &Vec<Value>| match row.get(column) {
             Some(Value::Number(number)) => Some(*number),

@@ -6,8 +6,8 @@ use super::instead::instead_of;
 use super::save::{file_of_out, save};
 use super::terminal::{eprint, note};
 use crate::exchange::{
-    Axes, ImportOptions, Imported, PointTable, Question, Refusal, bytes_of, for_shell, import,
-    read_map, read_points, unit_of,
+    Axes, Hardpoint, ImportOptions, Imported, PointTable, Question, Refusal, bytes_of, for_shell,
+    import, read_map, read_points, unit_of,
 };
 use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 use clap::Args;
@@ -366,7 +366,10 @@ fn summary(imported: &Imported, out: Option<Option<&Path>>) -> String {
         text += &listed(title, lines);
     }
     match out {
-        Some(Some(out)) => text += &format!("To view it: hardpoint studio {}\n", out.display()),
+        Some(Some(out)) => {
+            let out = for_shell(&out.display().to_string());
+            text += &format!("To view it: hardpoint studio {out}\n");
+        }
         Some(None) => {
             text += "To view it: write it with --out STUDY.toml, then hardpoint studio STUDY.toml\n"
         }
@@ -386,11 +389,13 @@ pub(super) fn listed(title: &str, lines: &[String]) -> String {
 
 /// Table of the hardpoints with their names and places in the file.
 pub(super) fn roles(imported: &Imported) -> String {
-    let longest = imported.hardpoints.iter().map(|h| h.name.len()).max();
-    let longest = longest.unwrap_or(0);
+    let own = imported.hardpoints.iter().map(|h| (h.name.to_owned(), h));
+    let right = imported.right_half.iter();
+    let right = right.map(|h| (format!("right {}", h.name), h));
+    let all: Vec<(String, &Hardpoint)> = own.chain(right).collect();
+    let longest = all.iter().map(|(name, _)| name.len()).max().unwrap_or(0);
     let mut text = String::new();
-    for hardpoint in &imported.hardpoints {
-        let name = hardpoint.name;
+    for (name, hardpoint) in all {
         text += &format!(
             "  {name:longest$}  {:?}, {}\n",
             hardpoint.called, hardpoint.place

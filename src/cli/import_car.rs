@@ -4,7 +4,7 @@ use super::exit::{Exit, Stop};
 use super::import::{Answers, ImportArguments, Questions, listed, roles};
 use super::save::save_all;
 use super::terminal::note;
-use crate::exchange::{CAR_FILES, ImportOptions, ImportedCar, PointTable, import_car};
+use crate::exchange::{CAR_FILES, ImportOptions, ImportedCar, PointTable, for_shell, import_car};
 use crate::model::{AxlePosition, Topology};
 use crate::study::CarStudy;
 use std::collections::BTreeMap;
@@ -107,10 +107,12 @@ fn summary(file: &Path, directory: &Path, car: &ImportedCar) -> String {
     );
     text += &listed("Values read and assumed", &notes);
     text += &listed("Left out", &left_out);
-    let shown = |file: &str| directory.join(file).display().to_string();
-    let [whole, front, rear] = CAR_FILES.map(shown);
+    let paths = CAR_FILES.map(|file| directory.join(file));
+    let [whole, front, rear] = paths
+        .each_ref()
+        .map(|path| for_shell(&path.display().to_string()));
     if car.missing.is_empty() {
-        if let Err(errors) = CarStudy::read(Path::new(&whole), &[]) {
+        if let Err(errors) = CarStudy::read(&paths[0], &[]) {
             text += &listed(
                 "The car cannot be solved yet",
                 &[errors.render(false).trim_end().replace('\n', "\n  ")],

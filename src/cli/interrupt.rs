@@ -7,7 +7,7 @@ use super::terminal;
 use crate::results::exit_interrupted;
 use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 use std::sync::mpsc;
-use std::sync::{Arc, LazyLock, Once};
+use std::sync::{Arc, LazyLock, Mutex, MutexGuard, Once, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -30,9 +30,25 @@ static SIGNAL: AtomicI32 = AtomicI32::new(0);
 static LISTENS: AtomicBool = AtomicBool::new(false);
 /// Number of SIGINT.
 const INTERRUPT: i32 = 2;
-static STOPS_BY_ITSELF: AtomicBool = AtomicBool::new(false);
+/// Effect of a signal now.
+static PHASE: Mutex<Phase> = Mutex::new(Phase::Ends);
 /// Flag for commands inside another program that do not stop by themselves.
 static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
+
+/// Effect of a signal on a command.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Phase {
+    /// The signal ends the command.
+    Ends,
+    /// The command checks the flag, or has all of its results. The signal waits for it.
+    StopsByItself,
+    /// A signal is ending the process.
+    Ending,
+}
+
+fn phase() -> MutexGuard<'static, Phase> {
+    PHASE.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// True from the first signal on.
 pub(super) fn flag() -> &'static Arc<AtomicBool> {
@@ -44,9 +60,17 @@ pub(super) fn is_raised() -> bool {
     FLAG.load(Ordering::SeqCst)
 }
 
-/// Declares that the command checks the flag and stops by itself.
+/// Declares that the command checks the flag and stops by itself. If a signal is ending the process already, the command does not
+/// continue, so that an interrupted command never looks like a finished one.
 pub(super) fn stops_by_itself() {
-    STOPS_BY_ITSELF.store(true, Ordering::SeqCst);
+    let mut phase = phase();
+    if *phase == Phase::Ending {
+        drop(phase);
+        loop {
+            thread::park();
+        }
+    }
+    *phase = Phase::StopsByItself;
 }
 
 /// Exit code of a command that a signal stopped: 128 plus the number of the signal.
@@ -71,7 +95,7 @@ pub(super) fn end() -> ! {
 pub(super) fn raise() {
     SIGNAL.store(INTERRUPT, Ordering::SeqCst);
     FLAG.store(true, Ordering::SeqCst);
-    if !STOPS_BY_ITSELF.load(Ordering::SeqCst) {
+    if *phase() != Phase::StopsByItself {
         STOP.store(true, Ordering::SeqCst);
     }
 }
@@ -86,7 +110,7 @@ pub(super) fn reset() {
     SIGNAL.store(0, Ordering::SeqCst);
     FLAG.store(false, Ordering::SeqCst);
     STOP.store(false, Ordering::SeqCst);
-    STOPS_BY_ITSELF.store(false, Ordering::SeqCst);
+    *phase() = Phase::Ends;
 }
 
 /// Starts to handle signals, for the rest of the process.
@@ -134,8 +158,14 @@ fn heard(signal: i32) {
 fn wait() {
     let begun = Instant::now();
     let work = work_done();
-    let stops = || STOPS_BY_ITSELF.load(Ordering::SeqCst);
-    while stops() && begun.elapsed() < MOST_WAIT && work_done().saturating_sub(work) < MOST_WORK {
+    loop {
+        let mut phase = phase();
+        let is_over = begun.elapsed() >= MOST_WAIT || work_done().saturating_sub(work) >= MOST_WORK;
+        if is_over || *phase != Phase::StopsByItself {
+            *phase = Phase::Ending;
+            return;
+        }
+        drop(phase);
         thread::sleep(LOOK);
     }
 }

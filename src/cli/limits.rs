@@ -2,7 +2,7 @@
 
 use super::exit::{Exit, Stop};
 use super::printer::Printer;
-use super::save::save;
+use super::save::{note_saved, save};
 use super::{LimitsArguments, StudyArguments};
 use crate::limits::{LimitTable, motion_ranges};
 use crate::report::{LimitsSheet, limits_page};
@@ -53,5 +53,7 @@ fn save_page(
         failures: &limits.failures,
     });
     let inputs = [arguments.study.clone()];
-    save(path, page.as_bytes(), force, &inputs)
+    save(path, page.as_bytes(), force, &inputs)?;
+    note_saved(path);
+    Ok(())
 }

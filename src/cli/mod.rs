@@ -283,18 +283,23 @@ struct BenchArguments {
     #[arg(long)]
     force: bool,
     /// Number of threads for throughput, in addition to one thread [default: every core]
-    #[arg(long, value_parser = at_least_one, value_name = "N")]
+    #[arg(long, value_parser = up_to::<MOST_THREADS>, value_name = "N")]
     threads: Option<usize>,
     /// Number of samples of each time; more samples reduce noise
-    #[arg(long, value_parser = at_least_one, value_name = "N", default_value_t = crate::bench::Clock::default().samples)]
+    #[arg(long, value_parser = up_to::<MOST_SAMPLES>, value_name = "N", default_value_t = crate::bench::Clock::default().samples)]
     samples: usize,
 }
 
-fn at_least_one(text: &str) -> Result<usize, String> {
-    match text.parse() {
-        Ok(0) | Err(_) => Err("expected a whole number of 1 or more".to_owned()),
-        Ok(number) => Ok(number),
-    }
+/// Largest number of threads of a measurement. It starts threads for each number up to this one.
+const MOST_THREADS: usize = 128;
+
+/// Largest number of samples of each time. A measurement keeps all of them in memory.
+const MOST_SAMPLES: usize = 100_000;
+
+fn up_to<const MOST: usize>(text: &str) -> Result<usize, String> {
+    let number = text.parse().ok();
+    let number = number.filter(|number| (1..=MOST).contains(number));
+    number.ok_or_else(|| format!("expected a whole number from 1 to {MOST}"))
 }
 
 /// Benchmarks.
@@ -373,11 +378,11 @@ pub fn run_embedded<A: Into<std::ffi::OsString> + Clone>(
             let command = words.into_iter().find(|word| !word.starts_with('-'));
             let error = unknown_option::with_tip(error, command);
             // clap also reports requests for help and version as errors.
-            terminal::print_usage(&error);
+            let printed = terminal::print_usage(&error);
             if error.use_stderr() {
                 Exit::WrongInput
             } else {
-                Exit::Done
+                ended(printed.map(|()| Exit::Done).map_err(Stop::from))
             }
         }
     }
@@ -414,12 +419,14 @@ pub fn forget_interrupt() {
 /// process. The first signal also ends it if there are no results to keep.
 pub fn run_with<A: Into<std::ffi::OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
     interrupt::listen();
-    run_embedded(arguments)
+    let code = run_embedded(arguments);
+    interrupt::stops_by_itself();
+    code
 }
 
 fn carried_out(arguments: Arguments) -> Exit {
     terminal::be_quiet(arguments.quiet);
-    let ended = match arguments.command {
+    let found = match arguments.command {
         Command::New(arguments) => new::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Solve(arguments) => solve::run(&arguments),
@@ -442,7 +449,12 @@ fn carried_out(arguments: Arguments) -> Exit {
         Command::Completions { shell } => completions::run(shell),
         Command::Man => man::run(),
     };
-    match ended {
+    ended(found)
+}
+
+/// Prints the reason why a command stopped early, and returns its exit.
+fn ended(found: Result<Exit, Stop>) -> Exit {
+    match found {
         Ok(exit) => exit,
         Err(Stop::ClosedPipe) => Exit::Done,
         Err(Stop::WrongStudy(errors)) => {

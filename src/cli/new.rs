@@ -8,6 +8,8 @@ mod sections;
 
 use super::exit::{Exit, Stop};
 use super::instead::instead_of;
+use super::save::{file_of_out, note_saved, save, save_all};
+use super::terminal::print;
 use crate::car::{CarTemplate, TEMPLATES};
 use crate::model::Topology;
 use crate::study::nearest;
@@ -22,9 +24,12 @@ use std::path::{Path, PathBuf};
 pub(super) struct NewArguments {
     /// Kind of suspension, such as macpherson, or kind of car; see the list below
     topology: String,
-    /// Directory for the three files of a car
-    #[arg(long, value_name = "DIR")]
+    /// File for the study [default: standard output]; directory for the three files of a car
+    #[arg(long, value_name = "STUDY")]
     out: Option<PathBuf>,
+    /// Replace an existing file
+    #[arg(long)]
+    force: bool,
     /// Parts to add to the study, separated by commas
     #[arg(long, value_enum, value_delimiter = ',', value_name = "PART")]
     with: Vec<Part>,
@@ -81,17 +86,9 @@ fn write_car((name, files): &CarTemplate, arguments: &NewArguments) -> Result<Ex
         )));
     }
     let directory = arguments.out.as_deref().unwrap_or(Path::new("."));
-    let paths = files.map(|(file, _)| directory.join(file));
-    if let Some(taken) = paths.iter().find(|path| path.exists()) {
-        return Err(Stop::wrong_input(format!(
-            "{} already exists, and nothing is written; give another directory with --out",
-            taken.display()
-        )));
-    }
-    std::fs::create_dir_all(directory)?;
-    for (path, (_, text)) in paths.iter().zip(files) {
-        std::fs::write(path, text)?;
-        super::terminal::print(&format!("{}\n", path.display()))?;
+    save_all(directory, files, arguments.force, &[])?;
+    for (file, _) in files {
+        print(&format!("{}\n", directory.join(file).display()))?;
     }
     Ok(Exit::Done)
 }
@@ -115,10 +112,6 @@ pub(super) fn run(arguments: &NewArguments) -> Result<Exit, Stop> {
     if let Some(car) = TEMPLATES.iter().find(|(car, _)| car == name) {
         return write_car(car, arguments);
     }
-    if arguments.out.is_some() {
-        let message = "--out is for cars, which are three files; the study of a suspension goes to standard output";
-        return Err(Stop::wrong_input(message));
-    }
     let Some(topology) = Topology::named(name) else {
         let cars = TEMPLATES.iter().map(|(car, _)| *car);
         let meant = nearest(name, Topology::ALL.iter().map(|t| t.name).chain(cars));
@@ -133,7 +126,13 @@ pub(super) fn run(arguments: &NewArguments) -> Result<Exit, Stop> {
         )));
     };
     let text = study(topology, &arguments.with).map_err(Stop::wrong_input)?;
-    std::io::stdout().write_all(text.as_bytes())?;
+    match file_of_out(&arguments.out) {
+        None => std::io::stdout().write_all(text.as_bytes())?,
+        Some(out) => {
+            save(out, text.as_bytes(), arguments.force, &[])?;
+            note_saved(out);
+        }
+    }
     Ok(Exit::Done)
 }
 

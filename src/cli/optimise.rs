@@ -125,7 +125,7 @@ pub(super) fn run(arguments: &OptimiseArguments) -> Result<Exit, Stop> {
     let fault = |why| Stop::in_file(path, why);
     let before = Solved::with_targets(&study).map_err(fault)?;
     let record = || Solved::record("optimise", &[("before", "curves_before.csv", &before)]);
-    let report = ReportOptions::open(arguments, &study, record)?;
+    let report = ReportOptions::open(arguments, &study, "optimise", record)?;
     let output = Output::open(arguments, &study, "optimise")?;
     let of_wheel = |why| design_fault(&study, path, &why).after_its_input();
     interrupt::stops_by_itself();

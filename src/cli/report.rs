@@ -7,7 +7,7 @@ use crate::report::{
     FinishedRun, Picture, Record, Run, SweepRun, car_page, page, picture_names, pictures,
     sweep_page,
 };
-use crate::results::{Claim, Manifest, Refusal, RunDirectory};
+use crate::results::{Claim, Manifest, Refusal, RunDirectory, SUMMARY, study_digest};
 use crate::study::Study;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -27,8 +27,16 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
             arguments.run.display()
         )));
     }
-    if let (Some(plots), FinishedRun::Curves(run)) = (&arguments.plots, &run) {
-        check_pictures(plots, &picture_names(&run.record), arguments.force)?;
+    let pictures = arguments.plots.as_ref().map(|plots| {
+        let manifest = Manifest::read(&arguments.run).unwrap_or_default();
+        let main = manifest.author(SUMMARY);
+        let (command, study, digest) = main.map_or_else(Default::default, |main| {
+            (&*main.command, &*main.study, main.digest.clone())
+        });
+        PictureDirectory::of(plots, command, (study, digest), arguments.force)
+    });
+    if let (Some(pictures), FinishedRun::Curves(run)) = (&pictures, &run) {
+        pictures.check(&picture_names(&run.record))?;
     }
     let directory = RunDirectory::reopen(&arguments.run, &["report.html"], arguments.force);
     let directory = directory.map_err(Stop::wrong_input)?;
@@ -41,9 +49,9 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
     let mut out = std::io::stdout().lock();
     writeln!(out, "{}", arguments.run.join("report.html").display())?;
     drop(directory);
-    if let (Some(plots), FinishedRun::Curves(run)) = (&arguments.plots, &run) {
-        let names = write_pictures(run, plots, arguments.force)?;
-        writeln!(out, "{}: {}", plots.display(), names.join(", "))?;
+    if let (Some(pictures), FinishedRun::Curves(run)) = (&pictures, &run) {
+        let names = pictures.write(run)?;
+        writeln!(out, "{}: {}", pictures.path.display(), names.join(", "))?;
     }
     Ok(Exit::Done)
 }
@@ -51,15 +59,15 @@ pub(super) fn run(arguments: &ReportArguments) -> Result<Exit, Stop> {
 /// Options for pages and pictures of a run.
 pub(super) struct ReportOptions {
     page: bool,
-    plots: Option<PathBuf>,
-    force: bool,
+    pictures: Option<PictureDirectory>,
 }
 
 impl ReportOptions {
-    /// Checks before the run that the pictures can be written. `record` describes their curves.
+    /// Checks before the run of a command that the pictures can be written. `record` describes their curves.
     pub(super) fn open(
         arguments: &RunArguments,
         study: &Study,
+        command: &str,
         record: impl FnOnce() -> Result<Record, String>,
     ) -> Result<Self, Stop> {
         let plots = arguments.plots.as_deref();
@@ -69,22 +77,25 @@ impl ReportOptions {
                 "--report and --plots need a directory and do not work with --out -",
             ));
         }
-        if let Some(plots) = plots {
+        let pictures = plots.map(|plots| {
+            let of = (study.name.as_str(), study_digest(study));
+            PictureDirectory::of(plots, command, of, arguments.force)
+        });
+        if let Some(pictures) = &pictures {
             let record = record().map_err(|why| Stop::in_file(&arguments.study.study, why))?;
             let mut names = picture_names(&record);
             let (out, format) = (arguments.out.as_deref(), arguments.study.format);
             let results = Destination::of(out, &study.name, arguments.force, format)?;
-            if is_same(plots, results.path()) {
+            if is_same(&pictures.path, results.path()) {
                 // In the run's own directory, the pictures of a run belong to its results.
-                let drawn = Manifest::read(plots).unwrap_or_default();
+                let drawn = Manifest::read(&pictures.path).unwrap_or_default();
                 names.retain(|name| drawn.author(name).is_none());
             }
-            check_pictures(plots, &names, arguments.force)?;
+            pictures.check(&names)?;
         }
         Ok(ReportOptions {
             page: arguments.report,
-            plots: arguments.plots.clone(),
-            force: arguments.force,
+            pictures,
         })
     }
 
@@ -94,7 +105,7 @@ impl ReportOptions {
         let Some(directory) = output.directory() else {
             return Ok(files);
         };
-        if !self.page && self.plots.is_none() {
+        if !self.page && self.pictures.is_none() {
             return Ok(files);
         }
         let run = Run::read(directory.path()).map_err(Stop::wrong_input)?;
@@ -102,13 +113,13 @@ impl ReportOptions {
             write_page(&page(&run), directory)?;
             files.push("report.html");
         }
-        if let Some(plots) = &self.plots {
-            let names = if is_same(plots, directory.path()) {
+        if let Some(own) = &self.pictures {
+            let names = if is_same(&own.path, directory.path()) {
                 write_all(pictures(&run), directory)?
             } else {
-                write_pictures(&run, plots, self.force)?
+                own.write(&run)?
             };
-            output.list_pictures(plots, names);
+            output.list_pictures(&own.path, names);
         }
         Ok(files)
     }
@@ -125,15 +136,52 @@ fn write_page(page: &str, directory: &RunDirectory) -> Result<(), Stop> {
     written.map_err(Stop::unwritten)
 }
 
-/// Claims the directory of the pictures.
-fn claim_of_pictures<'a>(names: &'a [&'a str], force: bool) -> Claim<'a> {
-    Claim {
-        command: "report --plots",
-        study: "",
-        digest: String::new(),
-        files: names,
-        force,
-        ..Claim::default()
+/// Directory of pictures, with the run that they show. They replace only pictures of the same command and study.
+struct PictureDirectory {
+    path: PathBuf,
+    command: String,
+    study: String,
+    digest: String,
+    force: bool,
+}
+
+impl PictureDirectory {
+    fn of(path: &Path, command: &str, (study, digest): (&str, String), force: bool) -> Self {
+        PictureDirectory {
+            path: path.to_owned(),
+            command: format!("{command} --plots"),
+            study: study.to_owned(),
+            digest,
+            force,
+        }
+    }
+
+    fn claim<'a>(&'a self, names: &'a [&'a str]) -> Claim<'a> {
+        Claim {
+            command: &self.command,
+            study: &self.study,
+            digest: self.digest.clone(),
+            files: names,
+            force: self.force,
+            ..Claim::default()
+        }
+    }
+
+    /// Refuses pictures that could not be written.
+    fn check(&self, names: &[String]) -> Result<(), Stop> {
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        RunDirectory::check(&self.path, &self.claim(&names)).map_err(no_place_for_pictures)
+    }
+
+    /// Writes the pictures of a run, and removes other pictures of the same command and study.
+    fn write(&self, run: &Run) -> Result<Vec<String>, Stop> {
+        let pictures = pictures(run);
+        let names: Vec<&str> = pictures.iter().map(|p| p.name.as_str()).collect();
+        let directory = RunDirectory::claim(&self.path, &self.claim(&names));
+        let directory = directory.map_err(no_place_for_pictures)?;
+        let names = write_all(pictures, &directory)?;
+        directory.finish().map_err(Stop::unwritten)?;
+        Ok(names)
     }
 }
 
@@ -141,26 +189,10 @@ fn no_place_for_pictures(refusal: Refusal) -> Stop {
     Stop::wrong_input(refusal.with_option("--plots"))
 }
 
-/// Refuses pictures that could not be written.
-fn check_pictures(plots: &Path, names: &[String], force: bool) -> Result<(), Stop> {
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    RunDirectory::check(plots, &claim_of_pictures(&names, force)).map_err(no_place_for_pictures)
-}
-
 /// True if two paths lead to the same directory.
 fn is_same(one: &Path, other: &Path) -> bool {
     let real = |path: &Path| path.canonicalize().ok();
     one == other || (real(one).is_some() && real(one) == real(other))
-}
-
-/// Writes the pictures of a run. It may replace pictures of other runs, because they can be made again, but it replaces no other
-/// files.
-fn write_pictures(run: &Run, plots: &Path, force: bool) -> Result<Vec<String>, Stop> {
-    let pictures = pictures(run);
-    let names: Vec<&str> = pictures.iter().map(|p| p.name.as_str()).collect();
-    let claim = claim_of_pictures(&names, force);
-    let directory = RunDirectory::claim(plots, &claim).map_err(no_place_for_pictures)?;
-    write_all(pictures, &directory)
 }
 
 /// Writes pictures and returns their names.

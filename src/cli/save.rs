@@ -1,6 +1,7 @@
 //! Commands that write one file.
 
 use super::exit::Stop;
+use super::terminal::note;
 use crate::results;
 use std::path::{Path, PathBuf};
 
@@ -9,11 +10,17 @@ pub(super) fn file_of_out(out: &Option<PathBuf>) -> Option<&Path> {
     out.as_deref().filter(|out| *out != Path::new("-"))
 }
 
-/// Writes a file completely or not at all. It replaces an existing file only with `--force`, and it never replaces an input.
+/// Writes a file completely or not at all. It replaces an existing file only with `--force`, and it never replaces an input. A named
+/// pipe or a character device receives the contents.
 pub(super) fn save(out: &Path, bytes: &[u8], force: bool, inputs: &[PathBuf]) -> Result<(), Stop> {
     check(out, force, inputs)?;
-    results::undivided(|| results::put(out, bytes))
+    results::write_whole(out, bytes)
         .map_err(|error| Stop::wrong_input(format!("cannot write {}: {error}", out.display())))
+}
+
+/// Prints the path of a file that a command has written.
+pub(super) fn note_saved(out: &Path) {
+    note(&format!("Written: {}\n", out.display()));
 }
 
 /// Writes the files of a directory, or none of them if one exists already or is an input. Makes the directory.
@@ -26,7 +33,7 @@ pub(super) fn save_all(
     for (name, _) in files {
         check(&directory.join(name), force, inputs)?;
     }
-    std::fs::create_dir_all(directory).map_err(|error| {
+    results::make_directory(directory).map_err(|error| {
         Stop::wrong_input(format!("cannot create {}: {error}", directory.display()))
     })?;
     let written = results::undivided(|| -> std::io::Result<()> {
@@ -52,7 +59,13 @@ fn check(out: &Path, force: bool, inputs: &[PathBuf]) -> Result<(), Stop> {
             input.display()
         )));
     }
-    if out.exists() && !force {
+    if out.is_dir() {
+        return Err(Stop::wrong_input(format!(
+            "{} is a directory; expected the name of a file",
+            out.display()
+        )));
+    }
+    if out.is_file() && !force {
         return Err(Stop::wrong_input(format!(
             "{} already exists; --force replaces it",
             out.display()
@@ -85,6 +98,52 @@ fn are_one_inode(_: &Path, _: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A named pipe receives the text and stays. A symbolic link stays, and its target is replaced, also if it did not exist.
+    #[cfg(unix)]
+    #[test]
+    fn pipes_and_links_stay() {
+        let directory = tempfile::tempdir().unwrap();
+        let at = |name: &str| directory.path().join(name);
+        let pipe = at("pipe");
+        let made = std::process::Command::new("mkfifo").arg(&pipe).status();
+        assert!(made.unwrap().success());
+        let reader = {
+            let pipe = pipe.clone();
+            std::thread::spawn(move || std::fs::read_to_string(pipe).unwrap())
+        };
+        save(&pipe, b"through", true, &[]).unwrap();
+        assert_eq!(reader.join().unwrap(), "through");
+        assert!(!pipe.metadata().unwrap().is_file());
+        let link = at("link");
+        std::os::unix::fs::symlink("target", &link).unwrap();
+        for text in ["new", "again"] {
+            save(&link, text.as_bytes(), true, &[]).unwrap();
+            assert!(link.symlink_metadata().unwrap().is_symlink());
+            assert_eq!(std::fs::read_to_string(at("target")).unwrap(), text);
+        }
+    }
+
+    /// A directory in place of a file and a file in place of a directory are named.
+    #[test]
+    fn files_and_directories_are_told_apart() {
+        let directory = tempfile::tempdir().unwrap();
+        let file = directory.path().join("file");
+        std::fs::write(&file, "mine").unwrap();
+        for force in [false, true] {
+            let said = |stop: Result<(), Stop>| format!("{:?}", stop.unwrap_err());
+            let as_file = said(save(directory.path(), b"new", force, &[]));
+            assert!(
+                as_file.contains("is a directory; expected the name of a file"),
+                "{as_file}"
+            );
+            let as_directory = said(save_all(&file, &[("a", "new")], force, &[]));
+            assert!(
+                as_directory.contains("is a file; expected a directory"),
+                "{as_directory}"
+            );
+        }
+    }
 
     /// An input is recognised by its own name, by another path, through a symbolic link and as a hard link.
     #[test]

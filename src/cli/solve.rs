@@ -28,7 +28,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
         motions: in_motions.iter().map(|own| own.record.clone()).collect(),
         ..record
     };
-    let report = ReportOptions::open(arguments, &study, || Ok(record.clone()))?;
+    let report = ReportOptions::open(arguments, &study, "solve", || Ok(record.clone()))?;
     let output = Output::open(arguments, &study, "solve")?;
 
     let mut files = vec!["curves.csv"];

@@ -101,13 +101,14 @@ pub(super) fn eprint_study_errors(errors: &StudyErrors) {
 }
 
 /// Prints errors of the arguments, or the requested help.
-pub(super) fn print_usage(error: &clap::Error) {
+pub(super) fn print_usage(error: &clap::Error) -> io::Result<()> {
     let plain = error.render().to_string();
     let captures = CAPTURED.with_borrow(Option::is_some);
     if !captures && is_printable(&plain) {
-        // An error of printing is ignored, because it only means that the output is closed.
-        let _ = error.print();
+        error.print()?;
+        io::stdout().flush()
     } else {
         eprint(&plain);
+        Ok(())
     }
 }

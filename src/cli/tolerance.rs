@@ -42,7 +42,7 @@ pub(super) fn run(arguments: &ToleranceArguments) -> Result<Exit, Stop> {
         record.motion.bands = bands(&study, tolerance);
         Ok(record)
     };
-    let report = ReportOptions::open(arguments, &study, record)?;
+    let report = ReportOptions::open(arguments, &study, "tolerance", record)?;
     let output = Output::open(arguments, &study, "tolerance")?;
     let expansion = pool
         .install(|| Expansion::of(&problem))

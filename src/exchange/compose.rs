@@ -1,7 +1,7 @@
 //! Text of the study of an imported wheel or axle. The study runs without changes.
 
 use super::bushings;
-use super::import::{Imported, is_held_across};
+use super::import::{Hardpoint, Imported, is_held_across};
 use super::seats::Seat;
 use crate::model::{AxlePosition, LengthUnit};
 use crate::solved::Solved;
@@ -91,26 +91,14 @@ impl Imported {
 
     /// Lines of `[axle.right]` for a right wheel that is not the mirror image of the left one.
     fn differences(&self, right: &Imported) -> String {
-        let mut text = String::new();
         let own = |name: &str| self.hardpoints.iter().find(|h| h.name == name);
-        let moved: Vec<_> = right
-            .hardpoints
-            .iter()
-            .filter(|other| {
-                own(other.name).is_none_or(|own| {
-                    let [x, y, z] = own.position;
-                    other.position != [x, 0.0 - y, z]
-                })
+        let moved = right.hardpoints.iter().filter(|other| {
+            own(other.name).is_none_or(|own| {
+                let [x, y, z] = own.position;
+                other.position != [x, 0.0 - y, z]
             })
-            .collect();
-        if !moved.is_empty() {
-            text += "\n[axle.right.hardpoints]         # with their actual y\n";
-            for point in moved {
-                let [x, y, z] = point.position;
-                let from = one_line(&format!("{:?}, {}", point.called, point.place));
-                let _ = writeln!(text, "{} = [{x:?}, {y:?}, {z:?}]   # {from}", point.name);
-            }
-        }
+        });
+        let mut text = right_hardpoints(moved);
         let angles = [
             ("static_camber", self.static_camber, right.static_camber),
             ("static_toe", self.static_toe, right.static_toe),
@@ -193,13 +181,12 @@ impl Imported {
                 let _ = writeln!(text, "{name} = \"{body}\"");
             }
         }
-        if let Part::Axle(differences) = part {
-            text += if differences.is_empty() {
-                "\n[axle]\nright = \"mirrored\"\n"
-            } else {
-                differences
-            };
-        }
+        text += &match part {
+            Part::Wheel => String::new(),
+            Part::Axle("") => "\n[axle]\nright = \"mirrored\"\n".to_owned(),
+            Part::Axle(differences) => differences.to_owned(),
+            Part::Solid => right_hardpoints(self.right_half.iter()),
+        };
         self.wheel(&mut text);
         if !matches!(part, Part::Wheel) {
             self.spring(&mut text);
@@ -315,6 +302,20 @@ impl Imported {
             LengthUnit::Inch | LengthUnit::InchPound => (millimetres / 25.4 * 10.0).floor() / 10.0,
         }
     }
+}
+
+/// Section with the points of a right wheel or a right half. Empty without points.
+fn right_hardpoints<'p>(points: impl Iterator<Item = &'p Hardpoint>) -> String {
+    let line = |point: &Hardpoint| {
+        let [x, y, z] = point.position;
+        let from = one_line(&format!("{:?}, {}", point.called, point.place));
+        format!("{} = [{x:?}, {y:?}, {z:?}]   # {from}\n", point.name)
+    };
+    let lines: String = points.map(line).collect();
+    if lines.is_empty() {
+        return lines;
+    }
+    format!("\n[axle.right.hardpoints]         # with their actual y\n{lines}")
 }
 
 /// Removes line breaks from a text, so that it fits into a comment.

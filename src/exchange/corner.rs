@@ -182,10 +182,16 @@ pub(super) fn pick(
         .next()
         .expect("at least one candidate has the best rank");
     if let Some(second) = chosen.find(|other| other.point.position != first.point.position) {
+        let [a, b] = [first.point, second.point];
+        // A map names a point, so it cannot tell points with one name apart.
+        let remedy = if a.name.trim().to_lowercase() == b.name.trim().to_lowercase() {
+            "rename or remove one of the two"
+        } else {
+            "select one with --map, or remove one"
+        };
         return Err(Refusal::Wrong(format!(
-            "{:?} ({}) and {:?} ({}) both seem to be {hardpoint}, with different coordinates: \
-             select one with --map, or remove one",
-            first.point.name, first.point.place, second.point.name, second.point.place
+            "{:?} ({}) and {:?} ({}) both seem to be {hardpoint}, with different coordinates: {remedy}",
+            a.name, a.place, b.name, b.place
         )));
     }
     let position = first.point.position.clone();

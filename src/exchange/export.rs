@@ -23,13 +23,13 @@ pub fn point_rows(outgoing: &Outgoing<'_>) -> Vec<Vec<Value>> {
     for side in outgoing.different_wheels() {
         for (name, id, position) in outgoing.points(side) {
             let [x, y, z] = position.map(Value::Number);
-            let (name, side) = match right_half(outgoing, id) {
-                Half::Right(name) => (name, Side::Right),
+            let (id, name, row_side) = match right_half(outgoing, id) {
+                Half::Right(near, name) => (near, name, Side::Right),
                 Half::MirrorImage => continue,
-                Half::Left => (name, side),
+                Half::Left => (id, name, side),
             };
             let body = outgoing.body(side, id).map_or(Value::Empty, text);
-            let (side, frame) = (text(side.name()), text(outgoing.convention.name()));
+            let (side, frame) = (text(row_side.name()), text(outgoing.convention.name()));
             rows.push(vec![text(name), x, y, z, side, frame, body]);
         }
     }
@@ -43,10 +43,10 @@ pub fn point_rows(outgoing: &Outgoing<'_>) -> Vec<Vec<Value>> {
 enum Half<'a> {
     /// Left half. Every point of an independent wheel counts as left.
     Left,
-    /// Right half, as the mirror image of a point on the left.
+    /// Right half, as the mirror image of a point on the left. It has no row.
     MirrorImage,
-    /// Right half with its own coordinates. The value is the point's name in the left half.
-    Right(&'a str),
+    /// Right half with its own row. The values are the point of the left half and its name.
+    Right(PointId, &'a str),
 }
 
 fn right_half<'a>(outgoing: &'a Outgoing<'_>, id: PointId) -> Half<'a> {
@@ -62,10 +62,14 @@ fn right_half<'a>(outgoing: &'a Outgoing<'_>, id: PointId) -> Half<'a> {
     };
     let place = |id: PointId| outgoing.place(Side::Left, id);
     let (left, right) = (place(*near), place(id));
-    if (right.x, right.y, right.z) == (left.x, -left.y, left.z) {
+    let name = mechanism.name(*near);
+    // Beside a Panhard rod, a reader takes an upper link without a right half for a single link.
+    let may_be_single =
+        name.starts_with("upper_link_") && mechanism.point("panhard_axle").is_some();
+    if (right.x, right.y, right.z) == (left.x, -left.y, left.z) && !may_be_single {
         Half::MirrorImage
     } else {
-        Half::Right(mechanism.name(*near))
+        Half::Right(*near, name)
     }
 }
 

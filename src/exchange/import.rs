@@ -9,8 +9,10 @@ use super::figure_names::{FigureKind, figure};
 use super::figures::{self, Figures};
 use super::place::{self, Placed};
 use super::refusal::Refusal;
+use super::right_half;
 use super::roles::{self, Letters, Role};
 use super::seats::{self, Seat};
+use super::slips::Checks;
 use super::table::{AxleFigures, Marks, NamedPoint, PointTable};
 use super::{optimum, unit};
 use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
@@ -67,6 +69,8 @@ pub struct Imported {
     pub topology: &'static Topology,
     /// Hardpoints in the topology's order.
     pub hardpoints: Vec<Hardpoint>,
+    /// Hardpoints of the right half of a solid axle or a twist beam that are not mirror images, with their actual y.
+    pub right_half: Vec<Hardpoint>,
     /// Side of the wheel.
     pub side: Side,
     /// Axes of the coordinates.
@@ -141,7 +145,11 @@ pub(super) fn for_axle(
     let mut corner = corner::choose(table, &named, options, &mut notes)?;
     if options.topology.carries_both_wheels() {
         corner.side = Some(Side::Left);
-        left_half(&named, corner, options, &mut left_out)?;
+        if options.side == Some(Side::Right) {
+            let reason =
+                "--side right: this axle has both wheels, and its study gives the left half";
+            return Err(Refusal::Wrong(reason.to_owned()));
+        }
     }
     let mut picked = Vec::new();
     for known in options.topology.all_hardpoints() {
@@ -160,7 +168,20 @@ pub(super) fn for_axle(
     refuse_missing(table, options, &roles, &picked, made)?;
 
     let wanted = corner.side;
-    let mut placed = place::place(table, options, wanted, &picked, &mut notes)?;
+    // Tools with their own layout measure the half track at the contact point.
+    let compare = !is_optimum && table.kinds.is_empty();
+    let half_track = figures.half_track();
+    let checks = Checks {
+        table,
+        options,
+        wanted,
+        half_track,
+        compare,
+    };
+    let as_read = picked.clone();
+    let explained = |refusal| checks.explain(&as_read, refusal);
+    let placed = place::place(table, options, wanted, &picked, &mut notes);
+    let mut placed = placed.map_err(explained)?;
     if options.topology.carries_both_wheels() {
         refuse_fifth_link(table, &named, corner, placed, &picked)?;
     }
@@ -175,17 +196,8 @@ pub(super) fn for_axle(
     if makes_wheel && !has_wheel {
         picked.extend(optimum::wheel_centre(placed, &figures, &mut notes));
     }
-    let asked = options.half_track.is_some();
-    // Tools with their own layout measure the half track at the contact point.
-    let compare = !is_optimum && table.kinds.is_empty();
-    let half_track = figures.half_track();
-    place::to_half_track(
-        placed,
-        half_track,
-        (asked, compare),
-        &mut picked,
-        &mut notes,
-    )?;
+    let flags = (options.half_track.is_some(), compare);
+    place::to_half_track(placed, half_track, flags, &mut picked, &mut notes).map_err(explained)?;
 
     let mut hardpoints = in_order(options.topology, picked);
     complete::drop_incomplete(options, &mut hardpoints, &mut left_out)?;
@@ -197,11 +209,19 @@ pub(super) fn for_axle(
         numbers: &figures.unused,
     };
     unused.say(&hardpoints, &mut notes, &mut left_out);
-    let frame = to_study_frame(placed, &mut hardpoints, &mut notes);
+    let mut right_half = if options.topology.carries_both_wheels() {
+        let (topology, axes) = (options.topology, placed.axes);
+        right_half::own(topology, &named, corner, axes, &hardpoints, &mut left_out)?
+    } else {
+        Vec::new()
+    };
+    let both = [&mut hardpoints, &mut right_half];
+    let frame = to_study_frame(placed, both, &mut notes);
     radius(contact, is_optimum, &mut figures, &mut notes);
     let mut imported = Imported {
         topology: options.topology,
         hardpoints,
+        right_half,
         side: placed.side,
         frame,
         unit,
@@ -222,28 +242,6 @@ pub(super) fn for_axle(
     imported.seats = seats::of(&imported, options.bodies)?;
     imported.notes.extend(seats::notes(&imported.seats));
     Ok(imported)
-}
-
-/// Refuses the right half of an axle with both wheels, and notes the points that the file gives for it.
-fn left_half(
-    named: &[Named<'_>],
-    corner: Corner,
-    options: &ImportOptions<'_>,
-    left_out: &mut Vec<String>,
-) -> Result<(), Refusal> {
-    if options.side == Some(Side::Right) {
-        let reason = "--side right: this axle has both wheels, and its study gives the left half";
-        return Err(Refusal::Wrong(reason.to_owned()));
-    }
-    let right = right_half(named, corner);
-    if !right.is_empty() {
-        left_out.push(format!(
-            "points of the right half ({}): the study has the mirror image of the left one; write those that differ under \
-             [axle.right.hardpoints]",
-            right.join(", ")
-        ));
-    }
-    Ok(())
 }
 
 /// Linkages that hold a solid axle sideways, and a hardpoint of each. Such an axle has one upper link, with its actual y.
@@ -296,15 +294,6 @@ fn refuse_fifth_link(
          too many for rigid links. Remove the rows of the right upper link, or those of {linkage}. For four elastic links and a \
          Panhard rod, start with `hardpoint new solid_axle --with five_links` and enter the points there"
     )))
-}
-
-/// Hardpoints of a solid axle that the file also gives for the right half.
-fn right_half(named: &[Named<'_>], corner: Corner) -> Vec<&'static str> {
-    let right = named.iter().filter(|n| {
-        let marks = n.point.marks.or(n.role.marks);
-        marks.side == Some(Side::Right) && (corner.axle.is_none() || marks.axle == corner.axle)
-    });
-    right.map(|n| n.role.hardpoint).collect()
 }
 
 /// Masses and other values of one axle, for the study of a car.
@@ -465,13 +454,13 @@ fn in_order(topology: &Topology, picked: Vec<Picked>) -> Vec<Hardpoint> {
 /// stay equal to those of the file. Otherwise the study uses ISO 8855; coordinates only change places and signs.
 fn to_study_frame(
     placed: Placed,
-    hardpoints: &mut [Hardpoint],
+    hardpoints: [&mut Vec<Hardpoint>; 2],
     notes: &mut Vec<String>,
 ) -> FrameConvention {
     if let Some(convention) = placed.axes.convention() {
         return convention;
     }
-    for hardpoint in hardpoints {
+    for hardpoint in hardpoints.into_iter().flatten() {
         hardpoint.position = placed.axes.to_iso(hardpoint.position);
     }
     notes.push(format!(

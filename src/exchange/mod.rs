@@ -7,9 +7,9 @@
 //! | bytes to a format's own structure | `source`, `sheets`, `delimited`, `workbook`, `cell`, `decimals`, `header`, `yaml`, `map`, `adams`, `adams_bushings` |
 //! | a format to a table of named rows, with the axes, units, wheels and axles that the file states | `points`, `map`, `chrono`, `chrono_vehicle`, `assetto_in`, `assetto_axle`, `hub_face`, `source`, into `table` |
 //! | names to roles | `names`, `roles` |
-//! | choice of axle and wheel | `corner` |
+//! | choice of axle and wheel | `corner`, `right_half` |
 //! | unit and values | `unit`, `angle_unit`, `figure_names`, `figures` |
-//! | axes and side, and the half track | `axes`, `place`, `optimum` |
+//! | axes and side, and the half track | `axes`, `place`, `optimum`, `slips` |
 //! | completeness, bodies, bushings, parts that are left out | `complete`, `seats`, `bushings` |
 //! | a study that runs, or those of a car | `compose`, `car` |
 //!
@@ -55,10 +55,12 @@ mod place;
 mod points;
 mod property_file;
 mod refusal;
+mod right_half;
 mod roles;
 mod rounding;
 mod seats;
 mod sheets;
+mod slips;
 mod source;
 mod subsystem;
 mod suspensions_ini;

@@ -75,11 +75,13 @@ impl<'s> Outgoing<'s> {
         Frame::new(self.convention, side)
     }
 
-    /// Wheels with different data: one wheel, or two if the right wheel of an axle has its own points or angles.
+    /// Wheels with different data: one wheel, or two if the right wheel of an axle has its own points or angles. One mechanism of a
+    /// solid axle or a twist beam has the points of both halves.
     pub fn different_wheels(&self) -> Vec<Side> {
+        let is_rigid = self.study.wheel().mechanism.rigid_axle.is_some();
         match &self.right {
-            Some(_) => Side::ALL.to_vec(),
-            None => vec![self.study.wheel().frame.meaning().1],
+            Some(_) if !is_rigid => Side::ALL.to_vec(),
+            _ => vec![self.study.wheel().frame.meaning().1],
         }
     }
 

@@ -2,7 +2,7 @@
 //!
 //! | axes given | side given | result |
 //! |---|---|---|
-//! | yes | yes | the points must not contradict either of them |
+//! | yes | yes | the points must not contradict either of them; `--side` for points without a side asks for that wheel, if necessary as mirror image |
 //! | yes | no | the side follows from the points, or left is assumed |
 //! | no | yes | the axes follow from the points, if they are right-handed |
 //! | no | no | as above, with the left wheel assumed: its mirror image would be a right wheel in left-handed axes |
@@ -26,7 +26,7 @@ pub(super) struct Placed {
     pub side: Side,
 }
 
-/// Wheel whose points serve as evidence, with these points only.
+/// Wheel to which the file assigns the points that serve as evidence, with these points only.
 fn evidence(picked: &[Picked], wanted: Option<Side>) -> (Option<Side>, Vec<(&str, [f64; 3])>) {
     let has = |side: Side| picked.iter().any(|p| p.origin == Some(side));
     let origin = match wanted {
@@ -37,7 +37,7 @@ fn evidence(picked: &[Picked], wanted: Option<Side>) -> (Option<Side>, Vec<(&str
         .iter()
         .filter(|p| p.origin.is_none() || p.origin == origin);
     let points = of.map(|p| (p.hardpoint.name, p.hardpoint.position));
-    (origin.or(wanted), points.collect())
+    (origin, points.collect())
 }
 
 /// Finds the axes and the side.
@@ -48,21 +48,24 @@ pub(super) fn place(
     picked: &[Picked],
     notes: &mut Vec<String>,
 ) -> Result<Placed, Refusal> {
-    let (side, points) = evidence(picked, wanted);
+    let (origin, points) = evidence(picked, wanted);
+    let side = origin.or(wanted);
     let directions = Directions::of(&points);
     let flag = options.axes.or(options.frame.map(Axes::of));
     if let Some(axes) = flag.or(table.declared.axes()) {
         let by_user = flag.is_some();
-        return stated(axes, by_user, side, &directions, options, notes);
+        let is_asked = origin.is_none() && options.side.is_some();
+        return stated(axes, by_user, (side, is_asked), &directions, options, notes);
     }
     found(table, side, &directions, notes)
 }
 
-/// Uses axes that the user or the file states.
+/// Uses axes that the user or the file states. The flag beside the side is true if the user asks for this wheel, and the file has
+/// points without a side. [`mirror`] then makes it from the other wheel.
 fn stated(
     axes: Axes,
     by_user: bool,
-    side: Option<Side>,
+    (side, is_asked): (Option<Side>, bool),
     directions: &Directions,
     options: &ImportOptions<'_>,
     notes: &mut Vec<String>,
@@ -82,6 +85,7 @@ fn stated(
     } else {
         None
     };
+    let side = if is_asked { shown.or(side) } else { side };
     if let (Some(stated), Some(shown)) = (side, shown)
         && stated != shown
     {
@@ -252,9 +256,18 @@ pub(super) fn mirror(
     }
     placed.side = wheel;
     if !names.is_empty() {
-        notes.push(format!(
-            "mirror images of the other wheel: {}",
+        let all = if names.len() == picked.len() {
+            "all points".to_owned()
+        } else {
             names.join(", ")
+        };
+        let other = match wheel {
+            Side::Left => Side::Right,
+            Side::Right => Side::Left,
+        };
+        notes.push(format!(
+            "mirror images of the {} wheel: {all}",
+            other.name()
         ));
     }
 }
@@ -386,14 +399,20 @@ mod tests {
             let points = [("lower_ball_joint", outer), ("lower_arm_front", [0.0; 3])];
             let mut notes = Vec::new();
             let directions = Directions::of(&points);
-            let placed = stated(axes, true, None, &directions, &options, &mut notes).unwrap();
+            let unknown = (None, false);
+            let placed = stated(axes, true, unknown, &directions, &options, &mut notes).unwrap();
             assert_eq!(placed.side, side, "{cosine}");
             let shown = notes[0].contains("on that side of the body");
             assert_eq!(shown, is_shown, "{cosine}: {notes:?}");
             // A stated side is refused only if the points show the other side.
             for wheel in Side::ALL {
-                let placed = stated(axes, true, Some(wheel), &directions, &options, &mut notes);
+                let of_file = (Some(wheel), false);
+                let placed = stated(axes, true, of_file, &directions, &options, &mut notes);
                 assert_eq!(placed.is_ok(), !is_shown || wheel == side, "{cosine}");
+                // A wheel that the user asks for is mirrored from the wheel that the points show.
+                let asked = (Some(wheel), true);
+                let placed = stated(axes, true, asked, &directions, &options, &mut notes);
+                assert_eq!(placed.unwrap().side, if is_shown { side } else { wheel });
             }
         }
     }

@@ -21,7 +21,7 @@ pub(super) fn csv_of_rows(mut rows: impl Iterator<Item = Vec<String>>) -> Vec<u8
 }
 
 /// Names of the motion's columns in files.
-fn motion_names(curves: &Curves) -> Vec<String> {
+pub fn motion_names(curves: &Curves) -> Vec<String> {
     let written = curves.motion.iter().filter(|column| column.is_written);
     written.map(MotionColumn::name).collect()
 }

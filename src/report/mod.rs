@@ -37,6 +37,7 @@ mod run;
 mod scene;
 mod set_up_summary;
 mod side_effects;
+mod slip;
 mod solve_summary;
 mod station_label;
 mod sweep;
@@ -73,7 +74,7 @@ pub use figure::{
     as_written, brief, ends_at, figure, figures, has_digits, resolution, to_digits, with_decimals,
     with_minus_signs, with_plus,
 };
-pub use files::{curves_csv, history_csv, sensitivities_csv};
+pub use files::{curves_csv, history_csv, motion_names, sensitivities_csv};
 pub use finished::{FinishedRun, NotARun};
 pub use fitted::FittedOffset;
 pub use kc::{KcResults, OtherProgram, elastic_parts, no_equilibrium, weakest_motion};
@@ -102,6 +103,7 @@ pub use side_effects::{
     further_in_words, shown_side_effects, side_effects_in_words, side_effects_table,
     visible_side_effects,
 };
+pub(crate) use slip::Slip;
 pub use solve_summary::SolveSummary;
 pub use sweep::{
     Choice, Done, DrawnDesigns, Finished, MergeError, PartOutcome, PartRecord, Parts, ShownDesigns,

@@ -3,6 +3,7 @@
 
 mod axle;
 mod carrier;
+mod slip;
 mod spring;
 mod tuning;
 
@@ -47,8 +48,16 @@ const REACH: [f64; 2] = [0.05, 4.0];
 /// Largest plausible deviation of a wheel from half the track, as a fraction of it.
 const OFF_TRACK: f64 = 0.1;
 
-/// Warnings about a suspension in its design position, one line each.
+/// Warnings about a suspension in its design position, one line each. If one coordinate with a wrong sign or decimal place explains
+/// all of them, the first warning names it.
 pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
+    let doubts = doubts(suspension)?;
+    let slip = (!doubts.is_empty()).then(|| slip::explains(suspension));
+    Ok(slip.flatten().into_iter().chain(doubts).collect())
+}
+
+/// All warnings about a suspension in its design position.
+fn doubts(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     let mut remarks = PlausibilityRemarks {
         suspension,
         found: Vec::new(),

@@ -23,7 +23,7 @@ mod run_directory;
 pub use claim::{Claim, Sharing};
 pub use lock::{Lock, NotLocked};
 pub use manifest::{Manifest, RunRecord};
-pub use open_runs::{exit_interrupted, put, undivided};
+pub use open_runs::{exit_interrupted, make_directory, put, undivided, write_whole};
 pub use owner::Owner;
 pub use refusal::{Refusal, WriteError};
 pub use run_directory::{RunDirectory, temporary, temporary_of};

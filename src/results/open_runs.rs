@@ -111,8 +111,27 @@ fn clear(directory: &Path) {
     }
 }
 
-/// Writes a file under a temporary name, then renames it. Within [`undivided`], no signal can interrupt it.
+/// Writes a file completely or not at all, and no signal can interrupt it. A named pipe or a character device receives the contents.
+pub fn write_whole(path: &Path, contents: &[u8]) -> io::Result<()> {
+    if is_stream(path) {
+        // The reader determines how long this takes, so a signal may interrupt it.
+        let mut stream = std::fs::OpenOptions::new().write(true).open(path)?;
+        return stream.write_all(contents);
+    }
+    undivided(|| put(path, contents))
+}
+
+/// Writes a file under a temporary name, then renames it. A symbolic link stays, and its target is replaced. Within [`undivided`],
+/// no signal can interrupt it.
 pub fn put(path: &Path, contents: &[u8]) -> io::Result<()> {
+    let path = &target(path);
+    match std::fs::metadata(path) {
+        Ok(there) if there.is_dir() => return Err(io::Error::other("it is a directory")),
+        Ok(there) if !there.is_file() => {
+            return Err(io::Error::other("it exists and is not a regular file"));
+        }
+        _ => {}
+    }
     let directory = path
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
@@ -121,4 +140,47 @@ pub fn put(path: &Path, contents: &[u8]) -> io::Result<()> {
     file.flush()?;
     file.persist(path).map_err(|e| e.error)?;
     Ok(())
+}
+
+/// File to which a symbolic link leads, also if that file does not exist yet. Other paths stay unchanged.
+fn target(path: &Path) -> PathBuf {
+    const LONGEST_CHAIN: usize = 40;
+    let mut path = path.to_owned();
+    for _ in 0..LONGEST_CHAIN {
+        let Ok(link) = std::fs::read_link(&path) else {
+            break;
+        };
+        path = path.parent().unwrap_or(Path::new("")).join(link);
+    }
+    path
+}
+
+/// True for a named pipe and a character device, which are written into and cannot be replaced.
+#[cfg(unix)]
+fn is_stream(path: &Path) -> bool {
+    use std::os::unix::fs::FileTypeExt;
+    let kind = std::fs::metadata(path).map(|there| there.file_type());
+    kind.is_ok_and(|kind| kind.is_fifo() || kind.is_char_device())
+}
+
+#[cfg(not(unix))]
+fn is_stream(_: &Path) -> bool {
+    false
+}
+
+/// Makes a directory and those above it. If a file is in the way, the error names it.
+pub fn make_directory(path: &Path) -> io::Result<()> {
+    std::fs::create_dir_all(path).map_err(|error| {
+        let there = path.ancestors().find(|above| above.exists());
+        match there.filter(|there| !there.is_dir()) {
+            Some(file) => not_a_directory(file),
+            None => error,
+        }
+    })
+}
+
+/// Error of a file in place of a directory.
+pub(super) fn not_a_directory(file: &Path) -> io::Error {
+    let message = format!("{} is a file; expected a directory", file.display());
+    io::Error::new(io::ErrorKind::NotADirectory, message)
 }

@@ -3,7 +3,7 @@
 use super::claim::{Claim, Sharing, examine, is_wanted, may_be_moved, names, resolved};
 use super::lock::NotLocked;
 use super::manifest::{self, Manifest, RunRecord, matches};
-use super::open_runs::{self, OpenRun, undivided};
+use super::open_runs::{self, OpenRun, make_directory, not_a_directory, write_whole};
 use super::{Lock, Owner, Refusal, SUMMARY, TEMPORARY, WriteError, restated, unwritten};
 use std::collections::BTreeSet;
 use std::io;
@@ -41,7 +41,7 @@ impl RunDirectory {
     /// Claims a directory before any computation. Creates it if it does not exist.
     pub fn claim(path: &Path, claim: &Claim<'_>) -> Result<Self, Refusal> {
         let failed = |error| Refusal::Unwritable(unwritten(path)(error));
-        std::fs::create_dir_all(path).map_err(failed)?;
+        make_directory(path).map_err(failed)?;
         let owner = Owner::here(&format!("hardpoint {} {}", claim.command, claim.study));
         let lock_path = path.join(format!("{TEMPORARY}lock"));
         let locked = |result: Result<Lock, NotLocked>| {
@@ -125,7 +125,7 @@ impl RunDirectory {
         let writable = if there.is_dir() {
             temporary(there).map(drop)
         } else {
-            Err(io::ErrorKind::NotADirectory.into())
+            Err(not_a_directory(there))
         };
         writable.map_err(|error| Refusal::Unwritable(unwritten(path)(error)))?;
         examine(path, claim).map(drop)
@@ -299,10 +299,10 @@ impl RunDirectory {
         self.state().interrupted = true;
     }
 
-    /// Writes a file under a temporary name, then renames it.
+    /// Writes a file completely or not at all.
     fn put(&self, name: &str, contents: &[u8]) -> Result<(), WriteError> {
         let path = self.path.join(name);
-        undivided(|| open_runs::put(&path, contents)).map_err(unwritten(&path))
+        write_whole(&path, contents).map_err(unwritten(&path))
     }
 
     /// Writes a file within a step that no signal can interrupt.

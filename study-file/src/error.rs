@@ -1,8 +1,10 @@
 //! Errors in a study, with their place and remedy.
 
+use crate::source::advice;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use std::fmt;
 use std::ops::Range;
+use std::path::Path;
 use std::sync::Arc;
 
 /// A text that was read, with its name for messages.
@@ -49,6 +51,23 @@ impl StudyError {
             help: None,
             related: Vec::new(),
         }
+    }
+
+    /// Error of a study file that cannot be read. For a directory, the remedy names the studies in it.
+    pub fn unread(path: &Path, reason: &str) -> Self {
+        let mut error = StudyError::of_file(
+            path.display().to_string(),
+            format!("cannot be read: {reason}"),
+        );
+        let studies = ["optimised.toml", "study.toml"].map(|name| path.join(name));
+        let studies = studies.iter().filter(|study| study.is_file());
+        let studies: Vec<String> = studies.map(|study| study.display().to_string()).collect();
+        if !studies.is_empty() {
+            error.help(format!("give a study in it: {}", studies.join(" or ")));
+        } else if let Some(advice) = advice(&error.source.name) {
+            error.help(advice);
+        }
+        error
     }
 
     /// Sets the key that contains the error.

@@ -4,6 +4,7 @@ use crate::car_file::CarFile;
 use crate::error::{Source, StudyError, StudyErrors};
 use crate::file::File;
 use crate::names::nearest;
+use crate::source::advice;
 use crate::value::Number;
 use serde::de::DeserializeOwned;
 use std::sync::Arc;
@@ -36,7 +37,11 @@ fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors>
     }
     let root = DeTable::parse(text).map_err(|error| {
         let message = format!("not valid TOML: {}", error.message().replace('\n', "; "));
-        StudyError::new(source.clone(), error.span(), message)
+        let mut error = StudyError::new(source.clone(), error.span(), message);
+        if let Some(advice) = advice(&source.name) {
+            error.help(advice);
+        }
+        error
     })?;
     let file = toml::from_str(text).map_err(|error| {
         // A section that is completely missing has no place.

@@ -70,6 +70,16 @@ fn bytes_of(
     Ok(bytes)
 }
 
+/// Advice for a file with points that another program has written. `None` for other names.
+pub(crate) fn advice(name: &str) -> Option<&'static str> {
+    const TABLES: [&str; 11] = [
+        "csv", "tsv", "txt", "xlsx", "xlsm", "xls", "json", "yaml", "yml", "sub", "ini",
+    ];
+    let end = Path::new(name).extension()?.to_str()?.to_ascii_lowercase();
+    let advice = "`hardpoint import` makes a study of a table of points";
+    TABLES.contains(&end.as_str()).then_some(advice)
+}
+
 fn text_of(bytes: Vec<u8>) -> Result<String, String> {
     String::from_utf8(bytes).map_err(|e| {
         let valid = e.utf8_error().valid_up_to();

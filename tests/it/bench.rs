@@ -301,6 +301,31 @@ fn cars_and_equilibria_are_timed() {
 
 #[test]
 fn a_wrong_call_is_refused() {
+    for (arguments, phrase) in [
+        (
+            &["bench", "throughput", "--samples", "99999999999"][..],
+            "from 1 to 100000",
+        ),
+        (
+            &["bench", "throughput", "--threads", "1000000"],
+            "from 1 to 128",
+        ),
+        (&["bench", "cars", "nowhere.toml"], "does not exist"),
+        (&["bench", "effects", "studies/car.toml"], "bench cars"),
+        (&["bench", "equilibria"], "--with bushings"),
+        (
+            &["bench", "accuracy", "studies/macpherson_axle.toml"],
+            "remove [axle]",
+        ),
+        (
+            &["bench", "effects", "studies/twist_beam_solve.toml"],
+            "one mechanism carries both wheels",
+        ),
+    ] {
+        let refused = hardpoint(arguments).code(2);
+        let said = String::from_utf8_lossy(&refused.get_output().stderr).into_owned();
+        assert!(said.contains(phrase), "{arguments:?}: {said}");
+    }
     for arguments in [
         &["bench", "speed"][..],
         &["bench", "accuracy", "nowhere.toml"],

@@ -472,6 +472,36 @@ fn wrong_calls_are_named() {
     assert!(text(&assert.get_output().stderr).contains("[optimise]"));
 }
 
+/// `hardpoint new` writes its study into a file, and replaces one only with `--force`.
+#[test]
+fn a_new_study_goes_into_a_file() {
+    let directory = tempfile::tempdir().unwrap();
+    let study = directory.path().join("racer.toml");
+    let new = ["new", "double_wishbone", "--out", study.to_str().unwrap()];
+    hardpoint(&new).code(0);
+    let printed = hardpoint(&["new", "double_wishbone"]).code(0);
+    assert_eq!(fs::read(&study).unwrap(), printed.get_output().stdout);
+    let again = hardpoint(&new).code(2);
+    assert!(text(&again.get_output().stderr).contains("already exists; --force"));
+    hardpoint(&[&new[..], &["--force"]].concat()).code(0);
+}
+
+/// A right wheel is not the wheel of an axle. The message names its mirror image.
+#[test]
+fn an_axle_of_a_right_wheel_is_told_to_mirror_it() {
+    let study = studies().join("macpherson_axle.toml");
+    let right = [
+        "check",
+        study.to_str().unwrap(),
+        "--set",
+        "suspension.side=\"right\"",
+        "--set",
+        "suspension.frame=\"x_rear\"",
+    ];
+    let said = text(&hardpoint(&right).code(2).get_output().stderr);
+    assert!(said.contains("--side left"), "{said}");
+}
+
 /// A place that cannot be written is known before anything is computed.
 #[test]
 fn a_place_that_cannot_be_written_is_named() {

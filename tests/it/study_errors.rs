@@ -450,6 +450,14 @@ fn files_that_cannot_be_read() {
         message("absent.toml").contains("absent.toml: cannot be read: the file does not exist")
     );
     assert!(message(".").contains("it is a directory"));
+    // The studies in a directory of results, and the command for a table of points, are named.
+    fs::create_dir(at("run")).unwrap();
+    fs::write(at("run/optimised.toml"), "").unwrap();
+    assert!(message("run").contains("run/optimised.toml"));
+    fs::write(at("points.csv"), "name,x,y,z\n").unwrap();
+    assert!(message("points.csv").contains("hardpoint import"));
+    fs::write(at("points.toml"), "name,x,y,z\n").unwrap();
+    assert!(!message("points.toml").contains("hardpoint import"));
     fs::write(at("latin.toml"), b"a = 1\n# caf\xe9\n").unwrap();
     assert!(message("latin.toml").contains("line 2 is not UTF-8 text"));
     fs::write(at("empty.toml"), "").unwrap();

@@ -192,13 +192,11 @@ impl<'a> Planned<'a> {
             self.add(LIMIT, lanes(width), 1, limit.job(angles, widest, 1)?);
         }
         let method = || widest.map_or(ONE_BY_ONE.to_owned(), lanes);
-        for threads in 2..=threads {
-            self.add(
-                ANGLES,
-                method(),
-                threads,
-                sweep.job(angles, widest, threads)?,
-            );
+        let most = threads;
+        for threads in 2..=most {
+            let job = sweep.job(angles, widest, threads);
+            let job = job.map_err(|reason| reason.up_to(most))?;
+            self.add(ANGLES, method(), threads, job);
         }
         let job = sweep.job(&wanted.angles_and_points, widest, 1)?;
         self.add(POINTS, method(), 1, job);

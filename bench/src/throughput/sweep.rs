@@ -52,7 +52,7 @@ impl<'a> Sweep<'a> {
         let pool = (threads > 1).then(|| hardpoint_engine::threads::pool(threads));
         let pool = pool
             .transpose()
-            .map_err(|_| Unmeasurable::Threads(threads))?;
+            .map_err(|_| Unmeasurable::threads(threads))?;
         let work = move |evaluator: &mut Evaluator, block: &mut Block| {
             for _ in 0..blocks {
                 evaluator.evaluate(black_box(designs), block);

@@ -134,7 +134,7 @@ pub(super) fn axle(
     }
     if suspension.frame.meaning().1 == Side::Right {
         let place = file.suspension.side.as_ref().map_or(place, Text::span);
-        let message = "[suspension] of an axle is its left wheel; expected side = \"left\"";
+        let message = "[suspension] of an axle is its left wheel; expected side = \"left\". `hardpoint import --side left` writes the mirror image of a right wheel";
         problems.add(place, message);
         sound = false;
     }

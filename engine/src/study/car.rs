@@ -203,7 +203,7 @@ impl CarStudy {
     pub fn read(path: &Path, changes: &[String]) -> Result<CarStudy, StudyErrors> {
         let shown = path.display().to_string();
         let text = source::read_text(path, source::LONGEST_TEXT)
-            .map_err(|reason| StudyError::of_file(&shown, format!("cannot be read: {reason}")))?;
+            .map_err(|reason| StudyError::unread(path, &reason))?;
         let of_axle = |end: &str| -> Vec<String> {
             let own = changes.iter().filter_map(|change| change.strip_prefix(end));
             own.map(str::to_owned).collect()
@@ -225,8 +225,14 @@ impl CarStudy {
         let written = [&file.car.get_ref().front, &file.car.get_ref().rear];
         let paths = written.map(|written| directory.join(written.get_ref()));
         for ((written, path), end) in written.into_iter().zip(&paths).zip(AXLE_NAMES) {
-            if CarStudy::is_at(path) {
-                let message = "expected the study of an axle, found the study of a car";
+            let message = match source::read_text(path, source::LONGEST_TEXT) {
+                Err(reason) => Some(format!("{} cannot be read: {reason}", path.display())),
+                Ok(text) if parse::car_section(&text).is_some() => {
+                    Some("expected the study of an axle, found the study of a car".to_owned())
+                }
+                Ok(_) => None,
+            };
+            if let Some(message) = message {
                 let mut error = StudyError::new(source, Some(written.span()), message);
                 error.key_named(Some(format!("car.{end}")));
                 return Err(error.into());

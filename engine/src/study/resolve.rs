@@ -90,8 +90,7 @@ impl Study {
         } else {
             source::read_text(path, source::LONGEST_TEXT)
         };
-        let text =
-            text.map_err(|reason| StudyError::of_file(&name, format!("cannot be read: {reason}")))?;
+        let text = text.map_err(|reason| StudyError::unread(path, &reason))?;
         let directory = path.parent().unwrap_or(Path::new(""));
         if overrides.is_empty() {
             return resolve(Path::new(&name), name.clone(), text, directory, parts);
@@ -349,8 +348,8 @@ fn refuse_car(source: &Arc<Source>) -> Result<(), StudyErrors> {
     let message = "[car] makes this the study of a car, which this command does not accept";
     let mut error = StudyError::new(source.clone(), Some(place), message);
     error.help(
-        "hardpoint check, solve, sweep, optimise, tolerance, limits, compare and export accept \
-         cars; every command accepts the study of a single axle",
+        "hardpoint check, solve, sweep, optimise, tolerance, limits, compare, export and bench cars \
+         accept cars; every command accepts the study of a single axle",
     );
     Err(error.into())
 }

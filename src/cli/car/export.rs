@@ -2,7 +2,7 @@
 
 use super::super::exit::{Exit, Stop};
 use super::super::export::{ExportArguments, Target, say};
-use super::super::save::{file_of_out, save};
+use super::super::save::{file_of_out, note_saved, save};
 use super::{solver, source};
 use crate::exchange::{
     Page, car_point_pages, car_points_csv, cases_in, csv, page_of_csv, suspensions_ini_of_car,
@@ -32,7 +32,10 @@ pub(in crate::cli) fn export(arguments: &ExportArguments, file: &Path) -> Result
     };
     match file_of_out(&arguments.out) {
         None => std::io::stdout().write_all(&bytes)?,
-        Some(out) => save(out, &bytes, arguments.force, &study.inputs)?,
+        Some(out) => {
+            save(out, &bytes, arguments.force, &study.inputs)?;
+            note_saved(out);
+        }
     }
     Ok(Exit::Done)
 }

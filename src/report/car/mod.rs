@@ -27,6 +27,7 @@ pub use tuning::{
 use crate::car::{
     CarQuantity, CarSolver, Case, Equilibrium, NoEquilibrium, Solved, WheelPlace, WheelResult,
 };
+use crate::model::MassUnit;
 use crate::study::CarStudy;
 
 /// State of a load case, or the reason why there is none.
@@ -113,6 +114,7 @@ impl<'s> CarResults<'s> {
             }
         }
         remarks.extend(self.warnings());
+        remarks.extend(mass_doubt(study));
         for (end, axle) in crate::car::AXLE_NAMES.iter().zip(&study.axles) {
             let vehicle = &axle.wheel().vehicle;
             let figures = [
@@ -199,4 +201,20 @@ impl<'s> CarResults<'s> {
         }
         warnings
     }
+}
+
+/// Doubt about masses of the car without a unit, if an axle has masses in pounds.
+fn mass_doubt(study: &CarStudy) -> Option<String> {
+    let written: toml::Table = study.text.parse().ok()?;
+    if written.get("car")?.get("mass_unit").is_some() {
+        return None;
+    }
+    let [_, axles @ ..] = study.units();
+    let mut named = crate::car::AXLE_NAMES.iter().zip(axles);
+    let (end, units) = named.find(|(_, units)| units.mass != MassUnit::default())?;
+    let (own, other) = (MassUnit::default().symbol(), units.mass.symbol());
+    Some(format!(
+        "please check: [car] has no mass_unit, so its masses are in {own}, but the {end} study has mass_unit = \"{other}\". Give \
+         mass_unit in [car]"
+    ))
 }

@@ -354,6 +354,11 @@ fn wrong_inputs_of_cars_are_refused() {
             "expected the study of an axle, found the study of a car",
         ),
         (
+            good.replace("\"car_front.toml\"", "\"absent.toml\""),
+            "car.front",
+            "absent.toml cannot be read: the file does not exist",
+        ),
+        (
             format!("{axle}{case}"),
             "cases[0]",
             "cases belongs to the study of a car, which has a section [car]",

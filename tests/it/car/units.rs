@@ -231,6 +231,28 @@ fn both_axles_need_the_same_units() {
     );
 }
 
+/// Masses of a car in kilograms beside an axle in pounds are called doubtful, unless the car names their unit.
+#[test]
+fn masses_without_a_unit_are_doubted_beside_pounds() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    hardpoint(directory, &["new", "car"]).success();
+    let said = |more: &[&str]| {
+        let call = [&["check", "car.toml"][..], more].concat();
+        let ended = hardpoint(directory, &call).get_output().clone();
+        text(&ended.stdout)
+            .split_whitespace()
+            .collect::<Vec<_>>()
+            .join(" ")
+    };
+    let doubt = "its masses are in kg, but the rear study has mass_unit = \"lb\"";
+    let pounds = ["--set", "rear.suspension.mass_unit=\"lb\""];
+    assert!(!said(&[]).contains("mass_unit"));
+    assert!(said(&pounds).contains(doubt), "{}", said(&pounds));
+    let named = [&pounds[..], &["--set", "car.mass_unit=\"kg\""]].concat();
+    assert!(!said(&named).contains("mass_unit"));
+}
+
 /// Units of both axles are named by their keys, and each need of a result once.
 #[test]
 fn refusals_name_keys_once() {

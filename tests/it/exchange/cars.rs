@@ -402,12 +402,41 @@ fn axles_of_one_body_come_back_from_tables() {
         moved += "wheel_centre,0.0,-750.0,330.0,right,iso8855,\n";
         let path = file(&directory, "points.csv", moved.as_bytes());
         let back = imported(&path, topology, &Said::default()).unwrap();
-        assert!(
-            back.left_out[0].contains("right half (wheel_centre)"),
-            "{:?}",
-            back.left_out
-        );
+        let right: Vec<_> = back
+            .right_half
+            .iter()
+            .map(|h| (h.name, h.position))
+            .collect();
+        assert_eq!(right, [("wheel_centre", [0.0, -750.0, 330.0])]);
     }
+}
+
+/// Halves that differ: each point has one row a side with its own coordinates, and the table gives the same axle.
+#[test]
+fn axles_with_different_halves_come_back_from_tables() {
+    let directory = tempfile::tempdir().unwrap();
+    for (topology, name, place) in [
+        ("twist_beam", "mount", [405.0, -520.0, 345.0]),
+        ("solid_axle", "lower_link_chassis", [535.0, -425.0, 310.0]),
+    ] {
+        let text = hardpoint::cli::template(topology, &[]).unwrap();
+        let own = study(&format!(
+            "{text}\n[axle.right.hardpoints]\n{name} = {place:?}\n"
+        ));
+        let table = String::from_utf8(csv(&point_rows(&Outgoing::of(&own, None, None)))).unwrap();
+        let right: Vec<&str> = table.lines().filter(|row| row.contains("right")).collect();
+        let [x, y, z] = place;
+        assert_eq!(right, [format!("{name},{x:?},{y:?},{z:?},right,iso8855,")]);
+        let path = file(&directory, "points.csv", table.as_bytes());
+        let back = imported(&path, topology, &Said::default()).unwrap();
+        let again = study(&back.study("back", "there").unwrap());
+        assert_eq!(again.wheel().design, own.wheel().design, "{topology}");
+    }
+    // A drag link is no mirror image, so such an axle always has two different halves.
+    let steered = Study::read(&studies().join("off_road_car_front.toml"), &[]).unwrap();
+    let rows = csv(&point_rows(&Outgoing::of(&steered, None, None)));
+    let table = String::from_utf8(rows).unwrap();
+    assert_eq!(table.matches("\nwheel_centre,").count(), 1, "{table}");
 }
 
 /// Links that a solid axle does not have are refused with the reason, and names settle it.

@@ -68,6 +68,8 @@ fn rounding_says_what_it_costs() {
         said.contains("27 of 27 coordinates rounded to 10 mm: misfit"),
         "{said}"
     );
+    // The motion is no output.
+    assert!(!said.contains("\n  travel_mm"), "{said}");
     // In figures as other tables have them.
     let of_camber = said.lines().find(|line| line.starts_with("  camber_deg"));
     let change = of_camber.unwrap().split_whitespace().last().unwrap();
@@ -350,6 +352,63 @@ fn check_doubts_axes_and_a_wheel_at_the_centre_plane() {
     );
     let at_origin = doubts(|[x, y, z]| [x, y - 760.0, z]);
     assert!(at_origin.contains("from the centre plane"), "{at_origin}");
+    // One coordinate with a wrong decimal place is named before the doubts that it causes.
+    let slip = doubts(|at| {
+        if at == [10.0, 700.0, 180.0] {
+            [10.0, 700.0, 1800.0]
+        } else {
+            at
+        }
+    });
+    assert!(
+        slip.split("please check: ")
+            .nth(1)
+            .unwrap()
+            .starts_with("lower_ball_joint seems to have z = 180 "),
+        "{slip}"
+    );
+}
+
+/// Printed commands can be copied into a shell, also with a space in a path. Files that were written are named.
+#[test]
+fn printed_commands_quote_their_paths() {
+    let directory = tempfile::tempdir().unwrap();
+    let (table_path, table) = path(&directory, "points.csv");
+    let (_, study) = path(&directory, "my front.toml");
+    let mut exported = hardpoint(&[
+        "export",
+        &sample("macpherson_front.toml"),
+        "--to",
+        "csv",
+        "--out",
+        &table,
+    ]);
+    let exported = exported.assert().success();
+    let said = text(&exported.get_output().stderr);
+    assert!(
+        table_path.exists() && said.contains(&format!("Written: {table}")),
+        "{said}"
+    );
+    let import = [
+        "import",
+        &table,
+        "--topology",
+        "macpherson",
+        "--out",
+        &study,
+    ];
+    let said = hardpoint(&import).assert().success();
+    let said = text(&said.get_output().stderr);
+    assert!(
+        said.contains(&format!("hardpoint studio '{study}'")),
+        "{said}"
+    );
+    let quiet = ["--quiet", "export", &study, "--to", "dxf", "--out"];
+    let (_, drawing) = path(&directory, "points.dxf");
+    let said = hardpoint(&[&quiet[..], &[&drawing]].concat())
+        .assert()
+        .success();
+    assert_eq!(text(&said.get_output().stderr), "");
 }
 
 /// A solid axle with one upper link has its study's coordinates after its table is read. Two upper links and a linkage across the
@@ -379,15 +438,14 @@ fn solid_axles_with_one_upper_link_go_out_and_come_back() {
             )
         };
         assert_eq!(points(&back_path), points(&study_path), "{linkage}");
-        let mirrored = rows.lines().map(|row| {
-            let is_pair = row.starts_with("upper_link") && row.contains("right");
+        let upper = rows.lines().filter(|row| row.starts_with("upper_link"));
+        let right = upper.map(|row| {
             let mut cells: Vec<String> = row.split(',').map(str::to_owned).collect();
-            if is_pair {
-                cells[2] = format!("-{}", cells[2]);
-            }
-            cells.join(",") + "\n"
+            cells[2] = format!("-{}", cells[2]);
+            cells.join(",").replace("left", "right") + "\n"
         });
-        std::fs::write(&table_path, mirrored.collect::<String>()).unwrap();
+        let both = rows.clone() + &right.collect::<String>();
+        std::fs::write(&table_path, both).unwrap();
         let refused = import().assert().failure();
         let said = text(&refused.get_output().stderr);
         let name = ["Panhard rod", "Watt linkage"][usize::from(linkage == "watt")];

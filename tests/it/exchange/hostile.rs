@@ -91,17 +91,17 @@ fn other_units_and_axes_are_recognised_and_contradictions_refused() {
         (sae.frame, sae.side),
         (FrameConvention::SaeJ670, Side::Left)
     );
-    let wrong = Said {
-        side: Some(Side::Right),
-        frame: Some(FrameConvention::Iso8855),
+    // The title states the wheel, and the points are on the other side in these axes.
+    let sae = Said {
+        frame: Some(FrameConvention::SaeJ670),
         ..Said::default()
     };
-    let refused = refusal(TABLE, &wrong);
+    let refused = refusal(&TABLE.replace("name", "left wheel\nname"), &sae);
     assert!(
-        refused.contains("not the right wheel in iso8855"),
+        refused.contains("not the left wheel in sae_j670"),
         "{refused}"
     );
-    assert!(refused.contains("--side left"), "{refused}");
+    assert!(refused.contains("--side right"), "{refused}");
     // Turned about y: no frame of studies, so that the points change their signs.
     let turned = of_text(&scaled(-1.0, 1.0, -1.0), &Said::default()).unwrap();
     assert_eq!(

@@ -354,6 +354,13 @@ fn one_point_is_one_hardpoint() {
         refused.contains("lower_ball_joint and upper_ball_joint are both"),
         "{refused}"
     );
+    // A map cannot tell two rows with one name apart, so it is not recommended.
+    let twice = format!("{text}LBJ,3,580,124\n");
+    let refused = of("points.csv", &twice, &Said::default()).unwrap_err();
+    assert!(
+        refused.contains("rename or remove one") && !refused.contains("--map"),
+        "{refused}"
+    );
 }
 
 #[test]
@@ -516,6 +523,50 @@ fn axes_that_the_points_contradict_are_refused() {
     );
     let refused = of("front.sub", &subsystem, &Said::default()).unwrap_err();
     assert!(refused.contains("--axes"), "{refused}");
+}
+
+/// One coordinate with a wrong sign or decimal place is named, with its likely value. The whole file is not called wrong.
+#[test]
+fn a_slip_in_one_coordinate_is_named() {
+    for (axis, wrong, likely) in [(1, 575.0, -575.0), (2, -1240.0, -124.0)] {
+        let sae = |(n, [x, y, z]): &(&'static str, [f64; 3])| (*n, [*x, -y, -z]);
+        let mut points: Vec<(&str, [f64; 3])> = FRONT.iter().map(sae).collect();
+        let text = |points: &[(&str, [f64; 3])]| {
+            let rows = rows(points, str::to_owned);
+            format!("SAE axes mm\nname,x,y,z\n{rows}")
+        };
+        assert!(of("points.csv", &text(&points), &Said::default()).is_ok());
+        assert_eq!((points[2].0, points[2].1[axis]), ("LBJ", likely));
+        points[2].1[axis] = wrong;
+        let refused = of("points.csv", &text(&points), &Said::default()).unwrap_err();
+        let axis = ["x", "y", "z"][axis];
+        assert!(
+            refused.contains("\"LBJ\"")
+                && refused.contains(&format!("{axis} = {likely} instead of {wrong}")),
+            "{refused}"
+        );
+    }
+}
+
+/// A sheet of the right wheel without a side gives the left wheel as its mirror image.
+#[test]
+fn the_other_wheel_is_the_mirror_image() {
+    let down = FRONT.map(|(name, [x, y, z])| (name, [x, y, -z]));
+    let sheet = format!("SAE axes mm\nname,x,y,z\n{}", rows(&down, str::to_owned));
+    let right = of("points.csv", &sheet, &Said::default()).unwrap();
+    assert_eq!(right.side, Side::Right);
+    let said = Said {
+        side: Some(Side::Left),
+        ..Said::default()
+    };
+    let left = of("points.csv", &sheet, &said).unwrap();
+    assert_eq!(left.side, Side::Left);
+    let note = "mirror images of the right wheel: all points";
+    assert!(left.notes.iter().any(|n| n == note), "{:?}", left.notes);
+    for (own, mirrored) in right.hardpoints.iter().zip(&left.hardpoints) {
+        let [x, y, z] = own.position;
+        assert_eq!(mirrored.position, [x, -y, z]);
+    }
 }
 
 /// The contact point gives the radius in the wheel's plane, also where the wheel is at the origin.

@@ -371,6 +371,31 @@ fn pictures_in_the_way_are_refused_before_a_run() {
     );
 }
 
+/// Pictures of another study are not replaced. Stale pictures of the same study, and those that `--force` replaces, are removed.
+#[test]
+fn pictures_of_two_studies_are_not_mixed() {
+    let bench = Bench::new();
+    let call = |out, more: &[&'static str]| {
+        let call = ["solve", "study.toml", "--out", out, "--plots", "pictures"];
+        [&call[..], more].concat()
+    };
+    let other = ["--set", "outputs.characteristics=[\"toe\"]"];
+    bench.run(&call("one", &[])).success();
+    let before = contents(&bench.path("pictures"));
+    bench.refused(&call("two", &other), &["pictures holds", "with --plots"]);
+    assert_eq!(contents(&bench.path("pictures")), before);
+    assert!(!bench.path("two").exists());
+    // A page and pictures of the same run may be made again.
+    bench
+        .run(&["report", "one", "--plots", "pictures"])
+        .success();
+    bench.run(&call("one", &[])).success();
+    let force = [&other[..], &["--force"]].concat();
+    bench.run(&call("two", &force)).success();
+    assert!(bench.path("pictures/toe_deg.svg").exists());
+    assert!(!bench.path("pictures/camber_deg.svg").exists());
+}
+
 /// A page or pictures of an earlier run beside new results would be wrong, so a run without them removes them. It names what it
 /// removes, and the option that writes it again.
 #[test]

@@ -64,3 +64,18 @@ fn a_full_disk_loses_nothing_that_was_whole() {
         assert_eq!(contents(&bench.path(command)), before);
     }
 }
+
+/// Help and version that cannot be printed are an error.
+#[cfg(target_os = "linux")]
+#[test]
+fn help_that_cannot_be_printed_is_an_error() {
+    let bench = Bench::new();
+    for option in ["--help", "--version"] {
+        let full = fs::OpenOptions::new().write(true).open("/dev/full");
+        let mut command = bench.command(&[option]);
+        let ended = command.stdout(full.unwrap()).output().unwrap();
+        assert_eq!(ended.status.code(), Some(1), "{option}");
+        let said = String::from_utf8_lossy(&ended.stderr);
+        assert!(said.contains("cannot write to standard output"), "{said}");
+    }
+}

@@ -246,3 +246,23 @@ fn an_interrupted_sweep_of_a_car_keeps_its_parts() {
         assert!(designs >= 1024 && designs.is_multiple_of(1024), "{summary}");
     }
 }
+
+/// A command that says that it was interrupted has the exit code of a signal, and one that finished says nothing.
+#[test]
+fn a_comparison_is_interrupted_or_finished() {
+    let bench = Bench::new();
+    bench
+        .run(&["solve", "study.toml", "--out", "run"])
+        .success();
+    for milliseconds in (0..40).step_by(4) {
+        let process = bench.start(&["compare", "run", "run", "--out", "both", "--force"]);
+        std::thread::sleep(Duration::from_millis(milliseconds));
+        let number = process.id().to_string();
+        let _ = Command::new("kill").args(["-INT", &number]).output();
+        let ended = process.wait_with_output().unwrap();
+        let said = String::from_utf8_lossy(&ended.stderr);
+        if said.contains("interrupted") {
+            assert_eq!(ended.status.code(), Some(130), "{milliseconds} ms: {said}");
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! Right half of an imported solid axle or twist beam.
+
+use super::Hardpoint;
+use super::axes::Axes;
+use super::corner::{self, Corner, Named};
+use super::refusal::Refusal;
+use crate::model::{Side, Topology};
+
+/// Hardpoints that the file gives for the right half, without mirror images of the left half. `left` is the left half in the axes of
+/// the file.
+pub(super) fn own(
+    topology: &'static Topology,
+    named: &[Named<'_>],
+    corner: Corner,
+    axes: Axes,
+    left: &[Hardpoint],
+    left_out: &mut Vec<String>,
+) -> Result<Vec<Hardpoint>, Refusal> {
+    let names: Vec<&'static str> = left.iter().map(|h| h.name).collect();
+    let mechanism = (topology.build)(topology, &names);
+    let is_paired = |name: &str| {
+        let rigid = mechanism.rigid_axle.as_ref();
+        let id = mechanism.point(name);
+        rigid
+            .zip(id)
+            .is_some_and(|(rigid, id)| rigid.far_of(id).is_some())
+    };
+    let right = Corner {
+        side: Some(Side::Right),
+        ..corner
+    };
+    let (across, _) = axes.across();
+    let mut found = Vec::new();
+    let mut single = Vec::new();
+    for near in left {
+        let Some(far) = corner::pick(near.name, named, right)? else {
+            continue;
+        };
+        // A row without a side, or the only row of a point, is in the left half already.
+        if far.origin != Some(Side::Right) || far.hardpoint.place == near.place {
+            continue;
+        }
+        let mut mirrored = far.hardpoint.position;
+        mirrored[across] = 0.0 - mirrored[across];
+        if !is_paired(near.name) {
+            single.push(near.name);
+        } else if mirrored != near.position {
+            found.push(far.hardpoint);
+        }
+    }
+    if !single.is_empty() {
+        left_out.push(format!(
+            "rows of the right half ({}): this axle has one of each, and the study has that of the left half",
+            single.join(", ")
+        ));
+    }
+    Ok(found)
+}

@@ -1,0 +1,65 @@
+//! Slips in the points of a file. If one coordinate with a wrong sign or decimal place explains why the axes or the half track are in
+//! doubt, the importer names it instead of asking about the whole file.
+
+use super::ImportOptions;
+use super::corner::Picked;
+use super::place;
+use super::refusal::{Question, Refusal};
+use super::table::PointTable;
+use crate::model::Side;
+use crate::report::Slip;
+
+/// Checks of a wheel's points: axes, side and half track.
+pub(super) struct Checks<'a> {
+    pub(super) table: &'a PointTable,
+    pub(super) options: &'a ImportOptions<'a>,
+    pub(super) wanted: Option<Side>,
+    pub(super) half_track: Option<f64>,
+    /// True if a half track of the file is compared with the points.
+    pub(super) compare: bool,
+}
+
+impl Checks<'_> {
+    /// True if points raise no doubt.
+    fn pass(&self, mut picked: Vec<Picked>) -> bool {
+        let mut notes = Vec::new();
+        let placed = place::place(self.table, self.options, self.wanted, &picked, &mut notes);
+        let Ok(mut placed) = placed else {
+            return false;
+        };
+        if !self.options.topology.carries_both_wheels() {
+            place::mirror(&mut placed, self.wanted, &mut picked, &mut notes);
+        }
+        let flags = (self.options.half_track.is_some(), self.compare);
+        let moved = place::to_half_track(placed, self.half_track, flags, &mut picked, &mut notes);
+        moved.is_ok() && !notes.iter().any(|note| note.starts_with("please check"))
+    }
+
+    /// Replaces the reason of a refusal by the slip that explains it, if there is one. `picked` are the points as the file has them.
+    pub(super) fn explain(&self, picked: &[Picked], refusal: Refusal) -> Refusal {
+        let points: Vec<[f64; 3]> = picked.iter().map(|p| p.hardpoint.position).collect();
+        let changed = |points: &[[f64; 3]]| {
+            let mut changed = picked.to_vec();
+            for (point, position) in changed.iter_mut().zip(points) {
+                point.hardpoint.position = *position;
+            }
+            changed
+        };
+        let Some(slip) = Slip::of(&points, |points| self.pass(changed(points))) else {
+            return refusal;
+        };
+        let point = &picked[slip.point].hardpoint;
+        let words = slip.describe(point.position[slip.axis], slip.likely);
+        let reason = format!(
+            "{:?} ({}), {}, seems to have {words}: with this value all points fit together. Correct it in the file",
+            point.called, point.place, point.name
+        );
+        match refusal {
+            Refusal::Wrong(_) => Refusal::Wrong(reason),
+            Refusal::Open(question) => Refusal::Open(Question {
+                reason: format!("{reason}. If it is right"),
+                ..question
+            }),
+        }
+    }
+}

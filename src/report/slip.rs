@@ -1,0 +1,105 @@
+//! Slips in a table of points: one coordinate with the wrong sign or the decimal point at the wrong place.
+
+/// A coordinate that is probably wrong.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Slip {
+    /// Index of the point.
+    pub(crate) point: usize,
+    /// Index of the coordinate.
+    pub(crate) axis: usize,
+    /// Value that fits to the other points.
+    pub(crate) likely: f64,
+    /// True for a wrong sign, false for a wrong decimal place.
+    pub(crate) is_sign: bool,
+}
+
+impl Slip {
+    /// Finds the slip that explains all doubts. `fits` returns true if points raise no doubt. Only the point that is farthest from
+    /// the others may have the slip, and the change must bring it much nearer to them.
+    pub(crate) fn of(points: &[[f64; 3]], fits: impl Fn(&[[f64; 3]]) -> bool) -> Option<Slip> {
+        const NEARER: f64 = 0.6;
+        let distances: Vec<f64> = (0..points.len()).map(|k| away(points, k)).collect();
+        let point = (0..points.len()).max_by(|a, b| distances[*a].total_cmp(&distances[*b]))?;
+        let mut found: Vec<(f64, Slip)> = Vec::new();
+        for axis in 0..3 {
+            let now = points[point][axis];
+            // A division keeps the digits; a factor of 0.1 would round.
+            for (likely, is_sign) in [(-now, true), (now / 10.0, false), (now * 10.0, false)] {
+                let mut changed = points.to_vec();
+                changed[point][axis] = likely;
+                let distance = away(&changed, point);
+                if distance < NEARER * distances[point] && fits(&changed) {
+                    let slip = Slip {
+                        point,
+                        axis,
+                        likely,
+                        is_sign,
+                    };
+                    found.push((distance, slip));
+                }
+            }
+        }
+        let nearest = found.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b));
+        nearest.map(|(_, slip)| slip)
+    }
+
+    /// The slip in words: `y = 22.52 instead of -22.52 (a wrong sign)`. `now` is the coordinate as it is written, and `likely` its
+    /// likely value in the same axes.
+    pub(crate) fn describe(&self, now: f64, likely: f64) -> String {
+        let kind = if self.is_sign {
+            "a wrong sign"
+        } else {
+            "a wrong decimal place"
+        };
+        let axis = ["x", "y", "z"][self.axis];
+        format!("{axis} = {likely} instead of {now} ({kind})")
+    }
+}
+
+/// Distance of a point from the mean of the others.
+fn away(points: &[[f64; 3]], point: usize) -> f64 {
+    let others = points.iter().enumerate().filter(|(k, _)| *k != point);
+    let count = (points.len() - 1) as f64;
+    let mean = others.fold([0.0; 3], |sum: [f64; 3], (_, other)| {
+        std::array::from_fn(|k| sum[k] + other[k] / count)
+    });
+    let [x, y, z] = std::array::from_fn(|k| points[point][k] - mean[k]);
+    f64::hypot(x, y).hypot(z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points of a box. One coordinate outside is found. Two points outside are not a slip.
+    #[test]
+    fn one_coordinate_far_outside_is_a_slip() {
+        let sound = [
+            [1.0, 5.0, 2.0],
+            [-1.0, 5.0, 2.5],
+            [0.5, 8.0, 3.0],
+            [-0.5, 8.5, 1.5],
+        ];
+        let fits = |points: &[[f64; 3]]| {
+            let inside = |p: &[f64; 3]| (4.0..9.0).contains(&p[1]) && p[2].abs() < 4.0;
+            points.iter().all(inside)
+        };
+        for (point, axis, wrong, is_sign) in
+            [(2, 1, -8.0, true), (0, 2, 20.0, false), (1, 2, 25.0, false)]
+        {
+            let mut points = sound;
+            points[point][axis] = wrong;
+            let slip = Slip::of(&points, fits);
+            let expected = Slip {
+                point,
+                axis,
+                likely: sound[point][axis],
+                is_sign,
+            };
+            assert_eq!(slip, Some(expected));
+        }
+        let mut two = sound;
+        (two[2][1], two[3][1]) = (-8.0, -8.5);
+        assert_eq!(Slip::of(&two, fits), None);
+    }
+}

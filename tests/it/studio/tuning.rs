@@ -29,7 +29,7 @@ fn coordinates_beyond_those_of_a_study_are_refused_everywhere() {
                 "{name} {value:e}: {said}"
             );
             assert!(
-                said.contains("upper_arm_front x: expected a number between"),
+                said.contains("upper_arm_front x: expected a number with a magnitude"),
                 "{said}"
             );
         }

@@ -3,7 +3,7 @@ import { byId, html } from './draw.js';
 
 // A question with answers; the answer, or null. An answer is a value, a label and perhaps a check. The check does what the answer
 // asks for, and returns a text if it cannot: the dialog then stays with this text, and with what was typed.
-export const question = (title, text, answers, ...fields) => new Promise((done) => {
+const ask = (title, text, answers, ...fields) => new Promise((done) => {
   const dialog = byId('dialog');
   const form = dialog.querySelector('form');
   const inputs = fields.map((field) => (typeof field === 'string' ? html('input', { type: 'text', value: field, 'aria-label': title, name: 'name', autocomplete: 'off' }) : field));
@@ -27,6 +27,12 @@ export const question = (title, text, answers, ...fields) => new Promise((done) 
   if (!inputs.some((one) => one.matches('input, label'))) buttons[0].focus();
   input?.select();
 });
+// A question waits for the end of the one before: the event of its end comes later than the end.
+let last = Promise.resolve();
+export const question = (...what) => {
+  last = last.then(() => ask(...what));
+  return last;
+};
 // A message over the page, which moves nothing on it. The focus goes back to where it was when the message closes.
 let before = null;
 export const hideMessage = () => {

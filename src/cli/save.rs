@@ -137,11 +137,13 @@ mod tests {
                 as_file.contains("is a directory; expected the name of a file"),
                 "{as_file}"
             );
-            let as_directory = said(save_all(&file, &[("a", "new")], force, &[]));
-            assert!(
-                as_directory.contains("is a file; expected a directory"),
-                "{as_directory}"
-            );
+            let as_directory = [
+                said(save_all(&file, &[("a", "new")], force, &[])),
+                said(save(&file.join("below"), b"new", force, &[])),
+            ];
+            for said in as_directory {
+                assert!(said.contains("is a file; expected a directory"), "{said}");
+            }
         }
     }
 

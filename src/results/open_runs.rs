@@ -135,6 +135,9 @@ pub fn put(path: &Path, contents: &[u8]) -> io::Result<()> {
     let directory = path
         .parent()
         .filter(|folder| !folder.as_os_str().is_empty());
+    if let Some(file) = directory.filter(|folder| folder.is_file()) {
+        return Err(not_a_directory(file));
+    }
     let mut file = temporary(directory.unwrap_or(Path::new(".")))?;
     file.write_all(contents)?;
     file.flush()?;

@@ -18,6 +18,15 @@ const SOLID_AXLE: &str = "solid_axle";
 const TARGETS: &str = r#"  { characteristic = "toe", points = [[-80.0, 0.1], [0.0, 0.1], [80.0, 0.1]], tolerance = 0.03 },
 "#;
 
+/// Targets of suspensions whose inner points can hardly keep the toe constant: a roll centre at a given height.
+const ROLL_CENTRE_TARGETS: &str = r#"  { characteristic = "roll_centre_height", at = 0.0, value = 140.0, tolerance = 2.0 },
+"#;
+const STEERED_BY_TRAVEL: [&str; 3] = [
+    "semi_trailing_arm",
+    "trailing_arm_two_links",
+    "integral_link",
+];
+
 /// Targets of an axle: constant toe in heave, and no roll steer.
 const AXLE_TARGETS: &str = r#"  { characteristic = "toe", over = "heave", points = [[-20.0, 0.1], [0.0, 0.1], [20.0, 0.1]], tolerance = 0.02 },
   { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
@@ -33,9 +42,8 @@ const STEERED_AXLE_TARGETS: &str = r#"  { characteristic = "mean_steer", over = 
   { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
 "#;
 
-/// Targets of a twist beam: little roll steer, and a roll centre at a given height.
-const TWIST_BEAM_TARGETS: &str = r#"  { characteristic = "roll_steer", over = "roll", between = [-0.02, 0.02], tolerance = 0.005 },
-  { characteristic = "force_roll_centre_height", over = "heave", roll = 0.0, at = 0.0, value = 200.0, tolerance = 5.0 },
+/// Targets of a twist beam: a roll centre at a given height.
+const TWIST_BEAM_TARGETS: &str = r#"  { characteristic = "force_roll_centre_height", over = "heave", roll = 0.0, at = 0.0, value = 200.0, tolerance = 5.0 },
 "#;
 
 /// Composes the template of a topology with parts.
@@ -242,6 +250,9 @@ variables = [                    # offsets from the design
                 _ if self.has(Part::DragLink) => STEERED_AXLE_TARGETS,
                 (true, _) => SOLID_AXLE_TARGETS,
                 (false, true) => AXLE_TARGETS,
+                (false, false) if STEERED_BY_TRAVEL.contains(&self.topology.name) => {
+                    ROLL_CENTRE_TARGETS
+                }
                 (false, false) => TARGETS,
             };
             let _ = write!(

@@ -75,7 +75,17 @@ fn a_target_that_spans_much_more_than_its_motion_is_doubted() {
 /// The first tuning that a user sees, that of a new study, meets its targets.
 #[test]
 fn tunings_of_new_studies_meet_their_targets() {
-    for topology in ["double_wishbone", "macpherson", "five_link"] {
+    for topology in [
+        "double_wishbone",
+        "macpherson",
+        "five_link",
+        "semi_trailing_arm",
+        "trailing_arm_two_links",
+        "integral_link",
+        "h_arm",
+        "solid_axle",
+        "twist_beam",
+    ] {
         let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
         command.args(["new", topology, "--with", "optimise"]);
         let text = command.assert().success().get_output().stdout.clone();

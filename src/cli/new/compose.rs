@@ -21,6 +21,7 @@ const TARGETS: &str = r#"  { characteristic = "toe", points = [[-80.0, 0.1], [0.
 /// Targets of suspensions whose inner points can hardly keep the toe constant: a roll centre at a given height.
 const ROLL_CENTRE_TARGETS: &str = r#"  { characteristic = "roll_centre_height", at = 0.0, value = 140.0, tolerance = 2.0 },
 "#;
+/// Topologies with these targets.
 const STEERED_BY_TRAVEL: [&str; 3] = [
     "semi_trailing_arm",
     "trailing_arm_two_links",
@@ -250,7 +251,10 @@ variables = [                    # offsets from the design
                 _ if self.has(Part::DragLink) => STEERED_AXLE_TARGETS,
                 (true, _) => SOLID_AXLE_TARGETS,
                 (false, true) => AXLE_TARGETS,
-                (false, false) if STEERED_BY_TRAVEL.contains(&self.topology.name) => {
+                // A roll centre belongs to a rigid mechanism.
+                (false, false)
+                    if STEERED_BY_TRAVEL.contains(&self.topology.name) && !self.is_elastic() =>
+                {
                     ROLL_CENTRE_TARGETS
                 }
                 (false, false) => TARGETS,

@@ -376,7 +376,7 @@ fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
     }
 }
 
-/// Largest change of each column of numbers. The first columns, `motion` in number, are those of the motion.
+/// Largest change of each output. The first `motion` columns describe the motion and are left out.
 fn changes(motion: usize, before: &Page, after: &Page) -> Table {
     let mut table = Table::new(["output", "largest change"]);
     let header = before.rows.first().map_or(&[][..], Vec::as_slice);

@@ -63,7 +63,7 @@ fn right_half<'a>(outgoing: &'a Outgoing<'_>, id: PointId) -> Half<'a> {
     let place = |id: PointId| outgoing.place(Side::Left, id);
     let (left, right) = (place(*near), place(id));
     let name = mechanism.name(*near);
-    // Beside a Panhard rod, a reader takes an upper link without a right half for a single link.
+    // In an axle with a Panhard rod, the importer reads an upper link without a right row as a single link.
     let may_be_single =
         name.starts_with("upper_link_") && mechanism.point("panhard_axle").is_some();
     if (right.x, right.y, right.z) == (left.x, -left.y, left.z) && !may_be_single {

@@ -175,10 +175,7 @@ fn found(
     }
     let shown = directions.describe(&reading);
     if !placed.axes.is_right_handed() {
-        let other = match wheel {
-            Side::Left => Side::Right,
-            Side::Right => Side::Left,
-        };
+        let other = wheel.other();
         let known = match side {
             Some(_) => String::new(),
             None => " (no side is given, so left is assumed)".to_owned(),
@@ -261,13 +258,9 @@ pub(super) fn mirror(
         } else {
             names.join(", ")
         };
-        let other = match wheel {
-            Side::Left => Side::Right,
-            Side::Right => Side::Left,
-        };
         notes.push(format!(
             "mirror images of the {} wheel: {all}",
-            other.name()
+            wheel.other().name()
         ));
     }
 }

@@ -50,7 +50,7 @@ pub(super) fn own(
     }
     if !single.is_empty() {
         left_out.push(format!(
-            "rows of the right half ({}): this axle has one of each, and the study has that of the left half",
+            "rows of the right half ({}): this axle has only one point of each name, and the study uses the left row",
             single.join(", ")
         ));
     }

@@ -16,6 +16,7 @@ mod column;
 mod common_motion;
 mod comparison;
 mod completeness;
+mod constraint_margins;
 #[cfg(test)]
 pub(crate) mod contrast;
 mod curve_table;
@@ -68,6 +69,8 @@ pub use comparison::{
     StationColumn,
 };
 pub use completeness::Completeness;
+pub use constraint_margins::violated_constraints;
+pub(crate) use constraint_margins::{VIOLATED, constraint_margins};
 pub use curve_table::CurveTable;
 pub use failures::FailureRange;
 pub use figure::{
@@ -84,10 +87,9 @@ pub use page::{
 };
 pub use picture::{Picture, picture_names, pictures};
 pub use places::{Clearance, Places, Rim, Shape};
-pub(crate) use plausibility::{VIOLATED, constraint_margins};
 pub use plausibility::{
     axle_plausibility, both_wheels_plausibility, plausibility, rack_doubt, spring_doubts,
-    study_doubts, variable_plausibility, violated_constraints,
+    study_doubts, variable_plausibility,
 };
 pub use record::{
     BandCurve, DesignRecord, DrawnDesign, MotionRecord, NamedMotionRecord, OutputRecord, Record,

@@ -9,8 +9,6 @@ mod tuning;
 
 pub use axle::{axle_plausibility, both_wheels_plausibility};
 pub use spring::spring_doubts;
-pub use tuning::violated_constraints;
-pub(crate) use tuning::{VIOLATED, constraint_margins};
 
 use super::figure::{brief, with_decimals};
 use super::{Directions, Reading};

@@ -191,7 +191,7 @@ fn is_design(curves: &Curves, station: &Station) -> bool {
 fn right_wheel(axle: &Axle) -> String {
     let (left, right) = (&axle.left, axle.suspension(Side::Right));
     let springs = axle.setup.springs.as_ref();
-    // Points that exist only once, such as those of a Panhard rod, belong to neither half.
+    // A point that exists only once, such as an end of a Panhard rod, is in neither half.
     let mut points = left.design.iter().zip(&right.design).enumerate();
     let moved = points
         .any(|(id, (left, right))| left != right && !axle.left.mechanism.is_single(PointId(id)));

@@ -340,7 +340,8 @@ impl Constrained for Objective<'_> {
 pub struct CarTuning {
     /// All starts, and the index of the best.
     pub starts: Multistart,
-    /// Indices of constraints that exclude one another, counted over cases, front rig and rear rig. If any one of them were removed, the others could be satisfied. Empty if all can be satisfied together.
+    /// Indices of constraints that exclude one another, counted over cases, front rig and rear rig. If any one of them were
+    /// removed, the others could be satisfied. Empty if all can be satisfied together.
     pub contradiction: Vec<usize>,
 }
 

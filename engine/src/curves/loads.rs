@@ -2,7 +2,7 @@
 
 use super::Column;
 use crate::analyse::{self, Balance, Carried, FAR, Member, Support, members};
-use crate::model::{Frame, LengthUnit, Mechanism, RockerId, Side};
+use crate::model::{Frame, LengthUnit, Mechanism, RockerId};
 use crate::number::Vector3;
 use crate::study::Load;
 
@@ -24,10 +24,7 @@ fn with_side(member: Member, mechanism: &Mechanism, frame: Frame) -> Member {
         return member;
     }
     let near = frame.meaning().1;
-    let far = match near {
-        Side::Left => Side::Right,
-        Side::Right => Side::Left,
-    };
+    let far = near.other();
     let is_single = match member.what {
         Carried::Tension(inner, outer) => {
             [inner, outer].into_iter().any(|id| mechanism.is_single(id))

@@ -69,6 +69,14 @@ impl Side {
         ["left", "right"][self as usize]
     }
 
+    /// The other side.
+    pub fn other(self) -> Side {
+        match self {
+            Side::Left => Side::Right,
+            Side::Right => Side::Left,
+        }
+    }
+
     /// Prefixes a sentence with the wheel of this side: "left wheel: ...".
     pub fn about(self, sentence: &impl std::fmt::Display) -> String {
         format!("{} wheel: {sentence}", self.name())

@@ -75,15 +75,12 @@ fn moved_of(designs: &[Compared], wheel: usize, side: Option<Side>) -> Vec<Moved
                 continue;
             };
             let by = [0, 1, 2].map(|axis| signs[axis] * (to[axis] * ratio - from[axis]));
-            let has_other_unit = first.unit != design.unit;
-            let is_moved = |axis: usize| {
-                let rounding = if has_other_unit {
-                    ROUNDING * from[axis].abs()
-                } else {
-                    0.0
-                };
-                by[axis].abs() > rounding
+            let rounding = if first.unit == design.unit {
+                0.0
+            } else {
+                ROUNDING
             };
+            let is_moved = |axis: usize| by[axis].abs() > rounding * from[axis].abs();
             if (0..3).any(is_moved) {
                 moved.push(Moved {
                     side,

@@ -9,6 +9,7 @@ pub use words::{contradiction_in_words, interrupted_in_words};
 
 use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::choices::{FrontPoint, FrontRecord, PriceRecord};
+use super::constraint_margins::VIOLATED;
 use super::figure::{as_written, brief, to_digits, with_decimals};
 use super::fitted::FittedOffset;
 use super::side_effects::side_effects_in_words;
@@ -199,7 +200,7 @@ impl ConstraintStatus {
     /// Status for a margin. The margin is in visible units: millimetres or degrees.
     fn of(margin: f64) -> Self {
         match margin {
-            margin if margin < -VISIBLE => ConstraintStatus::Violated,
+            margin if margin < -VIOLATED => ConstraintStatus::Violated,
             margin if margin < BINDING => ConstraintStatus::Binds,
             _ => ConstraintStatus::Kept,
         }
@@ -358,9 +359,7 @@ impl StartSummary {
 /// Words before the reason why a start was not begun.
 const NOT_BEGUN: &str = "not begun: ";
 
-/// Violation below which a constraint counts as satisfied. 1 is a millimetre or a degree.
-const VISIBLE: f64 = 1e-6;
-/// Margin below which a constraint counts as binding, in the same units.
+/// Margin below which a constraint counts as binding, in visible units.
 const BINDING: f64 = 1e-6;
 
 /// Number with its unit. Summaries of older versions have no unit.

@@ -33,7 +33,7 @@ export const difference = (before, after) => {
   return lines;
 };
 
-// After a save and an undo, the text that is shown does not start from that of the file.
+// After a save and an undo, the page shows edits of an earlier text, not of the present file.
 export const writtenDiff = async () => {
   const [files, present] = await Promise.all([post('texts', of()), post('texts', of(state.opened, state.file.digest))]);
   const shown = files.map((one, k) => ({ ...one, before: present[k].before })).flatMap((one) => {

@@ -11,7 +11,7 @@ const RECORD: &str = "window.names = []; window.texts = []; \
      URL.createObjectURL = (blob) => { blob.text().then((text) => texts.push(text)); return 'about:blank'; }; \
      URL.revokeObjectURL = () => {}; HTMLAnchorElement.prototype.click = function () { names.push(this.download); };";
 
-/// Curves as CSV are those of the motion that is shown: the file that `hardpoint solve` writes. Paper has the name of the motion.
+/// The CSV export contains the curves of the shown motion, as `hardpoint solve` writes them. The printed page names the motion.
 #[test]
 fn the_shown_motion_is_exported_and_printed() {
     let Some(browser) = Browser::start() else {

@@ -73,7 +73,8 @@ fn a_changed_rate_is_compared_with_the_file() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// After Tune has changed points and bushings, the misfit is compared with that of the file: the proposal has the same two numbers.
+/// After Tune has changed points and bushings, the page compares the misfit with that of the file. The proposal shows the same
+/// two numbers.
 #[test]
 fn tuned_bushings_are_compared_with_the_file() {
     let Some(browser) = Browser::start() else {

@@ -86,7 +86,7 @@ const FIGURES: &[(TestLoad, &[&str])] = &[
     ),
 ];
 
-/// Figures of the axle as a whole, apart from those of a roll test. A single wheel has none of them.
+/// Figures that describe the whole axle. The figures of a roll test do so, too, and are not repeated here.
 const OF_AXLES: [&str; 4] = [
     "axle_steer_by_lateral_force",
     "understeer_by_lateral_force",

@@ -10,7 +10,7 @@ pub(super) const NEEDED: [&str; 3] = ["load", "quantity", "value"];
 /// Columns of positions, without their unit.
 const POSITIONS: [&str; 5] = ["travel", "travel_left", "travel_right", "rack", "trail"];
 
-/// Other columns that a sheet may have: those of `kc.csv`, and the tolerance.
+/// Optional columns: the remaining columns of `kc.csv`, and `tolerance`.
 const OTHERS: [&str; 16] = [
     "at",
     "mode",

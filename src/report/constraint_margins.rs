@@ -1,0 +1,73 @@
+//! Margins of the constraints of a tuning in one design.
+
+use super::figure::brief;
+use crate::mechanism::DesignFault;
+use crate::optimise::{TargetLayout, assessed};
+use crate::study::{Optimise, Study};
+use nalgebra::DVector;
+
+/// Violation below which a constraint counts as satisfied, in visible units: 1 is a millimetre or a degree.
+pub(crate) const VIOLATED: f64 = 1e-6;
+
+/// Margin of a constraint in one design.
+pub(crate) struct ConstraintMargin {
+    /// Name, with the limits.
+    pub name: String,
+    /// Smallest margin to a limit in `unit`. Negative if the constraint is violated.
+    pub room: f64,
+    pub unit: String,
+    pub is_violated: bool,
+}
+
+/// Smallest margin of each constraint over all stations at which it is checked.
+pub(crate) fn constraint_margins(
+    optimise: &Optimise,
+    layout: &TargetLayout,
+    rows: &DVector<f64>,
+) -> Vec<ConstraintMargin> {
+    let constraints = optimise.constraints.iter().enumerate();
+    let room = |number: usize| {
+        let labels = layout.labels().iter().enumerate();
+        let own = labels.filter(|(_, label)| label.constraint == number);
+        own.map(|(row, _)| layout.room(row, rows[row]))
+            .fold(f64::INFINITY, f64::min)
+    };
+    constraints
+        .map(|(number, constraint)| {
+            let (room, part) = (room(number), &constraint.parts[0]);
+            ConstraintMargin {
+                name: constraint.name.clone(),
+                room: room + 0.0,
+                unit: part.unit.clone(),
+                is_violated: room < -VIOLATED * part.visible,
+            }
+        })
+        .collect()
+}
+
+/// Remarks on the constraints that the design of a study violates, one per line. A tuning may start outside its constraints. The
+/// error says why the design cannot be solved.
+pub fn violated_constraints(study: &Study) -> Result<Vec<String>, DesignFault> {
+    let Some(optimise) = study
+        .optimise
+        .as_ref()
+        .filter(|o| !o.constraints.is_empty())
+    else {
+        return Ok(Vec::new());
+    };
+    let layout = TargetLayout::nominal(optimise, &study.vehicle);
+    let Ok(found) = assessed(study.wheel(), &optimise.variables, &layout)? else {
+        return Ok(Vec::new());
+    };
+    let margins = constraint_margins(optimise, &layout, &found.rows.residuals);
+    let violated = margins.into_iter().filter(|own| own.is_violated);
+    let words = violated.map(|own| {
+        format!(
+            "the design violates a constraint, and the tuning starts there: {}, missed by {} {}",
+            own.name,
+            brief(-own.room),
+            own.unit
+        )
+    });
+    Ok(words.collect())
+}

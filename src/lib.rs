@@ -12,7 +12,7 @@
 //! Angles are in radians, except where names say `deg`. Travel is the height of the wheel centre above its design position,
 //! positive in jounce. The catalogue states the signs of characteristics ([`Characteristic::info`]).
 //!
-//! A derivative by a hardpoint coordinate moves the *design*: lengths and the shape of the knuckle are recomputed, and the
+//! A derivative with respect to a hardpoint coordinate moves the *design*: lengths and the shape of the knuckle are recomputed, and the
 //! value of the drive is held.
 //!
 //! # The front door

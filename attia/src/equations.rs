@@ -99,7 +99,7 @@ pub(crate) fn jacobian(fixed: &Fixed, moving: &Moving, driver: &Driver) -> Jacob
         }
     }
 
-    // Gradients of a.y b.z - a.z b.y and a.x b.z - a.z b.x by a. The gradients by b have the same form with a in place of b, and
+    // Gradients of a.y b.z - a.z b.y and a.x b.z - a.z b.x by a. The gradients with respect to b have the same form with a in place of b, and
     // the opposite sign.
     let by_first = |b: Vector3<f64>| [Vector3::new(0.0, b.z, -b.y), Vector3::new(b.z, 0.0, -b.x)];
     let [[a, b], [c, _]] = axis_vectors(fixed, moving);
@@ -108,7 +108,7 @@ pub(crate) fn jacobian(fixed: &Fixed, moving: &Moving, driver: &Driver) -> Jacob
         add(&mut out, COLLINEARITY + k, 6, -by_a);
         add(&mut out, COLLINEARITY + k, 7, by_a);
         add(&mut out, COLLINEARITY + k, 9, by_b);
-        // The gradient by c equals the gradient by a, because the other vector is 4-9 in both products.
+        // The gradient with respect to c equals the gradient with respect to a, because the other vector is 4-9 in both products.
         add(&mut out, COLLINEARITY + 2 + k, 7, -by_a);
         add(&mut out, COLLINEARITY + 2 + k, 9, by_a - by_first(c)[k]);
     }

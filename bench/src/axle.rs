@@ -165,7 +165,7 @@ fn of_threads<'p>(plan: &'p SweepPlan<'p>, threads: usize) -> Result<Job<'p>, Un
     })
 }
 
-/// Makes a job that computes values with exact derivatives by every hardpoint coordinate.
+/// Makes a job that computes values with exact derivatives with respect to every hardpoint coordinate.
 fn jacobians<'p>(study: &Study, variables: Vec<DesignVariable>) -> Result<Job<'p>, Unmeasurable> {
     let function = DesignFunction::with_variables(study, variables);
     let function =

@@ -26,7 +26,7 @@ pub struct Output {
     pub unit: String,
     /// Factor from a value in the kernel's frame (radians or length units) to the printed value.
     pub factor: f64,
-    /// Highest derivative by the drive or by time.
+    /// Highest derivative with respect to the drive or by time.
     pub highest: usize,
 }
 
@@ -36,7 +36,7 @@ impl Output {
         self.of.quantity()
     }
 
-    /// Returns true if the output is itself a derivative by the drive.
+    /// Returns true if the output is itself a derivative with respect to the drive.
     pub fn is_rate(&self) -> bool {
         self.quantity().is_some_and(Quantity::is_rate)
     }

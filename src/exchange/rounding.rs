@@ -1,6 +1,6 @@
 //! Rounds hardpoints to a grid with the smallest increase of the misfit.
 //!
-//! Let r be the residuals of a study's targets, in tolerances ([`Objective`]), and J their derivatives by all coordinates. Let d
+//! Let r be the residuals of a study's targets, in tolerances ([`Objective`]), and J their derivatives with respect to all coordinates. Let d
 //! be the moves that round the coordinates, in steps g of the grid. Then the residuals after rounding are
 //!
 //! ```text

@@ -8,7 +8,7 @@
 //! | `POINT_x`, `POINT_vx`, `POINT_ax`, `LOAD_JOINT_x`, `LOAD_beam_force_x` | component along x |
 //! | `knuckle_omega_x`, `knuckle_alpha_x`, `LOAD_beam_moment_x` | component about x |
 //! | `rack`, `rack_force`, `LOAD_rack_force` | component along y |
-//! | `*_by_rack` | derivative by a displacement along y |
+//! | `*_by_rack` | derivative with respect to a displacement along y |
 //!
 //! All other columns have signs that refer to the car and do not change ([`Characteristic::info`]). This includes
 //! `LOAD_POINT_force_x` and `LOAD_POINT_torque_x` of bushings, whose axes belong to the bushing.
@@ -86,7 +86,7 @@ const MOTIONS: [&str; 4] = ["rack", "roll", "heave", "travel"];
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct ColumnAxes {
     component: Component,
-    /// True for a first derivative by the displacement of the rack.
+    /// True for a first derivative with respect to the displacement of the rack.
     is_by_rack: bool,
 }
 
@@ -113,7 +113,7 @@ impl ColumnAxes {
         let value = orders.find_map(|order| stem.strip_suffix(order));
         ColumnAxes {
             component: Component::of(value.unwrap_or(stem)),
-            // A second derivative by the rack keeps its sign.
+            // A second derivative with respect to the rack keeps its sign.
             is_by_rack: by.starts_with("rack") && !by.ends_with("_d2"),
         }
     }

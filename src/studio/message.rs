@@ -355,7 +355,7 @@ impl ColumnValues {
     }
 }
 
-/// Misfit in tolerances, with its derivatives by every coordinate.
+/// Misfit in tolerances, with its derivatives with respect to every coordinate.
 #[derive(Serialize)]
 pub(super) struct Misfit {
     pub value: Option<f64>,

@@ -1,4 +1,4 @@
-//! Misfit of a design and its exact gradient by every coordinate.
+//! Misfit of a design and its exact gradient with respect to every coordinate.
 //!
 //! With r the residuals, J their Jacobian and m their number, the misfit is M = |r| / sqrt(m), so
 //!

@@ -1,7 +1,7 @@
 //! The live page: a server on this machine that computes the results of dragged points.
 //!
 //! A [`Studio`] serves one study to a browser on the same machine. The page sends a design. The server answers with curves as
-//! `hardpoint solve` writes them, the mechanism in one position, and the misfit with its exact gradient by every coordinate. The
+//! `hardpoint solve` writes them, the mechanism in one position, and the misfit with its exact gradient with respect to every coordinate. The
 //! page itself computes nothing.
 //!
 //! The server stores the texts that it has read, a running tuning, and which request of each page is the latest (`turns.rs`).

@@ -175,7 +175,7 @@ pub struct Steps {
 pub struct Outputs {
     /// Names of results.
     pub characteristics: Option<Spanned<Vec<Text>>>,
-    /// True if derivatives by parameters and hardpoints are written.
+    /// True if derivatives with respect to parameters and hardpoints are written.
     pub sensitivities: Option<Spanned<bool>>,
     /// True if forces in links, rods and joints are written.
     pub member_loads: Option<Spanned<bool>>,

@@ -151,7 +151,7 @@ fn clearances_are_the_smallest_distances() {
     }
 }
 
-/// Derivatives by travel are the slopes of the values, from differences extrapolated to the sixth order. That of the
+/// Derivatives with respect to travel are the slopes of the values, from differences extrapolated to the sixth order. That of the
 /// spring's length is minus the motion ratio.
 #[test]
 fn derivatives_are_slopes() {

@@ -140,7 +140,7 @@ fn turning(
     }
 }
 
-/// Derivatives by the rack at fixed drive.
+/// Derivatives with respect to the rack at fixed drive.
 fn by_rack(
     case: &Case,
     state: &Value,

@@ -344,7 +344,7 @@ fn motions_that_go_nowhere() {
     }
     let text = edited(travel, "");
     assert_mistake(&text, "[motion]", "motion", &["expected travel or time"]);
-    // Each station has a derivative by each hardpoint.
+    // Each station has a derivative with respect to each hardpoint.
     let text = edited(travel, "travel = { from = 0.0, to = 80.0, steps = 50001 }");
     let text = &text[..text.find("[optimise]").unwrap()];
     let text = text.replace("\nsensitivities", "\n# sensitivities");

@@ -108,7 +108,7 @@ fn static_toe_gives_its_sine() {
     }
 }
 
-/// Its derivative by travel is D cos(toe) times that of toe.
+/// Its derivative with respect to travel is D cos(toe) times that of toe.
 #[test]
 fn its_slope_is_that_of_the_angle() {
     let study = study(

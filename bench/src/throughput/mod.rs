@@ -119,7 +119,7 @@ impl Throughput {
 /// Outputs that the rows of the table request.
 struct Requested {
     angles: Vec<Quantity>,
-    /// The angles and their derivatives by travel.
+    /// The angles and their derivatives with respect to travel.
     gains: Vec<Quantity>,
     /// The angles, the wheel centre and the knuckle's origin.
     angles_and_points: Vec<Quantity>,
@@ -213,7 +213,7 @@ impl<'a> Planned<'a> {
         Ok(())
     }
 
-    /// Adds jobs that compute derivatives by travel and by every hardpoint.
+    /// Adds jobs that compute derivatives with respect to travel and by every hardpoint.
     fn derivatives(&mut self, sweep: &Sweep<'a>, wanted: &'a Requested) {
         let angles = &wanted.angles;
         let one_by_one = || ONE_BY_ONE.to_owned();

@@ -83,7 +83,7 @@ impl<'a> Sweep<'a> {
         self.designs[..FEW * points].chunks_exact(points)
     }
 
-    /// Makes a job that computes values with derivatives by the travel, `N` coefficients in all.
+    /// Makes a job that computes values with derivatives with respect to the travel, `N` coefficients in all.
     pub(super) fn series<const N: usize>(&self, quantities: &'a [Quantity]) -> Job<'a> {
         let constants = Constants::of(self.suspension);
         self.job_of_poses::<N>(move |solver, design_series, pose, motion| {
@@ -105,7 +105,7 @@ impl<'a> Sweep<'a> {
         vec![wanted; angles * self.stations.count()]
     }
 
-    /// Makes a job that computes derivatives by every hardpoint coordinate, one design in each lane. With `wanted`, it
+    /// Makes a job that computes derivatives with respect to every hardpoint coordinate, one design in each lane. With `wanted`, it
     /// differentiates the sum of squared deviations from these targets, else each quantity.
     pub(super) fn gradients_in_lanes(
         &self,
@@ -140,7 +140,7 @@ impl<'a> Sweep<'a> {
         })
     }
 
-    /// Makes a job that computes values and `N - 1` derivatives by the travel, each with its gradient by every hardpoint
+    /// Makes a job that computes values and `N - 1` derivatives with respect to the travel, each with its gradient with respect to every hardpoint
     /// coordinate.
     pub(super) fn gradients<const N: usize>(&self, quantities: &'a [Quantity]) -> Job<'a> {
         let constants = Constants::of(self.suspension);

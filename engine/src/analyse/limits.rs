@@ -1,4 +1,4 @@
-//! Range of a mechanism: the exact values at which it folds, the reasons, and their derivatives by the design.
+//! Range of a mechanism: the exact values at which it folds, the reasons, and their derivatives with respect to the design.
 //!
 //! At a fold the pose can still move while the drive value does not change: F_x t = 0. With the multipliers w for which w
 //! F_x = 0 and w F_q = 1, the limit q satisfies

@@ -1,4 +1,4 @@
-//! Curves of built mechanisms with their derivatives by the parts.
+//! Curves of built mechanisms with their derivatives with respect to the parts.
 
 use super::assembler::Assembler;
 use super::rest::{Built, Direction};

@@ -50,7 +50,7 @@ const FARTHEST: f64 = 0.2;
 /// rigid links fit.
 pub type Tensions<T = f64> = Option<[T; LINKS]>;
 
-/// Deviations from (1) in a pose, with the gradients by the pose.
+/// Deviations from (1) in a pose, with the gradients with respect to the pose.
 struct Rows<T> {
     /// Differences l_i - L_i.
     stretches: [T; LINKS],

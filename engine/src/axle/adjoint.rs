@@ -1,4 +1,4 @@
-//! Adjoint of an axle's formulas: wheels on a tape, and the gradients by the hardpoints.
+//! Adjoint of an axle's formulas: wheels on a tape, and the gradients with respect to the hardpoints.
 
 use super::reading::{MOST_LINES, Parts, Reading, Snapshot, WheelPose, zipped};
 use super::taylor::Taylor;
@@ -47,11 +47,11 @@ pub(super) fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usi
     parts.count * N * lines
 }
 
-/// Adds the gradient by every hardpoint of an output to `gradient`. `by` holds the output's derivatives by the numbers of
+/// Adds the gradient with respect to every hardpoint of an output to `gradient`. `by` holds the output's derivatives with respect to the numbers of
 /// one line, in the order of [`Reading::on_tape`]. `buffer` has a place for each point.
 ///
 /// An adjoint pass on series yields the series of S.u_p for any seed series S. The coefficient of e^(N-1-k) of S is the
-/// derivative by the coefficient of e^k. Then the coefficient of e^(N-1) of the result is the required sum.
+/// derivative with respect to the coefficient of e^k. Then the coefficient of e^(N-1) of the result is the required sum.
 pub(super) fn add_gradient<const N: usize>(
     linearised: &Linearised<'_, N>,
     parts: &Parts,

@@ -16,7 +16,7 @@ use crate::mechanism::NoPose;
 use crate::model::Side;
 use crate::number::{Each, Vector3};
 
-/// Number of terms of the series. Loads contain velocities, and are differentiated by the travel and by the design.
+/// Number of terms of the series. Loads contain velocities, and are differentiated with respect to the travel and by the design.
 pub(super) const LOAD_TERMS: usize = 3;
 /// Largest number of Newton steps, including steps back.
 const MOST_STEPS: usize = 60;
@@ -27,7 +27,7 @@ const LOADS: [Quantity; 2] = [
     Quantity::Wheel(Side::Right, WheelQuantity::WheelLoad),
 ];
 
-/// Sum of the wheel loads in a pose, and its derivative by the mean travel.
+/// Sum of the wheel loads in a pose, and its derivative with respect to the mean travel.
 struct Carried {
     placed: AxlePose,
     load: f64,

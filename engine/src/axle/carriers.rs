@@ -40,7 +40,7 @@ impl Carriers {
         }
     }
 
-    /// Powers of a first derivative by the wheel's own share of the difference of travels, for a rigid axle.
+    /// Powers of a first derivative with respect to the wheel's own share of the difference of travels, for a rigid axle.
     #[inline(always)]
     pub(crate) fn by_difference(self) -> [usize; 2] {
         match self.held() {
@@ -49,7 +49,7 @@ impl Carriers {
         }
     }
 
-    /// Powers of a first derivative by the mean travel, for a rigid axle.
+    /// Powers of a first derivative with respect to the mean travel, for a rigid axle.
     #[inline(always)]
     pub(crate) fn by_mean(self) -> [usize; 2] {
         let [travel, rack] = self.by_difference();

@@ -236,7 +236,7 @@ impl Quantity {
         found
     }
 
-    /// Returns true if an axle of this kind has the quantity. If the wheels of an axle move each other, derivatives by a
+    /// Returns true if an axle of this kind has the quantity. If the wheels of an axle move each other, derivatives with respect to a
     /// wheel's own travel are not defined. Only a solid axle has an axle line, a pitch angle and an angular velocity.
     pub fn is_of(self, kind: AxleKind) -> bool {
         use AxleQuantity as A;
@@ -325,7 +325,7 @@ impl Quantity {
         }
     }
 
-    /// Highest order of the derivatives by travel and rack from which the value is computed.
+    /// Highest order of the derivatives with respect to travel and rack from which the value is computed.
     pub fn rate_order(self) -> usize {
         self.info().rate_order
     }

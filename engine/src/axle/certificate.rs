@@ -9,7 +9,7 @@
 //! ```
 //!
 //! In roll f' = n.C_l' + n.C_r', on poses enclosed over the intervals of travel ([`Certifier::over_travels`]). For the
-//! derivative by the roll angle, f' is the track. Sine and cosine of the angle, the design and the radius are enclosed, too.
+//! derivative with respect to the roll angle, f' is the track. Sine and cosine of the angle, the design and the radius are enclosed, too.
 //! So the proof concerns the exact axle whose numbers are the given doubles.
 
 use super::solver::{AxlePose, Placement};
@@ -283,7 +283,7 @@ impl<'a> AxleCertifier<'a> {
         let Some(roll) = roll else {
             return Ok(proof);
         };
-        // For the derivative by the roll angle the poses are constant.
+        // For the derivative with respect to the roll angle the poses are constant.
         let held = wheels.each(|wheel| Inclusion {
             pose: wheel.pose.map(|c| Jet::constant(c[0])),
             ..wheel

@@ -70,7 +70,7 @@ impl AxleColumn {
         }
     }
 
-    /// Quantity or coordinate that the column shows or differentiates. `None` if it has no derivatives by hardpoints.
+    /// Quantity or coordinate that the column shows or differentiates. `None` if it has no derivatives with respect to hardpoints.
     pub(super) fn sought(&self) -> Option<Sought> {
         match self.of {
             Of::Quantity(quantity) => Some(Sought::Quantity(quantity)),
@@ -80,7 +80,7 @@ impl AxleColumn {
     }
 
     /// The column's number in a position, in radians, length units, newtons and seconds, or the reason for its
-    /// absence. `None` for a force, which cannot be read off the position alone. `by_drag_link` are its derivatives by the
+    /// absence. `None` for a force, which cannot be read off the position alone. `by_drag_link` are its derivatives with respect to the
     /// displacement of a steering gear ([`AxleSolver::by_drag_link`](super::AxleSolver)), if it moves with one.
     pub(crate) fn evaluate(
         &self,
@@ -343,7 +343,7 @@ impl AxlePlan {
                 Some(_) => value.by_time(order, by),
                 None => value.by_motion(order, by, rack_sign),
             };
-            // A quantity of velocities has no second derivative by a drag link.
+            // A quantity of velocities has no second derivative with respect to a drag link.
             let is_of_rates = value.quantity().is_some_and(|q| q.rate_order() > 0);
             let is_known = |(order, by): &(usize, &ByMotion)| {
                 let is_by_gear = is_steered && by.0 == Motion::Rack;

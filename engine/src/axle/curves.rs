@@ -104,7 +104,7 @@ impl AxlePlan {
         self.degree_for(!self.sensitivities.is_empty())
     }
 
-    /// Highest derivative of a wheel by travel and rack that the plan reads. `by_design` says whether derivatives by the
+    /// Highest derivative of a wheel by travel and rack that the plan reads. `by_design` says whether derivatives with respect to the
     /// design are computed.
     pub(crate) fn degree_for(&self, by_design: bool) -> usize {
         let orders = self.quantities.iter().map(|q| q.rate_order());

@@ -12,7 +12,7 @@ use crate::characteristics::{
 use crate::model::Side;
 use crate::number::{Outlined, SimdReal, Vector3, outlined};
 
-/// A wheel read in lanes: its parts and their first derivatives by travel. Derivatives by the rack are available only for
+/// A wheel read in lanes: its parts and their first derivatives with respect to travel. Derivatives with respect to the rack are available only for
 /// the carrier and, if the axle is rigid, for the axle itself.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneWheel<'i, B> {
@@ -116,7 +116,7 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
 }
 
 impl<B: SimdReal> LaneWheel<'_, B> {
-    /// The wheel, or its derivatives by travel. `None` for other powers of travel and rack.
+    /// The wheel, or its derivatives with respect to travel. `None` for other powers of travel and rack.
     #[inline(always)]
     fn wheel(&self, powers: [usize; 2]) -> Option<&Wheel<B>> {
         match powers {

@@ -134,7 +134,7 @@ impl Axle {
         }
     }
 
-    /// Derivative by the displacement of a steered axle's steering gear, from derivatives by every point of both sides: (2) of
+    /// Derivative with respect to the displacement of a steered axle's steering gear, from derivatives with respect to every point of both sides: (2) of
     /// `model/steered_axle.rs`. `None` for other axles.
     pub(crate) fn by_steering_gear(&self, gradients: [&[Vector3<f64>]; 2]) -> Option<f64> {
         let along = |(side, gradient): (Side, &[Vector3<f64>])| {

@@ -247,7 +247,7 @@ pub(super) fn zipped<T: Copy, U: Copy>(
 }
 
 impl<const N: usize> Reading<Jet<f64, N>> {
-    /// Makes a wheel whose numbers are series in a variable other than its motion. Its derivatives by travel and rack are
+    /// Makes a wheel whose numbers are series in a variable other than its motion. Its derivatives with respect to travel and rack are
     /// unknown.
     pub fn without_rates(read: &Snapshot<N>) -> Self {
         let value = |series: Jet<f64, N>| Taylor::through(&[&[series]]);
@@ -313,7 +313,7 @@ pub trait WheelParts<T: Real>: Copy {
         self.vector(VectorPart::SpinAxis, [0, 0])
     }
 
-    /// Length of the spring or strut, its derivative by travel, and its length in the design position.
+    /// Length of the spring or strut, its derivative with respect to travel, and its length in the design position.
     #[inline(always)]
     fn spring_length(&self) -> (T, T, T) {
         let part = NumberPart::SpringLength;
@@ -324,7 +324,7 @@ pub trait WheelParts<T: Real>: Copy {
         )
     }
 
-    /// Angle of the anti-roll bar's lever and its derivative by travel.
+    /// Angle of the anti-roll bar's lever and its derivative with respect to travel.
     #[inline(always)]
     fn bar_angle(&self) -> (T, T) {
         let part = NumberPart::BarAngle;

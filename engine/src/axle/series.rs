@@ -12,7 +12,7 @@
 //!
 //! In a solid axle, C_b' is the velocity by the wheel's own share of the difference of travels, and the mean travel is held. In a
 //! steered solid axle, the steering gear displaces the drag link's end. With the displacement s + e and constant designs, the second
-//! coefficients are the halves of the second derivatives by the drag link.
+//! coefficients are the halves of the second derivatives with respect to the drag link.
 
 use super::carriers::Carriers;
 use super::reading::{Parts, Reading, Snapshot};

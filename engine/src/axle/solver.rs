@@ -65,7 +65,7 @@ pub(super) fn join_results<T>(
     }
 }
 
-/// Callback that receives the index of a requested quantity, and its gradients by the points of the left and right wheel.
+/// Callback that receives the index of a requested quantity, and its gradients with respect to the points of the left and right wheel.
 pub(super) type ReceiveGradients<'r> = dyn FnMut(usize, [&[Vector3<f64>]; 2]) + 'r;
 
 /// A position that was found.
@@ -198,7 +198,7 @@ impl Read<'_> {
 }
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// Makes a solver for positions in which these quantities are read. `by_rack` requests derivatives by the rack beyond
+    /// Makes a solver for positions in which these quantities are read. `by_rack` requests derivatives with respect to the rack beyond
     /// those that the quantities need. It fails if a wheel has no solution in the design position.
     pub fn new(
         axle: &'a Axle,

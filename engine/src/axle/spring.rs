@@ -445,7 +445,7 @@ mod tests {
                 );
             }
         }
-        // The force does not depend on the design, so it has no derivative by its length.
+        // The force does not depend on the design, so it has no derivative with respect to its length.
         let design = Jet::<f64, 2>::variable(492.0);
         assert_eq!(kept.force(Jet::constant(470.0), design)[1], 0.0);
     }

@@ -389,7 +389,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// Derivative of a number of one wheel along a motion, from its derivatives by the wheel's own travel and rack.
+    /// Derivative of a number of one wheel along a motion, from its derivatives with respect to the wheel's own travel and rack.
     pub fn along(&self, motion: Motion, side: Side, [by_travel, by_rack]: [T; 2]) -> T {
         let (travel, rack) = self.own_rates(side, &self.rates(motion));
         match rack {

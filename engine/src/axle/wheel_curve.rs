@@ -1,7 +1,7 @@
 //! A wheel of an independent axle as a function of its own travel: piecewise polynomials between poses.
 //!
 //! Newton's method for a car evaluates the same wheels at thousands of travels. A pose takes longer than everything else in
-//! a step. So a wheel is solved only at nodes, one piece apart, with three derivatives by travel. In a piece of length h
+//! a step. So a wheel is solved only at nodes, one piece apart, with three derivatives with respect to travel. In a piece of length h
 //! from z_0, with t = (z - z_0)/h, each number f is the polynomial of degree 7 with the values and derivatives at both
 //! nodes:
 //!
@@ -65,7 +65,7 @@ struct Piece {
     design: DesignWheel<f64>,
 }
 
-/// A wheel on its curve: its numbers with three derivatives by travel.
+/// A wheel on its curve: its numbers with three derivatives with respect to travel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CurveWheel {
     coefficients: Powers<4>,
@@ -156,7 +156,7 @@ impl WheelParts<f64> for CurveWheel {
     }
 }
 
-/// Wheels on their curves, one in each lane: their numbers and first derivatives by travel.
+/// Wheels on their curves, one in each lane: their numbers and first derivatives with respect to travel.
 #[derive(Clone, Debug)]
 pub(crate) struct CurveLanes {
     numbers: [[[f64; LANES]; COUNT]; 2],

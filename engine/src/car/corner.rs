@@ -50,9 +50,9 @@ pub struct Corner<T> {
     pub design_centre: Vector3<T>,
     /// Spin axis in the design position.
     pub design_spin: Vector3<T>,
-    /// Derivatives by the wheel's own travel.
+    /// Derivatives with respect to the wheel's own travel.
     pub own: WheelRates<T>,
-    /// Derivatives by the other wheel's travel, for a solid axle.
+    /// Derivatives with respect to the other wheel's travel, for a solid axle.
     pub other: Option<WheelRates<T>>,
     /// Motion of the axle itself, for the left wheel of a steered solid axle.
     pub axle: Option<AxleMotion<T>>,
@@ -69,9 +69,9 @@ pub(super) struct Steps<T> {
     pub rack: Option<T>,
 }
 
-/// Value of a polynomial in two variables up to the third degree, and its derivatives by both variables. These numbers have
+/// Value of a polynomial in two variables up to the third degree, and its derivatives with respect to both variables. These numbers have
 /// exact derivatives by the steps up to the second order. Without a second step, the second variable is left out. With the
-/// fourth degree, derivatives by the first variable alone are exact up to the third order.
+/// fourth degree, derivatives with respect to the first variable alone are exact up to the third order.
 #[inline(always)]
 fn polynomial<T: Real>(
     c: impl Fn([usize; 2]) -> T,
@@ -98,7 +98,7 @@ fn polynomial<T: Real>(
     ]
 }
 
-/// Derivatives by the wheel's own travel and by the other wheel's, from derivatives by the two variables of a reading.
+/// Derivatives with respect to the wheel's own travel and by the other wheel's, from derivatives with respect to the two variables of a reading.
 struct ByTravels<T> {
     own: T,
     other: T,
@@ -295,13 +295,13 @@ impl<T: Real> Displacement<T> {
         }
     }
 
-    /// A number and its derivatives by both coordinates, from its coefficients by powers.
+    /// A number and its derivatives with respect to both coordinates, from its coefficients by powers.
     #[inline(always)]
     fn number(&self, of: impl Fn([usize; 2]) -> T) -> [T; 3] {
         polynomial(of, self.first, self.second, self.has_fourth)
     }
 
-    /// A vector and its derivatives by both coordinates, from its coefficients by powers.
+    /// A vector and its derivatives with respect to both coordinates, from its coefficients by powers.
     #[inline(always)]
     fn vector(&self, of: impl Fn([usize; 2]) -> Vector3<T>) -> [Vector3<T>; 3] {
         let (a, b) = (self.first, self.second);
@@ -327,7 +327,7 @@ impl<T: Real> Displacement<T> {
     }
 }
 
-/// A vector of a wheel and its derivatives by both coordinates. At the travels of the coefficients they are coefficients themselves, and
+/// A vector of a wheel and its derivatives with respect to both coordinates. At the travels of the coefficients they are coefficients themselves, and
 /// then no closure is called, which a compiler would not inline for SIMD lanes.
 #[inline(always)]
 fn vector<T: Real, U: Real, W: WheelParts<U>>(
@@ -381,7 +381,7 @@ fn number<T: Real, U: Real, W: WheelParts<U>>(
     at.number(|p| lift(wheel.number(part, p)))
 }
 
-/// Rates by the wheel's own travel and by the other wheel's, from derivatives by the coordinates of the expansion.
+/// Rates by the wheel's own travel and by the other wheel's, from derivatives with respect to the coordinates of the expansion.
 #[inline(always)]
 fn rates<T: Real>(
     carriers: Carriers,

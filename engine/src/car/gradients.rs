@@ -14,13 +14,13 @@ use crate::number::{Each, Scalar, Tape, Tracked, Vector3};
 pub struct CarGradient {
     /// Value of the result, in radians, newtons and length units.
     pub value: f64,
-    /// Derivatives by the hardpoints of each axle's left wheel, in the kernel's frame. The right wheel's hardpoints move
+    /// Derivatives with respect to the hardpoints of each axle's left wheel, in the kernel's frame. The right wheel's hardpoints move
     /// with them as mirror images.
     pub hardpoints: [Vec<Vector3<f64>>; 2],
-    /// Derivatives by the own points of each wheel, in the kernel's frame of its side. Order of the wheels: front left, front right,
+    /// Derivatives with respect to the own points of each wheel, in the kernel's frame of its side. Order of the wheels: front left, front right,
     /// rear left, rear right. Each wheel of a solid axle has all points of the axle, as it sees them.
     pub wheels: [Vec<Vector3<f64>>; 4],
-    /// Derivatives by all parameters.
+    /// Derivatives with respect to all parameters.
     pub parameters: [f64; Parameter::COUNT],
 }
 
@@ -61,7 +61,7 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Adds the heave of the car at rest to results that count from rest, with its derivatives by the design. This state at
+    /// Adds the heave of the car at rest to results that count from rest, with its derivatives with respect to the design. This state at
     /// rest does not depend on accelerations, speed, warp and racks of the case.
     fn add_rest(
         &mut self,
@@ -103,7 +103,7 @@ impl<'a> CarSolver<'a> {
         Ok(())
     }
 
-    /// Computes results with their derivatives by all hardpoints and parameters.
+    /// Computes results with their derivatives with respect to all hardpoints and parameters.
     pub fn gradients(
         &mut self,
         case: &Case,
@@ -174,8 +174,8 @@ impl<'a> CarSolver<'a> {
         Ok(gradients)
     }
 
-    /// Derivatives by the parameters, the first numbers of the tape. Derivatives by the racks are NaN if they are not known. Those by a
-    /// steering gear follow from the derivatives by the points of its axle.
+    /// Derivatives with respect to the parameters, the first numbers of the tape. Derivatives with respect to the racks are NaN if they are not known. Those by a
+    /// steering gear follow from the derivatives with respect to the points of its axle.
     fn of_parameters(
         &self,
         by_numbers: &[f64],
@@ -197,12 +197,12 @@ impl<'a> CarSolver<'a> {
     }
 }
 
-/// Zero derivatives by the hardpoints of a wheel.
+/// Zero derivatives with respect to the hardpoints of a wheel.
 fn no_gradients(axle: &Axle) -> Vec<Vector3<f64>> {
     vec![Vector3::default(); axle.left.mechanism.points.len()]
 }
 
-/// Derivatives by the hardpoints of each left wheel, with which those of the right wheel move.
+/// Derivatives with respect to the hardpoints of each left wheel, with which those of the right wheel move.
 fn of_both_sides(car: &Car, wheels: &[Vec<Vector3<f64>>; 4]) -> [Vec<Vector3<f64>>; 2] {
     [0, 1].map(|axle| {
         let (mut left, mut right) = (wheels[2 * axle].clone(), wheels[2 * axle + 1].clone());

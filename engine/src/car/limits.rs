@@ -7,7 +7,7 @@
 //! s' = s + min over the wheels with N_s < 0 of N/(-N_s)                                                       (1)
 //! ```
 //!
-//! N_s comes from the state's exact derivatives by ax and ay. A bracket keeps the iteration safe. At its lower end all wheels are
+//! N_s comes from the state's exact derivatives with respect to ax and ay. A bracket keeps the iteration safe. At its lower end all wheels are
 //! on the ground; its upper end is beyond the first lift. No equation gives the end of equilibrium, so bisection finds it. Within
 //! a bracket, the solver starts each state from the previous one. It is close if the bracket is narrow. The full search takes far
 //! longer where no equilibrium exists, so it only confirms the end.

@@ -15,17 +15,17 @@ pub struct Solved<'c, T> {
     pub car: &'c Car,
     /// State without derivatives along directions.
     pub now: Balance<T>,
-    /// State with its derivative by ay, per g.
+    /// State with its derivative with respect to ay, per g.
     pub by_ay: Balance<Jet<T, 2>>,
-    /// State with its derivative by ax, per g.
+    /// State with its derivative with respect to ax, per g.
     pub by_ax: Balance<Jet<T, 2>>,
     /// State with its derivative by a couple on the body, about the forward direction along the ground.
     pub by_couple: Balance<Jet<T, 2>>,
-    /// State with its derivative by gamma, with roll, pitch, A and B held.
+    /// State with its derivative with respect to gamma, with roll, pitch, A and B held.
     pub by_heave: Balance<Jet<T, 2>>,
-    /// State with its derivative by theta, with gamma, roll, A and B held.
+    /// State with its derivative with respect to theta, with gamma, roll, A and B held.
     pub by_pitch: Balance<Jet<T, 2>>,
-    /// State with its derivative by a warp of the ground, with the body free.
+    /// State with its derivative with respect to a warp of the ground, with the body free.
     pub by_warp: Balance<Jet<T, 2>>,
     /// Heave of the car at rest on the same tyres.
     pub rest_heave: f64,

@@ -4,7 +4,7 @@
 //! G_x of the plain state, each step x - G_x^-1 G(x(e), e) makes one more order of the unknowns exact. The results are then evaluated
 //! with these series.
 //!
-//! Derivatives by accelerations, couples and motions of the body need one more derivative of the wheels by travel. These are known for
+//! Derivatives with respect to accelerations, couples and motions of the body need one more derivative of the wheels by travel. These are known for
 //! independent wheels.
 
 use super::equations::Held;

@@ -24,7 +24,7 @@ pub(super) use readings::{Base, Readings, Wheels};
 pub use rows::{RowResult, RowState};
 pub(super) use start::Start;
 
-/// Number of terms in the series of wheels. Equations need first derivatives by travel, and their tangents need second ones.
+/// Number of terms in the series of wheels. Equations need first derivatives with respect to travel, and their tangents need second ones.
 /// Derivatives of tangents by the design need third ones.
 pub(super) const TERMS: usize = 4;
 /// Largest number of sets of wheels in contact that are tried.
@@ -38,7 +38,7 @@ pub(super) const LONGEST_TRAVEL: f64 = 0.008;
 pub struct CarSolver<'a> {
     /// Car to solve.
     pub car: &'a Car,
-    /// True if gradients contain the derivatives by the racks.
+    /// True if gradients contain the derivatives with respect to the racks.
     pub(super) by_rack: bool,
     /// State of the car at rest on rigid and on elastic tyres, once solved.
     pub(super) rests: [Option<Result<Equilibrium, NoEquilibrium>>; 2],
@@ -76,7 +76,7 @@ impl<'a> CarSolver<'a> {
         Self::made(car, false)
     }
 
-    /// Makes a solver whose gradients include the derivatives by the racks. Its gradients take longer.
+    /// Makes a solver whose gradients include the derivatives with respect to the racks. Its gradients take longer.
     pub fn with_racks(car: &'a Car) -> Result<Self, (usize, Side, DesignFault)> {
         Self::made(car, true)
     }

@@ -53,10 +53,10 @@ impl Factors {
     }
 }
 
-/// Numbers with derivatives by all unknowns.
+/// Numbers with derivatives with respect to all unknowns.
 type Wide = Dual<f64, UNKNOWNS>;
 
-/// Extends a number with derivatives by some unknowns (in this order) to derivatives by all unknowns.
+/// Extends a number with derivatives with respect to some unknowns (in this order) to derivatives with respect to all unknowns.
 fn widened<const N: usize>(narrow: Dual<f64, N>, unknowns: [usize; N]) -> Wide {
     let mut wide = Wide {
         value: narrow.value,
@@ -80,7 +80,7 @@ fn unknowns_of<const N: usize>(number: usize) -> [usize; N] {
     array_of(|k| all[k])
 }
 
-/// A wheel on the ground, with derivatives by its first `N` unknowns.
+/// A wheel on the ground, with derivatives with respect to its first `N` unknowns.
 fn stance<const N: usize>(
     held: &Held<'_>,
     parameters: &Parameters<f64>,
@@ -102,7 +102,7 @@ fn stance<const N: usize>(
     placed.stance.map(|c| widened(c, unknowns))
 }
 
-/// Residuals and their derivatives by the unknowns. The pose of a wheel depends only on the attitude and on the travels of its
+/// Residuals and their derivatives with respect to the unknowns. The pose of a wheel depends only on the attitude and on the travels of its
 /// own axle. So most arithmetic carries four or five derivatives.
 pub(super) fn tangent<R: WheelParts<f64>>(
     base: &Base<'_, '_, R>,

@@ -1,7 +1,7 @@
 //! Gains: derivatives of the angles by wheel travel.
 //!
 //! A gain evaluates its angle's formula on a first-order jet along the motion, so that there is only one formula. It divides
-//! by the rise of the wheel centre. It is therefore a derivative by wheel travel for any drive.
+//! by the rise of the wheel centre. It is therefore a derivative with respect to wheel travel for any drive.
 
 use super::{
     Characteristic, Constants, DesignWheel, Formula, Info, Inputs, Slot, Unit, Wheel, angles,

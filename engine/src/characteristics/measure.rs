@@ -2,7 +2,7 @@
 //!
 //! A [`Measure`] has a value in every pose. Geometric measures are formulas of up to six vectors. Each vector is a position
 //! or a direction, in the current pose or in the design position. Each formula is written once, over [`Scalar`]. With
-//! derivative numbers, it gives its derivatives by its vectors. The adjoint turns these into derivatives by the hardpoints.
+//! derivative numbers, it gives its derivatives with respect to its vectors. The adjoint turns these into derivatives with respect to the hardpoints.
 //!
 //! Values are smooth except at these kinks, where the derivative is that of one side:
 //!
@@ -140,7 +140,7 @@ impl Measure {
         }
     }
 
-    /// Order of the derivatives by the drive from which the value is computed: 0 or 1.
+    /// Order of the derivatives with respect to the drive from which the value is computed: 0 or 1.
     pub fn rate_order(&self) -> usize {
         self.quantity().map_or(0, Quantity::rate_order)
     }
@@ -259,7 +259,7 @@ impl Measure {
         self.formula(&vectors)
     }
 
-    /// Seeds the adjoint of a geometric measure with its derivatives by the vectors that it reads.
+    /// Seeds the adjoint of a geometric measure with its derivatives with respect to the vectors that it reads.
     pub fn seed<const N: usize>(
         &self,
         at: &Configuration<Jet<f64, N>>,
@@ -299,7 +299,7 @@ impl Measure {
         }
     }
 
-    /// Gradients of the shown value, and of its derivatives by the drive up to `highest`, by every hardpoint coordinate.
+    /// Gradients of the shown value, and of its derivatives with respect to the drive up to `highest`, by every hardpoint coordinate.
     /// `buffer` has a place for each point. `receive` gets every order and point with the gradient.
     ///
     /// The measure's formula f of its vectors v_k gives the seed series df/dv_k. For an angle it is multiplied by

@@ -1,7 +1,7 @@
 //! Catalogue of wheel characteristics. Each has a name, a unit, a sign, its inputs and one formula.
 //!
 //! The catalogue drives everything that names characteristics: validation of studies, the plan, column names, tables. A
-//! formula is written once, over [`Real`]. With other number types it gives its derivatives by travel and by hardpoint. A
+//! formula is written once, over [`Real`]. With other number types it gives its derivatives with respect to travel and by hardpoint. A
 //! new characteristic is one type in one of the files below and one line in `catalogue!`.
 //!
 //! Everything here is in the kernel's frame: a left wheel, x forward, y left (outboard), z up. Angles are in radians and
@@ -97,7 +97,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Derivatives by all inputs of the formula.
+            /// Derivatives with respect to all inputs of the formula.
             #[inline]
             pub fn gradient<T: Real>(self, inputs: &Inputs<T>) -> Gradient<T> {
                 match self {

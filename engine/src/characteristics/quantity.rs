@@ -18,7 +18,7 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Order of the derivatives by the drive from which the value is computed: 1 for a quantity that contains velocities,
+    /// Order of the derivatives with respect to the drive from which the value is computed: 1 for a quantity that contains velocities,
     /// else 0.
     #[inline]
     pub fn rate_order(self) -> usize {
@@ -49,7 +49,7 @@ impl Quantity {
         asked.rockers(mechanism).collect()
     }
 
-    /// Returns true if the quantity is itself a derivative by the drive, so that another drive changes its value.
+    /// Returns true if the quantity is itself a derivative with respect to the drive, so that another drive changes its value.
     /// (Characteristics that contain velocities are ratios of them.)
     pub fn is_rate(self) -> bool {
         matches!(self, Quantity::AngularVelocity(_))

@@ -11,7 +11,7 @@ use crate::mechanism::Configuration;
 use crate::model::{Mechanism, PointId, RockerId};
 use crate::number::{Real, Vector3};
 
-/// A part of a pose, with its derivative by the drive if that is known.
+/// A part of a pose, with its derivative with respect to the drive if that is known.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moving<V> {
     pub(super) now: V,

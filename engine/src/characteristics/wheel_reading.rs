@@ -1,4 +1,4 @@
-//! Reads values along the motion, and gradients by the hardpoints, from a pose.
+//! Reads values along the motion, and gradients with respect to the hardpoints, from a pose.
 
 use super::{Characteristic, Constants, Gradient, Inputs, Quantity, Slot, Slots};
 use crate::derive::{Linearised, Seeds};
@@ -66,7 +66,7 @@ impl<const N: usize> WheelReading<N> {
         c.evaluate(&self.inputs)
     }
 
-    /// Derivatives of a quantity, and of its derivatives by the drive up to `highest`, by every hardpoint coordinate.
+    /// Derivatives of a quantity, and of its derivatives with respect to the drive up to `highest`, by every hardpoint coordinate.
     /// `buffer` has a place for each point. `receive` gets every order and point with the gradient.
     #[inline]
     pub fn gradients(
@@ -100,7 +100,7 @@ impl<const N: usize> WheelReading<N> {
         each_derivative(buffer, highest, receive);
     }
 
-    /// Gradients of a quantity that contains velocities, from its derivatives by the inputs that it reads.
+    /// Gradients of a quantity that contains velocities, from its derivatives with respect to the inputs that it reads.
     fn rate_gradients(
         &self,
         linearised: &Linearised<'_, N>,
@@ -131,7 +131,7 @@ impl<const N: usize> WheelReading<N> {
     }
 }
 
-/// Passes on the derivatives of gradients by the drive, up to the order `highest`. `buffer` has a gradient for each point.
+/// Passes on the derivatives of gradients with respect to the drive, up to the order `highest`. `buffer` has a gradient for each point.
 pub(super) fn each_derivative<const N: usize>(
     buffer: &[Vector3<Jet<f64, N>>],
     highest: usize,

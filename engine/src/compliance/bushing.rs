@@ -68,7 +68,7 @@ pub(super) struct BushingForce<T> {
     pub(super) by_turn: Matrix3<T>,
 }
 
-/// Coefficient c of equation (4), and its derivative by t divided by t.
+/// Coefficient c of equation (4), and its derivative with respect to t divided by t.
 #[inline(always)]
 fn coefficient<T: Valued>(rotation: &Logarithm<T>) -> (T, T) {
     let square = rotation.vector.norm_squared();
@@ -332,7 +332,7 @@ mod tests {
                     );
                 }
             }
-            // For the gradient by rotations about fixed axes, N - N' = -M^.
+            // For the gradient with respect to rotations about fixed axes, N - N' = -M^.
             let (m, n) = (found.moment.map(|c| c.value), found.by_turn);
             let skew = [
                 n.entry(2, 1).value - n.entry(1, 2).value,

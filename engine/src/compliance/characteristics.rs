@@ -1,4 +1,4 @@
-//! Characteristics of the wheel in an equilibrium, and their derivatives by wheel travel along it.
+//! Characteristics of the wheel in an equilibrium, and their derivatives with respect to wheel travel along it.
 //!
 //! The formulas are those of the catalogue. A velocity is the derivative of the equilibrium by wheel travel, with the rack
 //! held and without horizontal loads.
@@ -69,7 +69,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(inputs)
     }
 
-    /// Value of a characteristic, or its derivative by wheel travel, from inputs along travel. `None` if it has no value.
+    /// Value of a characteristic, or its derivative with respect to wheel travel, from inputs along travel. `None` if it has no value.
     pub(super) fn of_inputs(
         inputs: &Inputs<Jet<T, 2>>,
         of: Characteristic,

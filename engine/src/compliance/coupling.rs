@@ -15,7 +15,7 @@ use crate::number::{Each, Matrix3, Scalar, Vector3};
 const EXTRA: usize = 5;
 
 impl<T: Scalar> Coupling<T> {
-    /// Adds forces on the subframe and their derivatives by its own motion, by the carrier's motion, and the derivatives of
+    /// Adds forces on the subframe and their derivatives with respect to its own motion, by the carrier's motion, and the derivatives of
     /// the forces on the carrier. The derivatives are blocks of three by three.
     #[inline]
     fn add_subframe(

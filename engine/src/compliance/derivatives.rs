@@ -7,7 +7,7 @@
 //! ```
 //!
 //! One Newton step from a state in balance, in numbers that carry derivatives, is (1). In the state after this step, the
-//! equations carry the derivatives of the tangent. So values and derivatives by the design come from the same formulas, for
+//! equations carry the derivatives of the tangent. So values and derivatives with respect to the design come from the same formulas, for
 //! rates along a load and all figures of a test. On a [`Tape`](crate::number::Tape), one backward pass gives the derivatives
 //! of a figure by all inputs. It is the adjoint of the equations, of the preloads and of the rates.
 
@@ -19,7 +19,7 @@ use super::wheel::{Change, ElasticWheel, Equilibrium, HeldQuantity};
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Dual, Each, Jet, Scalar, Valued, Vector3};
 
-/// Equations in an equilibrium and their factors, with one quantity held. All derivatives by loads use them.
+/// Equations in an equilibrium and their factors, with one quantity held. All derivatives with respect to loads use them.
 #[derive(Clone, Debug)]
 pub struct Tangent<T: Valued = f64> {
     pub(super) state: State<T>,
@@ -76,7 +76,7 @@ impl<T: Scalar> ElasticWheel<T> {
             }
             Change::Travel => right[equations.size - 1] = system.like().one(),
             Change::Rack => {
-                // These equations carry the derivative by the rack. In balance, the eliminated unknowns contribute only the
+                // These equations carry the derivative with respect to the rack. In balance, the eliminated unknowns contribute only the
                 // derivative of their residual.
                 let dual = self.built.system_over(Dual::<T, 1>::constant);
                 let mut moving = task.map(Dual::constant);

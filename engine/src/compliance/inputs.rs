@@ -202,7 +202,7 @@ impl<'t> OnTape<'t> {
         })
     }
 
-    /// Adds derivatives by the inputs to an equilibrium of the suspension in plain numbers. The height or all loads stay
+    /// Adds derivatives with respect to the inputs to an equilibrium of the suspension in plain numbers. The height or all loads stay
     /// held.
     pub fn carried(&self, at: &Equilibrium) -> Option<Equilibrium<Tracked<'t>>> {
         let mut task = at.solution.task.map(Tracked::constant);
@@ -224,7 +224,7 @@ impl<'t> OnTape<'t> {
         self.wheel.carried(&at.solution.state, &task)
     }
 
-    /// Equilibrium under loads in addition to those of a station, with derivatives by the inputs. The wheel keeps the height or
+    /// Equilibrium under loads in addition to those of a station, with derivatives with respect to the inputs. The wheel keeps the height or
     /// the load of its station. That value can depend on the inputs.
     pub fn carried_about(
         &self,

@@ -255,7 +255,7 @@ impl<T: Valued> Followers<T> {
         }
     }
 
-    /// Makes the response of a rocker whose seat moves with a joint. `slide` has its derivative by the seat and the rest.
+    /// Makes the response of a rocker whose seat moves with a joint. `slide` has its derivative with respect to the seat and the rest.
     pub(super) fn of_joint(joint: Vector3<T>, slide: Option<(Vector3<T>, T)>) -> Self {
         let slide = slide.map(|(by, rest)| (joint.zero(), by, rest));
         Followers {

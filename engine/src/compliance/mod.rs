@@ -5,7 +5,7 @@
 //! position, and deflections follow from these displacements (`algebra.rs`), never from coordinates. Parts between body and
 //! carrier are eliminated one by one (`limb.rs`, `swinging.rs`, `floating.rs`, `parts.rs`). A system of at most twelve
 //! equations remains (`system.rs`), and Newton's method increases the loads (`solve.rs`). Elements work over any number
-//! type, so the same code gives derivatives by loads, travel, rack and design.
+//! type, so the same code gives derivatives with respect to loads, travel, rack and design.
 
 mod algebra;
 mod axle;

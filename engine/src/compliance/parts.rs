@@ -56,7 +56,7 @@ impl<T: Valued> Mount<T> {
         at.carrier.displacement(self.top) + along * slide
     }
 
-    /// Length of the spring, with its first and second derivative by t.
+    /// Length of the spring, with its first and second derivative with respect to t.
     fn spring_length(&self, slide: T) -> (T, T, T) {
         let moved = self.along * slide;
         let line = Stretched::of(self.spring_line, moved);
@@ -313,7 +313,7 @@ impl<T: Valued> Joint<T> {
         matches!(self, Joint::Rod(rod) if rod.on_rack)
     }
 
-    /// Residual, and its derivatives by the carrier's motion. Adds the joint's force and its tangent.
+    /// Residual, and its derivatives with respect to the carrier's motion. Adds the joint's force and its tangent.
     #[inline(always)]
     pub(super) fn evaluate(&self, at: &Conditions<T>, force: T, sum: &mut Sum<T>) -> (T, [T; 6]) {
         outlined!(

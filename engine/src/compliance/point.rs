@@ -256,7 +256,7 @@ pub(super) struct SeatState<T> {
 }
 
 impl<T: Valued> RockerSeat<T> {
-    /// Displacement of a point of the rocker at the rotation theta, with its first and second derivative by theta. `half` is
+    /// Displacement of a point of the rocker at the rotation theta, with its first and second derivative with respect to theta. `half` is
     /// tan(theta/2).
     #[inline(always)]
     fn turned(&self, point: Vector3<T>, half: T) -> [Vector3<T>; 3] {

@@ -17,7 +17,7 @@ use crate::mechanism::Turn;
 use crate::model::Rod;
 use crate::number::{Each, Matrix3, Valued, Vector3};
 
-/// Rotation of a rocker or lever by a rigid rod, with its derivatives by the rod's outer end. Equation (1).
+/// Rotation of a rocker or lever by a rigid rod, with its derivatives with respect to the rod's outer end. Equation (1).
 pub(super) struct RodTurn<T> {
     turn: Turn<T>,
     first: Vector3<T>,
@@ -68,7 +68,7 @@ impl<T: Valued> RodTurn<T> {
         self.turn.angle(Rod::DropLink)
     }
 
-    /// Present position of a point, with its first and second derivative by the angle about the axis.
+    /// Present position of a point, with its first and second derivative with respect to the angle about the axis.
     #[inline(always)]
     fn moved_about(&self, point: Vector3<T>) -> [Vector3<T>; 3] {
         let now = self.turn.moved(point);
@@ -76,14 +76,14 @@ impl<T: Valued> RodTurn<T> {
         [now, self.axis.cross(lever), -lever]
     }
 
-    /// Present position of a point, with its first and second derivative by the angle.
+    /// Present position of a point, with its first and second derivative with respect to the angle.
     #[inline(always)]
     pub(super) fn moved(&self, point: Vector3<T>) -> [Vector3<T>; 3] {
         let [now, along, bend] = self.moved_about(point);
         [now, along * self.turn.sense(Rod::DropLink), bend]
     }
 
-    /// Derivatives by the rod's outer end of a value with these first and second derivatives by the angle. Equation (2).
+    /// Derivatives with respect to the rod's outer end of a value with these first and second derivatives with respect to the angle. Equation (2).
     #[inline(always)]
     pub(super) fn chained(&self, first: T, second: T) -> (Vector3<T>, Matrix3<T>) {
         let columns = self.second.columns.each(|column| column * first);

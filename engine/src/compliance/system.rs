@@ -310,7 +310,7 @@ impl<T: Valued> System<T> {
         }
     }
 
-    /// Height of the wheel centre above its design position, with its derivative by the carrier's motion.
+    /// Height of the wheel centre above its design position, with its derivative with respect to the carrier's motion.
     #[inline(always)]
     fn height(&self, carrier: &Placed<T>) -> ([T; 6], T) {
         let lever = carrier.lever(self.wheel.centre);

@@ -1,9 +1,9 @@
-//! Derivatives by time, from those by the coordinate that follows a time law.
+//! Derivatives with respect to time, from those by the coordinate that follows a time law.
 
 use crate::number::Jet;
 use crate::study::TimeLaw;
 
-/// First and second derivative by time of the moving coordinate, if results are by time.
+/// First and second derivative with respect to time of the moving coordinate, if results are by time.
 #[derive(Clone, Copy)]
 pub(crate) struct ByTime(Option<[f64; 2]>);
 

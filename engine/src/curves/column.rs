@@ -76,7 +76,7 @@ impl Column {
         self.factor
     }
 
-    /// Unit of this column's derivative by a hardpoint coordinate.
+    /// Unit of this column's derivative with respect to a hardpoint coordinate.
     pub fn unit_per(&self, length: LengthUnit) -> String {
         per(&self.unit, length.symbol(), 1)
     }

@@ -131,7 +131,7 @@ pub(super) fn elastic_curves(
 /// Values of a station, and the derivatives of existing values by `parameters`, each with the index of its value.
 type ValuesAndGradients = (Vec<Option<f64>>, Vec<(usize, Vec<f64>)>);
 
-/// Values at a travel and a rack displacement, with their derivatives by `parameters`.
+/// Values at a travel and a rack displacement, with their derivatives with respect to `parameters`.
 fn values_and_gradients(
     run: &KcRun,
     at: [f64; 2],

@@ -362,7 +362,7 @@ impl<'a, const N: usize> Run<'a, N> {
         let mut buffer = vec![zero; self.suspension.design.len()];
         let count = self.columns.len() * plan.sensitivities.len() * Axis::ALL.len();
         let mut gradients = Vec::with_capacity(count);
-        // Gradients by order, point and axis, before the conversion to derivatives by time.
+        // Gradients with respect to order, point and axis, before the conversion to derivatives with respect to time.
         let mut found: Vec<[Vector3<f64>; 3]> = vec![[Vector3::default(); 3]; buffer.len()];
         let mut index = 0;
         for (columns, output) in self.columns_by_output() {

@@ -96,7 +96,7 @@ impl<const N: usize> DesignSeries<N> {
         }
     }
 
-    /// Limits sensitivities to these points. Gradients by other points are then undefined.
+    /// Limits sensitivities to these points. Gradients with respect to other points are then undefined.
     pub fn with_sensitivities_to(mut self, mechanism: &Mechanism, points: &[PointId]) -> Self {
         let design: Vec<_> = self.design.iter().map(|p| p.map(|c| c[0])).collect();
         self.rows = Closure::new(mechanism, &design).rows_holding(mechanism, &design, points);

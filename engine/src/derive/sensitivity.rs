@@ -1,4 +1,4 @@
-//! Derivatives by the hardpoints, with the adjoint of the closure equations.
+//! Derivatives with respect to the hardpoints, with the adjoint of the closure equations.
 //!
 //! With F(x, p) = 0 at the pose x of the design p, an output y(x, p) has
 //!
@@ -28,7 +28,7 @@ use crate::number::{Each, Vector3};
 
 /// Collects the derivatives of an output by the hardpoints.
 pub trait Gradient<T> {
-    /// Adds a derivative by a hardpoint.
+    /// Adds a derivative with respect to a hardpoint.
     fn add(&mut self, id: PointId, by: Vector3<T>);
 }
 
@@ -56,7 +56,7 @@ impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for Adjoint<'_, T, G> {
     }
 }
 
-/// A gradient by the hardpoints only, without a wrench.
+/// A gradient with respect to the hardpoints only, without a wrench.
 pub(crate) struct HardpointGradient<'a, G: ?Sized>(pub &'a mut G);
 
 impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for HardpointGradient<'_, G> {
@@ -165,22 +165,22 @@ impl<'a, const N: usize> Linearised<'a, N> {
     }
 }
 
-/// Dependence of an output on the configuration. Each call adds the derivative by one input.
+/// Dependence of an output on the configuration. Each call adds the derivative with respect to one input.
 pub struct Seeds<'s, 'a, T, G: ?Sized = [Vector3<T>]> {
     at: &'s Configuration<'a, T>,
     adjoint: Adjoint<'s, T, G>,
-    /// Derivative by the twist of the steering motion; `None` if the output does not depend on it.
+    /// Derivative with respect to the twist of the steering motion; `None` if the output does not depend on it.
     by_twist: Option<Twist<T>>,
 }
 
 impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
-    /// Starts an output of a configuration. Its derivatives by hardpoints at fixed pose are added to `gradient`.
+    /// Starts an output of a configuration. Its derivatives with respect to hardpoints at fixed pose are added to `gradient`.
     #[inline(always)]
     pub fn new(at: &'s Configuration<'a, T>, gradient: &'s mut G) -> Self {
         Seeds::continuing(at, Wrench::zero(at.rack), gradient)
     }
 
-    /// Starts another output, whose derivatives are added to earlier ones. Their derivative by the pose is `wrench`.
+    /// Starts another output, whose derivatives are added to earlier ones. Their derivative with respect to the pose is `wrench`.
     #[inline(always)]
     pub fn continuing(
         at: &'s Configuration<'a, T>,
@@ -194,13 +194,13 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         }
     }
 
-    /// Derivative by the pose.
+    /// Derivative with respect to the pose.
     #[inline(always)]
     pub fn wrench(&self) -> Wrench<T> {
         self.adjoint.wrench
     }
 
-    /// Adds the derivatives by a point of the steering axis and by its direction, as [`Configuration::steering_axis`]
+    /// Adds the derivatives with respect to a point of the steering axis and by its direction, as [`Configuration::steering_axis`]
     /// returns them.
     #[inline(always)]
     pub fn steering_axis(&mut self, by_point: Vector3<T>, by_direction: Vector3<T>) {
@@ -224,31 +224,31 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         }
     }
 
-    /// Adds the derivative by the present position of a point.
+    /// Adds the derivative with respect to the present position of a point.
     #[inline(always)]
     pub fn point(&mut self, id: PointId, gradient: Vector3<T>) {
         self.at.push_point(id, gradient, &mut self.adjoint);
     }
 
-    /// Adds the derivative by the angle of a rocker.
+    /// Adds the derivative with respect to the angle of a rocker.
     #[inline(always)]
     pub fn rocker_angle(&mut self, id: RockerId, gradient: T) {
         self.at.push_rocker_angle(id, gradient, &mut self.adjoint);
     }
 
-    /// Adds the derivative by a hardpoint at fixed pose.
+    /// Adds the derivative with respect to a hardpoint at fixed pose.
     #[inline(always)]
     pub fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>) {
         self.adjoint.hardpoint(id, gradient);
     }
 
-    /// Adds the derivative by the rotation of the mechanism's knuckle. For a steered axle, this is the rotation of the axle.
+    /// Adds the derivative with respect to the rotation of the mechanism's knuckle. For a steered axle, this is the rotation of the axle.
     #[inline(always)]
     pub fn turn(&mut self, moment: Vector3<T>) {
         self.adjoint.wrench(moment.zero(), moment);
     }
 
-    /// Adds the derivative by the rotation of the body that carries the wheel.
+    /// Adds the derivative with respect to the rotation of the body that carries the wheel.
     #[inline(always)]
     pub fn carrier_turn(&mut self, moment: Vector3<T>) {
         self.at.push_carrier_turn(moment, &mut self.adjoint);

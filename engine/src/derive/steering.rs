@@ -52,7 +52,7 @@ impl<const N: usize> Steered<N> {
         self.closure.prepare(mechanism, &self.design);
     }
 
-    /// Subtracts l . d(J t + F_r) from a wrench on the knuckle and a gradient by the hardpoints.
+    /// Subtracts l . d(J t + F_r) from a wrench on the knuckle and a gradient with respect to the hardpoints.
     #[inline(never)]
     pub(crate) fn subtract(
         &self,
@@ -92,7 +92,7 @@ impl<const N: usize> Steered<N> {
     }
 }
 
-/// Collects a wrench along the steering motion, and the slope of a gradient by the hardpoints.
+/// Collects a wrench along the steering motion, and the slope of a gradient with respect to the hardpoints.
 struct Slope<'a, const N: usize> {
     wrench: Wrench<Along<N>>,
     gradient: &'a mut [Vector3<Jet<f64, N>>],

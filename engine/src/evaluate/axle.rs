@@ -23,7 +23,7 @@ pub(crate) struct AxleStations<'s> {
     pub quantities: Vec<Quantity>,
     /// Derivatives in the design position that the study requests, quantity by quantity.
     pub gains: Vec<AxleColumn>,
-    /// True if some of these derivatives are derivatives by the rack.
+    /// True if some of these derivatives are derivatives with respect to the rack.
     pub steers: bool,
     /// Placements of the motion, then the design position, then placements of targets that the motion does not contain.
     pub placements: Vec<Placement>,
@@ -196,7 +196,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
         }))
     }
 
-    /// Reads the design position, with the derivatives by a steering gear that gains need.
+    /// Reads the design position, with the derivatives with respect to a steering gear that gains need.
     fn read_design(&mut self, wheels: Pairs<'_>) -> Option<(Read<'a>, Vec<Option<ByGear>>)> {
         self.stations.prepare(&mut self.solver, wheels).ok()?;
         let design = self.stations.placements[self.stations.design];

@@ -14,7 +14,7 @@ use crate::study::{ComplianceStudy, WheelStudy};
 pub(crate) struct ElasticRead {
     /// The value.
     pub value: KcValue,
-    /// Derivative by wheel travel, if it is requested in the design position.
+    /// Derivative with respect to wheel travel, if it is requested in the design position.
     pub slope: Option<KcValue>,
 }
 
@@ -94,7 +94,7 @@ pub(super) struct ElasticDesigns<'a> {
     stations: &'a Stations,
     /// Rates of the block's designs. Empty if none varies.
     rates: Vec<f64>,
-    /// Values that are read at a station, and derivatives by wheel travel.
+    /// Values that are read at a station, and derivatives with respect to wheel travel.
     wanted: Vec<KcValue>,
 }
 
@@ -152,7 +152,7 @@ impl<'a> ElasticDesigns<'a> {
         [travel, stations.racks[stations.rack_of(station)]]
     }
 
-    /// Values with derivatives by wheel travel at a station.
+    /// Values with derivatives with respect to wheel travel at a station.
     fn slopes(&self, station: usize) -> impl Iterator<Item = (usize, KcValue)> + '_ {
         let is_design = station == self.stations.design();
         let reads = self.of.reads.iter().enumerate();

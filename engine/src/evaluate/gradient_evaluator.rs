@@ -1,4 +1,4 @@
-//! Quantities at stations with their gradients by the hardpoints, for several designs at a time.
+//! Quantities at stations with their gradients with respect to the hardpoints, for several designs at a time.
 //!
 //! SIMD lanes differentiate designs that the tracker accepts, if they support the quantities. (For a single design the lanes hold
 //! its stations, and results are equal to the last bit.) Other designs are differentiated one by one, with the adjoint of the
@@ -81,7 +81,7 @@ impl Evaluated {
     /// Derivative of a quantity as every hardpoint of a wheel moves at its rate. Without rates, no hardpoint moves.
     pub fn along(&self, place: (usize, usize, usize), side: Side, rates: &[Vector3<f64>]) -> f64 {
         let pairs = rates.iter().zip(self.gradient(place, side));
-        // A point that does not move contributes nothing, even if the derivative by it has no value.
+        // A point that does not move contributes nothing, even if the derivative with respect to it has no value.
         let moving = pairs.filter(|(rate, _)| rate.to_array() != [0.0; 3]);
         moving.map(|(rate, by)| by.dot(*rate)).sum()
     }
@@ -185,7 +185,7 @@ fn evaluate_in_lanes(
 }
 
 impl<'a> GradientEvaluator<'a> {
-    /// Prepares to evaluate designs like that of a suspension, with gradients by these points. Gradients by other points
+    /// Prepares to evaluate designs like that of a suspension, with gradients with respect to these points. Gradients with respect to other points
     /// must not be used. Lanes have this width; without a width designs are evaluated one by one.
     ///
     /// # Errors
@@ -213,7 +213,7 @@ impl<'a> GradientEvaluator<'a> {
         })
     }
 
-    /// Prepares to evaluate axles, with gradients by all points of both wheels, one by one. An error says why the axle's own
+    /// Prepares to evaluate axles, with gradients with respect to all points of both wheels, one by one. An error says why the axle's own
     /// design cannot be solved.
     pub(super) fn of_axle(stations: &'a AxleStations<'a>) -> Result<Self, (Side, DesignFault)> {
         Ok(GradientEvaluator {

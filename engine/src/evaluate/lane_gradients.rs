@@ -33,7 +33,7 @@ pub struct AngleTarget {
     pub weight: f64,
 }
 
-/// Computes gradients by every hardpoint coordinate, in the kernel's frame.
+/// Computes gradients with respect to every hardpoint coordinate, in the kernel's frame.
 #[derive(Clone)]
 pub struct Gradients<'a> {
     width: Width,

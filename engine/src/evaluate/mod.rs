@@ -2,7 +2,7 @@
 //!
 //! A `Request` names vehicle, quantities and stations. An [`Evaluator`] fills a [`Block`] with the values of designs. It
 //! uses SIMD lanes for designs that the tracker accepts, and solves the others one by one. A [`GradientEvaluator`] computes
-//! values with their gradients by the hardpoints ([`Evaluated`]). A design's values depend on that design alone, never on
+//! values with their gradients with respect to the hardpoints ([`Evaluated`]). A design's values depend on that design alone, never on
 //! its neighbours.
 
 mod aligned;

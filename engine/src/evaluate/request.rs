@@ -32,7 +32,7 @@ enum Requested<'s> {
 struct CornerQuantities<'s> {
     suspension: Cow<'s, Suspension>,
     quantities: Vec<Quantity>,
-    /// True for each quantity whose derivative by the drive in the design position is requested, too.
+    /// True for each quantity whose derivative with respect to the drive in the design position is requested, too.
     has_slope: Vec<bool>,
 }
 
@@ -78,7 +78,7 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Adds derivatives by the drive in the design position, for those quantities of one wheel for which `is_wanted` is true. The
+    /// Adds derivatives with respect to the drive in the design position, for those quantities of one wheel for which `is_wanted` is true. The
     /// request for an axle already contains these derivatives.
     pub(crate) fn with_slopes(mut self, is_wanted: impl Fn(usize) -> bool) -> Self {
         if let Requested::Corner(corner) = &mut self.of {
@@ -153,8 +153,8 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Makes an evaluator of values with gradients by these points. It uses lanes of this width where possible; without a
-    /// width it works one by one. Gradients by other points must not be used. An axle has gradients by all points, one by
+    /// Makes an evaluator of values with gradients with respect to these points. It uses lanes of this width where possible; without a
+    /// width it works one by one. Gradients with respect to other points must not be used. An axle has gradients with respect to all points, one by
     /// one. An error says why the vehicle's own design cannot be solved, and names the wheel of an axle.
     pub(crate) fn gradients(
         &self,

@@ -91,7 +91,7 @@ impl Study {
         self
     }
 
-    /// Returns the study with these characteristics requested, and their derivatives by travel up to `order`. They replace
+    /// Returns the study with these characteristics requested, and their derivatives with respect to travel up to `order`. They replace
     /// earlier requests.
     ///
     /// # Errors

@@ -44,7 +44,7 @@ impl RowSet {
     }
 }
 
-/// Records whether any derivative by these hardpoints is added.
+/// Records whether any derivative with respect to these hardpoints is added.
 struct Touches<'a> {
     points: &'a [PointId],
     found: bool,
@@ -184,13 +184,13 @@ impl<T: Real> Closure<T> {
         residuals
     }
 
-    /// Jacobian by the pose.
+    /// Jacobian with respect to the pose.
     #[inline]
     pub fn jacobian(&self, at: &Configuration<T>, driver: Driver<T>) -> Matrix6<T> {
         self.wrenches(at, driver).each(Wrench::to_row)
     }
 
-    /// Jacobian by the pose, row by row, with the derivatives by the displacement of the rack.
+    /// Jacobian with respect to the pose, row by row, with the derivatives with respect to the displacement of the rack.
     #[inline(never)]
     pub(crate) fn wrenches(&self, at: &Configuration<T>, driver: Driver<T>) -> [Wrench<T>; 6] {
         let like = at.rack;

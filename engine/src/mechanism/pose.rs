@@ -89,14 +89,14 @@ impl<T> Twist<T> {
 
 /// Collects the derivatives of a quantity by the pose and by the hardpoints.
 ///
-/// A derivative by the pose is a wrench on the knuckle. The force is the derivative by the position of its origin, the
-/// moment the derivative by its rotation.
+/// A derivative with respect to the pose is a wrench on the knuckle. The force is the derivative with respect to the position of its origin, the
+/// moment the derivative with respect to its rotation.
 pub(crate) trait Sink<T> {
     /// Adds a wrench at the knuckle's origin.
     fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>);
-    /// Adds a derivative by a hardpoint at fixed pose.
+    /// Adds a derivative with respect to a hardpoint at fixed pose.
     fn hardpoint(&mut self, id: PointId, gradient: Vector3<T>);
-    /// Adds a derivative by the displacement of the rack at fixed pose.
+    /// Adds a derivative with respect to the displacement of the rack at fixed pose.
     #[inline]
     fn rack(&mut self, _gradient: T) {}
 }
@@ -117,14 +117,14 @@ impl<T, S: Sink<T> + ?Sized> Sink<T> for &mut S {
 }
 
 /// A wrench on the knuckle at its origin: a row of the Jacobian, or the derivative of an output by the pose. It includes the
-/// force along the rack, which is the derivative by the rack's displacement.
+/// force along the rack, which is the derivative with respect to the rack's displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wrench<T> {
-    /// Derivative by the position of the knuckle's origin.
+    /// Derivative with respect to the position of the knuckle's origin.
     pub force: Vector3<T>,
-    /// Derivative by the rotation of the knuckle.
+    /// Derivative with respect to the rotation of the knuckle.
     pub moment: Vector3<T>,
-    /// Derivative by the displacement of the rack.
+    /// Derivative with respect to the displacement of the rack.
     pub rack: T,
 }
 
@@ -270,7 +270,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Adds the derivative by a rotation of the body that carries the wheel. `moment` is about the vehicle's axes.
+    /// Adds the derivative with respect to a rotation of the body that carries the wheel. `moment` is about the vehicle's axes.
     #[inline(always)]
     pub(crate) fn push_carrier_turn(&self, moment: Vector3<T>, sink: &mut impl Sink<T>) {
         match self.steered_knuckle() {

@@ -37,7 +37,7 @@
 //! M = (x' - f) x g - k (n' - f) x s',   h = g - k s'                                            (9)
 //! ```
 //!
-//! A couple m on the rocker, which is the derivative by its rotation, is added to (x' - f) x g in (8) and (9). The derivatives of
+//! A couple m on the rocker, which is the derivative with respect to its rotation, is added to (x' - f) x g in (8) and (9). The derivatives of
 //! g.x' + t theta are
 //!
 //! ```text
@@ -127,7 +127,7 @@ impl<T: Real> Turn<T> {
         v - lever + lever * self.cosine - self.axis.cross(lever) * self.sine
     }
 
-    /// Derivatives by each of the inputs and by the point. The differentiated quantity is `gradient . moved(point)`, plus
+    /// Derivatives with respect to each of the inputs and by the point. The differentiated quantity is `gradient . moved(point)`, plus
     /// `couple` times the rotation, plus `moment` times the angle.
     #[inline(always)]
     fn gradient(

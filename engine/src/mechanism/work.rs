@@ -21,9 +21,9 @@ pub struct Work {
     /// Right-hand sides solved with the factors of a Jacobian or of its transpose. Each coefficient of a power series
     /// counts.
     pub right_hand_sides: u64,
-    /// Closure equations that were differentiated by the hardpoints, for sensitivities.
+    /// Closure equations that were differentiated with respect to the hardpoints, for sensitivities.
     pub gradient_rows: u64,
-    /// Evaluations of characteristics, each with its derivatives by the drive.
+    /// Evaluations of characteristics, each with its derivatives with respect to the drive.
     pub characteristic_evaluations: u64,
     /// Gradients of characteristics by their inputs.
     pub characteristic_gradients: u64,

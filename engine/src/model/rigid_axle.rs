@@ -141,7 +141,7 @@ impl RigidAxle {
             && singles.all(|single| design[single.0] == mirrored(design[single.0]))
     }
 
-    /// Collects the derivatives by all copies of a point at the left half. The copies are in the far half, and in the axle
+    /// Collects the derivatives with respect to all copies of a point at the left half. The copies are in the far half, and in the axle
     /// as seen from the right wheel.
     pub fn gather(&self, [left, right]: [&mut [Vector3<f64>]; 2]) {
         let zero = Vector3::new(0.0, 0.0, 0.0);

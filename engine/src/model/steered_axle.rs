@@ -21,7 +21,7 @@
 //!
 //! ```text
 //! dy/ds = g.d                                                                                  (2)
-//! dy/dp = g + the gradient by p at fixed p', because p' moves with p                           (3)
+//! dy/dp = g + the gradient with respect to p at fixed p', because p' moves with p                           (3)
 //! ```
 //!
 //! # Travels
@@ -36,7 +36,7 @@
 //! ```
 //!
 //! Both are 0 in the design pose, for every s. So the path to a station begins there: the knuckles turn first, then the axle
-//! moves. The travels of a station are always those of the wheel centres from their hardpoints. Derivatives by hardpoints hold
+//! moves. The travels of a station are always those of the wheel centres from their hardpoints. Derivatives with respect to hardpoints hold
 //! these travels.
 
 use super::topology::{Given, Group, NO_LINK, NO_TIE_ROD, optional};

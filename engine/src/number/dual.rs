@@ -1,9 +1,9 @@
-//! First derivatives by a fixed number of inputs, all in one pass.
+//! First derivatives with respect to a fixed number of inputs, all in one pass.
 
 use super::{Outlined, Real, Scalar, Vector3, call_outlined, outlined};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A value with its partial derivatives by `N` inputs.
+/// A value with its partial derivatives with respect to `N` inputs.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dual<T, const N: usize> {
     /// The value.
@@ -13,7 +13,7 @@ pub struct Dual<T, const N: usize> {
 }
 
 impl<T: Real, const N: usize> Dual<T, N> {
-    /// Makes a constant, whose derivatives by all inputs are zero.
+    /// Makes a constant, whose derivatives with respect to all inputs are zero.
     #[inline(always)]
     pub fn constant(value: T) -> Self {
         let fill = |value: T| Dual {

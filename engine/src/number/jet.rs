@@ -1,4 +1,4 @@
-//! Truncated Taylor series: a value with its derivatives by one variable, the drive.
+//! Truncated Taylor series: a value with its derivatives with respect to one variable, the drive.
 //!
 //! `Jet([c0, c1, c2])` means `c0 + c1 e + c2 e^2 + O(e^3)`; the k-th derivative is `k! c_k`. The recurrences are the usual
 //! ones for power series (A. Griewank, A. Walther, *Evaluating Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and 13.2). The

@@ -2,8 +2,8 @@
 //! ([`Dual`]), SIMD registers ([`Lanes`]).
 //!
 //! Every formula of the crate is written once, generic over [`Real`]. The number type decides the result: a value, its
-//! derivatives by wheel travel, its gradient, or the same for many designs. Number types nest: a `Dual<Jet<f64, 3>, 4>`
-//! contains the gradient of a value, together with the gradient's own first and second derivative by the drive.
+//! derivatives with respect to wheel travel, its gradient, or the same for many designs. Number types nest: a `Dual<Jet<f64, 3>, 4>`
+//! contains the gradient of a value, together with the gradient's own first and second derivative with respect to the drive.
 
 mod arc;
 mod dual;

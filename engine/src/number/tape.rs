@@ -1,6 +1,6 @@
-//! Numbers that record their operations, for gradients by many inputs at once.
+//! Numbers that record their operations, for gradients with respect to many inputs at once.
 //!
-//! Every operation records its operands and its derivatives by them. One backward pass over this record gives the
+//! Every operation records its operands and its derivatives with respect to them. One backward pass over this record gives the
 //! derivatives of a result by all inputs, for a few times the cost of the result (A. Griewank, A. Walther, *Evaluating
 //! Derivatives*, 2nd ed., SIAM 2008, chapter 3). [`super::Dual`] is the better choice for a few inputs.
 //!
@@ -44,7 +44,7 @@ struct Record {
     newest: usize,
 }
 
-/// Record of a number: up to two operands, and the derivatives by them. Indices have four bytes, because a long computation
+/// Record of a number: up to two operands, and the derivatives with respect to them. Indices have four bytes, because a long computation
 /// writes and reads many records.
 #[derive(Clone, Copy, Debug, Default)]
 struct Node {
@@ -75,7 +75,7 @@ impl Adjoints {
         &mut self.of[number]
     }
 
-    /// Adds the derivatives by a number to those by its operands. A zero derivative adds nothing, even if a slope is NaN.
+    /// Adds the derivatives with respect to a number to those by its operands. A zero derivative adds nothing, even if a slope is NaN.
     #[inline(always)]
     fn pass_on(&mut self, number: usize, node: &Node) {
         let weights = self.of[number];
@@ -96,7 +96,7 @@ impl Adjoints {
         }
     }
 
-    /// Processes all marked numbers below `end`, from last to first. Only the derivatives by the inputs, which have no operands,
+    /// Processes all marked numbers below `end`, from last to first. Only the derivatives with respect to the inputs, which have no operands,
     /// remain.
     fn pass_back(&mut self, end: usize, inputs: &Range<usize>, nodes: &[Node]) {
         for word in (inputs.start / 64..end.div_ceil(64)).rev() {
@@ -179,7 +179,7 @@ impl Record {
         found
     }
 
-    /// Follows a number back through operations with one operand. Returns the number where they start, and the derivative by it.
+    /// Follows a number back through operations with one operand. Returns the number where they start, and the derivative with respect to it.
     /// In this way, numbers that differ only by a factor share their derivatives.
     fn origin_of(&self, number: usize, inputs: &Range<usize>) -> (usize, f64) {
         let (mut number, mut factor) = (number, 1.0);

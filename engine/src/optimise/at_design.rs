@@ -23,7 +23,7 @@ pub fn evaluated(
     Ok(evaluated.map(|()| evaluation))
 }
 
-/// Returns targets and constraints of the design itself, with derivatives by these variables, or the reason why they cannot
+/// Returns targets and constraints of the design itself, with derivatives with respect to these variables, or the reason why they cannot
 /// be computed. The outer error says why the design itself cannot be solved.
 pub fn assessed(
     suspension: &Suspension,

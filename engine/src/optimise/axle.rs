@@ -110,7 +110,7 @@ impl AxleLayout {
         }
     }
 
-    /// Highest order of derivatives by travel and rack that the rows read, plus one if the design changes the travels.
+    /// Highest order of derivatives with respect to travel and rack that the rows read, plus one if the design changes the travels.
     fn degree(&self) -> usize {
         let orders = self.quantities.iter().map(|q| q.rate_order());
         let on_plane = |s: &AxleStation| s.placement.hold() != Hold::TravelsOnPads;

@@ -1,4 +1,4 @@
-//! Scattered builds of a robust tuning, with their derivatives by the design variables.
+//! Scattered builds of a robust tuning, with their derivatives with respect to the design variables.
 //!
 //! At x the nominal design of a wheel is p(x), and its parts are a(p). Build number s has the scatter z_s, which is the same at
 //! every x. It is assembled from a(p(x)) + z_s. The result is a design b_s again (see [`crate::assembly`]), and
@@ -209,7 +209,7 @@ impl<'a> BuiltWheel<'a> {
         let alignment = alignment.and_then(|alignment| alignment.about(assembler, &built));
         point_rates.clear();
         for first in (0..variables).step_by(AT_ONCE) {
-            // The nominal design with its derivatives by these variables, and the parts made from it.
+            // The nominal design with its derivatives with respect to these variables, and the parts made from it.
             along_variables(&parts.drawn, nominal, first, moved);
             let mut along = Parts::of_drawing(mechanism, moved);
             // Values of the build itself. Its scatter and adjustments are the same at every x, to first order.

@@ -10,7 +10,7 @@
 //! ```
 //!
 //! for a small rotation t. A derivative b by v is therefore a moment m = v x b about the carrier. Forces f_i at the points
-//! that have this moment equal its derivatives by the points:
+//! that have this moment equal its derivatives with respect to the points:
 //!
 //! ```text
 //! b.dv = m.t + b.R dV = sum f_i.(de_i - R dE_i) + (R^T b).dV,     sum e_i x f_i = m      (3)
@@ -90,8 +90,8 @@ impl CarriedTriangle {
         carried(&self.triads[1], &self.triads[0], direction)
     }
 
-    /// Derivatives by the corners in the present pose: (4). `by` is the derivative by the carried direction `v`. The
-    /// derivatives by the corners in the design position are the same with the opposite sign, rotated back.
+    /// Derivatives with respect to the corners in the present pose: (4). `by` is the derivative with respect to the carried direction `v`. The
+    /// derivatives with respect to the corners in the design position are the same with the opposite sign, rotated back.
     pub(super) fn by_corners(&self, v: Vector3<f64>, by: Vector3<f64>) -> [Vector3<f64>; 3] {
         let [first, second] = self.edges;
         let moment = v.cross(by);

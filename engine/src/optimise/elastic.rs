@@ -195,7 +195,7 @@ struct Rows<'a> {
     slopes: Vec<f64>,
 }
 
-/// Writes the slopes of a value along the variables, from its gradient by the moving coordinates and rates.
+/// Writes the slopes of a value along the variables, from its gradient with respect to the moving coordinates and rates.
 fn along_variables(
     moved: &Moved<'_>,
     parameters: &[Parameter],

@@ -81,7 +81,7 @@ fn used_by(station: &AxleStation, count: usize, seeks_targets: bool) -> Vec<usiz
     (0..count).filter(is_used).collect()
 }
 
-/// Writes the slopes of a value along the variables, from its derivatives by the parameters of the wheels that move.
+/// Writes the slopes of a value along the variables, from its derivatives with respect to the parameters of the wheels that move.
 fn along_variables(
     moved: &Moved<'_>,
     (sides, parameters): (&[Option<Side>], &[AxleParameter]),

@@ -1,7 +1,7 @@
 //! Extremes between stations, for constraints that also hold there.
 //!
 //! If a value is more extreme at a station than at both neighbours, an extreme lies nearby. The search begins at the extreme of
-//! the parabola through the three values, and uses the value's derivative by the drive. At an end of the motion it begins with
+//! the parabola through the three values, and uses the value's derivative with respect to the drive. At an end of the motion it begins with
 //! the parabola through the last three values, if that has its extreme within the motion. The row of the station then holds the
 //! value at the extreme. Its slopes do not need the derivative of the extreme's position, because at an extreme the value has
 //! zero slope along the drive. So limits hold at all extremes. While the design changes, an extreme may move past a station.

@@ -1,6 +1,6 @@
-//! Builds of a robust tuning in SIMD lanes: their designs, with the derivatives by the variables.
+//! Builds of a robust tuning in SIMD lanes: their designs, with the derivatives with respect to the variables.
 //!
-//! The parts of the nominal design have the same derivatives by a variable in every build. They are computed once, and each
+//! The parts of the nominal design have the same derivatives with respect to a variable in every build. They are computed once, and each
 //! group of builds is assembled with them. Builds that do not converge in lanes are assembled one by one.
 
 use super::builds::BuiltWheel;
@@ -107,7 +107,7 @@ impl LaneBuilds {
 struct Assembling<'s, 'b> {
     lanes: &'s mut LaneBuilds,
     wheel: &'s BuiltWheel<'b>,
-    /// Parts of the nominal design with their derivatives by each variable.
+    /// Parts of the nominal design with their derivatives with respect to each variable.
     along: &'s [Parts<Jet<f64, 2>>],
 }
 

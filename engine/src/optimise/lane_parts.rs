@@ -1,7 +1,7 @@
 //! Constraints of designs that are solved in SIMD lanes.
 //!
 //! Lanes give positions of points and their rates by the variables as coordinates, and the spin axis as angles. With these, the
-//! chain rule converts the derivatives of a formula to derivatives by the variables, station by station.
+//! chain rule converts the derivatives of a formula to derivatives with respect to the variables, station by station.
 
 use super::carried_triangle::CarriedTriangle;
 use crate::characteristics::{Characteristic, Input, Measure, Quantity, Stud, Vectors};
@@ -60,7 +60,7 @@ impl LanePart {
         ))
     }
 
-    /// Returns the value of a station in a lane, and writes its derivatives by the variables into `slopes`.
+    /// Returns the value of a station in a lane, and writes its derivatives with respect to the variables into `slopes`.
     pub(super) fn read(
         &self,
         found: &Jacobians<'_>,
@@ -109,7 +109,7 @@ impl Moving<'_> {
         }
     }
 
-    /// Derivative by a variable of a stud in the design position.
+    /// Derivative with respect to a variable of a stud in the design position.
     fn stud_along(&self, column: usize, stud: Stud) -> Vector3<f64> {
         match stud {
             Stud::Between(from, to) => self.along(column, to) - self.along(column, from),

@@ -293,7 +293,7 @@ impl TargetLayout {
         }
     }
 
-    /// Highest order of the derivatives by the drive that a target or a constraint reads.
+    /// Highest order of the derivatives with respect to the drive that a target or a constraint reads.
     pub fn rate_order(&self) -> usize {
         self.rate_order
     }

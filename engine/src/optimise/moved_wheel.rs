@@ -111,7 +111,7 @@ impl<'a> MovedWheel<'a> {
     }
 }
 
-/// Writes a design with its derivatives by the variables from number `first` on into `into`.
+/// Writes a design with its derivatives with respect to the variables from number `first` on into `into`.
 pub(super) fn along_variables(
     design: &[Vector3<f64>],
     rates: &[PointRate],

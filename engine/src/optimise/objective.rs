@@ -49,7 +49,7 @@ pub struct Objective<'a> {
     solver: Solver<'a>,
     toggles: Toggles,
     reader: Box<dyn ReadStations + 'a>,
-    /// Reader with one more derivative by the drive. The search for extremes needs it.
+    /// Reader with one more derivative with respect to the drive. The search for extremes needs it.
     sloped: Option<Reader<3>>,
     /// Rates at which forces under loads change with the variables. `None` if no target or constraint concerns a force.
     moving: Option<AlongVariables>,

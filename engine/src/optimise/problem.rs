@@ -48,7 +48,7 @@ impl Linearisation {
         (self.residuals.norm_squared() / self.residuals.len() as f64).sqrt()
     }
 
-    /// Writes derivatives by the variables, times a factor, into a row.
+    /// Writes derivatives with respect to the variables, times a factor, into a row.
     pub(super) fn write_slopes(&mut self, row: usize, slopes: &[f64], scale: f64) {
         for (column, slope) in slopes.iter().enumerate() {
             self.jacobian[(row, column)] = slope * scale;

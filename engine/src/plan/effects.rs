@@ -245,7 +245,7 @@ impl Plan {
         })
     }
 
-    /// Description, reason and cost of the gradients by hardpoints, if any are requested.
+    /// Description, reason and cost of the gradients with respect to hardpoints, if any are requested.
     fn gradients(&self, study: &Study) -> Option<(String, String, f64)> {
         if self.sensitivities.is_empty() {
             return None;

@@ -50,7 +50,7 @@ pub struct CarStudy {
     pub cases: Vec<Case>,
     /// Requested results.
     pub quantities: Vec<CarQuantity>,
-    /// True if the study asks for derivatives by parameters and hardpoints.
+    /// True if the study asks for derivatives with respect to parameters and hardpoints.
     pub sensitivities: bool,
     /// True if the study asks for forces in members.
     pub member_loads: bool,

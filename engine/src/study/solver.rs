@@ -20,7 +20,7 @@ impl Formulation {
         Formulation::ALL[self as usize].0
     }
 
-    /// Highest available derivative by the drive.
+    /// Highest available derivative with respect to the drive.
     fn highest_derivative(self) -> usize {
         match self {
             Formulation::KnucklePose => usize::MAX,

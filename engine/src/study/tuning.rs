@@ -235,7 +235,7 @@ pub struct Rate {
 pub const RATE_AXES: [&str; 6] = ["x", "y", "z", "tx", "ty", "tz"];
 
 impl Rate {
-    /// The rate and its derivative by the variable, at the value `x` of the variable.
+    /// The rate and its derivative with respect to the variable, at the value `x` of the variable.
     pub fn at(&self, x: f64) -> [f64; 2] {
         if self.is_relative {
             [self.design * x.exp(); 2]
@@ -253,7 +253,7 @@ impl Rate {
         }
     }
 
-    /// Rate after a change, and its derivative by the change. If the rate is relative, the change is a fraction of it.
+    /// Rate after a change, and its derivative with respect to the change. If the rate is relative, the change is a fraction of it.
     pub fn scattered(&self, change: f64) -> [f64; 2] {
         if self.is_relative {
             [self.design * (1.0 + change), self.design]

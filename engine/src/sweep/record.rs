@@ -103,7 +103,7 @@ pub enum Kind {
     Max,
     /// Value in the design position.
     Design,
-    /// Derivative by the drive in the design position.
+    /// Derivative with respect to the drive in the design position.
     Gain,
     /// Value in a load case of a car.
     Case,

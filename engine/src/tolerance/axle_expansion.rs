@@ -1,6 +1,6 @@
 //! First-order result for an axle, exact.
 //!
-//! The parts of each side move only its built design ([`crate::assembly`]). Values of the axle have gradients by every
+//! The parts of each side move only its built design ([`crate::assembly`]). Values of the axle have gradients with respect to every
 //! hardpoint coordinate of either side. They include the conditions of the ground on both travels
 //! ([`AxleSolver::gradients`]):
 //!

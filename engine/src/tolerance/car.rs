@@ -2,7 +2,7 @@
 //!
 //! Each axle's parts are assembled as in a study of the axle ([`crate::assembly`]). With these parts, the car is then in
 //! equilibrium on its springs. First-order results are exact. They are derivatives of every result by the hardpoints of each
-//! wheel, times derivatives of the built designs by each source, plus derivatives by rates and figures. Module `car_second` computes
+//! wheel, times derivatives of the built designs by each source, plus derivatives with respect to rates and figures. Module `car_second` computes
 //! the second order.
 
 use super::axle_expansion::{Moves as PointMoves, moves};
@@ -335,7 +335,7 @@ fn along(gradient: &CarGradient, axle: usize, moves: &[PointMoves; 2]) -> f64 {
     let of_side = |side: Side| -> f64 {
         let by = &gradient.wheels[2 * axle + side as usize];
         let pairs = moves[side as usize].iter().zip(by);
-        // A point that does not move contributes nothing, even if the derivative by it has no value.
+        // A point that does not move contributes nothing, even if the derivative with respect to it has no value.
         let moving = pairs.filter(|(way, _)| way.to_array() != [0.0; 3]);
         moving.map(|(way, by)| by.dot(*way)).sum()
     };

@@ -16,7 +16,7 @@ struct Input {
     name: String,
     axis: String,
     unit: String,
-    /// Factor from the derivative by the program's input to the derivative by the printed input.
+    /// Factor from the derivative with respect to the program's input to the derivative with respect to the printed input.
     factor: f64,
 }
 

@@ -15,7 +15,7 @@ use crate::studio::directions::unseen;
 use crate::studio::message::{Designed, DirectionsAnswer, VariableOverview};
 use crate::study::{CarOptimise, CarStudy};
 
-/// A row without the factor that all rows share: deviation and its derivatives by the variables, times sqrt(w / n).
+/// A row without the factor that all rows share: deviation and its derivatives with respect to the variables, times sqrt(w / n).
 type Row = (f64, Vec<f64>);
 
 /// Combinations of the study's hardpoint variables that leave the targets unchanged, to first order.
@@ -99,7 +99,7 @@ fn of_cases(study: &CarStudy, optimise: &CarOptimise) -> Result<Option<Vec<Row>>
     Ok(Some(rows))
 }
 
-/// Rows of an axle by itself, with derivatives by all `variables` of the car.
+/// Rows of an axle by itself, with derivatives with respect to all `variables` of the car.
 fn of_axle(
     study: &CarStudy,
     end: usize,

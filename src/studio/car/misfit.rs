@@ -1,4 +1,4 @@
-//! Misfit of a car and its exact gradient by every coordinate of both axles.
+//! Misfit of a car and its exact gradient with respect to every coordinate of both axles.
 //!
 //! With d_t the deviation from target t in tolerances and w_t its weight (for a target of a single axle, d_t is the root mean
 //! square over its stations),

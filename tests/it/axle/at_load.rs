@@ -79,7 +79,7 @@ fn the_slope_of_the_roll_moment_is_the_stiffness_at_load() {
     }
 }
 
-/// Derivatives by the hardpoints of either side follow the mean travel, also that of the level axle whose load is held.
+/// Derivatives with respect to the hardpoints of either side follow the mean travel, also that of the level axle whose load is held.
 #[test]
 fn gradients_follow_the_load() {
     let study = study("five_link_axle", &[]);

@@ -1,4 +1,4 @@
-//! Gradients by hardpoints against differences of fourth order.
+//! Gradients with respect to hardpoints against differences of fourth order.
 
 use super::{axle, reference::read};
 use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity, WheelQuantity as W};

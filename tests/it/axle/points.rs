@@ -1,4 +1,4 @@
-//! Points and angular velocities of both wheels of an axle, with their derivatives by what moves and by hardpoints.
+//! Points and angular velocities of both wheels of an axle, with their derivatives with respect to what moves and by hardpoints.
 
 use hardpoint::axle::axle_curves;
 use hardpoint::curves::Curves;

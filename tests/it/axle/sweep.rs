@@ -213,7 +213,7 @@ fn misfits_are_those_that_tuning_lowers() {
     }
 }
 
-/// With order = "velocity" a row has, of each quantity, the derivatives by all that moves, in the design position: those that
+/// With order = "velocity" a row has, of each quantity, the derivatives with respect to all that moves, in the design position: those that
 /// `solve` finds there of the design's own study. Without, it has none.
 #[test]
 fn gains_are_what_the_designs_own_curves_have() {

@@ -224,7 +224,7 @@ impl<'s> Moved<'s> {
     }
 }
 
-/// The derivatives by all contributors of either side are the slopes of the built axle's readings, to differences of
+/// The derivatives with respect to all contributors of either side are the slopes of the built axle's readings, to differences of
 /// order four.
 #[test]
 fn gradients_are_slopes_of_built_axles() {

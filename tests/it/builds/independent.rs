@@ -369,7 +369,7 @@ fn random_builds(count: u64) {
     assert!(all.slope < 1e-10 && all.angle_slope < 1e-10, "{all:?}");
 }
 
-/// Positions agree to 1e-13 of the size, camber and toe to 1e-13, derivatives by lengths and points to 1e-10 of themselves.
+/// Positions agree to 1e-13 of the size, camber and toe to 1e-13, derivatives with respect to lengths and points to 1e-10 of themselves.
 #[test]
 fn random_builds_are_those_of_other_equations() {
     random_builds(204);

@@ -5,7 +5,7 @@ use crate::support::number;
 use hardpoint::assembly::{Rest, built_curves};
 use serde_json::Value;
 
-/// Positions agree to 1e-13 of the size, derivatives by lengths and points to 1e-10.
+/// Positions agree to 1e-13 of the size, derivatives with respect to lengths and points to 1e-10.
 #[test]
 fn builds_of_every_topology_are_those_of_another_formulation() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/own/builds.json");

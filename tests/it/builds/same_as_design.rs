@@ -117,7 +117,7 @@ fn with_everything_recut_the_build_is_the_moved_drawing() {
     }
 }
 
-/// The derivative by a point of the nominal design is that by the point of the part, and by the lengths that follow
+/// The derivative with respect to a point of the nominal design is that by the point of the part, and by the lengths that follow
 /// it.
 #[test]
 fn derivatives_by_the_drawing_are_a_chain_rule_on_those_by_parts() {

@@ -163,7 +163,7 @@ fn compare(study: &CarStudy) -> [usize; 2] {
     counts
 }
 
-/// Parts of both axles, rates and figures: second derivatives of states, of their derivatives by accelerations and of the heave since
+/// Parts of both axles, rates and figures: second derivatives of states, of their derivatives with respect to accelerations and of the heave since
 /// rest, also by two sources of different kinds.
 #[test]
 fn second_order_is_that_of_complete_solutions() {

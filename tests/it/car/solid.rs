@@ -147,7 +147,7 @@ fn results() -> Vec<CarQuantity> {
     ]
 }
 
-/// Derivatives by hardpoints of both axles, and by the rack, are those of whole designs.
+/// Derivatives with respect to hardpoints of both axles, and by the rack, are those of whole designs.
 #[test]
 fn derivatives_are_those_of_moved_cars() {
     let car = car();

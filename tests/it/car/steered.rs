@@ -230,7 +230,7 @@ fn results() -> Vec<CarQuantity> {
     results
 }
 
-/// Derivatives by hardpoints of the steered axle, and by its steering gear, are those of whole designs.
+/// Derivatives with respect to hardpoints of the steered axle, and by its steering gear, are those of whole designs.
 #[test]
 fn derivatives_are_those_of_moved_cars() {
     let car = car();

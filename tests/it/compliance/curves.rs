@@ -64,7 +64,7 @@ fn curves_are_read_off_equilibria() {
     }
 }
 
-/// Derivatives by travel, gains and the motion ratio are slopes of the curves.
+/// Derivatives with respect to travel, gains and the motion ratio are slopes of the curves.
 #[test]
 fn derivatives_by_travel_are_slopes_of_the_curves() {
     let study = elastic(&with("double_wishbone_compliance.toml", OUTPUTS));

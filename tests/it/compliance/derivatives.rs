@@ -43,7 +43,7 @@ fn parameter(name: &str, suspension: &Suspension, parts: &Compliance) -> Paramet
     Parameter::Point(mechanism.point(point).unwrap(), axis)
 }
 
-/// Kind of an input: derivatives by inputs of one kind have one unit, and are compared with the largest of them.
+/// Kind of an input: derivatives with respect to inputs of one kind have one unit, and are compared with the largest of them.
 fn kind(name: &str) -> &str {
     match name.split_once(' ') {
         None => "hardpoint",
@@ -53,7 +53,7 @@ fn kind(name: &str) -> &str {
     }
 }
 
-/// Returns true for the rate of an axis that has a curve. The answers have the derivative by the rate, which is 0; the
+/// Returns true for the rate of an axis that has a curve. The answers have the derivative with respect to the rate, which is 0; the
 /// input is the factor of the curve.
 fn is_of_curve(parameter: Parameter, parts: &Compliance) -> bool {
     match parameter {

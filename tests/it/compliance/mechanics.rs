@@ -136,7 +136,7 @@ fn stiff_parts_move_as_the_rigid_mechanism() {
     }
 }
 
-/// A rigid mechanism has the derivatives by travel and rack that the kinematics have.
+/// A rigid mechanism has the derivatives with respect to travel and rack that the kinematics have.
 #[test]
 fn rigid_parts_have_the_derivatives_of_the_mechanism() {
     for name in ["double_wishbone", "macpherson", "semi_trailing_arm"] {

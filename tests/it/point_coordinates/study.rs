@@ -38,7 +38,7 @@ impl Table {
         Vector3::new(x, y, z)
     }
 
-    /// Position, velocity and acceleration of a point, the derivatives by time.
+    /// Position, velocity and acceleration of a point, the derivatives with respect to time.
     fn point(&self, row: usize, name: &str) -> [Vector3<f64>; 3] {
         [("", "m"), ("v", "m_per_s"), ("a", "m_per_s2")]
             .map(|(letter, unit)| self.vector(row, |axis| format!("{name}_{letter}{axis}_{unit}")))
@@ -171,7 +171,7 @@ fn the_sample_study_is_right_to_the_accuracy_of_its_conditioning() {
 /// Fig. 4 and the whole motion: the wheel falls until the arm turns back at theta = pi, t = 1.2985 s (its
 /// centre is lowest 0.02 s before and after that), and the formulations agree all the way.
 ///
-/// Every derivative by theta divides by its sine once more, beyond what the condition number says of the
+/// Every derivative with respect to theta divides by its sine once more, beyond what the condition number says of the
 /// equations; angular rates are velocities over the shortest lever, 50 mm.
 #[test]
 fn the_formulations_agree_through_the_bounce() {
@@ -198,7 +198,7 @@ fn the_formulations_agree_through_the_bounce() {
     }
 }
 
-/// Angles in degrees, and derivatives by them; a multiple of 180 degrees is refused with its reason and
+/// Angles in degrees, and derivatives with respect to them; a multiple of 180 degrees is refused with its reason and
 /// its neighbours are not; beyond it the arm comes back.
 #[test]
 fn dead_centres_are_refused_with_the_reason() {
@@ -269,7 +269,7 @@ fn theta_of_a_road_car_is_that_of_equation_15() {
     }
 }
 
-/// `check` shows the design position with derivatives by the study's own drive: theta, of which z5 has the
+/// `check` shows the design position with derivatives with respect to the study's own drive: theta, of which z5 has the
 /// derivative -d51 sin(theta), so that the ball joint's height falls as theta grows.
 #[test]
 fn check_differentiates_by_theta() {

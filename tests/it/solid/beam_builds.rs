@@ -180,7 +180,7 @@ const ENTRIES: [&str; 8] = [
     r#"hardpoint = "spindle_inner", axis = "x", side = "right""#,
 ];
 
-/// Gradients by every part are the slopes of builds that are solved one by one, to differences of fourth order.
+/// Gradients with respect to every part are the slopes of builds that are solved one by one, to differences of fourth order.
 #[test]
 fn gradients_are_slopes_of_builds() {
     let scatter: Vec<String> = ENTRIES

@@ -1,4 +1,4 @@
-//! Gradients by hardpoints against difference quotients of whole designs, and mirror images.
+//! Gradients with respect to hardpoints against difference quotients of whole designs, and mirror images.
 
 use super::{axle, case, study_of};
 use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity, WheelQuantity as W};

@@ -176,7 +176,7 @@ fn derivatives_along_motions_are_the_reference_s() {
     }
 }
 
-/// Gradients by points that the axle has once are the reference's to 1e-10.
+/// Gradients with respect to points that the axle has once are the reference's to 1e-10.
 #[test]
 fn gradients_by_single_points_are_the_reference_s() {
     let case = case("solid_three_link_panhard");

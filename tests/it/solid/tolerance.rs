@@ -76,7 +76,7 @@ fn built(kind: &Kind, motion: &str, steps: &[(&str, f64)]) -> Vec<Vec<f64>> {
     values.collect()
 }
 
-/// Gradients by every part are the slopes of builds that are solved one by one, to differences of fourth order.
+/// Gradients with respect to every part are the slopes of builds that are solved one by one, to differences of fourth order.
 #[test]
 fn gradients_are_slopes_of_builds() {
     for kind in KINDS {

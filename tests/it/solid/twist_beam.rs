@@ -344,7 +344,7 @@ fn loads_are_slopes_of_the_energy() {
     }
 }
 
-/// Gradients by every point against differences of whole designs.
+/// Gradients with respect to every point against differences of whole designs.
 #[test]
 fn gradients_are_those_of_whole_designs() {
     let beam = random(&mut Random(75));

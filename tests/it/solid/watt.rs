@@ -261,7 +261,7 @@ fn compare(each: usize) {
     }
 }
 
-/// Gradients by the points of the linkage against differences of whole designs.
+/// Gradients with respect to the points of the linkage against differences of whole designs.
 #[test]
 fn gradients_are_those_of_whole_designs() {
     let mut generator = Random(65);

@@ -194,7 +194,7 @@ fn targets_that_a_sweep_cannot_evaluate_are_named() {
     assert!(summary["best"].as_array().unwrap().is_empty());
 }
 
-/// The gain of what is made of velocities is its derivative by travel where `solve` gives it; what is a gain itself
+/// The gain of what is made of velocities is its derivative with respect to travel where `solve` gives it; what is a gain itself
 /// has none.
 #[test]
 fn gains_of_what_is_made_of_velocities_are_those_of_solve() {

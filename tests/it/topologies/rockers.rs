@@ -148,7 +148,7 @@ fn planted_angles_come_back() {
             let sense = before.signum() * if rod == "pushrod" { 1.0 } else { -1.0 };
             let turned_spring = turned(base, design[second], phi, design[id("spring_lower")]);
             // Squares of lengths are known to some units of the last place, and the pose to 1e-13 of the
-            // mechanism's size; the moment is their derivative by the angle.
+            // mechanism's size; the moment is their derivative with respect to the angle.
             let q = (moved - base).norm_squared();
             let squares = rod_squared + q + lever.norm_squared();
             let allowed =

@@ -66,7 +66,7 @@ impl<'a> Truth<'a> {
         )
     }
 
-    /// Positions of knuckle points with first and second derivative by travel.
+    /// Positions of knuckle points with first and second derivative with respect to travel.
     fn curve(&self, design: &[Vector3<Dd>], points: &[PointId]) -> Vec<[Vector3<Dd>; 3]> {
         let poses = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| self.pose(design, k * H, 0.0));
         let derivatives = points.iter().map(|p| {
@@ -170,7 +170,7 @@ pub fn half_tangent(
         for _ in 0..10 {
             let now = turn_about(design, rocker, u, inner);
             let missed = (now - outer).norm_squared() - length;
-            // The angle's derivative by u is 2/(1 + u^2).
+            // The angle's derivative with respect to u is 2/(1 + u^2).
             let by_angle = axis.cross(now - first).dot(now - outer) * Dd::from(2.0);
             let one = Dd::from(1.0);
             u = u - missed * (one + u * u) / (by_angle * Dd::from(2.0));

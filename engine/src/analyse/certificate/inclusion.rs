@@ -1,4 +1,4 @@
-//! All poses over an interval of the wheel travel, with their derivatives by the travel.
+//! All poses over an interval of the wheel travel, with their derivatives with respect to the travel.
 //!
 //! If F(x, z) is enclosed over an interval, the theorem holds for every travel z of the interval at once. There is exactly
 //! one x(z) within r+ of the given pose, and it is within r-. On that ball Z = |1 - A J| < 1, so J is regular and x(z) is
@@ -20,7 +20,7 @@ use crate::number::{Each, Interval, Jet, Matrix3, Vector3, array_of};
 pub struct Inclusion {
     /// Bound on the difference between the given pose and the exact one at any travel of the interval.
     pub certificate: Certificate,
-    /// Encloses every exact pose, and its derivative by the travel.
+    /// Encloses every exact pose, and its derivative with respect to the travel.
     pub pose: Pose<Jet<Interval, 2>>,
 }
 

@@ -35,7 +35,7 @@ type Twice = Dual<Once, V>;
 
 /// Displacement from the design position.
 pub(crate) type Displacement = [Interval; V];
-/// Jacobian by the pose.
+/// Jacobian with respect to the pose.
 pub(crate) type Jacobian = [[Interval; N]; N];
 
 /// Entry of a second derivative.
@@ -57,11 +57,11 @@ pub(crate) struct Quadratic {
     constant: [Interval; N],
     linear: [[Interval; V]; N],
     bends: Vec<Bend>,
-    /// Second derivatives by the pose, by pairs of variables.
+    /// Second derivatives with respect to the pose, by pairs of variables.
     pub(crate) pose_bends: Vec<PoseBend>,
 }
 
-/// Second derivative by a pair of the pose's numbers. For two different numbers it includes both orders of the pair.
+/// Second derivative with respect to a pair of the pose's numbers. For two different numbers it includes both orders of the pair.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PoseBend {
     pub equation: usize,
@@ -72,7 +72,7 @@ pub(crate) struct PoseBend {
     pub off: f64,
 }
 
-/// Second derivatives by pairs of the pose's numbers, in the order of the pairs.
+/// Second derivatives with respect to pairs of the pose's numbers, in the order of the pairs.
 fn pose_bends(bends: &[Bend]) -> Vec<PoseBend> {
     // Both orders of two different variables count.
     let of_pose = bends.iter().filter(|b| b.by <= b.and_by && b.and_by < N);

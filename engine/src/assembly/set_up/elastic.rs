@@ -1,4 +1,4 @@
-//! Suspensions with elastic parts: static values of the equilibrium at rest, and their derivatives by each adjustment.
+//! Suspensions with elastic parts: static values of the equilibrium at rest, and their derivatives with respect to each adjustment.
 //!
 //! The adjusted parts are assembled without load, like builds ([`crate::assembly`]). The assembled position is the design of the
 //! elastic suspension: there its parts are relaxed, or have the forces of the design load. Both wheels of an axle are in
@@ -73,7 +73,7 @@ enum Reads {
     Axle(Box<Axle>, Vec<AxleRead>),
 }
 
-/// Values in an equilibrium, each with its derivatives by the coordinates of all points, wheel after wheel, and by tensions of links.
+/// Values in an equilibrium, each with its derivatives with respect to the coordinates of all points, wheel after wheel, and by tensions of links.
 struct Found {
     values: Vec<f64>,
     by: Vec<Vec<f64>>,
@@ -327,7 +327,7 @@ impl<'a> Elastic<'a> {
         (Moves { points, tensions }, rises[0])
     }
 
-    /// Part of each value that comes from the place of the assembled axle, (11), or its derivative by an adjustment. The direction of
+    /// Part of each value that comes from the place of the assembled axle, (11), or its derivative with respect to an adjustment. The direction of
     /// the assembled axle is already part of the values, but not of their derivatives. 0 for all values that
     /// [`FROM_DESIGN`] does not list.
     fn placed(&self, built: &[Built], found: &Found, adjustment: Option<usize>) -> Vec<f64> {

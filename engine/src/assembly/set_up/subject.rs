@@ -1,7 +1,7 @@
 //! Assembled parts of a set-up, their static values, and the derivatives of these values by each adjustment.
 //!
 //! A wheel is assembled separately. The module `elastic` handles suspensions with elastic parts. A solid axle is assembled as a whole,
-//! once as each of its wheels sees it (`RigidAxle`). A value y of the axle then has gradients by the built designs p_l and p_r of both
+//! once as each of its wheels sees it (`RigidAxle`). A value y of the axle then has gradients with respect to the built designs p_l and p_r of both
 //! views. With x the amount of an adjustment,
 //!
 //! ```text
@@ -205,7 +205,7 @@ impl WholeAxle<'_> {
         })
     }
 
-    /// Printed values, or their derivatives by an adjustment.
+    /// Printed values, or their derivatives with respect to an adjustment.
     fn values<'s>(
         &'s self,
         built: &[Built; 2],

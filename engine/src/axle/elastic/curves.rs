@@ -77,7 +77,7 @@ pub(in crate::axle) fn curves(
     })
 }
 
-/// Printed values of a station, and their derivatives by hardpoints.
+/// Printed values of a station, and their derivatives with respect to hardpoints.
 type Found = (Vec<Result<f64, NoValue>>, Vec<Sensitivity>);
 
 struct StationReader<'a> {

@@ -434,7 +434,7 @@ impl Equilibria<'_> {
         Ok(found)
     }
 
-    /// Values at given travels and a rack displacement towards the kernel's +y, with their derivatives by inputs. `receive` gets
+    /// Values at given travels and a rack displacement towards the kernel's +y, with their derivatives with respect to inputs. `receive` gets
     /// the index of each existing value, the value and its derivatives.
     pub(crate) fn gradients(
         &self,

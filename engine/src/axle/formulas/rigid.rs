@@ -154,7 +154,7 @@ pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, s
     );
     let rises = |wheel: WheelState<'_, T, W>| {
         let (difference, mean) = (wheel.rise_by_difference(), wheel.rise_by_mean());
-        // Derivatives by the wheel's own travel and by the other one.
+        // Derivatives with respect to the wheel's own travel and by the other one.
         [mean + difference, mean - difference].each(|c| c.scaled(0.5))
     };
     let [left, right] = pads.wheels();

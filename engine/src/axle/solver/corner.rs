@@ -55,7 +55,7 @@ pub(super) struct End {
     pub(super) failure: Failure,
 }
 
-/// Pose of a wheel with its derivatives by travel, and the height of its contact point over the origin.
+/// Pose of a wheel with its derivatives with respect to travel, and the height of its contact point over the origin.
 pub(super) struct WheelSeries {
     pub(super) pose: Pose<Jet<f64, TERMS>>,
     pub(super) height: Jet<f64, TERMS>,

@@ -1,4 +1,4 @@
-//! Wheels of a position, prepared for gradients by the hardpoints.
+//! Wheels of a position, prepared for gradients with respect to the hardpoints.
 
 use super::*;
 
@@ -32,7 +32,7 @@ impl<const N: usize> LinearisedAxle<'_, N> {
         vec![Vector3::new(zero, zero, zero); points]
     }
 
-    /// Adds the gradient by the hardpoints of a wheel, from the derivatives by its inputs.
+    /// Adds the gradient with respect to the hardpoints of a wheel, from the derivatives with respect to its inputs.
     pub(crate) fn add_gradient(
         &self,
         side: Side,

@@ -5,7 +5,7 @@ use super::super::series::ByGear;
 use super::linearised::derivative_by_heave;
 use super::*;
 
-/// Receives the index of a requested quantity, and its gradients by every point of the left and of the right wheel.
+/// Receives the index of a requested quantity, and its gradients with respect to every point of the left and of the right wheel.
 pub(in crate::axle) type ReceiveOwnGradients<'r> = dyn FnMut(usize, [&mut [Vector3<f64>]; 2]) + 'r;
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
@@ -237,7 +237,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(found)
     }
 
-    /// The gradients by every point of both sides, also by points that follow other points. `by_heave` has the derivatives of the
+    /// The gradients with respect to every point of both sides, also by points that follow other points. `by_heave` has the derivatives of the
     /// mean travel by the points, if the mean travel follows from a load.
     pub(in crate::axle) fn each_gradient(
         &mut self,

@@ -60,7 +60,7 @@ impl<const N: usize> AxleSolver<'_, N> {
     ///
     /// With T(p, s) the travel at the fold, the design p and the gear at s, T = 0 is the end. The axle takes its held travel first.
     /// Meanwhile its drive d is that of the axle at rest, the lift l(p, s) by (4) or (5) of `model/steered_axle.rs`. With the gradient
-    /// g of T by the hardpoints, g' its gradient by the drag link's end p' and n the direction of the gear,
+    /// g of T by the hardpoints, g' its gradient with respect to the drag link's end p' and n the direction of the gear,
     ///
     /// ```text
     /// ds/dp = -(g + T_d l_p)/(g'.n + T_d l_s)                                                     (1)

@@ -73,7 +73,7 @@ impl Wheels<'_> {
         }
     }
 
-    /// Residuals of the equations, and their derivatives by the unknowns.
+    /// Residuals of the equations, and their derivatives with respect to the unknowns.
     pub(in crate::car) fn tangent(
         &self,
         held: Held<'_>,

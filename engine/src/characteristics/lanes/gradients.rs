@@ -9,7 +9,7 @@ use crate::model::{Axis, PointId, SteeringAxis};
 use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, Vector3};
 
 impl LaneReader<'_> {
-    /// Returns true if lanes provide the derivatives by the hardpoints. They do not for an instantaneous steering axis, nor
+    /// Returns true if lanes provide the derivatives with respect to the hardpoints. They do not for an instantaneous steering axis, nor
     /// for quantities that contain velocities of springs and rockers.
     pub fn has_gradients(&self) -> bool {
         let instantaneous = self.mechanism.steering_axis == Some(SteeringAxis::Instantaneous);
@@ -28,8 +28,8 @@ impl LaneReader<'_> {
         self.of_rates[number]
     }
 
-    /// Differentiates a quantity y(u, u') that contains velocities, at a configuration along the travel. The gradient by the
-    /// hardpoints is the derivative by the travel (coefficient 1) of the result of the seeds.
+    /// Differentiates a quantity y(u, u') that contains velocities, at a configuration along the travel. The gradient with respect to the
+    /// hardpoints is the derivative with respect to the travel (coefficient 1) of the result of the seeds.
     ///
     /// With h and g the derivatives of y by u and u', dy/dp = h.u_p + g.u_p' is that coefficient of S.u_p for the seed S = g
     /// + h e, with constant g and h.
@@ -106,7 +106,7 @@ impl LaneReader<'_> {
     }
 }
 
-/// Derivatives by the two directions that the angles read. `None` for a direction that no angle reads.
+/// Derivatives with respect to the two directions that the angles read. `None` for a direction that no angle reads.
 #[derive(Clone, Copy, Debug)]
 pub struct ByDirections<B> {
     spin_axis: Option<Vector3<B>>,

@@ -42,7 +42,7 @@ pub struct LaneReader<'a> {
     /// Rockers that move a part which is read, and the rockers that move those rockers. Their positions need velocities.
     rockers: Vec<RockerId>,
     rates: bool,
-    /// True if the reader also reads derivatives by the rack.
+    /// True if the reader also reads derivatives with respect to the rack.
     by_rack: bool,
     /// Knuckle that carries the wheel of a steered axle.
     steered: Option<RockerId>,

@@ -65,7 +65,7 @@ impl<'t> AxleOnTape<'t> {
         })
     }
 
-    /// Adds derivatives by the inputs to an equilibrium of the axle in plain numbers. The same quantities stay held.
+    /// Adds derivatives with respect to the inputs to an equilibrium of the axle in plain numbers. The same quantities stay held.
     pub fn carried(&self, at: &AxleEquilibrium) -> Option<AxleEquilibrium<Tracked<'t>>> {
         self.axle.carried(&at.state, &on_tape(at, at.task.rack))
     }
@@ -81,7 +81,7 @@ fn on_tape<'t>(at: &AxleEquilibrium, rack: f64) -> AxleTask<Tracked<'t>> {
 }
 
 impl<'t> ElasticAxle<Tracked<'t>> {
-    /// Equilibrium under loads in addition to those of a station, with derivatives by the inputs. The station's heights or
+    /// Equilibrium under loads in addition to those of a station, with derivatives with respect to the inputs. The station's heights or
     /// wheel loads are held, and these can change with the inputs.
     pub(in crate::compliance) fn carried_about(
         &self,

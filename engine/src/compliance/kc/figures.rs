@@ -1,5 +1,5 @@
 //! Figures of a test, from derivatives or secants by its load or motion. The figures are in program units. The formulas work over
-//! any number type, so the same formulas give their derivatives by the design.
+//! any number type, so the same formulas give their derivatives with respect to the design.
 
 use super::test::{KcTest, TestLoad};
 use crate::ask::Unit;
@@ -118,7 +118,7 @@ impl Sheet<'_> {
         found
     }
 
-    /// Figures that are derivatives by the roll angle. `read` already contains these derivatives.
+    /// Figures that are derivatives with respect to the roll angle. `read` already contains these derivatives.
     fn by_roll<T: Scalar>(&self, read: &Read<T>) -> Vec<Figure<T>> {
         let to_left = self.left_sign();
         let steer = read.by.map(|by| by.toe.scaled(to_left));

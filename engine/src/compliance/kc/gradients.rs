@@ -1,4 +1,4 @@
-//! Figures and wheel angles at a station with their derivatives by the design, for tuning and sensitivities.
+//! Figures and wheel angles at a station with their derivatives with respect to the design, for tuning and sensitivities.
 
 use super::figures::{Figure, Read, Sheet};
 use super::test::{KcTest, TestLoad};
@@ -58,7 +58,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         tangent.as_ref()
     }
 
-    /// Value of a characteristic, or its derivative by wheel travel.
+    /// Value of a characteristic, or its derivative with respect to wheel travel.
     fn characteristic(&mut self, of: Characteristic, is_rate: bool) -> Option<T> {
         if !is_rate && !of.info().reads_rates() {
             let value = self.wheel.characteristic(&self.at, of);
@@ -154,7 +154,7 @@ impl<'s, T: Scalar> Station<'s, T> {
     }
 }
 
-/// Value at a station, with its derivatives by some inputs.
+/// Value at a station, with its derivatives with respect to some inputs.
 #[derive(Clone, Copy, Debug)]
 pub struct KcGradient<'g> {
     /// Index of the value among the requested ones.
@@ -166,7 +166,7 @@ pub struct KcGradient<'g> {
 }
 
 impl KcRun<'_> {
-    /// Values at a station with their derivatives by inputs. The station has a travel, and a rack displacement along the
+    /// Values at a station with their derivatives with respect to inputs. The station has a travel, and a rack displacement along the
     /// study's +y.
     pub fn gradients(
         &self,

@@ -12,7 +12,7 @@ use crate::solve::{
 };
 use std::ops::Range;
 
-/// Derivatives by the hardpoints, `[point][axis][lane]`.
+/// Derivatives with respect to the hardpoints, `[point][axis][lane]`.
 struct Row<'r>(&'r mut [f64]);
 
 impl<B: SimdReal> Gradient<B> for Row<'_> {

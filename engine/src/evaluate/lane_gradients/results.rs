@@ -51,7 +51,7 @@ impl Found {
     }
 }
 
-/// Angles of several designs at a station, and their derivatives by hardpoints and along directions. Indices of designs and
+/// Angles of several designs at a station, and their derivatives with respect to hardpoints and along directions. Indices of designs and
 /// angles follow the order in which the caller gave them.
 pub struct Jacobians<'f> {
     pub(super) station: usize,
@@ -75,7 +75,7 @@ impl Jacobians<'_> {
         self.found.number(&self.found.angles, angle, design)
     }
 
-    /// Gradient by a hardpoint, in radians per length unit.
+    /// Gradient with respect to a hardpoint, in radians per length unit.
     #[inline(always)]
     pub fn gradient(&self, design: usize, angle: usize, point: PointId) -> Vector3<f64> {
         self.found
@@ -102,7 +102,7 @@ impl Deviations<'_> {
         self.found.number(&self.found.sum, 0, design)
     }
 
-    /// Gradient by a hardpoint, per length unit.
+    /// Gradient with respect to a hardpoint, per length unit.
     #[inline(always)]
     pub fn gradient(&self, design: usize, point: PointId) -> Vector3<f64> {
         self.found.vector(&self.found.gradient, 0, point, design)

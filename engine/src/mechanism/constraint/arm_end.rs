@@ -29,7 +29,7 @@
 //! ```
 //!
 //! The rows of the joint and the two legs of the arm leave o only the rotation about the axis. For a design, (1) is the
-//! position in module `arm`, which gives the derivatives by hardpoints.
+//! position in module `arm`, which gives the derivatives with respect to hardpoints.
 //!
 //! Rates along the motion (v, w). M is constant, since e is fixed in the body:
 //!

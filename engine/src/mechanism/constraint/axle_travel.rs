@@ -17,7 +17,7 @@
 //!
 //! For a steered axle, heights count from the positions of the wheel centres after the knuckles have turned, with the axle itself
 //! at rest. Then r is smaller by the same amount (see (4) of `model/steered_axle.rs`). A row computes these positions from its
-//! design. Derivatives by hardpoints are taken at constant travel, and travel counts from the hardpoints. So a row differentiates
+//! design. Derivatives with respect to hardpoints are taken at constant travel, and travel counts from the hardpoints. So a row differentiates
 //! the height of a wheel centre over its hardpoint.
 //!
 //! F is linear in the pose. The far wheel of a twist beam is on a rocker of the near half, and both wheels of a steered axle are

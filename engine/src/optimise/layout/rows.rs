@@ -15,7 +15,7 @@ pub(in crate::optimise) struct Check {
 }
 
 impl Check {
-    /// Writes the rows of the limits, from the value of the part and its derivatives by the variables.
+    /// Writes the rows of the limits, from the value of the part and its derivatives with respect to the variables.
     pub(in crate::optimise) fn write(
         &self,
         of: &Limited,

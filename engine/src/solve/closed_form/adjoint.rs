@@ -1,4 +1,4 @@
-//! Gradients by the hardpoints in a pose of the closed form.
+//! Gradients with respect to the hardpoints in a pose of the closed form.
 //!
 //! As everywhere (module `sensitivity`), an output with derivative y_x by the pose has dy/dp = y_p - mu . F_p with J^T mu =
 //! y_x. The mu are constraint forces that balance the wrench y_x, a force f at the lower ball joint and a moment m about it.

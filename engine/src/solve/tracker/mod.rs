@@ -138,7 +138,7 @@ pub trait LanePose<B: SimdReal> {
     /// A point of the steering axis, the vector along it, and the lanes in which both are accurate. An instantaneous axis is
     /// accurate if the rack rotates the knuckle enough, and about an axis that is not horizontal.
     fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask);
-    /// Derivatives by the drive.
+    /// Derivatives with respect to the drive.
     fn rates(&self) -> LaneRates<B>;
     /// Velocity of the knuckle's origin and angular velocity by the rack's displacement at constant travel, from the rates
     /// of this pose.
@@ -158,7 +158,7 @@ pub trait LanePose<B: SimdReal> {
     }
 }
 
-/// A pose of a single wheel, which also yields gradients by the hardpoints.
+/// A pose of a single wheel, which also yields gradients with respect to the hardpoints.
 pub trait AdjointPose<B: SimdReal>: LanePose<B> {
     /// Prepares gradients in this pose, driven by the travel, from its configuration and rates.
     fn adjoint<'p>(
@@ -169,10 +169,10 @@ pub trait AdjointPose<B: SimdReal>: LanePose<B> {
     ) -> impl LaneAdjoint<B> + 'p;
 }
 
-/// Makes gradients by the hardpoints in a pose (see [`Seeds`](crate::derive::Seeds)).
+/// Makes gradients with respect to the hardpoints in a pose (see [`Seeds`](crate::derive::Seeds)).
 pub trait LaneAdjoint<B: SimdReal> {
     /// Subtracts the effect of the closure equations from the gradient of an output that was computed at a fixed pose.
-    /// `wrench` is the output's derivative by the pose.
+    /// `wrench` is the output's derivative with respect to the pose.
     fn subtract(&self, wrench: &Wrench<B>, gradient: &mut (impl Gradient<B> + ?Sized));
 }
 

@@ -173,7 +173,7 @@ impl<B: SimdReal> WheelOnKnuckle<B> {
     }
 }
 
-/// Height of the contact point above the ground's origin at the required travel, and its derivative by travel, both to first
+/// Height of the contact point above the ground's origin at the required travel, and its derivative with respect to travel, both to first
 /// order.
 #[inline(always)]
 fn height<B: SimdReal>(ground: Ground<B>, radius: f64, wheel: &Linear<B>) -> [B; 2] {

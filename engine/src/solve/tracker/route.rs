@@ -267,7 +267,7 @@ impl Visited {
         numbers
     }
 
-    /// Calls `part` for each neighbour j with the Lagrange weight prod (x - x_m)/(x_j - x_m) and its derivative by x.
+    /// Calls `part` for each neighbour j with the Lagrange weight prod (x - x_m)/(x_j - x_m) and its derivative with respect to x.
     /// `first` is the index of the place at zero.
     fn stencil<const PLACES: usize>(
         &self,

@@ -163,7 +163,7 @@ pub(super) fn of_axle<'s>(
     (Request::of_axle(stations), gains, wishes)
 }
 
-/// Outputs of a study and its targets, each with its first derivative by the drive.
+/// Outputs of a study and its targets, each with its first derivative with respect to the drive.
 pub(super) fn with_gains(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
     let plan = Plan::with_targets(own, optimise);
     let is_swept = |quantity: Quantity| !quantity.is_rate();

@@ -343,15 +343,15 @@ fn rate_of(case: &Case, parameter: Parameter) -> f64 {
     }
 }
 
-/// Derivatives by hardpoints, rates, mounts, rack and bar agree with differences of eighth order, of states and of
-/// derivatives by loads.
+/// Derivatives with respect to hardpoints, rates, mounts, rack and bar agree with differences of eighth order, of states and of
+/// derivatives with respect to loads.
 #[test]
 fn derivatives_by_the_design_agree_with_differences() {
     let mut random = Random(27);
     let (travels, rack) = ([9.0, -4.0], 3.0);
     let mut unit = [WheelLoads::none(0.0); 2];
     (unit[0].side, unit[1].side) = (1.0, -1.0);
-    // Toe of the left wheel, its derivative by side forces, and the wheel load of the right wheel.
+    // Toe of the left wheel, its derivative with respect to side forces, and the wheel load of the right wheel.
     let values = |case: &Case| {
         let axle = case.axle();
         let at = axle.at(travels, rack).unwrap();

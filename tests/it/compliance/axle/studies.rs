@@ -527,7 +527,7 @@ fn builds_scatter_by_sides_and_shared_parts_once() {
     assert!((toe(&built, "left") - toe(&built, "right")).abs() > 1e-3);
 }
 
-/// Derivatives by the sources of scatter agree with differences of studies with the changed number.
+/// Derivatives with respect to the sources of scatter agree with differences of studies with the changed number.
 #[test]
 fn sensitivities_of_builds_agree_with_differences() {
     let text = with(SUBFRAME, SCATTERED);

@@ -115,7 +115,7 @@ fn built(text: &str, steps: &[(&str, f64)]) -> String {
     text.unwrap_or_else(|e| panic!("{e:?}"))
 }
 
-/// Gradients by every part are the slopes of written builds: three central differences, extrapolated to sixth order.
+/// Gradients with respect to every part are the slopes of written builds: three central differences, extrapolated to sixth order.
 #[test]
 fn gradients_are_slopes_of_builds() {
     for (kind, relaxed) in KINDS.into_iter().zip(["free", "at_design_load", "free"]) {

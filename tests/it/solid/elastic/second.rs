@@ -272,7 +272,7 @@ impl Axle {
         centre[2].minus(&drop.scaled(self.radius))
     }
 
-    /// Residuals of the equilibrium, their matrix by coordinates and vertical forces, and their derivatives by the inputs.
+    /// Residuals of the equilibrium, their matrix by coordinates and vertical forces, and their derivatives with respect to the inputs.
     fn system(
         &self,
         pose: &Pose,
@@ -366,7 +366,7 @@ impl Axle {
             .collect()
     }
 
-    /// The results at a pose, with derivatives by the coordinates.
+    /// The results at a pose, with derivatives with respect to the coordinates.
     fn read(&self, pose: &Pose) -> Vec<Second> {
         let frame = self.frame(&pose.x, 6);
         let mut found = Vec::new();

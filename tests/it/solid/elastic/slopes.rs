@@ -1,4 +1,4 @@
-//! Derivatives by travels, hardpoints and rates against the exact linearisation of the second formulation.
+//! Derivatives with respect to travels, hardpoints and rates against the exact linearisation of the second formulation.
 
 use super::second::{Axle, Input};
 use super::{Kind, STILL, Scatter, elastic, is_angle, made, number_of, study};
@@ -189,7 +189,7 @@ fn derivatives_by_travels_are_those_of_the_second_formulation() {
     }
 }
 
-/// Sensitivities of `solve` are derivatives by the left half, which the right one follows.
+/// Sensitivities of `solve` are derivatives with respect to the left half, which the right one follows.
 #[test]
 fn sensitivities_of_solve_are_those_of_the_second_formulation() {
     let mut random = Random(8);

@@ -24,7 +24,7 @@ impl Hyper {
         }
     }
 
-    /// A function with this value, first and second derivative by its argument.
+    /// A function with this value, first and second derivative with respect to its argument.
     fn chain(self, value: f64, slope: f64, curvature: f64) -> Hyper {
         Hyper {
             value,

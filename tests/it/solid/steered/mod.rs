@@ -280,7 +280,7 @@ fn knuckles_turn_as_rigid_bodies() {
     }
 }
 
-/// Derivatives by every hardpoint coordinate.
+/// Derivatives with respect to every hardpoint coordinate.
 fn compare_gradients(
     world: &World,
     place: Place,
@@ -322,7 +322,7 @@ fn everything_of_a_thousand_axles_is_that_of_another_formulation() {
     compare_all(1000);
 }
 
-/// Positions, quantities and their derivatives by heave, roll and steering gear; for one axle of twelve also those by every
+/// Positions, quantities and their derivatives with respect to heave, roll and steering gear; for one axle of twelve also those by every
 /// hardpoint.
 fn compare_all(axles: usize) {
     let mut generator = Random(461);

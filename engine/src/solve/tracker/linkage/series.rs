@@ -48,7 +48,7 @@ impl<B: SimdReal> Outlined for FormingSeries<'_, B> {
     }
 }
 
-/// Work piece that subtracts the closure equations' part of a derivative by the pose from a gradient.
+/// Work piece that subtracts the closure equations' part of a derivative with respect to the pose from a gradient.
 struct SubtractingSeries<'p, B> {
     adjoint: &'p SeriesAdjoint<'p, B>,
     wrench: &'p Wrench<Jet<B, 2>>,

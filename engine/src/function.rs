@@ -284,9 +284,9 @@ impl<'f> Evaluation<'f> {
         }
     }
 
-    /// Computes the values of several designs together with their exact derivatives with respect to the variables. `jacobian` has the
-    /// shape `[design][output][station][variable]`, per length unit (per degree for a rotation). SIMD lanes hold several
-    /// designs if lanes can differentiate the outputs; otherwise designs are computed one by one.
+    /// Computes the values of several designs together with their exact derivatives with respect to the variables. `jacobian`
+    /// has the shape `[design][output][station][variable]`, per length unit (per degree for a rotation). SIMD lanes hold
+    /// several designs if lanes can differentiate the outputs; otherwise designs are computed one by one.
     ///
     /// # Panics
     /// If the lengths of the slices do not match.
@@ -360,7 +360,8 @@ impl<'f> Evaluation<'f> {
         }
     }
 
-    /// Copies the values of design `number`. Computes its derivatives with respect to the variables from the derivatives with respect to points.
+    /// Copies the values of design `number`. Computes its derivatives with respect to the variables from the derivatives with
+    /// respect to points.
     fn read(
         &self,
         found: &Evaluated,

@@ -140,8 +140,8 @@ impl<'a> ElasticLoads<'a> {
         self.loads.iter().flat_map(of)
     }
 
-    /// Appends the values of the columns at a travel and a rack displacement to the values of a station. Returns the status of the
-    /// station.
+    /// Appends the values of the columns at a travel and a rack displacement to the values of a station. Returns the status
+    /// of the station.
     pub(super) fn add_values(
         &self,
         [travel, rack]: [f64; 2],

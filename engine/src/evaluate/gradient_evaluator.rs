@@ -185,8 +185,8 @@ fn evaluate_in_lanes(
 }
 
 impl<'a> GradientEvaluator<'a> {
-    /// Prepares to evaluate designs like that of a suspension, with gradients with respect to these points. Gradients with respect to other points
-    /// must not be used. Lanes have this width; without a width designs are evaluated one by one.
+    /// Prepares to evaluate designs like that of a suspension, with gradients with respect to these points. Gradients with
+    /// respect to other points must not be used. Lanes have this width; without a width designs are evaluated one by one.
     ///
     /// # Errors
     /// If the suspension's own design cannot be solved.
@@ -213,8 +213,8 @@ impl<'a> GradientEvaluator<'a> {
         })
     }
 
-    /// Prepares to evaluate axles, with gradients with respect to all points of both wheels, one by one. An error says why the axle's own
-    /// design cannot be solved.
+    /// Prepares to evaluate axles, with gradients with respect to all points of both wheels, one by one. An error says why
+    /// the axle's own design cannot be solved.
     pub(super) fn of_axle(stations: &'a AxleStations<'a>) -> Result<Self, (Side, DesignFault)> {
         Ok(GradientEvaluator {
             stations: stations.placements.len(),

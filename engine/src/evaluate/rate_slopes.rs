@@ -1,7 +1,7 @@
 //! Slopes in the design position for quantities that contain velocities, such as `motion_ratio` and `roll_centre_height`.
 //!
-//! Their derivatives with respect to the drive need accelerations, which lanes do not compute. Only one pose of each design is needed, so
-//! they are computed one design at a time, with power series.
+//! Their derivatives with respect to the drive need accelerations, which lanes do not compute. Only one pose of each design
+//! is needed, so they are computed one design at a time, with power series.
 
 use super::Stations;
 use super::block::Block;

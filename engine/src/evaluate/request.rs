@@ -78,8 +78,8 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Adds derivatives with respect to the drive in the design position, for those quantities of one wheel for which `is_wanted` is true. The
-    /// request for an axle already contains these derivatives.
+    /// Adds derivatives with respect to the drive in the design position, for those quantities of one wheel for which
+    /// `is_wanted` is true. The request for an axle already contains these derivatives.
     pub(crate) fn with_slopes(mut self, is_wanted: impl Fn(usize) -> bool) -> Self {
         if let Requested::Corner(corner) = &mut self.of {
             for (number, has_slope) in corner.has_slope.iter_mut().enumerate() {
@@ -153,9 +153,10 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Makes an evaluator of values with gradients with respect to these points. It uses lanes of this width where possible; without a
-    /// width it works one by one. Gradients with respect to other points must not be used. An axle has gradients with respect to all points, one by
-    /// one. An error says why the vehicle's own design cannot be solved, and names the wheel of an axle.
+    /// Makes an evaluator of values with gradients with respect to these points. It uses lanes of this width where possible;
+    /// without a width it works one by one. Gradients with respect to other points must not be used. An axle has gradients
+    /// with respect to all points, one by one. An error says why the vehicle's own design cannot be solved, and names the
+    /// wheel of an axle.
     pub(crate) fn gradients(
         &self,
         points: &[PointId],

@@ -91,8 +91,8 @@ impl Study {
         self
     }
 
-    /// Returns the study with these characteristics requested, and their derivatives with respect to travel up to `order`. They replace
-    /// earlier requests.
+    /// Returns the study with these characteristics requested, and their derivatives with respect to travel up to `order`.
+    /// They replace earlier requests.
     ///
     /// # Errors
     /// [`Error::Lacking`] if the suspension lacks an input or part that one of them needs. [`Error::Axle`] for a study of an

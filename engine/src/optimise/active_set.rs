@@ -47,11 +47,11 @@ pub struct Rows<'a> {
     pub normals: &'a [f64],
     /// Offsets c.
     pub offsets: &'a [f64],
-    /// Number of rows that must be zero. The others must not be positive.
+    /// Number of rows that must be zero. All other rows must be at most zero.
     pub equalities: usize,
-    /// Violation, in the unit of the rows, up to which a row counts as satisfied if its gradient depends on the gradients of the
-    /// held constraints. Without this limit, duplicate rows would exclude one another, because they are equal only up to
-    /// rounding.
+    /// Violation, in the unit of the rows, up to which a row counts as satisfied if its gradient is a linear combination of
+    /// the gradients of the held constraints. Without this limit, duplicate rows would exclude one another, because they are
+    /// equal only up to rounding.
     pub slack: f64,
 }
 
@@ -74,8 +74,8 @@ pub struct ActiveSet {
     basis: Vec<f64>,
     /// Triangle T of (1), column after column, n entries each.
     triangle: Vec<f64>,
-    /// The held constraints, their signs, and their multipliers. Only equalities need a sign, because their normal may point
-    /// either way.
+    /// The held constraints, their signs, and their multipliers. Only equalities need a sign, because the normal of an
+    /// equality may point in either direction.
     held: Vec<Held>,
     sign: Vec<f64>,
     multipliers: Vec<f64>,
@@ -159,8 +159,8 @@ impl ActiveSet {
                 return outcome;
             }
         }
-        // Every round adds a constraint and raises the minimum. So the rounds would end without this limit if there were no
-        // rounding.
+        // Every round adds a constraint and raises the minimum, so the rounds end by themselves. The limit only guards
+        // against rounding errors.
         for _ in 0..20 * (n + rows.offsets.len()) + 100 {
             let Some((constraint, slack)) = self.most_violated(rows, lower, upper) else {
                 return Outcome::Solved;
@@ -377,7 +377,7 @@ impl ActiveSet {
         back_substitute(&self.triangle[..q * n], n, &mut self.change);
     }
 
-    /// Rise of the constraint's value per length of the step direction, and its rise without held constraints.
+    /// Squared length of the normal's part outside the span of the held gradients, and squared length of the whole normal.
     fn gain(&self) -> (f64, f64) {
         let free = &self.projected[self.held.len()..];
         (dot(free, free), dot(&self.projected, &self.projected))
@@ -419,7 +419,7 @@ impl ActiveSet {
         self.is_held[place] = true;
     }
 
-    /// Releases the constraint at a place. T loses a column, and rotations make it triangular again.
+    /// Releases the held constraint with index `place`. T loses a column, and rotations make it triangular again.
     fn release(&mut self, place: usize) {
         let n = self.variables;
         let q = self.held.len();

@@ -1,8 +1,8 @@
 //! Targets of an axle: rows of the least-squares problem, in addition to the rows of one wheel.
 //!
-//! A variable moves the same points of both wheels, each in the frame of its side. So the derivative of a row is the sum of both
-//! wheels' gradients along the variable's rates. If the right wheel has its own hardpoints, the variables move them as mirror
-//! images of the left ones. The two wheels of a build always differ.
+//! A variable moves the same points of both wheels, each in the frame of its side. So the derivative of a row is the sum of
+//! both wheels' gradients along the variable's rates. If the right wheel has different hardpoints, the variables move them as
+//! mirror images of the left hardpoints. The two wheels of a build always differ.
 
 use super::elastic_axle::elastic_axle_rows;
 use super::layout::{LimitedValue, TargetSample};
@@ -34,7 +34,7 @@ pub(super) struct AxleLayout {
 }
 
 impl AxleLayout {
-    /// Lays out the targets of an axle. `rows` counts the rows of all targets, `own` those of each target.
+    /// Lays out the targets of an axle. `rows` is the number of rows of all targets, `own` the number of rows of each target.
     pub(super) fn of(
         axle: &Axle,
         optimise: &Optimise,
@@ -101,7 +101,7 @@ impl AxleLayout {
             .map(|station| &mut station.limits[..])
     }
 
-    /// Sets the weights of the rows: residual of each target per deviation in tolerances.
+    /// Sets the weights of the rows. The weight of a target is its residual per deviation of one tolerance.
     pub(super) fn weigh(&mut self, shares: &[f64]) {
         for station in &mut self.stations {
             for target_sample in &mut station.samples {
@@ -110,7 +110,8 @@ impl AxleLayout {
         }
     }
 
-    /// Highest order of derivatives with respect to travel and rack that the rows read, plus one if the design changes the travels.
+    /// Highest order of derivatives with respect to travel and rack that the rows read, plus one if the design changes the
+    /// travels.
     fn degree(&self) -> usize {
         let orders = self.quantities.iter().map(|q| q.rate_order());
         let on_plane = |s: &AxleStation| s.placement.hold() != Hold::TravelsOnPads;
@@ -124,7 +125,7 @@ pub(super) struct Moved<'m> {
     pub variables: &'m [Variable],
     /// Values of the variables.
     pub x: &'m DVector<f64>,
-    /// Left and right wheel. Both are the same for one wheel, and for an axle whose wheels are mirror images.
+    /// Left and right wheel. The two are equal in a study of one wheel, and for an axle whose wheels are mirror images.
     pub wheels: [WheelMoved<'m>; 2],
     /// Scatter of elastic rates in a build. Empty for the nominal design.
     pub scattered: &'m [ScatteredRate],
@@ -135,7 +136,7 @@ pub(super) struct Moved<'m> {
 /// Scatter of the rate of an elastic part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ScatteredRate {
-    /// The rate, of one wheel or of a part that both wheels share.
+    /// The rate. It belongs to one wheel, or to a part that both wheels share.
     pub of: AxleParameter,
     /// Change of the rate.
     pub change: f64,
@@ -144,7 +145,7 @@ pub(super) struct ScatteredRate {
 }
 
 impl Moved<'_> {
-    /// Derivative of the rate in a build by the nominal rate.
+    /// Derivative of the rate in a build with respect to the nominal rate.
     pub(super) fn gain(&self, of: AxleParameter) -> f64 {
         let is_own = |own: &&ScatteredRate| {
             let is_of_side = own.of.side.is_none() || own.of.side == of.side;
@@ -155,7 +156,8 @@ impl Moved<'_> {
         relative.map(|own| 1.0 + own.change).product()
     }
 
-    /// Rates of elastic parts that are design variables, by number of the variable, each as [value, derivative].
+    /// Design variables that are rates of elastic parts. Each item holds the variable's index, the rate's name, and its value
+    /// and derivative.
     pub(super) fn rates(&self) -> impl Iterator<Item = (usize, Parameter, [f64; 2])> {
         let variables = self.variables.iter().zip(self.x.iter()).enumerate();
         variables.filter_map(|(column, (variable, x))| {
@@ -164,8 +166,8 @@ impl Moved<'_> {
         })
     }
 
-    /// Sets the rates of elastic parts of the nominal design to those of this design. `set` sets a rate of the parts. `change`
-    /// changes one, and returns false if it is not above 0 then.
+    /// Sets the rates of the elastic parts to the rates of this design. `set` sets a nominal rate. `change` adds the scatter
+    /// to a rate, and returns false if the changed rate is not above 0.
     pub(super) fn set_rates<P>(
         &self,
         parts: &mut P,
@@ -185,7 +187,7 @@ impl Moved<'_> {
     }
 }
 
-/// Points that the variables move, each once.
+/// Points that the variables move, without duplicates.
 pub(super) fn moved_points(variables: &[Variable]) -> Vec<PointId> {
     let mut points: Vec<PointId> = variables.iter().flat_map(Variable::points).collect();
     points.sort();

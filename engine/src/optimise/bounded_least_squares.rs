@@ -8,12 +8,12 @@
 //! g_j = 0 where lower_j < s_j < upper_j,   g_j >= 0 where s_j = lower_j,   g_j <= 0 where s_j = upper_j
 //! ```
 //!
-//! An active-set method finds it exactly. Each variable is either free or held at a bound. An orthogonal factorisation
-//! solves for the free variables. If this step crosses bounds, the method stops at the first of them and holds these
-//! variables. If it crosses none, the method frees the held variable that gains most by leaving its bound. (Ch. L. Lawson,
-//! R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23; P. B. Stark, R. L. Parker, Bounded-variable
-//! least-squares: an algorithm and applications, Computational Statistics 10, 1995.) The method forms no normal equations:
-//! they would square singular values that already spread over eight decades.
+//! An active-set method finds this minimum exactly. Each variable is either free or held at a bound. An orthogonal
+//! factorisation solves for the free variables. If this step crosses bounds, the method stops at the first of them and holds
+//! these variables. If it crosses none, the method frees the held variable that gains most by leaving its bound. (Ch. L.
+//! Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23; P. B. Stark, R. L. Parker, Bounded-variable
+//! least-squares: an algorithm and applications, Computational Statistics 10, 1995.) The method does not form the normal
+//! equations. They would square the singular values, which already spread over eight decades.
 
 use super::qr::{back_substitute, dot, scale_columns, triangularise, triangularise_within};
 use nalgebra::{DMatrix, DVector};
@@ -46,7 +46,7 @@ pub struct BoundedLeastSquares {
     active_bounds: Vec<ActiveBound>,
     /// Remainder R s + offset.
     remainder: Vec<f64>,
-    /// Indices of the free variables, by rising index.
+    /// Indices of the free variables, in rising order.
     free: Vec<usize>,
     /// Held variables that were freed and returned to their bound at once.
     turned_back: Vec<bool>,
@@ -110,8 +110,9 @@ impl BoundedLeastSquares {
         }
         self.descend(damping, lower, upper);
 
-        // Each round lowers the objective. So no set of held variables occurs twice, and the rounds end. The limit on their
-        // number only guards against rounding. Even then the step is feasible and lowers the objective.
+        // Each round lowers the objective. So no set of held variables occurs twice, and the rounds end. The limit on the
+        // number of rounds only guards against rounding. If the limit stops the method, the step is still feasible and lowers
+        // the objective.
         self.turned_back.fill(false);
         for _ in 0..10 * self.variables {
             let Some(j) = self.worst_multiplier(damping) else {
@@ -157,12 +158,12 @@ impl BoundedLeastSquares {
         (0..n).fold(0.0, |most, k| self.triangle[k * n + k].abs().max(most))
     }
 
-    /// Half the derivative of |J W s + r|^2 by s_j at s = 0.
+    /// Half the derivative of |J W s + r|^2 with respect to s_j at s = 0.
     pub fn gradient(&self, j: usize) -> f64 {
         dot(self.column(j), &self.offset)
     }
 
-    /// |r|^2 - |J W s + r|^2 of the solution s, free of the cancellation of that difference.
+    /// |r|^2 - |J W s + r|^2 for the solution s, computed without the cancellation of this difference.
     pub fn predicted_reduction(&self) -> f64 {
         // With d = J W s: |r|^2 - |r + d|^2 = -d . (2 r + d). Q preserves inner products.
         let twice = self.remainder.iter().zip(&self.offset);
@@ -317,8 +318,8 @@ mod tests {
     }
 
     impl Case {
-        /// A random problem with n variables and m residuals. Every third has low rank. In every second problem, some bounds are
-        /// active from the beginning.
+        /// A random problem with n variables and m residuals. Every third problem has low rank. In every second problem, some
+        /// bounds are active from the beginning.
         fn random(seed: u64, n: usize, m: usize) -> Self {
             let mut noise = Noise::new(seed);
             let mut jacobian = DMatrix::from_fn(m, n, |_, _| noise.next());
@@ -456,8 +457,8 @@ mod tests {
         }
     }
 
-    /// With two equal columns and one residual, damping divides the move between both. If a bound stops one variable, the other
-    /// moves by the rest.
+    /// With two equal columns and one residual, damping divides the move equally between the two variables. If a bound stops
+    /// one variable, the other moves by the rest.
     #[test]
     fn equal_columns_share_the_move() {
         let mut solver = BoundedLeastSquares::new(2, 1);

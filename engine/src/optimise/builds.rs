@@ -12,7 +12,7 @@
 //!
 //! Each wheel of an axle is assembled separately, from the numbers of z_s that belong to it.
 //!
-//! The rate k(x) of an elastic part is k(x) (1 + z) or k(x) + z in a build.
+//! In a build, the rate k(x) of an elastic part becomes k(x) (1 + z) or k(x) + z.
 
 use super::Infeasible;
 use super::axle::ScatteredRate;
@@ -160,7 +160,7 @@ impl<'a> BuiltWheel<'a> {
         &self.assembler.suspension().mechanism
     }
 
-    /// Dimensions of this wheel that each source changes, in the order of the random numbers.
+    /// Dimensions of this wheel that each tolerance source changes, in the order of the random numbers.
     pub(super) fn changes(&self) -> impl Iterator<Item = &'a [(BuildParameter, f64)]> + use<'a> {
         let side = self.side;
         sources(self.scatter).map(move |source| source.changes_in(side))

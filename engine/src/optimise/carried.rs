@@ -1,8 +1,8 @@
-//! Member forces under load, as residuals and rows.
+//! Forces in members under load, as residuals of targets and rows of constraints.
 //!
-//! A force is a multiplier of the closure equations under a load. So its derivatives need those of the equations' Jacobian.
-//! Forward differentiation gives them: the design is a series along a variable, and the pose and the balance of forces follow as
-//! series.
+//! A force is a multiplier of the closure equations under a load. So the derivatives of the force need the derivatives of the
+//! equations' Jacobian. Forward differentiation gives them: the design is a Taylor series along a variable. The pose and the
+//! balance of forces then become Taylor series, too.
 
 use super::moves::PointRate;
 use crate::analyse::Balance;
@@ -12,9 +12,9 @@ use crate::model::Suspension;
 use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
 
-/// A design and its series along each of the variables.
+/// A design and its Taylor series along each variable.
 pub(super) struct AlongVariables {
-    /// For each variable, the design as a series along it.
+    /// For each variable, the Taylor series of the design along the variable.
     series: Vec<DesignSeries<2>>,
     constants: Constants,
     reads: Slots,
@@ -40,7 +40,7 @@ impl AlongVariables {
             })
     }
 
-    /// Changes to a design, with the rates at which the variables move its points.
+    /// Sets the design, and the rates at which the variables move its points.
     pub(super) fn prepare(
         &mut self,
         solver: &Solver,
@@ -54,7 +54,8 @@ impl AlongVariables {
         }
     }
 
-    /// Derivatives of a force by the variables in a pose, one by one. NaN if no member can carry the load.
+    /// Derivatives of a force in a pose with respect to the variables, one variable after the other. NaN if no member can
+    /// carry the load.
     pub(super) fn slopes<const N: usize>(
         &self,
         force: &CarriedForce,
@@ -79,7 +80,7 @@ impl AlongVariables {
     }
 }
 
-/// Value of a force along a series of poses. NaN if no member can carry the load.
+/// Taylor series of a force at a pose. NaN if no member can carry the load.
 pub(super) fn value<const N: usize>(
     force: &CarriedForce,
     view: &WheelReading<N>,

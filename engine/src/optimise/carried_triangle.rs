@@ -1,16 +1,17 @@
 //! Directions fixed in the wheel carrier, from three of its points.
 //!
 //! SIMD lanes give positions of points, but no rotation. Let P_0, P_1, P_2 be points of the carrier in the design position
-//! and p_0, p_1, p_2 in the present pose, E_i = P_i - P_0 and e_i = p_i - p_0. The rotation R takes E_i to e_i. So it takes
-//! the orthonormal triad of both E_i to the triad of both e_i. A direction V of the design position becomes
+//! and p_0, p_1, p_2 in the present pose, E_i = P_i - P_0 and e_i = p_i - p_0. The rotation R takes E_i to e_i. So R also
+//! takes the orthonormal triad made from E_1 and E_2 to the triad made from e_1 and e_2. A direction V of the design position
+//! becomes
 //!
 //! ```text
 //! v = R V                                                                  (1)
 //! dv = t x v + R dV,      de_i = t x e_i + R dE_i                          (2)
 //! ```
 //!
-//! for a small rotation t. A derivative b by v is therefore a moment m = v x b about the carrier. Forces f_i at the points
-//! that have this moment equal its derivatives with respect to the points:
+//! for a small rotation t. A derivative b with respect to v is therefore a moment m = v x b about the carrier. Forces f_i at
+//! the points that have this moment equal its derivatives with respect to the points:
 //!
 //! ```text
 //! b.dv = m.t + b.R dV = sum f_i.(de_i - R dE_i) + (R^T b).dV,     sum e_i x f_i = m      (3)
@@ -90,8 +91,9 @@ impl CarriedTriangle {
         carried(&self.triads[1], &self.triads[0], direction)
     }
 
-    /// Derivatives with respect to the corners in the present pose: (4). `by` is the derivative with respect to the carried direction `v`. The
-    /// derivatives with respect to the corners in the design position are the same with the opposite sign, rotated back.
+    /// Derivatives with respect to the corners in the present pose: (4). `by` is the derivative with respect to the carried
+    /// direction `v`. The derivatives with respect to the corners in the design position are the same with the opposite sign,
+    /// rotated back.
     pub(super) fn by_corners(&self, v: Vector3<f64>, by: Vector3<f64>) -> [Vector3<f64>; 3] {
         let [first, second] = self.edges;
         let moment = v.cross(by);

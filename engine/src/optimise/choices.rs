@@ -10,7 +10,8 @@ use crate::mechanism::DesignFault;
 use crate::study::{Optimise, Scatter, Vehicle};
 use nalgebra::DVector;
 
-/// Limit for targets outside the front: their tolerances, or this multiple of their misfit after the tuning of all targets.
+/// Factor on the best misfit of the targets outside the front. Their misfit may reach this multiple of the misfit after the
+/// tuning of all targets, or one tolerance if that is larger.
 const AS_GOOD: f64 = 1.01;
 /// Number of steps in a price list.
 const STEPS: usize = 10;
@@ -20,19 +21,19 @@ const STEPS: usize = 10;
 pub struct Choice {
     /// Offsets of the variables, in the study's axes.
     pub offsets: Vec<f64>,
-    /// Amount of each criterion. For a front these are the misfits of the goals. For a price list these are the misfit of
-    /// all targets, and the size of the change. The size is the root of the sum of squared moves, each in ranges times the
-    /// cost of its variable.
+    /// Value of each criterion. For a front: misfits of the goals. For a price list: misfit of all targets, and size of the
+    /// change. The size is the root of the sum of squared moves, each as a fraction of its range times the cost of its
+    /// variable.
     pub amounts: Vec<f64>,
-    /// Weight of each criterion; the weights add up to 1. To reduce criterion i by one unit, criterion j must grow by weight i /
-    /// weight j units. All are zero if there is no trade-off.
+    /// Weight of each criterion; the weights add up to 1. To reduce criterion i by one unit, criterion j must rise by (weight
+    /// i / weight j) units. All are zero if there is no trade-off.
     pub weights: Vec<f64>,
 }
 
 /// The front of a study's goals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Front {
-    /// Designs of the front, in the order of rising misfit of the first goal. None is better than another in all goals.
+    /// Designs of the front, in the order of rising misfit of the first goal. No design is better than another in all goals.
     pub choices: Vec<Choice>,
     /// Indices of choices after which the front has a gap.
     pub breaks: Vec<usize>,
@@ -58,7 +59,7 @@ pub fn price_list(
     tuning: &Tuning,
     control: Control<'_>,
 ) -> Result<Vec<Choice>, DesignFault> {
-    // A tuning for yield measures its misfits on the nominal design.
+    // A study that tunes for yield measures its misfits on the nominal design.
     let drawing = Optimise {
         scatter: optimise.scatter.clone().filter(Scatter::lowers_misfit),
         ..optimise.clone()

@@ -6,7 +6,7 @@ use super::starts::STARTS_BEFORE_REFUSAL;
 use super::{Bounds, Constrained, Control, Held, Multistart, Options, Termination};
 
 /// Finds a smallest set of constraints that cannot be satisfied together. It starts with all constraints that the runs name,
-/// and removes one after the other as long as the remaining ones still cannot be satisfied.
+/// and removes each constraint without which the others still cannot be satisfied.
 ///
 /// `of_rows` gives the constraint of each row, `count` is the number of constraints. `can_be_kept` returns true if a run with
 /// only these constraints satisfies them. The result is empty if no such set is found.
@@ -27,7 +27,7 @@ pub(crate) fn smallest_conflict(
     blamed.sort_unstable();
     blamed.dedup();
     if blamed.is_empty() || can_be_kept(&blamed) {
-        // The named constraints conflict only together with all the others.
+        // The named constraints alone can be satisfied. So other constraints take part in the conflict.
         blamed = (0..count).collect();
         if blamed.len() > 12 || can_be_kept(&blamed) {
             return Vec::new();
@@ -60,7 +60,7 @@ pub(crate) fn is_satisfied_from<P: Constrained>(
         .any(|start| {
             let options = Options::default();
             let fit = constrained_fit(0, problem(), bounds, &start.x, &options, control);
-            // An interrupted run proves nothing.
+            // An interrupted run does not show that the constraints conflict.
             fit.is_ok_and(|fit| fit.is_feasible() || fit.termination == Termination::Interrupted)
         })
 }

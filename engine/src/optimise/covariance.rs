@@ -5,7 +5,7 @@ use super::{Bounds, Linearisation};
 use crate::sorting::sort_by;
 use nalgebra::{DMatrix, DVector};
 
-/// Correlations above this are reported.
+/// Correlation above which a pair of variables is reported.
 pub(super) const CLOSE: f64 = 0.95;
 
 /// Covariance of some variables, (2) of [`standard_errors`](super::standard_errors), divided by s^2, in fractions of the ranges.
@@ -44,7 +44,7 @@ impl Covariance {
             let hidden = (0..k).filter(|d| values[*d] <= nothing);
             hidden.map(|d| vectors[(j, d)].powi(2)).sum::<f64>() > 1e-12
         };
-        // A^-1 times the rows, multiplied by the weights again. The product of this matrix and its transpose is the covariance.
+        // A^-1 times the rows, multiplied by the weights again. This matrix times its transpose is the covariance.
         let a_inverse =
             &vectors * DMatrix::from_diagonal(&DVector::from_vec(inverse)) * vectors.transpose();
         let mut weighed = scaled;
@@ -59,7 +59,8 @@ impl Covariance {
         })
     }
 
-    /// Ratio k_j: variance of a variable, divided by its variance with the weights 1/variance. 1 if it is not known.
+    /// Ratio k_j: variance of a variable, divided by its variance with the weights 1/variance. The result is 1 if the ratio
+    /// is not known.
     pub(super) fn ratio(&self, variable: usize) -> f64 {
         let Some(j) = self.variables.iter().position(|v| *v == variable) else {
             return 0.0;
@@ -92,8 +93,8 @@ impl Covariance {
 mod tests {
     use super::*;
 
-    /// Two columns at an angle a give estimates with the correlation -cos a. Those above 0.95 are reported, the closest
-    /// first.
+    /// Two columns at an angle a give estimates with the correlation -cos a. Correlations above 0.95 are reported, the
+    /// closest first.
     #[test]
     fn close_correlations_are_told() {
         let bounds = Bounds::new(&[[-1.0, 1.0], [0.0, 4.0], [0.0, 1.0], [0.0, 7.0]]).unwrap();

@@ -1,7 +1,9 @@
-//! Targets of a wheel with elastic parts: rows of the least-squares problem from equilibria and test figures.
+//! Targets of a wheel with elastic parts: rows of the least-squares problem. Equilibria and simulated tests give their
+//! values.
 //!
-//! Variables may move hardpoints and rates together. The tape of a station gives the gradient of a value by the moving
-//! coordinates and rates. The slope along a variable is the sum over the coordinates and rates that the variable moves.
+//! Variables may move hardpoints and rates together. The tape of a station gives the gradient of a value with respect to the
+//! moving coordinates and rates. The slope along a variable sums the contributions of the coordinates and rates that the
+//! variable moves.
 
 use super::axle::{Moved, RowsBeside};
 use super::layout::{LimitedValue, TargetSample};
@@ -35,7 +37,7 @@ pub(super) struct ElasticLayout {
 }
 
 impl ElasticLayout {
-    /// Lays out the targets of a study. `rows` counts the rows of all targets, `own` those of each target.
+    /// Lays out the targets of a study. `rows` is the number of rows of all targets, `own` the number of rows of each target.
     pub(super) fn of(
         wheel: &WheelStudy,
         elastic: &ComplianceStudy,
@@ -88,7 +90,7 @@ impl ElasticLayout {
         &mut self.stations[place]
     }
 
-    /// Adds a limit of a value at the stations of a site, or in the design position if there is no site.
+    /// Adds a limit of a value at the stations of a site, or in the design position if `site` is `None`.
     pub(super) fn limit(
         &mut self,
         part: usize,
@@ -126,13 +128,13 @@ impl ElasticLayout {
             .map(|station| &mut station.limits[..])
     }
 
-    /// Travel of a station. `None` unless the part is limited at several stations.
+    /// Travel of a station. `None` if the part is limited at only one station.
     pub(super) fn place_of(&self, part: usize, station: usize) -> Option<f64> {
         let own = self.limits().flatten().filter(|own| own.part == part);
         (own.count() > 1).then(|| self.stations[station].travel)
     }
 
-    /// Sets the weights of the rows: residual of each target per deviation in tolerances.
+    /// Sets the weights of the rows. The weight of a target is its residual per deviation of one tolerance.
     pub(super) fn weigh(&mut self, shares: &[f64]) {
         for station in &mut self.stations {
             for sample in &mut station.samples {
@@ -151,7 +153,7 @@ impl ElasticLayout {
     }
 }
 
-/// Motion of the stations of a target, and its rack displacements along the study's +y.
+/// Motion of the stations of a target, and rack displacements of this motion along the study's +y.
 fn place<'m>(site: &'m Site, own: &'m Motion) -> (&'m Motion, Vec<f64>) {
     let motion = site.motion.as_ref().map_or(own, |(_, motion)| motion);
     let racks = match (site.racks.as_slice(), motion.rack_moves) {
@@ -212,7 +214,8 @@ fn along_variables(
     add_rates(moved, by_rate, slopes);
 }
 
-/// Adds the slopes along the variables that come from moving points. `by` gives the derivative of the value by a coordinate.
+/// Adds the slopes along the variables that come from moving points. `by` returns the derivative of the value with respect to
+/// a coordinate.
 pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slopes: &mut [f64]) {
     for rate in ways {
         for (axis, by_axis) in Axis::ALL.into_iter().zip(rate.by.to_array()) {
@@ -224,8 +227,8 @@ pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slop
     }
 }
 
-/// Adds the slopes along the variables that move rates. A rate may belong to both wheels or to one wheel. `by` gives the
-/// derivative of the value by a rate, and 0 for a rate on which the value does not depend.
+/// Adds the slopes along the variables that move rates. A rate may belong to both wheels or to one wheel. `by` returns the
+/// derivative of the value with respect to a rate: 0 if the value does not depend on the rate.
 pub(super) fn add_rates(moved: &Moved<'_>, by: impl Fn(AxleParameter) -> f64, slopes: &mut [f64]) {
     for (column, parameter, [_, slope]) in moved.rates() {
         for side in [None, Some(Side::Left), Some(Side::Right)] {

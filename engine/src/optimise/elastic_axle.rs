@@ -1,8 +1,9 @@
-//! Targets of an axle with elastic parts: rows of the least-squares problem from its equilibria and test figures.
+//! Targets of an axle with elastic parts: rows of the least-squares problem. Equilibria and simulated tests of the axle give
+//! their values.
 //!
 //! A variable moves the points of both wheels. It also moves rates of parts of both wheels, or of a shared part. If the
-//! wheels are mirror images, one derivative serves both; otherwise each wheel has its own. In a build, each wheel also has its
-//! own rates.
+//! wheels are mirror images, one derivative applies to both; otherwise each wheel has a separate derivative. In a build, each
+//! wheel also has separate rates.
 
 use super::axle::{AxleLayout, AxleStation, Moved, RowsBeside};
 use super::elastic::{add_points, add_rates};
@@ -16,7 +17,7 @@ use crate::model::{Axis, PointId, Side};
 use crate::number::Each;
 use crate::study::{AxleComplianceStudy, Variable};
 
-/// Rows of a layout of an axle with these elastic parts, whose points move.
+/// Returns the rows of a layout, for an axle with these elastic parts whose points move.
 pub(super) fn elastic_axle_rows<'a>(
     layout: &'a AxleLayout,
     axle: &'a Axle,
@@ -63,7 +64,7 @@ struct Rows<'a> {
     layout: &'a AxleLayout,
     axle: &'a Axle,
     elastic: &'a AxleComplianceStudy,
-    /// Wheels whose points and rates move: `None` for both as mirror images, otherwise each wheel separately.
+    /// Wheels whose points and rates move: one `None` if the wheels are mirror images, otherwise one entry for each wheel.
     sides: Vec<Option<Side>>,
     /// Coordinates and rates that the variables move.
     parameters: Vec<AxleParameter>,
@@ -71,8 +72,8 @@ struct Rows<'a> {
     slopes: Vec<f64>,
 }
 
-/// Indices of the quantities, among `count`, that targets or limits of a station use. Targets are included only if the evaluation
-/// needs them.
+/// Indices of the quantities, among `count`, that targets or limits of a station use. Targets are included only if
+/// `seeks_targets` is true.
 fn used_by(station: &AxleStation, count: usize, seeks_targets: bool) -> Vec<usize> {
     let is_used = |k: &usize| {
         let is_wanted = seeks_targets && station.samples.iter().any(|own| own.of == *k);

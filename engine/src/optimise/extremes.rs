@@ -1,25 +1,26 @@
-//! Extremes between stations, for constraints that also hold there.
+//! Extremes between stations, so that constraints also hold between the stations.
 //!
-//! If a value is more extreme at a station than at both neighbours, an extreme lies nearby. The search begins at the extreme of
-//! the parabola through the three values, and uses the value's derivative with respect to the drive. At an end of the motion it begins with
-//! the parabola through the last three values, if that has its extreme within the motion. The row of the station then holds the
-//! value at the extreme. Its slopes do not need the derivative of the extreme's position, because at an extreme the value has
-//! zero slope along the drive. So limits hold at all extremes. While the design changes, an extreme may move past a station.
-//! Halfway between two stations, the row of the other station starts to contain it, so the largest row stays continuous.
+//! If a value is more extreme at a station than at both neighbours, an extreme lies nearby. The search begins at the extreme
+//! of the parabola through the three values, and uses the value's derivative with respect to the drive. At an end of the
+//! motion the search uses the parabola through the last three values, if the extreme of this parabola lies within the motion.
+//! The row of the station then holds the value at the extreme. The slopes of the row do not need the derivative of the
+//! extreme's position, because at an extreme the value has zero slope along the drive. So limits hold at all extremes. While
+//! the design changes, an extreme may move past a station. Halfway between two stations, the row of the other station starts
+//! to contain it, so the largest row stays continuous.
 
 use super::Linearisation;
 use super::layout::{Extremes, Leg, Part};
 
 /// Largest number of steps in a search.
 pub(super) const SEARCHES: usize = 8;
-/// Tolerance for the position of an extreme, as a share of the distance between stations. The error of the value is proportional
-/// to its square.
+/// Tolerance for the position of an extreme, as a share of the distance between stations. The error of the value is
+/// proportional to the square of the position error.
 const PLACED: f64 = 1e-9;
 /// Smallest rise above the station that counts as a separate extreme, in units of the rows. It is a hundredth of the largest
 /// violation that still counts as satisfied.
 const FLAT: f64 = 1e-9;
-/// Distance from the limit beyond which a row needs no search, in the same units. Four times the rise of the parabola is
-/// subtracted from the distance first.
+/// Distance from the limit beyond which a row needs no search, in units of the rows. The code first subtracts four times the
+/// rise of the parabola from the distance.
 const FAR: f64 = 1.0;
 
 /// Search for the position of an extreme, where the slope vanishes.
@@ -43,7 +44,7 @@ pub(super) struct Search {
     rise: f64,
 }
 
-/// Writes the searches of a leg, from the values of the parts at its stations and the rows there.
+/// Writes the searches of a leg, from the values of its parts and the rows of constraints at its stations.
 pub(super) fn searches(
     leg: &Leg,
     parts: &[Part],
@@ -77,8 +78,8 @@ pub(super) fn searches(
 }
 
 impl Search {
-    /// Begins a search from the parabola through the station of this number and its neighbours. `None` if the parabola has no
-    /// extreme near the station.
+    /// Begins a search from the parabola through station `k` and its neighbours. `None` if the parabola has no extreme near
+    /// the station.
     fn about(k: usize, count: usize, at: impl Fn(usize) -> (f64, f64), sign: f64) -> Option<Self> {
         let first = k.checked_sub(1);
         let beyond = |other: usize| sign * at(other).1 > sign * at(k).1;
@@ -95,7 +96,7 @@ impl Search {
             first.map_or(at(k).0, |before| at(before).0),
             if k + 1 < count { at(k + 1).0 } else { at(k).0 },
         ];
-        // There is no extreme if the three values lie on a line, or if the place is outside the motion.
+        // There is no extreme if the three values lie on a line, or if the extreme of the parabola lies outside the motion.
         if sign * curvature.signum() > 0.0 || !(ends[0]..=ends[1]).contains(&place) {
             return None;
         }

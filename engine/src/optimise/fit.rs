@@ -11,10 +11,10 @@ use nalgebra::DVector;
 use std::fmt;
 use std::sync::atomic::AtomicBool;
 
-/// Means to stop and to observe a run.
+/// Controls that stop and observe a run.
 #[derive(Clone, Copy, Default)]
 pub struct Control<'a> {
-    /// Flag that stops the run. Once true, the run ends before its next evaluation, with its present result.
+    /// Flag that stops the run. Once true, the run ends before its next evaluation, with the result so far.
     pub interrupt: Option<&'a AtomicBool>,
     /// Callback after each iteration. If several starts run in parallel, their threads call it.
     pub watch: Option<&'a ProgressCallback<'a>>,
@@ -72,8 +72,8 @@ impl Iteration {
 pub enum Termination {
     /// The misfit is at or below [`Options::misfit_below`].
     MisfitReached,
-    /// The misfit of the targets that variables move is at or below [`Options::misfit_below`]; the other targets are missed, but
-    /// no variable changes them.
+    /// The misfit of the targets that variables move is at or below [`Options::misfit_below`]; the other targets are not met,
+    /// but no variable changes them.
     MovedTargetsMet,
     /// No step lowers the cost by more than the share [`Options::reduction_below`].
     NoFurtherDescent,
@@ -86,11 +86,11 @@ pub enum Termination {
     NoFeasibleStep(Infeasible),
     /// The design is good enough, and no other good enough design nearby has a smaller change.
     NearestGoodEnough,
-    /// No design is good enough. This one is as good as the best, and no other such design nearby has a smaller change.
+    /// No design is good enough. This design is as good as the best, and no equally good design nearby has a smaller change.
     NearestOfTheBest,
     /// The design is good enough, but the search for a smaller change did not converge.
     GoodEnoughNotKnownNearest,
-    /// No design is good enough. This one is as good as the best, but the search for a smaller change did not converge.
+    /// No design is good enough. This design is as good as the best, but the search for a smaller change did not converge.
     BestNotKnownNearest,
     /// No step lowers the cost by more than the share [`Options::reduction_below`], or the step would be shorter than
     /// [`Options::step_below`]. But the optimality conditions are not satisfied.
@@ -200,8 +200,8 @@ pub struct Fit {
     pub active_bounds: Vec<ActiveBound>,
     /// Reason for the end.
     pub termination: Termination,
-    /// Imbalance of the optimality conditions of the last minimisation, relative to the sizes of their terms; 0 at a
-    /// minimum. That minimisation concerns the misfit, or the distance from the design at a limited misfit.
+    /// Imbalance of the optimality conditions of the last minimisation, relative to the sizes of their terms; 0 at a minimum.
+    /// The last minimisation concerns the misfit, or the distance from the design with a limit on the misfit.
     pub residual: f64,
     /// The start and every iteration after it.
     pub history: Vec<Iteration>,
@@ -218,8 +218,8 @@ pub struct ConstraintState {
     pub violation: f64,
     /// True for each row that some variable moves. The other rows count neither as satisfied nor as violated.
     pub movable: Vec<bool>,
-    /// Derivative of half the sum of squared residuals by each row's limit, negated. `None` if the run did not end at a
-    /// minimum of that sum.
+    /// Derivative of half the sum of squared residuals with respect to each row's limit, negated. `None` if the run did not
+    /// end at a minimum of this sum.
     pub multipliers: Option<Vec<f64>>,
     /// Other multipliers that also balance the slope. They exist if gradients are linearly dependent.
     pub alternatives: Option<Vec<f64>>,
@@ -263,8 +263,8 @@ impl Fit {
     }
 }
 
-/// Minimises from the point of the box nearest to `start`, which has the number `index`. An error says why there are no
-/// residuals at this point.
+/// Minimises from the point of the box nearest to `start`. `index` is the number of this start. An error says why there are
+/// no residuals at this point.
 pub fn fit(
     index: usize,
     problem: impl LeastSquares,

@@ -97,7 +97,7 @@ impl<'a> FitRecord<'a> {
         (reason.checked(residual), self.history)
     }
 
-    /// Records an iteration that ended at `x` in the history, and reports it to the observer. argmin's own log stays empty.
+    /// Records an iteration that ended at `x` in the history, and reports it to the observer. The log of argmin stays empty.
     pub(super) fn add(&mut self, x: &DVector<f64>, mut iteration: Iteration) {
         let active_bounds = self.bounds.active_bounds(x);
         let held = active_bounds
@@ -121,7 +121,7 @@ impl<'a> FitRecord<'a> {
         }
         match &self.termination {
             None => TerminationStatus::NotTerminated,
-            // Only the text of our own reason is passed on. argmin has fewer reasons, and no code reads them.
+            // argmin receives only the text of the reason. It has fewer reasons of its own, and no code reads them.
             Some(reason) => {
                 let reason = TerminationReason::SolverExit(reason.to_string());
                 TerminationStatus::Terminated(reason)

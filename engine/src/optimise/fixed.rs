@@ -7,16 +7,16 @@
 //!
 //! A residual counts as constant if a move of any variable across its range changes it by less than [`UNMOVED`]. The tuning
 //! checks this at its start and at every evaluation. If such a residual changes later, the tuning runs again with it. Only
-//! residuals of more than one tolerance are removed, because smaller ones hide nothing. So bands remain: they have no effect
-//! inside the band and count once a value leaves it.
+//! residuals of more than one tolerance are removed, because smaller ones hide nothing. So targets with a band stay in the
+//! problem: their residual is zero inside the band, and grows when the value leaves the band.
 
 use super::constrained::{Assessment, Constrained, Shape};
 use super::{Bounds, Fit, Infeasible, LeastSquares, Linearisation, Termination};
 use nalgebra::DVector;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Change of a residual, in tolerances, below which it counts as constant, if any variable moves across its range. Rounding of
-/// curves that are some thousand tolerances high, amplified a thousand times, has this size.
+/// Change of a residual, in tolerances, below which it counts as constant, if any variable moves across its range. Curves of
+/// some thousand tolerances have rounding errors of this size if the errors are amplified a thousand times.
 pub(super) const UNMOVED: f64 = 1e-9;
 
 /// Residual above which a target is missed, in tolerances.

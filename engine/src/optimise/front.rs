@@ -1,20 +1,21 @@
 //! Trade-off between goals: the front of two or three goals, and the price list of the design change.
 //!
-//! A design is on the *front* of some criteria f_1, f_2, ... if no design within ranges and constraints is better in one and no
-//! worse in the others. The front consists of minima of one criterion with bounds on the others (Y. Haimes, L. Lasdon, D. Wismer,
-//! On a bicriterion formulation of the problems of integrated system identification and system optimization, IEEE Trans. Systems,
-//! Man, Cybernetics 1, 1971):
+//! A design is on the *front* of some criteria f_1, f_2, ... if no other design within ranges and constraints is better in
+//! one criterion and no worse in the others. The front consists of minima of one criterion with bounds on the others (Y.
+//! Haimes, L. Lasdon, D. Wismer, On a bicriterion formulation of the problems of integrated system identification and system
+//! optimization, IEEE Trans. Systems, Man, Cybernetics 1, 1971):
 //!
 //! ```text
 //! minimise f_g(x)   subject to   f_h(x) <= level_h,  h != g,  and the constraints            (1)
 //! ```
 //!
-//! This also reaches concave parts, where no weighted sum has a minimum. For two criteria, the search first finds the two ends:
-//! the least value of one criterion and, among the designs with it, the least of the other. Then it halves the widest gap. In the
-//! wider direction of the gap, it limits one criterion to the middle. Starting from the points on either side, it lowers the
-//! other criterion. If this finds no design that is better than a known point, no design lies in that part, and the gap shrinks.
-//! In this way the search detects a front with gaps. For three criteria the limits form a grid, and each criterion is lowered in
-//! turn. The points farthest apart are kept.
+//! This method also reaches concave parts of the front, where no weighted sum has a minimum. For two criteria, the search
+//! first finds the two ends of the front. At an end, one criterion has its least value, and the other criterion is as low as
+//! this value allows. Then the search halves the widest gap. It limits one criterion to the middle of the gap, in the
+//! direction in which the gap is wider. Starting from the points on either side, it lowers the other criterion. If this finds
+//! no design that is better than a known point, no design lies in that part, and the gap shrinks. In this way the search
+//! detects a front with gaps. For three criteria the limits form a grid, and the search lowers each criterion in turn. It
+//! keeps the points that are farthest apart.
 //!
 //! The program (1) minimises and limits half the squares of the norms r_h = u_h f_h. With its multipliers L_h,
 //!
@@ -34,12 +35,12 @@ use rayon::prelude::*;
 
 /// Number of points of a front of two criteria.
 const POINTS: usize = 50;
-/// Largest number of programs for each point of a front. Every empty gap takes some.
+/// Largest number of programs for each point of a front. Every gap without a point also takes some programs.
 const EFFORT: usize = 3;
-/// Number of levels of each limited criterion, for a front of three.
+/// Number of levels of each limited criterion, for a front of three criteria.
 const LEVELS: usize = 6;
-/// Ratio to its least value up to which a criterion counts as equally low. At exactly the least value the other criteria could not
-/// be lowered, because no neighbouring design would satisfy the level.
+/// Ratio of a criterion to its least value, up to which the criterion counts as equally low. A limit at exactly the least
+/// value would leave no freedom to lower the other criteria: no neighbouring design satisfies such a limit.
 const AS_LOW: f64 = 1.0001;
 /// Smallest level.
 const LEAST_LEVEL: f64 = 1e-6;
@@ -50,7 +51,7 @@ const NO_BETTER: f64 = 1e-4;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Found {
     pub x: DVector<f64>,
-    /// Amount of each criterion.
+    /// Value of each criterion.
     pub amounts: Vec<f64>,
     /// Weight of each criterion by (2). All are zero if there is no trade-off.
     pub weights: Vec<f64>,
@@ -59,27 +60,27 @@ pub(super) struct Found {
 /// A traced front.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Traced {
-    /// Points in the order of rising amount of the first criterion.
+    /// Points in the order of rising value of the first criterion.
     pub points: Vec<Found>,
     /// Indices of points after which a front of two criteria has a gap.
     pub breaks: Vec<usize>,
 }
 
-/// Lowers some criteria of a problem while others are limited.
+/// Lowers one criterion of a problem at a time, with limits on the others.
 pub(super) struct Tracer<'a, F> {
     pub problem: F,
     pub bounds: &'a Bounds,
     pub distance: &'a Distance<'a>,
     pub aims: Vec<Criterion>,
-    /// Criterion that is limited throughout, with its level.
+    /// Criterion that always has a limit, with its level.
     pub rest: Option<(Criterion, f64)>,
     pub options: &'a Options,
     pub control: Control<'a>,
 }
 
 impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
-    /// Least value of a criterion while others are limited, from several starts. `None` if no start ends with the levels and
-    /// constraints satisfied.
+    /// Finds the least value of a criterion with limits on the others, from several starts. `None` if no start ends with the
+    /// levels and constraints satisfied.
     pub(super) fn lower(
         &self,
         aim: usize,
@@ -131,7 +132,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         })
     }
 
-    /// Amounts of all criteria at `x`.
+    /// Values of all criteria at `x`.
     pub(super) fn amounts(&self, x: &DVector<f64>) -> Option<Vec<f64>> {
         let mut problem = (self.problem)();
         let mut at = Assessment::new(&problem.shape());
@@ -146,7 +147,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         Some(self.aims.iter().map(amount).collect())
     }
 
-    /// Traces the front from some designs. Amounts below `good` count as equal.
+    /// Traces the front, starting from these designs. Values below `good` count as equal.
     pub(super) fn front(&self, starts: &[&DVector<f64>], good: f64) -> Traced {
         let all: Vec<usize> = (0..self.aims.len()).collect();
         let ends: Vec<Found> = orders(&all)
@@ -164,7 +165,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         }
     }
 
-    /// Finds an end of the front: criteria are lowered one after the other, and each is limited from then on.
+    /// Finds an end of the front: lowers the criteria one after the other, and limits each of them to the value reached.
     fn end(&self, order: &[usize], starts: &[&DVector<f64>], good: f64) -> Option<Found> {
         let mut held: Vec<(usize, f64)> = Vec::new();
         let mut found: Option<Found> = None;
@@ -174,7 +175,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
                 Some(found) => vec![&found.x],
             };
             let Some(next) = self.lower(*aim, &held, &from) else {
-                // The previous result is an end of the front, though perhaps not an exact one.
+                // The previous result is an end of the front, though it may be inexact.
                 break;
             };
             held.push((
@@ -328,8 +329,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         kept
     }
 
-    /// Smallest amounts of the first criterion for `steps` rising limits of the second. The limits go from the design to the
-    /// design with the least first criterion.
+    /// Least values of the first criterion for `steps` rising limits of the second. The limits rise from the given design to
+    /// the design with the least first criterion.
     pub(super) fn list(
         &self,
         from: &DVector<f64>,
@@ -363,8 +364,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
     }
 }
 
-/// Returns the only point of the front, if one criterion is equally good along all of it. It is the end that is best in the other
-/// criterion.
+/// Returns the only point of the front, if one criterion is equally good at both ends. This point is the end that is better
+/// in the other criterion.
 fn single_end([first, last]: [&Found; 2], extent: [f64; 2], good: f64) -> Option<&Found> {
     let same = |k: usize, most: f64| extent[k] <= (NO_BETTER * most).max(good);
     match (same(0, last.amounts[0]), same(1, first.amounts[1])) {
@@ -377,7 +378,7 @@ fn single_end([first, last]: [&Found; 2], extent: [f64; 2], good: f64) -> Option
 /// A gap between two points of a front of two criteria that may contain further points.
 #[derive(Clone, Debug)]
 struct Gap {
-    /// Two points: the one with less of the first criterion, and the one with less of the second.
+    /// Two points: first the one with the lower first criterion, then the one with the lower second criterion.
     ends: [usize; 2],
     low: [f64; 2],
     high: [f64; 2],
@@ -393,7 +394,7 @@ impl Gap {
         }
     }
 
-    /// Both sides of the gap as shares of the extent of the front.
+    /// Extent of the gap in each criterion, as shares of the extent of the front.
     fn sides(&self, extent: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| (self.high[k] - self.low[k]) / extent[k])
     }
@@ -419,8 +420,8 @@ impl Gap {
     }
 }
 
-/// Selects the points for which no other point is better in one criterion and no worse in the others. Of equal points the
-/// first is kept.
+/// Selects the points for which no other point is better in one criterion and no worse in the others. Keeps only the first of
+/// several equal points.
 fn best_of(points: &[Found]) -> Vec<usize> {
     let no_worse = |a: &Found, b: &Found| a.amounts.iter().zip(&b.amounts).all(|(a, b)| a <= b);
     let is_best = |k: &usize| {

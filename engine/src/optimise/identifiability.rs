@@ -1,4 +1,4 @@
-//! Directions in which the residuals change at a solution, and directions in which they do not.
+//! Directions of change that alter the residuals at a solution, and directions that leave them unchanged.
 
 use super::{Bounds, Linearisation};
 use crate::sorting::sort_by;
@@ -12,17 +12,17 @@ pub struct Direction {
     pub change: DVector<f64>,
     /// Change of the residuals (root mean square, in tolerances) along `change`, to first order.
     pub effect: f64,
-    /// Shares of `change`, upwards and downwards, that stay within the ranges and raise the misfit by at most
-    /// [`Direction::RISE`]. 0 until `try_out` has run.
+    /// Shares of `change`, forwards and backwards, up to which the design stays within the ranges and the misfit rises by at
+    /// most [`Direction::RISE`]. 0 until `try_out` has run.
     pub free: [f64; 2],
 }
 
 impl Direction {
-    /// Rise of the misfit, in tolerances, that counts as no change.
+    /// Largest rise of the misfit, in tolerances, that counts as no change.
     pub const RISE: f64 = 0.1;
 
-    /// Finds the free share of the change from `x`, which has the misfit `misfit`. `misfit_at` returns the misfit at another
-    /// point, or `None` if it has none.
+    /// Finds the free shares of the change from `x`. `misfit` is the misfit at `x`. `misfit_at` returns the misfit at another
+    /// point, or `None` if that point has no misfit.
     pub fn try_out(
         &mut self,
         x: &DVector<f64>,
@@ -72,8 +72,8 @@ pub struct Identifiability {
     pub singular_values: Vec<f64>,
     /// Number of directions that change the residuals, with an effect above the given limit.
     pub rank: usize,
-    /// Basis of the other directions: combinations of variables that leave all targets unchanged. In each direction, one variable
-    /// moves across its range that does not occur in the other directions.
+    /// Basis of the other directions: combinations of variables that leave all targets unchanged. In each direction, the
+    /// variable that moves across its whole range does not occur in the other directions.
     pub unseen: Vec<Direction>,
 }
 
@@ -177,8 +177,8 @@ fn rotate(matrix: &mut DMatrix<f64>, p: usize, q: usize, cosine: f64, sine: f64)
     }
 }
 
-/// Combines the columns so that each has a row in which all other columns are zero. Gauss-Jordan elimination with the
-/// largest entry as the pivot.
+/// Combines the columns so that each column has a row in which all other columns are zero. The method is Gauss-Jordan
+/// elimination with the largest entry as the pivot.
 fn separate(basis: &mut DMatrix<f64>) {
     let columns = basis.ncols();
     for done in 0..columns {
@@ -208,7 +208,7 @@ mod tests {
         Identifiability::new(&evaluation, &Bounds::new(ranges).unwrap(), 1e-3)
     }
 
-    /// The third column is half the first minus the second; the fourth is zero.
+    /// The third column is half the difference of the first and the second column. The fourth column is zero.
     #[test]
     fn combinations_are_named() {
         let mut noise = Noise::new(3);
@@ -246,7 +246,7 @@ mod tests {
     }
 
     /// A direction is free while the misfit rises by less than 0.1 and the variables stay in their ranges. The test covers
-    /// directions without effect, and directions with a known end.
+    /// directions without effect, and directions whose free share is known.
     #[test]
     fn directions_are_free_until_they_are_felt() {
         let bounds = Bounds::new(&[[-1.0, 3.0], [-2.0, 2.0]]).unwrap();
@@ -271,8 +271,8 @@ mod tests {
         assert_eq!(tried.free, [0.0; 2]);
     }
 
-    /// The range matters: with the same Jacobian, variables with wide ranges have large effects, and variables with narrow
-    /// ranges have almost none.
+    /// The size of a range matters: with the same Jacobian, variables with wide ranges have large effects, and variables with
+    /// narrow ranges have almost none.
     #[test]
     fn effects_are_those_of_the_whole_range() {
         let jacobian = DMatrix::from_element(4, 1, 1.0);

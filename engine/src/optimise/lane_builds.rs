@@ -1,7 +1,7 @@
 //! Builds of a robust tuning in SIMD lanes: their designs, with the derivatives with respect to the variables.
 //!
-//! The parts of the nominal design have the same derivatives with respect to a variable in every build. They are computed once, and each
-//! group of builds is assembled with them. Builds that do not converge in lanes are assembled one by one.
+//! The parts of the nominal design have the same derivatives with respect to a variable in every build. They are computed
+//! once, and each group of builds is assembled with them. Builds that do not converge in lanes are assembled one by one.
 
 use super::builds::BuiltWheel;
 use super::moves::PointRate;

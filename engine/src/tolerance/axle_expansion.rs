@@ -1,7 +1,7 @@
 //! First-order result for an axle, exact.
 //!
-//! The parts of each side move only its built design ([`crate::assembly`]). Values of the axle have gradients with respect to every
-//! hardpoint coordinate of either side. They include the conditions of the ground on both travels
+//! The parts of each side move only its built design ([`crate::assembly`]). Values of the axle have gradients with respect to
+//! every hardpoint coordinate of either side. They include the conditions of the ground on both travels
 //! ([`AxleSolver::gradients`]):
 //!
 //! ```text

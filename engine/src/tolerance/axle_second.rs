@@ -1,8 +1,8 @@
 //! Second-order result for an axle, exact.
 //!
 //! Along a direction of the parts, both built designs, their poses and the readings are series in one number, as for one
-//! wheel (module `expansion`). The positions on the ground follow from module `axle/series`. Quantities that contain velocities are left
-//! out.
+//! wheel (module `expansion`). The positions on the ground follow from module `axle/series`. Quantities that contain
+//! velocities are left out.
 //!
 //! Positions at a load have no second-order result.
 

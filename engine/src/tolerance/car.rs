@@ -2,8 +2,8 @@
 //!
 //! Each axle's parts are assembled as in a study of the axle ([`crate::assembly`]). With these parts, the car is then in
 //! equilibrium on its springs. First-order results are exact. They are derivatives of every result by the hardpoints of each
-//! wheel, times derivatives of the built designs by each source, plus derivatives with respect to rates and figures. Module `car_second` computes
-//! the second order.
+//! wheel, times derivatives of the built designs by each source, plus derivatives with respect to rates and figures. Module
+//! `car_second` computes the second order.
 
 use super::axle_expansion::{Moves as PointMoves, moves};
 use super::histogram::Histogram;

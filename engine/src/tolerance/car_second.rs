@@ -1,8 +1,8 @@
 //! Second-order result for a car, exact.
 //!
 //! Along a direction of the sources, the built designs of both axles, the rates and the figures of the car are series in one
-//! number. Then the wheels, the unknowns of each state and the results are series, too ([`crate::car`], module `second`). Results that
-//! are derivatives of a state are left out if an axle is solid.
+//! number. Then the wheels, the unknowns of each state and the results are series, too ([`crate::car`], module `second`).
+//! Results that are derivatives of a state are left out if an axle is solid.
 
 use super::Problem;
 use super::car::CarProblem;
@@ -51,8 +51,8 @@ struct Expander<'p> {
     rests: [Option<State<'p>>; 2],
 }
 
-/// Second-order terms of the mean and of the variance of each result, in program units. `drawn` is the nominal car, and `rests` are cases
-/// of the car at rest on rigid and on elastic tyres.
+/// Second-order terms of the mean and of the variance of each result, in program units. `drawn` is the nominal car, and
+/// `rests` are cases of the car at rest on rigid and on elastic tyres.
 pub(super) fn second(
     problem: &CarProblem<'_>,
     drawn: &Car,

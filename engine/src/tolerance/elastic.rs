@@ -167,8 +167,9 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
     Ok(gradient)
 }
 
-/// Writes the derivatives of a value by each source. `by` holds its derivatives with respect to the coordinates of all points, wheel
-/// after wheel, then by the scattering rates. `moves` gives the rates at which a source moves the points of each wheel.
+/// Writes the derivatives of a value by each source. `by` holds its derivatives with respect to the coordinates of all
+/// points, wheel after wheel, then by the scattering rates. `moves` gives the rates at which a source moves the points of
+/// each wheel.
 pub(super) fn write_slopes<'m>(
     sources: &[&Source],
     moves: impl Fn(usize) -> &'m [Moves],

@@ -14,7 +14,8 @@ fn rounding(value: f64) -> f64 {
     ROUNDING * value.abs().max(1.0)
 }
 
-/// Limits of a band, moved outwards by the rounding error of a value there. A value that alignment holds at a limit keeps the band.
+/// Limits of a band, moved outwards by the rounding error of a value there. A value that alignment holds at a limit keeps the
+/// band.
 pub fn with_rounding([low, high]: [f64; 2]) -> [f64; 2] {
     [low - rounding(low), high + rounding(high)]
 }

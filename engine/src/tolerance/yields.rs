@@ -11,8 +11,8 @@ use crate::sorting::sort_by;
 const SAMPLE: u64 = 20_000;
 /// Largest loss of yield by doubling a tolerance for which the tolerance can be relaxed.
 const LITTLE: f64 = 0.001;
-/// Smallest yield for which tolerances can be relaxed. Below it, hardly any build is left that a larger tolerance could move out of
-/// the bands.
+/// Smallest yield for which tolerances can be relaxed. Below it, hardly any build is left that a larger tolerance could move
+/// out of the bands.
 const LEAST: f64 = 0.05;
 
 /// Yield of a band.

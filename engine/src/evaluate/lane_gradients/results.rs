@@ -51,8 +51,8 @@ impl Found {
     }
 }
 
-/// Angles of several designs at a station, and their derivatives with respect to hardpoints and along directions. Indices of designs and
-/// angles follow the order in which the caller gave them.
+/// Angles of several designs at a station, and their derivatives with respect to hardpoints and along directions. Indices of
+/// designs and angles follow the order in which the caller gave them.
 pub struct Jacobians<'f> {
     pub(super) station: usize,
     pub(super) found: &'f Found,

@@ -1,4 +1,4 @@
-//! Tests of programs against an enumeration of active sets, and of degenerate programs.
+//! Compares solutions of programs with an enumeration of active sets. Also tests degenerate programs.
 
 use super::{ActiveSet, Held, Outcome, Rows};
 use crate::optimise::test_problems::Noise;
@@ -16,8 +16,8 @@ struct Program {
 }
 
 impl Program {
-    /// A random program. Every third has parallel and repeated rows. Every fifth has a factor R whose pivots span seven decades.
-    /// In every second program, a vertex of the rows may lie on bounds.
+    /// A random program. Every third program has parallel and repeated rows. Every fifth program has a factor R whose pivots
+    /// span seven decades. In every second program, a vertex of the rows may lie on bounds.
     fn random(seed: u64, n: usize, rows: usize, equalities: usize) -> Self {
         let mut noise = Noise::new(seed);
         let mut triangle = DMatrix::from_fn(n, n, |_, _| noise.next()).qr().r();
@@ -193,8 +193,8 @@ fn minima_obey_the_kuhn_tucker_conditions_and_refusals_are_proved() {
                     program.violation(&d)
                 );
             }
-            // Farkas: with multipliers of the right signs, the gradients cancel, and the same combination of the values
-            // stays positive everywhere.
+            // Farkas' lemma: with multipliers of the right signs, the weighted sum of the gradients is zero. The same
+            // weighted sum of the values is positive everywhere.
             Outcome::Infeasible(culprits) => {
                 refused += 1;
                 let gradients: Vec<_> = culprits.iter().map(|h| program.gradient(*h)).collect();
@@ -231,7 +231,7 @@ fn minima_obey_the_kuhn_tucker_conditions_and_refusals_are_proved() {
 
 #[test]
 fn the_minimum_is_the_least_of_all_active_sets() {
-    // The enumeration squares the condition of R, so badly conditioned programs are omitted.
+    // The enumeration squares the condition number of R, so badly conditioned programs are omitted.
     for seed in (0..75).filter(|seed| seed % 5 != 0) {
         let n = 1 + seed as usize % 3;
         let equalities = usize::from(seed % 3 == 1 && n > 1);
@@ -251,7 +251,7 @@ fn the_minimum_is_the_least_of_all_active_sets() {
     }
 }
 
-/// Names the two rows that exclude one another, and no other row.
+/// The test expects that the method names the two rows that exclude one another, and no other row.
 #[test]
 fn a_planted_contradiction_is_named_alone() {
     let normals = [1.0, 1.0, 0.0, 0.3, -1.0, 0.2, -1.0, -1.0, 0.0];

@@ -59,7 +59,8 @@ impl Curvature {
         }
     }
 
-    /// Replaces R and q by those of R^T R + S, made positive definite by a shift, with the same slope.
+    /// Replaces R by the factor of R^T R + S, which a shift makes positive definite. Replaces q so that the slope R^T q stays
+    /// the same.
     ///
     /// At a minimum under constraints, R^T R + S must be positive only along the held rows. Across them, the function adds the
     /// square of each row, w (a.d + c)^2 / 2. This square is zero where the row is held, so its multiplier does not change. A

@@ -12,8 +12,8 @@ pub(super) struct Filter {
 const MARGIN: f64 = 1e-5;
 
 impl Filter {
-    /// Makes an empty filter. It accepts violations up to a hundred times that of the start (at least 100), and at most
-    /// `most` above it.
+    /// Makes an empty filter. The largest accepted violation is 100 max(`violation`, 1) or `violation` + `most`, whichever is
+    /// smaller. `violation` is the violation at the start.
     pub(super) fn new(violation: f64, most: f64) -> Self {
         Filter {
             passed: Vec::new(),

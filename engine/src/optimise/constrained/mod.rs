@@ -54,8 +54,7 @@ pub trait Constrained {
     /// Size of the problem.
     fn shape(&self) -> Shape;
 
-    /// Absolute values of the limits that the rows are measured from, in the rows' unit. They determine the rounding of a
-    /// row.
+    /// Absolute values of the limits of the rows, in the rows' unit. They determine the rounding error of a row.
     fn row_limits(&self) -> Vec<f64> {
         vec![0.0; self.shape().rows]
     }
@@ -86,7 +85,7 @@ pub struct Assessment {
     pub goal: Linearisation,
     /// Residuals b and Jacobian B of each level.
     pub levels: Vec<Linearisation>,
-    /// Rows c and their Jacobian C. The unit is a visible violation: 1 mm or 1 degree.
+    /// Rows c and their Jacobian C. The unit of a row is a visible violation: 1 mm or 1 degree.
     pub rows: Linearisation,
 }
 
@@ -108,7 +107,7 @@ impl Assessment {
         self.rows.check()
     }
 
-    /// Returns the largest violation. A level counts with its excess as a root mean square over its residuals.
+    /// Returns the largest violation. The violation of a level is its excess, as a root mean square over its residuals.
     pub fn violation(&self, equalities: usize, levels: &[f64]) -> f64 {
         self.violation_of(equalities, levels, |_| true)
     }

@@ -51,7 +51,7 @@ pub(super) struct ConvexModel<'a> {
     half: Vec<f64>,
     equalities: usize,
     levels: Vec<f64>,
-    /// Tolerance for each level. The level counts as met if the logarithm of norm divided by level does not exceed it.
+    /// Tolerance of each level. A level counts as met if log(norm / level) is at most its tolerance.
     met: Vec<f64>,
     goal: Squares,
     /// Number of residuals of the goal, and their norm.

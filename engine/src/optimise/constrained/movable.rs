@@ -9,13 +9,13 @@
 //! sum_j |a_j| width_j <= max(1e-9, 256 e (|value| + 2 |limit|)),     e: the machine precision            (1)
 //! ```
 //!
-//! Rows are in visible units, 1 mm or 1 degree. Some hundreds of operations compute them from coordinates of up to ten thousand
-//! units, so that their rounding is about 1e-9. That is a hundredth of the largest violation that still counts as satisfied. The
-//! second term is the rounding of larger values.
+//! Rows are in visible units, 1 mm or 1 degree. Some hundreds of operations compute them from coordinates of up to ten
+//! thousand units, so their rounding error is about 1e-9. This is a hundredth of the largest violation that still counts as
+//! satisfied. The second term is the rounding error of larger values.
 //!
-//! A row that is constant at the start may change elsewhere. So every evaluation examines it again, including the evaluations of
-//! refused steps. The row is used from the first evaluation at which it has a slope, or at which its value differs by more than
-//! (1). The violation of a run is that of the rows in use. The caller names violated rows that were never used.
+//! A row that is constant at the start may change elsewhere. So every evaluation examines it again, including the evaluations
+//! of refused steps. The row is used from the first evaluation at which it has a slope, or at which its value differs by more
+//! than (1). The violation of a run counts only the rows in use. The caller reports violated rows that were never used.
 
 use super::super::{Bounds, Linearisation};
 
@@ -36,7 +36,7 @@ pub(super) struct Movable {
 }
 
 impl Movable {
-    /// Examines the rows of a problem with these limits at the start of a run.
+    /// Examines the rows at the start of a run. `limits` are the limits of the rows.
     pub(super) fn new(limits: &[f64], start: &Linearisation, bounds: &Bounds) -> Self {
         let values = start.residuals.iter().zip(limits);
         let rounding = values.map(|(value, limit)| {

@@ -55,9 +55,9 @@ pub struct ConstrainedFit {
     pub violation: f64,
     /// True for each row that some variable changed at any point of the run.
     pub movable: Vec<bool>,
-    /// Derivative of half the squared goal by each row's limit, negated. Not negative except for equalities.
+    /// Derivative of half the squared goal with respect to each row's limit, negated. Not negative except for equalities.
     pub multipliers: Vec<f64>,
-    /// Derivative of half the squared goal by half the square of each level, negated.
+    /// Derivative of half the squared goal with respect to half the square of each level, negated.
     pub level_multipliers: Vec<f64>,
     /// Other multipliers of the rows that also balance the slope. They exist if gradients are linearly dependent.
     pub alternatives: Option<Vec<f64>>,
@@ -140,7 +140,7 @@ struct SequentialConvex<'a> {
     record: FitRecord<'a>,
     equalities: usize,
     levels: Vec<f64>,
-    /// Limits of the rows, and the rows in use. The second is `None` before the run has begun.
+    /// Limits of the rows, and the rows in use. The set of rows in use is `None` before the run has begun.
     limits: Vec<f64>,
     movable: Option<Movable>,
     model: ConvexModel<'a>,
@@ -165,7 +165,7 @@ impl SequentialConvex<'_> {
         let imbalance = settled.residual;
         let [rows, levels] = self.model.multipliers().map(<[f64]>::to_vec);
         let violation = self.pair(&self.current)[1];
-        // A point with violated rows is no minimum, even if the multipliers balance.
+        // A point with violated rows is not a minimum, even if the multipliers balance.
         let checked = if violation <= KEPT {
             imbalance
         } else {

@@ -37,7 +37,7 @@ fn rosenbrock_in_a_disc_ends_on_its_edge() {
     };
     for start in [[-1.2, 1.0], [0.0, 0.0], [1.5, -1.5], [2.0, 2.0]] {
         let fit = solve(&start, &[[-3.0, 3.0]; 2], 0, f64::INFINITY, at);
-        // Solution of the first-order conditions on the circle, by Newton's method to all digits.
+        // Solution of the first-order conditions on the circle, by Newton's method to full precision.
         near(&fit.x, &[0.786_415_154_172, 0.617_698_316_529], 1e-8);
         assert!(fit.is_feasible() && fit.multipliers[0] > 0.0);
         assert!(fit.imbalance < 1e-6, "{}", fit.imbalance);
@@ -45,7 +45,7 @@ fn rosenbrock_in_a_disc_ends_on_its_edge() {
     }
 }
 
-/// The solver projects a point onto the intersection of a plane and a half-space, within the box.
+/// The solver finds the exact projection of a point onto the intersection of a plane and a half-space, within the box.
 #[test]
 fn projections_are_exact_and_multipliers_are_prices() {
     let at = |limit: f64| {
@@ -65,7 +65,7 @@ fn projections_are_exact_and_multipliers_are_prices() {
     near(&fit.x, &[1.0, 1.0, -2.0], 1e-9);
     let fit = run(0.5);
     near(&fit.x, &[0.5, 1.25, -1.75], 1e-9);
-    // Multiplier of the limit: the derivative of the goal by the limit, negated.
+    // Multiplier of the limit: the derivative of the goal with respect to the limit, negated.
     let step = 1e-3;
     let goal = |limit| run(limit).at.goal.cost();
     let slope = (goal(0.5 + step) - goal(0.5 - step)) / (2.0 * step);
@@ -103,7 +103,7 @@ fn a_planted_contradiction_ends_with_its_rows() {
 /// band around the circle.
 #[test]
 fn a_level_is_met_exactly_even_about_a_zero_of_its_residuals() {
-    // The constraint is |b| = |x0^2 + x1^2 - 1| <= level, the start (2, 1). The solution lies on the ray from the origin.
+    // The constraint is |b| = |x0^2 + x1^2 - 1| <= level. The start is (2, 1). The solution lies on the ray from the origin.
     for level in [0.5, 0.1, 1e-3, 1e-6] {
         let at = |x: &[f64]| {
             let goal = vec![(x[0] - 2.0, vec![1.0, 0.0]), (x[1] - 1.0, vec![0.0, 1.0])];
@@ -185,7 +185,7 @@ fn random_constrained_problems_end_at_kuhn_tucker_points() {
     assert!(evaluations[30] <= 12, "{evaluations:?}");
 }
 
-/// Large residuals, for which the Gauss-Newton method alone would take hundreds of iterations.
+/// A problem with large residuals, for which the Gauss-Newton method alone would take hundreds of iterations.
 #[test]
 fn curvature_is_learnt_where_residuals_are_large() {
     let at = |x: &[f64]| {
@@ -269,7 +269,7 @@ fn rows_that_stand_still_change_nothing() {
 /// The solver uses a row whose slope vanishes at the start and that binds elsewhere.
 #[test]
 fn a_row_that_begins_to_move_is_counted() {
-    // The constraint is x1^2 <= 1/4, the start x1 = 0. The goal has its minimum at x = (1, 2).
+    // The constraint is x1^2 <= 1/4. The start is x1 = 0. The goal has its minimum at x = (1, 2).
     let at = |x: &[f64]| {
         let goal = vec![(x[0] - 1.0, vec![1.0, 0.0]), (x[1] - 2.0, vec![0.0, 1.0])];
         let row = (x[1] * x[1] - 0.25, vec![0.0, 2.0 * x[1]]);

@@ -6,7 +6,7 @@ use super::super::{Bounds, Control, Options};
 use super::{Found, Traced, Tracer};
 use nalgebra::DVector;
 
-/// Traces a front of this number of criteria, with this number of residuals each.
+/// Traces a front with this number of criteria. Each criterion has this number of residuals.
 fn traced(
     ranges: &[[f64; 2]],
     [aims, each]: [usize; 2],
@@ -58,8 +58,8 @@ fn way_from(x: &[f64], from: [f64; 2]) -> Values {
     ]
 }
 
-/// Exponentials of distances (C. M. Fonseca, P. J. Fleming, 1995). With the distance d of the two peaks, 1 - f_2 = exp(-(d -
-/// sqrt(-ln(1 - f_1)))^2). Weighted sums have their minima only at the ends.
+/// Test problem with exponentials of distances (C. M. Fonseca, P. J. Fleming, 1995). With the distance d between the two
+/// peaks, 1 - f_2 = exp(-(d - sqrt(-ln(1 - f_1)))^2). Weighted sums have their minima only at the ends of the front.
 #[test]
 fn a_concave_front_is_traced_evenly() {
     let traced = traced(
@@ -101,8 +101,9 @@ fn a_concave_front_is_traced_evenly() {
     }
 }
 
-/// Criterion f_2 = 2 - sqrt(f_1 + 0.02) - f_1 sin(10 pi f_1), with a variable that only f_2 depends on. It is similar to
-/// ZDT3 (E. Zitzler, K. Deb, L. Thiele, 2000). Its front has pieces, which a fine grid gives.
+/// Criterion f_2 = 2 - sqrt(f_1 + 0.02) - f_1 sin(10 pi f_1), with a variable that only f_2 depends on. The problem is
+/// similar to ZDT3 (E. Zitzler, K. Deb, L. Thiele, 2000). Its front consists of separate pieces; a fine grid gives the
+/// reference.
 #[test]
 fn a_broken_front_is_found_piece_by_piece() {
     let curve = |x: f64| 2.0 - (x + 0.02).sqrt() - x * (10.0 * std::f64::consts::PI * x).sin();
@@ -162,7 +163,8 @@ fn a_broken_front_is_found_piece_by_piece() {
     assert_eq!(traced.breaks.len(), jumps.count(), "{:?}", traced.breaks);
 }
 
-/// Distances from two points of a plane. The front is the segment between them, and both criteria have equal weights.
+/// Two criteria, the distances from two points of a plane. The front is the segment between them, and both criteria have
+/// equal weights.
 #[test]
 fn a_straight_front_has_its_slope_everywhere() {
     let traced = traced(&[[-5.0, 5.0]; 2], [2, 2], &[&[0.4, 1.1]], |x| {
@@ -170,7 +172,7 @@ fn a_straight_front_has_its_slope_everywhere() {
     });
     let apart = 10.0_f64.sqrt();
     assert_eq!(traced.points.len(), 50);
-    // The front reaches its ends: in one of the two points the other distance is that between them, and this one vanishes.
+    // The front reaches its ends. At each end one distance is zero, and the other is the distance between the two points.
     for (end, aim) in [(&traced.points[0], 1), (&traced.points[49], 0)] {
         assert!((end.amounts[aim] - apart).abs() < 1e-3 * apart);
         assert!(end.amounts[1 - aim] < 1e-3, "{:?}", end.amounts);
@@ -183,12 +185,12 @@ fn a_straight_front_has_its_slope_everywhere() {
     assert!(widest_step(&traced.points) < 0.045);
 }
 
-/// Misfits with a remainder: a goal of two residuals that no design satisfies together. The ends of the front are the minima of
-/// each goal alone.
+/// A goal has two residuals that no design can make zero together, so its misfit keeps a remainder. The ends of the front are
+/// the minima of each goal alone.
 #[test]
 fn a_front_ends_at_the_minima_of_each_goal() {
     let traced = traced(&[[-5.0, 5.0]; 2], [2, 3], &[&[0.4, 1.1]], |x| {
-        // The constant residual leaves the least amount 1 or 2.
+        // The constant residual sets the least value of a goal to 1 or 2.
         let aim =
             |from: [f64; 2], rest: f64| [way_from(x, from), vec![(rest, vec![0.0; 2])]].concat();
         [aim([-1.0, 0.0], 1.0), aim([2.0, 1.0], 2.0)].concat()
@@ -209,7 +211,8 @@ fn without_a_trade_there_is_one_point() {
     assert!(traced.points[0].amounts.iter().all(|amount| *amount < 1e-5));
 }
 
-/// Distances from three points. The front is their triangle, and every part of it has a computed point nearby.
+/// Three criteria, the distances from three points. The front is the triangle of these points, and every part of the triangle
+/// has a computed point nearby.
 #[test]
 fn a_front_of_three_covers_the_triangle() {
     let corners = [[-1.0, 0.0], [2.0, 0.5], [0.3, 2.0]];

@@ -18,9 +18,9 @@ impl<'a> ConvexModel<'a> {
         (norm / goal).ln()
     }
 
-    /// Finds the smallest weights that meet the levels from the k-th on. A level that is met without a weight gets weight zero. A
-    /// norm falls as its weight grows. So the search is a secant method over the logarithms of norm and weight, bracketed by a
-    /// weight on either side. For each trial weight, the weights of later levels are found again.
+    /// Finds the smallest weights that meet the levels from the k-th on. A level that is met without a weight gets weight
+    /// zero. A norm falls as its weight grows. So the search is a secant method over the logarithms of norm and weight,
+    /// within a bracket of two weights. Each trial weight needs a new search for the weights of the later levels.
     pub(super) fn meet_levels(&mut self, k: usize, curved: bool) {
         if k == self.levels.len() {
             return;

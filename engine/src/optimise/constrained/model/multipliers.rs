@@ -63,8 +63,9 @@ impl ConvexModel<'_> {
         })
     }
 
-    /// Improves the multipliers at the end of a run. If those of the last program do not balance the slope, the function computes
-    /// the multipliers that balance it best. It uses the gradients at this point and those in `beside`.
+    /// Improves the multipliers at the end of a run. If the multipliers of the last program do not balance the slope, the
+    /// function computes the multipliers that balance it best. It uses the gradients at this point and the gradients in
+    /// `beside`.
     pub(in super::super) fn settle_multipliers(&mut self, beside: &[Linearisation]) -> Settled {
         let n = self.half.len();
         let slope: Vec<f64> = (0..n).map(|j| self.goal.gradient(j)).collect();

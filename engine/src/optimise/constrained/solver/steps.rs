@@ -118,7 +118,7 @@ impl SequentialConvex<'_> {
             self.record.end(Termination::ConstraintsExcludeEachOther);
             return true;
         }
-        // Rounding may keep the radius from shrinking. The step is then as short as possible.
+        // Rounding errors may prevent a smaller radius. The step then has the smallest possible length.
         trials.count += 1;
         let shortest = self.record.options.step_below.max(RESOLUTION);
         if step.length <= shortest || trials.count > TRIALS {

@@ -1,7 +1,7 @@
 //! Builds of a robust tuning in SIMD lanes: their designs, with the derivatives with respect to the variables.
 //!
 //! The parts of the nominal design have the same derivatives with respect to a variable in every build. They are computed
-//! once, and each group of builds is assembled with them. Builds that do not converge in lanes are assembled one by one.
+//! once, and every group of builds uses them. Builds that do not converge in lanes are assembled one by one.
 
 use super::builds::BuiltWheel;
 use super::moves::PointRate;
@@ -13,9 +13,9 @@ pub(super) struct LaneBuilds {
     width: Width,
     at_once: usize,
     points: usize,
-    /// Random numbers of the builds, `[source][build]`.
+    /// Random numbers of the builds, `[tolerance source][build]`.
     draws: Vec<f64>,
-    /// Length of the row of one source in `draws`: the number of builds, rounded up to whole vectors.
+    /// Length of the row of one tolerance source in `draws`: the number of builds, rounded up to whole vectors.
     stride: usize,
     /// The built designs, one after another.
     designs: Vec<Vector3<f64>>,
@@ -64,7 +64,7 @@ impl LaneBuilds {
         &self.designs[group.start * self.points..group.end * self.points]
     }
 
-    /// Rates of every coordinate of a group's designs by each variable, `[variable][point][axis][lane]`.
+    /// Rates of every coordinate of a group's designs with respect to each variable, `[variable][point][axis][lane]`.
     pub(super) fn point_rates(&self, group: &std::ops::Range<usize>) -> &[f64] {
         let length = self.variables * self.points * 3 * self.at_once;
         &self.point_rates[group.start / self.at_once * length..][..length]

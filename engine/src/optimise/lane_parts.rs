@@ -1,7 +1,7 @@
 //! Constraints of designs that are solved in SIMD lanes.
 //!
-//! Lanes give positions of points and their rates by the variables as coordinates, and the spin axis as angles. With these, the
-//! chain rule converts the derivatives of a formula to derivatives with respect to the variables, station by station.
+//! Lanes give positions of points as coordinates and the spin axis as angles, each with its rates with respect to the
+//! variables. At each station, the chain rule combines these rates with the derivatives of a formula.
 
 use super::carried_triangle::CarriedTriangle;
 use crate::characteristics::{Characteristic, Input, Measure, Quantity, Stud, Vectors};
@@ -12,13 +12,13 @@ use crate::number::Vector3;
 /// A measure, expressed by quantities that lanes compute.
 #[derive(Clone)]
 pub(super) enum LanePart {
-    /// Value of a quantity, by its index among the quantities that are read.
+    /// Value of a quantity, given by its index among the quantities that are read.
     Quantity(usize),
     /// A formula of vectors.
     Formula(Measure, Vec<Source>),
 }
 
-/// Source of a vector: quantities, given by their indices, or the design.
+/// Origin of a vector: quantities, given by their indices, or the design.
 #[derive(Clone, Copy)]
 pub(super) enum Source {
     /// Coordinates of a point.
@@ -27,8 +27,8 @@ pub(super) enum Source {
     Between([[usize; 3]; 2]),
     /// Camber and toe.
     SpinAxis([usize; 2]),
-    /// A direction of the design position that rotates with the wheel carrier. Given by the coordinates of three points of
-    /// the carrier, and by these points.
+    /// A direction of the design position that rotates with the wheel carrier. Three points of the carrier give the rotation.
+    /// The fields are the quantities of their coordinates, and the points.
     Carried([[usize; 3]; 3], [PointId; 3], Stud),
     /// Position of a point in the design position.
     Designed(PointId),
@@ -90,7 +90,7 @@ impl LanePart {
     }
 }
 
-/// A design, and the rates of its coordinates by each variable, `[variable][point][axis]`.
+/// A design, and the rates of its coordinates with respect to each variable, `[variable][point][axis]`.
 pub(super) struct Moving<'d> {
     pub design: &'d [Vector3<f64>],
     pub along: &'d [f64],
@@ -144,7 +144,7 @@ fn point_in(found: &Jacobians<'_>, lane: usize, numbers: [usize; 3]) -> Vector3<
 }
 
 impl Source {
-    /// Source of a vector that a formula reads. `None` if a stud rotates with a carrier whose points lie on a line.
+    /// Origin of a vector that a formula reads. `None` if a stud rotates with a carrier whose points lie on a line.
     fn of(input: Input, suspension: &Suspension, quantities: &mut Vec<Quantity>) -> Option<Self> {
         let is_carried = |id: PointId| suspension.mechanism.body(id) == Body::Knuckle;
         let mut point =
@@ -187,7 +187,8 @@ impl Source {
         }
     }
 
-    /// Adds the contribution of this vector: its derivative `by` times its rates by the variables.
+    /// Adds the contribution of this vector: the derivative `by` with respect to the vector, times the rates of the vector
+    /// with respect to the variables.
     fn add_slopes(
         &self,
         by: Vector3<f64>,
@@ -196,7 +197,7 @@ impl Source {
         moving: &Moving<'_>,
         slopes: &mut [f64],
     ) {
-        // Adds derivatives of numbers in lanes, each with its weight.
+        // Adds the derivatives of quantities that lanes compute, each times its weight.
         let mut add = |numbers: &[usize], weights: [f64; 3]| {
             for (number, weight) in numbers.iter().zip(weights) {
                 for (column, slope) in slopes.iter_mut().enumerate() {

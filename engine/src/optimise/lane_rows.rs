@@ -18,20 +18,20 @@ pub(super) struct LaneRows<'a> {
     legs: Vec<Option<Gradients<'a>>>,
     /// The parts of constraints; `None` if lanes cannot provide all of them.
     parts: Option<Vec<LanePart>>,
-    /// Rates of every coordinate of a design by each variable, `[variable][point][axis]`.
+    /// Rates of every coordinate of a design with respect to each variable, `[variable][point][axis]`.
     along: Vec<f64>,
     /// Buffer for the derivatives of a part.
     slopes: Vec<f64>,
 }
 
-/// Rows of constraints, and the values of their parts by station.
+/// Rows of constraints, and the values of their parts at each station.
 pub(super) struct Checked<'r> {
     pub rows: &'r mut Linearisation,
     pub values: &'r mut [Vec<f64>],
 }
 
 impl<'a> LaneRows<'a> {
-    /// Prepares the targets of a layout, and its constraints if `with_constraints`. `None` if targets cannot be
+    /// Prepares the targets of a layout, and its constraints if `with_constraints` is true. `None` if targets cannot be
     /// differentiated in lanes.
     pub(super) fn new(
         suspension: &'a Suspension,

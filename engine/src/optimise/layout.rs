@@ -24,15 +24,15 @@ pub(super) struct TargetSample {
     pub target: usize,
     /// Index of the target's measure in [`TargetLayout::measures`], or index of its quantity for an axle.
     pub of: usize,
-    /// Target value. For an axle, its `drive` is the value on the target's curve as the study writes it.
+    /// Target value. For an axle, the `drive` of the sample is the abscissa of the target's curve, as written in the study.
     pub wanted: Sample,
-    /// Residual per deviation in the unit of the measure.
+    /// Residual per deviation of one unit of the measure.
     pub scale: f64,
 }
 
 impl TargetSample {
-    /// Writes the residual in a row. Returns true if the residual has slopes. Within a band it has none, and zeros are
-    /// written instead.
+    /// Writes the residual in a row. Returns true if the residual has slopes. Within a band, writes a zero residual with zero
+    /// slopes, and returns false.
     #[inline]
     pub(super) fn write_residual(&self, row: usize, found: f64, into: &mut Linearisation) -> bool {
         let deviation = self.wanted.deviation(found);
@@ -45,13 +45,13 @@ impl TargetSample {
     }
 }
 
-/// A part with a limit along a motion. Its extremes between the stations count.
+/// A part of a constraint with a limit along a motion. The limit also applies to extremes between the stations.
 #[derive(Clone, Debug)]
 pub(super) struct Extremes {
     pub part: usize,
     /// 1 for the largest values, -1 for the smallest.
     pub sign: f64,
-    /// Stations at which the part is evaluated, in the order of the drive value, each with the row of this limit.
+    /// Stations at which the part is evaluated, with the row of this limit at each, in the order of the drive value.
     pub rows: Vec<(usize, usize)>,
 }
 
@@ -79,9 +79,9 @@ pub(super) struct Part {
 /// Identifies a row of the constraints: its part, station and limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowLabel {
-    /// Index of the constraint.
+    /// Index of the constraint in the study.
     pub constraint: usize,
-    /// Index of its part.
+    /// Index of the part of the constraint.
     pub part: usize,
     /// True for the upper limit.
     pub is_upper: bool,
@@ -92,7 +92,7 @@ pub struct RowLabel {
     pub station: usize,
 }
 
-/// Targets of an axle or of elastic parts.
+/// Layout of the targets of an axle or of elastic parts.
 #[derive(Clone, Debug)]
 pub(super) enum Beside {
     /// Rows of an axle.
@@ -118,7 +118,7 @@ impl Beside {
         }
     }
 
-    /// Sets the weights of the rows: residual of each target per deviation in tolerances.
+    /// Sets the weights of the rows. The weight of a target is its residual per deviation of one tolerance.
     fn weigh(&mut self, shares: &[f64]) {
         match self {
             Beside::Axle(axle) => axle.weigh(shares),
@@ -141,7 +141,7 @@ pub struct TargetLayout {
     pub(super) equalities: usize,
     /// Number of builds, each with all the rows. 1 if the tuning is not robust.
     pub(super) builds: usize,
-    /// Residual per deviation in tolerances, for each target.
+    /// Residual per deviation of one tolerance, for each target.
     shares: Vec<f64>,
     rate_order: usize,
     /// Quantities of wheel and steering axis that the outputs read.
@@ -157,8 +157,8 @@ impl TargetLayout {
     }
 
     /// Lays out the targets and constraints of a mechanism. Curves are compared at all stations of the motion between their
-    /// ends, and at stations added for them. Single values have their own stations. The rack is where the study puts it, or
-    /// straight ahead if the study moves it.
+    /// ends, and at stations added for them. Single values have their own stations. The rack has the displacement that the
+    /// study gives, or is straight ahead if the study sweeps the rack.
     pub fn of(optimise: &Optimise, vehicle: &Vehicle) -> Self {
         let (
             own_motion,
@@ -298,7 +298,7 @@ impl TargetLayout {
         self.rate_order
     }
 
-    /// Drive value of a constraint's row, if the constraint is checked at several drive values.
+    /// Drive value of a constraint's row. `None` if the constraint is checked at only one drive value.
     pub(super) fn place_of(&self, label: &RowLabel) -> Option<f64> {
         let Some(leg) = self.legs.get(label.leg) else {
             let Some(Beside::Elastic(elastic)) = &self.beside else {
@@ -335,7 +335,7 @@ impl TargetLayout {
         self.parts[self.labels[row].part].limited.visible
     }
 
-    /// Absolute values of the limits that the rows of the constraints are measured from, in the rows' unit.
+    /// Absolute values of the limits of the constraints' rows, in the rows' unit.
     pub(super) fn row_limits(&self) -> Vec<f64> {
         let limit = |label: &RowLabel| {
             let part = &self.parts[label.part].limited;
@@ -405,7 +405,7 @@ impl TargetLayout {
         legs.chain(of_axle).chain(of_elastic)
     }
 
-    /// The residual of a target per deviation in tolerances.
+    /// Residual of a target per deviation of one tolerance.
     pub fn share(&self, target: usize) -> f64 {
         self.shares[target]
     }
@@ -451,15 +451,15 @@ impl TargetLayout {
     }
 }
 
-/// Residual per deviation in tolerances for each target. It depends on the number of all rows and on the target's own number
-/// of rows.
+/// Residual per deviation of one tolerance, for each target. It depends on the number of all rows and on the number of rows
+/// of the target.
 fn shares(optimise: &Optimise, rows: usize, own: &[usize]) -> Vec<f64> {
     let total: f64 = optimise.targets.iter().map(|t| t.weight).sum();
     let targets = optimise.targets.iter().zip(own);
     targets
         .map(|(target, own)| {
             if optimise.fit {
-                // Each measured point counts equally, whatever the number of points of its kind.
+                // Each measured point counts equally, no matter how many points there are of its kind.
                 (target.weight / total * optimise.targets.len() as f64).sqrt()
             } else {
                 (target.weight / total * rows as f64 / *own as f64).sqrt()
@@ -489,7 +489,7 @@ fn parts(optimise: &Optimise, mechanism: &Mechanism) -> Vec<Part> {
     parts.collect()
 }
 
-/// Deviation from a target, in its tolerances.
+/// Deviation from a target, in tolerances of the target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     /// Root mean square over the target's stations.

@@ -7,32 +7,33 @@
 //! damping = max( mu |r|^2, drift |J W| |r| )                                               (2)
 //! ```
 //!
-//! (1) is solved exactly (`BoundedLeastSquares`). With damping in proportion to |r|^2 the method converges quadratically to a
-//! zero of r. It does so even if zeros are not isolated and J does not have full rank (Ch. Kanzow, N. Yamashita, M. Fukushima,
-//! Levenberg-Marquardt methods with strong local convergence properties for solving nonlinear equations with convex constraints,
-//! J. Comput. Appl. Math. 172, 2004). mu follows the ratio of the actual reduction to the predicted one (J. Fan, Y. Yuan, On the
-//! quadratic convergence of the Levenberg-Marquardt method without nonsingularity assumption, Computing 74, 2005). The method
-//! needs no decision about the rank: directions that leave the residuals unchanged have no gradient, and damping does not move
-//! them.
+//! (1) is solved exactly (`BoundedLeastSquares`). With damping proportional to |r|^2 the method converges quadratically to a
+//! zero of r. This holds even if zeros are not isolated and J does not have full rank (Ch. Kanzow, N. Yamashita, M.
+//! Fukushima, Levenberg-Marquardt methods with strong local convergence properties for solving nonlinear equations with
+//! convex constraints, J. Comput. Appl. Math. 172, 2004). mu follows the ratio of the actual reduction to the predicted one
+//! (J. Fan, Y. Yuan, On the quadratic convergence of the Levenberg-Marquardt method without nonsingularity assumption,
+//! Computing 74, 2005). The method needs no decision about the rank: directions that leave the residuals unchanged have no
+//! gradient, and damping does not move them.
 //!
-//! The second term of (2) prevents such moves in finite precision as well. Rounding turns the zero singular value of such a
-//! direction into one of about e |J W|, with e the machine precision. Its left vector may have a component along r, so the step
-//! along the direction is up to e |J W| |r| / damping. The term limits that step to [`DRIFT`] of the range. It vanishes with r,
-//! so it does not spoil the convergence.
+//! The second term of (2) also prevents moves along these directions that rounding would cause. Rounding turns the zero
+//! singular value of such a direction into one of about e |J W|, with e the machine precision. Its left vector may have a
+//! component along r, so the step along the direction is up to e |J W| |r| / damping. The term limits that step to [`DRIFT`]
+//! of the range. The term goes to zero with r, so it does not slow down the convergence.
 //!
-//! If singular values spread over many decades, the cost has a narrow, curved valley, and steps along its floor would soon become
-//! very short. Even a short step along the floor raises the cost, because the floor curves and the step ends on a steep wall. So
-//! a trial that does not lower the cost is corrected before it is rejected. Newton steps, with Jacobians that the trials computed
-//! anyway, move it to the residuals that the model predicted,
+//! If singular values spread over many decades, the cost has a narrow, curved valley, and steps along the floor of this
+//! valley would soon become very short. Even a short step along the floor raises the cost, because the floor curves and the
+//! step ends on a steep wall. So a trial that does not lower the cost is corrected before it is rejected. Newton steps move
+//! the trial to the point with the residuals that the model predicted. They use Jacobians that the trials have already
+//! computed:
 //!
 //! ```text
-//! e = argmin |J' W e + r' - (r + J W s)|^2 + damping |e|^2     at the trial, r' and J' being there  (3)
+//! e = argmin |J' W e + r' - (r + J W s)|^2 + damping |e|^2     with r' and J' at the trial          (3)
 //! ```
 //!
-//! as long as each step is at most half as long as the previous one. Such steps show that Newton's method converges. Unlike the
-//! cost, this test does not depend on the steepness of the walls (P. Deuflhard, Newton methods for nonlinear problems, 2004,
-//! sections 3.3 and 4.3). The corrections are those against the Maratos effect (J. Nocedal, S. Wright, Numerical optimization,
-//! 2nd ed., section 18.3). Every trial that is finally accepted has a lower cost.
+//! The Newton steps continue as long as each is at most half as long as the previous one, because then Newton's method
+//! converges. Unlike the cost, this test does not depend on the steepness of the walls (P. Deuflhard, Newton methods for
+//! nonlinear problems, 2004, sections 3.3 and 4.3). The corrections are known as a remedy for the Maratos effect (J. Nocedal,
+//! S. Wright, Numerical optimization, 2nd ed., section 18.3). Every trial that is finally accepted has a lower cost.
 
 use super::fit_record::{ArgminState, FitRecord, of};
 use super::local_model::LocalModel;
@@ -46,16 +47,16 @@ use nalgebra::DVector;
 /// Largest move in one step, as a fraction of the range, along a direction without effect on the residuals. The rounding of
 /// J causes such moves.
 const DRIFT: f64 = 1e-6;
-/// First damping, relative to the square of the longest column of J W. It affects directions whose effect is less than a
-/// thirtieth of the largest.
+/// First damping, relative to the square of the longest column of J W. It damps directions whose effect on the residuals is
+/// less than a thirtieth of the largest effect.
 const FIRST_DAMPING: f64 = 1e-3;
 /// Smallest accepted ratio of actual to predicted reduction.
 const ACCEPTABLE: f64 = 1e-4;
 /// Ratios below which the damping rises for the next step, and above which it falls.
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
-/// Length of a step, as a fraction of the range, up to which the residuals follow their slopes: the curvature along such a step
-/// changes them by less than rounding, and a kink by little more.
+/// Length of a step, as a fraction of the range, up to which the residuals follow their slopes: along such a step, curvature
+/// changes them by less than rounding, and a kink by little more than rounding.
 const STRAIGHT: f64 = 1e-11;
 /// Largest number of corrections of a trial. Each correction is at most half as long as the previous one; most converge
 /// quadratically.
@@ -71,13 +72,14 @@ pub struct LevenbergMarquardt<'a> {
     model: LocalModel<'a>,
     trial_x: DVector<f64>,
     trial: Linearisation,
-    /// Residuals that the model predicts at the trial, the excess of the actual residuals there over these, the model (3) of that
-    /// excess, and the step of this model.
+    /// Four vectors: the residuals that the model predicts at the trial, the actual residuals minus these, the model (3) of
+    /// this difference, and the step of this model.
     promised: DVector<f64>,
     excess: DVector<f64>,
     correction: LocalModel<'a>,
     corrected_x: DVector<f64>,
-    /// Largest norm of the deviation from the promised residuals after a step of at most [`STRAIGHT`]. It is rounding.
+    /// Largest norm of the deviation from the predicted residuals after a step of at most [`STRAIGHT`]. This deviation comes
+    /// from rounding only.
     seen_rounding: f64,
 }
 
@@ -189,7 +191,8 @@ impl<'a> LevenbergMarquardt<'a> {
             .gemv(1.0, &self.current.jacobian, &self.corrected_x, 1.0);
     }
 
-    /// Notes the rounding of the residuals if the step from `x` to the trial is so short that they should be as promised.
+    /// Stores the deviation from the predicted residuals as their rounding error, if the step from `x` to the trial is at
+    /// most [`STRAIGHT`].
     fn note_rounding(&mut self, x: &DVector<f64>) {
         if self.model.largest_component() <= STRAIGHT {
             self.promise(x);
@@ -198,8 +201,8 @@ impl<'a> LevenbergMarquardt<'a> {
         }
     }
 
-    /// Corrects a trial reached from `x` until the cost is at most `goal`. It stops if a correction is more than half as long as
-    /// the previous one. Returns the number of evaluated points, or an error at a point without residuals.
+    /// Corrects a trial reached from `x` until the cost is at most `goal`. The function stops if a correction is more than
+    /// half as long as the previous one. Returns the number of evaluated points, or an error at a point without residuals.
     fn correct(
         &mut self,
         problem: &mut impl LeastSquares,
@@ -309,13 +312,13 @@ impl<P: LeastSquares> Solver<P, ArgminState> for LevenbergMarquardt<'_> {
             self.note_rounding(&x);
             let predicted = self.model.predicted_reduction();
             let found = cost - self.trial.cost();
-            // A small predicted reduction by a damped step does not prove a minimum. The reduction by an undamped step must be
-            // small, too.
+            // A small predicted reduction by a damped step does not show that the point is a minimum. The predicted reduction
+            // by an undamped step must be small, too.
             let is_negligible = obstacle.is_none()
                 && predicted <= negligible
                 && found.abs() <= negligible
                 && self.undamped_reduction(drift, damping) <= negligible;
-            // A point whose slope exceeds rounding errors is not a minimum while steps still lower the misfit.
+            // A point whose slope exceeds rounding errors is not a minimum, as long as steps still lower the misfit.
             let at_end = is_negligible
                 && (found <= 0.0 || self.residual(&self.trial, &self.trial_x) < CONVERGED);
             if at_end {

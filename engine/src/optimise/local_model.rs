@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// Residuals and Jacobian at a point, reduced to a triangle, with the distances to the bounds.
 ///
-/// Steps are in fractions of the ranges.
+/// Steps are measured in fractions of the ranges.
 pub(super) struct LocalModel<'a> {
     bounds: &'a Bounds,
     subproblem: BoundedLeastSquares,

@@ -1,13 +1,14 @@
-//! Tuning hardpoints: targets as nonlinear least squares with box bounds, from one start or several.
+//! Tuning of hardpoints: the targets form a nonlinear least-squares problem with box bounds, solved from one or several
+//! starts.
 //!
-//! [`tune()`] lays the targets of a study out as an [`Objective`]. The modules below it contain no suspensions. A
-//! [`LeastSquares`] problem yields residuals, in units of their tolerances, and their exact Jacobian in one pass. [`fit()`] finds
-//! a minimum from one start, [`multistart()`] from several in parallel. [`Identifiability`] names the directions in which the
-//! residuals do not change. This is the only module that uses argmin.
+//! [`tune()`] writes the targets of a study as an [`Objective`]. The solvers below it do not know about suspensions. A
+//! [`LeastSquares`] problem yields residuals, in units of their tolerances, and their exact Jacobian in one pass. [`fit()`]
+//! finds a minimum from one start, [`multistart()`] from several in parallel. [`Identifiability`] names the directions in
+//! which the residuals do not change. This module is the only one that uses argmin.
 //!
-//! Steps are measured in fractions of the variables' ranges. The ranges define which moves are comparable, so the method does not
-//! depend on units. MINPACK scales by the column norms of the Jacobian instead. With that scale, variables with little effect on
-//! the residuals make large moves. In a rank-deficient fit, these variables should not move.
+//! Steps are measured in fractions of the variables' ranges. The ranges define which moves are of equal size, so the result
+//! does not depend on units. MINPACK scales by the column norms of the Jacobian instead. With that scale, variables with
+//! little effect on the residuals make large moves. In a rank-deficient fit, these variables should not move.
 
 mod active_set;
 mod at_design;

@@ -6,10 +6,10 @@ use crate::number::{Dual, Vector3};
 use crate::study::Variable;
 use nalgebra::DVector;
 
-/// Number of variables that one pass differentiates by.
+/// Number of variables with respect to which one pass differentiates.
 pub(super) const AT_ONCE: usize = 4;
 
-/// A value with its derivatives by a few variables.
+/// A value with its derivatives with respect to a few variables.
 pub(super) type ByVariables = Dual<f64, AT_ONCE>;
 
 /// Design of a wheel, and the rates at which the variables move its points.
@@ -18,7 +18,7 @@ pub(super) type WheelMoved<'m> = (&'m [Vector3<f64>], &'m [PointRate]);
 /// Nominal design of a wheel, moved by the variables of a tuning.
 pub(super) struct MovedWheel<'a> {
     frame: Frame,
-    /// Design without moves.
+    /// Design before any move.
     own: &'a [Vector3<f64>],
     /// Added point that gives the spin axis of a carrier without such a hardpoint, and the wheel centre that it follows.
     follower: Option<(PointId, PointId)>,
@@ -29,7 +29,7 @@ pub(super) struct MovedWheel<'a> {
 }
 
 impl<'a> MovedWheel<'a> {
-    /// Wheel of a suspension. `frame` has the axes of the study.
+    /// Makes the wheel of a suspension. `frame` has the axes of the study.
     pub(super) fn new(suspension: &'a Suspension, frame: Frame) -> Self {
         MovedWheel {
             frame,
@@ -40,8 +40,8 @@ impl<'a> MovedWheel<'a> {
         }
     }
 
-    /// The wheel of an assembled suspension ([`crate::assembly::Assembler::suspension`]). An added point of the spin axis keeps
-    /// its direction from the wheel centre when the wheel centre moves.
+    /// Makes the wheel of an assembled suspension ([`crate::assembly::Assembler::suspension`]). An added point of the spin
+    /// axis keeps its direction from the wheel centre when the wheel centre moves.
     pub(super) fn assembled(suspension: &'a Suspension, frame: Frame) -> Self {
         let leader = suspension.mechanism.wheel_centre;
         let follower = suspension.mechanism.moves_with(leader);
@@ -130,7 +130,7 @@ pub(super) fn along_variables(
     }
 }
 
-/// Appends the rates of a design by some of the `variables`, beginning with number `first`.
+/// Appends the rates of a design with respect to some of the `variables`, beginning with number `first`.
 pub(super) fn append_rates(
     design: &[Vector3<ByVariables>],
     first: usize,

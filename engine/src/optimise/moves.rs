@@ -1,9 +1,9 @@
-//! Moves of the design by the variables, and their derivatives.
+//! Moves of the design with the variables, and their derivatives.
 //!
-//! Points that rotate as one body move to c + R(w) (p - c). Here c is their centroid in the design and w the rotation vector. All
-//! other moves are added to this rotation. With the angle a = |w|, R is Cayley's rotation of the Rodrigues vector w tan(a/2)/a.
-//! The factor tan(a/2)/a is a power series in w.w. The series is accurate to double precision up to the largest rotation that a
-//! study may request.
+//! Points that rotate as one body move to c + R(w) (p - c). Here c is the centroid of these points in the design, and w is
+//! the rotation vector. All other moves are added to this rotation. With the angle a = |w|, R is Cayley's rotation of the
+//! Rodrigues vector w tan(a/2)/a. The factor tan(a/2)/a is a power series in w.w. The series is accurate to double precision
+//! up to the largest rotation that a study may request.
 
 use crate::model::{Axis, Frame, Suspension};
 use crate::number::{Dual, Matrix3, Real, Vector3};
@@ -40,7 +40,7 @@ fn along(frame: &Frame, axis: Axis) -> Vector3<f64> {
     unit
 }
 
-/// Total rotation by the variables of one group: a rotation vector in radians, in the kernel's frame.
+/// Total rotation of one group of variables: a rotation vector in radians, in the kernel's frame.
 fn rotation_vector(
     frame: &Frame,
     variables: &[Variable],
@@ -101,8 +101,8 @@ pub fn moved_design(
 }
 
 impl Study {
-    /// Returns the study with the variables of its tuning moved by `offsets`. A right wheel with its own hardpoints moves by
-    /// the same offsets. If one body carries both wheels, its far half follows the near half.
+    /// Returns the study with the variables of its tuning moved by `offsets`. A right wheel with different hardpoints moves
+    /// by the same offsets. If one body carries both wheels, the right half of the body follows the left half.
     pub fn moved(&self, offsets: &[f64]) -> Study {
         let Some(optimise) = &self.optimise else {
             return self.clone();
@@ -147,7 +147,7 @@ pub struct PointRate {
     pub column: usize,
     /// Index of the point.
     pub point: usize,
-    /// Derivative of the point's position by the variable.
+    /// Derivative of the point's position with respect to the variable.
     pub by: Vector3<f64>,
 }
 
@@ -235,7 +235,7 @@ mod tests {
         assert!((angle - 15.0_f64.to_radians()).abs() < 1e-15);
     }
 
-    /// Compares with differences of fourth order.
+    /// Compares the rates with finite differences of fourth order.
     #[test]
     fn ways_are_the_derivatives_of_the_moves() {
         let frame = Frame::new(FrameConvention::SaeJ670, Side::Right);

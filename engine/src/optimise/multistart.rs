@@ -52,9 +52,9 @@ impl Multistart {
 /// nearest to `design`, and points of a low-discrepancy sequence over the box.
 ///
 /// `problem` makes a problem for each start. The result does not depend on the number of threads. The best fit is the one
-/// with the least misfit. Fits count as equal below [`Options::misfit_below`], or if they found the same minimum. Among
-/// equal fits, the one with the smallest move from the design wins, in fractions of the ranges. If moves are equal, the
-/// earliest start wins.
+/// with the least misfit. Fits count as equal below [`Options::misfit_below`], or if they found the same minimum. Among equal
+/// fits, the one with the smallest move from the design wins, in fractions of the ranges. If two moves are equally small, the
+/// earlier start wins.
 pub fn multistart<P: LeastSquares>(
     problem: impl Fn() -> P + Sync,
     bounds: &Bounds,
@@ -91,7 +91,7 @@ pub fn constrained_multistart<P: Constrained>(
     Multistart { starts, best }
 }
 
-/// Index of the start nearest to the design, among those with the smallest misfit. `None` if none has a misfit.
+/// Index of the start nearest to the design, among those with the smallest misfit. `None` if no start has a misfit.
 fn nearest_of_least(
     starts: &[Start],
     bounds: &Bounds,
@@ -110,7 +110,7 @@ pub(super) fn least_violation(starts: &[Start]) -> Option<usize> {
     fits(starts).min_by(by_violation).map(|(index, _)| index)
 }
 
-/// Runs the starts with these numbers in parallel. After a request to stop, only the first one still runs.
+/// Runs the starts with these numbers in parallel. After a request to stop, only the first start still runs.
 pub(super) fn every_start(
     numbers: Range<usize>,
     bounds: &Bounds,
@@ -148,7 +148,7 @@ pub fn starting_point(
     })
 }
 
-/// Fits of the starts that have one, with the numbers of the starts.
+/// Fits of all starts that did not fail, with the numbers of the starts.
 pub(super) fn fits(starts: &[Start]) -> impl Iterator<Item = (usize, &Fit)> {
     let fits = starts.iter().enumerate();
     fits.filter_map(|(index, start)| Some((index, start.outcome.as_ref().ok()?)))
@@ -160,8 +160,8 @@ pub(super) fn least_misfit(starts: &[Start]) -> Option<f64> {
     kept.map(|(_, fit)| fit.misfit()).min_by(f64::total_cmp)
 }
 
-/// Chooses the start with the smallest move among those that satisfy the constraints with a misfit up to `good`. Distances count
-/// as equal if they exceed the smallest one by at most the relative difference `share`; then the earliest start wins.
+/// Chooses the start with the smallest move among those that satisfy the constraints with a misfit up to `good`. Two
+/// distances count as equal if they differ by at most the fraction `share`. Of equal starts the earliest wins.
 pub(super) fn nearest(
     starts: &[Start],
     good: f64,
@@ -217,7 +217,8 @@ mod tests {
         }
     }
 
-    /// With two zeros, at -1 and 0.5, the result is the one nearer to the design. Some starts have no residuals.
+    /// The residuals are zero at -1 and at 0.5. The result is the zero that is nearer to the design. Some starts have no
+    /// residuals.
     #[test]
     fn of_equal_fits_the_smallest_move_is_kept_and_failures_are_reported() {
         let rows: Function = |x| {

@@ -1,16 +1,16 @@
 //! Search for the smallest change of the design that is good enough.
 //!
 //! The search starts from a design with a low misfit. It lowers the distance from the study's own design, while the misfit
-//! stays below a level m and the constraints are satisfied. One run usually converges. If it ends infeasible, with an error
-//! or at a budget, more runs follow:
+//! stays below a level m and the constraints are satisfied. One run usually converges. If the run ends at an infeasible
+//! point, with an error, or at its limit of evaluations, more runs follow:
 //!
-//! - from its end, if that is feasible
-//! - along a series of levels between the lowest misfit and m, each from the end of the previous run
+//! - from the end of the first run, if this point is feasible
+//! - for several rising levels between the lowest misfit and m; each run starts from the end of the previous run
 //! - from the study's own design
 //!
-//! In all runs but the last, steps that would exceed the level by far are refused. A result for a lower level also satisfies the
-//! higher one, so the result nearest to the study's own design is used. If no run for m converged, the design is not known to be
-//! the smallest change, and the termination says so.
+//! All runs except the last refuse steps that would exceed the level by far. A result for a lower level also satisfies a
+//! higher level, so the search returns the result nearest to the study's own design. If no run for m converged, a smaller
+//! change may exist. The termination then says so.
 
 use super::constrained::{Assessment, Constrained, ConstrainedFit, KEPT, constrained_fit};
 use super::fixed::FixedRows;
@@ -23,11 +23,11 @@ use nalgebra::DVector;
 const NO_MOVE: f64 = 1e-9;
 /// Intermediate levels, as shares of the difference between the lowest misfit and the level.
 const RUNGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// Violation that a step may cause, as a multiple of the level, and in tolerances if that is larger. Larger steps would lead to
-/// other minima.
+/// Violation that a step may cause, as a multiple of the level, or in tolerances if that is larger. Larger steps would lead
+/// to other minima.
 const NEAR_LEVEL: f64 = 1.0;
-/// Largest number of evaluations as shares of [`Options::max_evaluations`]: of all runs together, of the first run, and of each
-/// other run.
+/// Largest numbers of evaluations, as shares of [`Options::max_evaluations`]. The three constants apply to all runs together,
+/// to the first run, and to each other run.
 const ALL_RUNS: f64 = 0.04;
 const FIRST_RUN: f64 = 0.02;
 const OTHER_RUNS: f64 = 0.01;
@@ -52,7 +52,7 @@ struct Search<'s, 'a> {
     distance: Distance<'s>,
     history: Vec<Iteration>,
     /// Nearest design so far that satisfies the level and the constraints, with its distance. The flag is true if no nearer
-    /// one exists.
+    /// design exists.
     best: Option<(f64, ConstrainedFit, bool)>,
     /// Reason for the end of the last run.
     ended: Option<Termination>,
@@ -61,7 +61,7 @@ struct Search<'s, 'a> {
 }
 
 impl Search<'_, '_> {
-    /// Makes a run at a misfit. Returns its end point if the misfit and the constraints are satisfied there.
+    /// Runs the search with a limit on the misfit. Returns the end point if it satisfies this limit and the constraints.
     fn run(
         &mut self,
         from: &DVector<f64>,
@@ -118,7 +118,7 @@ impl Search<'_, '_> {
         Some(x)
     }
 
-    /// Returns true if the nearest design is known, or if the search must stop.
+    /// Returns true if the nearest design has been found, or if the search must stop.
     fn is_over(&self, most: f64) -> bool {
         let near = self.best.as_ref();
         near.is_some_and(|(distance, _, known)| *known && *distance <= most + AS_NEAR * most)
@@ -218,7 +218,7 @@ impl Tuner<'_> {
                 violation = kept;
                 (x, at.goal, at.rows)
             }
-            // All targets together are limited by the level.
+            // The level limits the misfit of all targets together.
             None => (found.x, found.at.levels.swap_remove(0), found.at.rows),
         };
         fit.active_bounds = self.bounds.active_bounds(&x);

@@ -1,14 +1,14 @@
 //! Targets and constraints of a study as a least-squares problem over its variables.
 //!
-//! A residual is the deviation from a target at one station, in tolerances, times a share s of the target's weight. The
-//! deviation from a band is measured from the nearer limit. The misfit is the root mean square of all residuals. The shares
-//! are such that
+//! A residual is the deviation from a target at one station, in tolerances, times a factor s that follows from the target's
+//! weight. The deviation from a band is measured from the nearer limit of the band. The misfit is the root mean square of all
+//! residuals. The factors are chosen so that
 //!
 //! ```text
-//! misfit^2 = sum_targets weight rms^2 / sum_targets weight,   rms over the target's own stations
+//! misfit^2 = sum_targets weight rms^2 / sum_targets weight,   rms over the stations of one target
 //! ```
 //!
-//! for any numbers of stations. Each station needs one pose, one factorisation, and one adjoint for each value.
+//! This holds for any number of stations. Each station needs one pose, one factorisation, and one adjoint for each value.
 //!
 //! Constraints also hold between the stations: see [`extremes`](super::extremes).
 
@@ -40,10 +40,10 @@ pub struct Objective<'a> {
     constants: Constants,
     /// The wheel, or the left wheel of an axle.
     pub(super) wheel: MovedWheel<'a>,
-    /// Right wheel with its own hardpoints.
+    /// Right wheel. `None` if it is the mirror image of the left wheel.
     pub(super) right: Option<MovedWheel<'a>>,
-    /// Lane evaluation of designs (and builds) that the tracker accepts. `None` if lanes cannot read a target, or if lanes
-    /// are switched off.
+    /// Evaluation in SIMD lanes, for designs and builds that the tracker accepts. `None` if lanes cannot read a target, or if
+    /// lanes are switched off.
     pub(super) lanes: Option<LaneRows<'a>>,
     robust: Option<Robust<'a>>,
     solver: Solver<'a>,
@@ -51,7 +51,8 @@ pub struct Objective<'a> {
     reader: Box<dyn ReadStations + 'a>,
     /// Reader with one more derivative with respect to the drive. The search for extremes needs it.
     sloped: Option<Reader<3>>,
-    /// Rates at which forces under loads change with the variables. `None` if no target or constraint concerns a force.
+    /// Design series from which the derivatives of member forces follow. `None` if no target or constraint uses a member
+    /// force.
     moving: Option<AlongVariables>,
     /// Rows of targets of an axle or of elastic parts. `None` if there are none.
     beside: Option<Box<dyn RowsBeside + 'a>>,
@@ -105,9 +106,9 @@ impl<'a> Objective<'a> {
         })
     }
 
-    /// Makes the problem of a robust tuning, whose residuals are those of builds. With `width`, builds of a rigid wheel are
-    /// solved in lanes; all other builds are solved one by one. [`Vehicle::assembled`] returns `assembled`, whose wheels may have
-    /// additional spindle points.
+    /// Makes the problem of a robust tuning, whose residuals are those of builds. If `width` is given, builds of a rigid
+    /// wheel are solved in lanes; all other builds are solved one by one. `assembled` comes from [`Vehicle::assembled`]; its
+    /// wheels may have additional spindle points.
     pub fn of_builds(
         assembled: &'a Vehicle,
         variables: &'a [Variable],
@@ -117,7 +118,7 @@ impl<'a> Objective<'a> {
     ) -> Result<Self, DesignFault> {
         let suspension = assembled.wheel();
         let mut objective = Objective::new(suspension, variables, layout)?;
-        // A move of the nominal design may move every point of a build.
+        // If the nominal design moves, every point of a build may move.
         let all: Vec<PointId> = (0..suspension.design.len()).map(PointId).collect();
         objective.reader = reader(suspension, layout, &all, variables.len());
         let frame = suspension.frame;
@@ -145,7 +146,8 @@ impl<'a> Objective<'a> {
         Ok(objective)
     }
 
-    /// Returns the problem solved in lanes of this width, or station by station without a width. Used to compare the two.
+    /// Returns the problem solved in lanes of this width, or station by station if `width` is `None`. Used to compare the two
+    /// methods.
     #[must_use]
     pub fn with_width(mut self, suspension: &'a Suspension, width: Option<Width>) -> Self {
         self.lanes = width.and_then(|width| LaneRows::new(suspension, self.layout, true, width));
@@ -171,7 +173,7 @@ impl<'a> Objective<'a> {
         robust.map_or(0, Robust::builds_in_lanes)
     }
 
-    /// The wheel, or both wheels of an axle. A right wheel that is the mirror image of the left one is not included.
+    /// The wheel, or both wheels of an axle. A right wheel that is the mirror image of the left wheel is not included.
     pub(super) fn wheels(&self) -> impl Iterator<Item = &MovedWheel<'a>> {
         [Some(&self.wheel), self.right.as_ref()]
             .into_iter()
@@ -219,8 +221,8 @@ impl<'a> Objective<'a> {
         found
     }
 
-    /// Writes the rows of an axle or of elastic parts for the moved design. The elastic rates of a build scatter; `scattered` is
-    /// `None` for the nominal design.
+    /// Writes the rows of an axle or of elastic parts for the moved design. `scattered` holds the scattered elastic rates of
+    /// a build; it is `None` for the nominal design.
     pub(super) fn evaluate_beside(
         &mut self,
         x: &DVector<f64>,
@@ -352,8 +354,8 @@ impl<'a> Objective<'a> {
         begun.map_err(refused(mechanism))
     }
 
-    /// Runs the listed searches for extremes between the stations of a leg. In the rows, each extreme replaces the value at
-    /// its station.
+    /// Runs the listed searches for extremes between the stations of a leg. In the rows, the value at each extreme replaces
+    /// the value at its station.
     fn find_extremes(&mut self, leg: &Leg, rows: &mut Linearisation) -> Result<(), Infeasible> {
         let Objective {
             layout,

@@ -13,8 +13,8 @@ impl<P> Pool<P> {
         Pool(Mutex::new(Vec::from_iter(idle)))
     }
 
-    /// Lends a problem of the pool, or a new one. It returns to the pool when its guard is dropped. Results depend only on the
-    /// evaluated point, so any problem of the pool can be lent.
+    /// Lends a problem of the pool, or makes a new one. The problem returns to the pool when its guard is dropped. Results
+    /// depend only on the evaluated point, so the pool may lend any of its problems.
     pub(super) fn lend(&self, make: impl FnOnce() -> P) -> PoolGuard<'_, P> {
         let idle = self.idle().pop();
         PoolGuard {

@@ -12,11 +12,11 @@ pub trait LeastSquares {
     /// Number m of residuals, at least one. May be smaller than n.
     fn residuals(&self) -> usize;
 
-    /// Writes all residuals at `x` and their exact derivatives into `into`.
+    /// Computes all residuals at `x` and their exact derivatives. Writes both into `into`.
     ///
-    /// Both come from one pass, because they share nearly all of their work. The method takes `&mut self` so that a problem may
-    /// keep its workspace. But the result must depend on `x` alone: the method must not start from the result of the previous
-    /// call. Otherwise results would depend on the path.
+    /// One pass computes the residuals and the derivatives, because they share nearly all of the work. The method takes
+    /// `&mut self` so that a problem may keep its workspace. But the result must depend on `x` alone: the method must not
+    /// start from the result of the previous call.
     fn evaluate(&mut self, x: &DVector<f64>, into: &mut Linearisation) -> Result<(), Infeasible>;
 }
 
@@ -25,7 +25,7 @@ pub trait LeastSquares {
 pub struct Linearisation {
     /// Residuals, m numbers, in units of their tolerances.
     pub residuals: DVector<f64>,
-    /// Derivatives of the residuals (rows) by the variables (columns), an m x n matrix.
+    /// Derivatives of the residuals (rows) with respect to the variables (columns), an m x n matrix.
     pub jacobian: DMatrix<f64>,
 }
 
@@ -43,7 +43,7 @@ impl Linearisation {
         0.5 * self.residuals.norm_squared()
     }
 
-    /// Root mean square of the residuals. It is 1 if residuals equal their tolerances on average, whatever their number.
+    /// Root mean square of the residuals. It is 1 if each residual is as large as its tolerance, for any number of residuals.
     pub fn misfit(&self) -> f64 {
         (self.residuals.norm_squared() / self.residuals.len() as f64).sqrt()
     }

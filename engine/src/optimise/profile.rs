@@ -1,4 +1,5 @@
-//! Profile of a linear fit: the smallest sum of squares for each value of one variable, with the others within their ranges.
+//! Profile of a linear fit: the smallest sum of squares for each value of one variable, with the other variables within their
+//! ranges.
 
 use super::qr::{scale_columns, triangularise};
 use super::{BoundedLeastSquares, Bounds, Linearisation};
@@ -6,8 +7,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Largest number of trials in the search for an end.
 const TRIALS: usize = 60;
-/// Factor of the Illinois method on the value at an end that has not moved in two successive trials. It changes the path of the
-/// search, not the result.
+/// Factor of the Illinois method on the value at an end of the bracket that has not moved in two successive trials. The
+/// factor changes the path of the search, not the result.
 const ILLINOIS: f64 = 0.5;
 /// Damping of the bounded problems, relative to the largest column. It fixes directions that leave all residuals unchanged.
 const DAMPING: f64 = 1e-10;
@@ -23,7 +24,7 @@ pub(super) struct Profile<'a> {
     /// Column of the variable after the same rotations, and its diagonal entry.
     column: DVector<f64>,
     diagonal: f64,
-    /// Residuals after the same rotations, divided in the same way.
+    /// Residuals after the same rotations, split in the same two parts.
     offset: DVector<f64>,
     last: f64,
     /// Part of the sum of squares that does not depend on the moves.
@@ -89,7 +90,7 @@ impl<'a> Profile<'a> {
         ((&self.triangle * &moves + offset).norm_squared(), moves)
     }
 
-    /// Move of the variable to a value, in fractions of its range.
+    /// Move that brings the variable to this value, in fractions of its range.
     fn fraction(&self, value: f64) -> f64 {
         (value - self.point[self.variable]) / self.bounds.width()[self.variable]
     }
@@ -112,7 +113,8 @@ impl<'a> Profile<'a> {
 
     /// Finds the value between `from` and `bound` at which the smallest sum of squares reaches a level, and the point there.
     /// `None` if the sum does not reach the level at the bound, or already exceeds it at `from`. The search is the Illinois
-    /// method (M. Dowell, P. Jarratt, A modified regula falsi method, BIT 11, 1971), on the root of the rise above `from`.
+    /// method (M. Dowell, P. Jarratt, A modified regula falsi method, BIT 11, 1971), on the root of the rise of the sum above
+    /// its value at `from`.
     pub(super) fn end(&self, from: f64, bound: f64, level: f64) -> Option<(f64, DVector<f64>)> {
         let first = self.squares(from).0;
         if first > level || self.squares(bound).0 <= level {
@@ -158,7 +160,7 @@ impl<'a> Profile<'a> {
         self.place(value, &self.squares(value).1)
     }
 
-    /// Point after these moves.
+    /// Point with this value of the variable, after these moves of the other variables.
     fn place(&self, value: f64, moves: &DVector<f64>) -> DVector<f64> {
         let mut x = self.point.clone();
         x[self.variable] = value;
@@ -173,7 +175,8 @@ impl<'a> Profile<'a> {
 mod tests {
     use super::*;
 
-    /// Closed form for two variables: the other variable takes its best value within its range.
+    /// Compares the profile with the closed form for two variables. There the other variable takes its best value within its
+    /// range.
     #[test]
     fn profiles_are_the_closed_form() {
         let bounds = Bounds::new(&[[-2.0, 4.0], [0.0, 0.5]]).unwrap();

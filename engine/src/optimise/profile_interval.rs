@@ -1,23 +1,24 @@
 //! Confidence interval of a variable of a fit, with all variables within their ranges.
 //!
-//! The measurements are y = f(x0) + e, with normal errors e of one unknown variance. The truth x0 is assumed to lie **within the
-//! ranges** l <= x0 <= u; no interval within the ranges could contain a truth outside of them. r(x) are the residuals of the fit,
-//! S is its smallest sum of squares, at x^, and s^2 is the variance of a residual. The smallest sum of squares for a value c of
-//! variable j is its *profile*, and T measures how much worse c fits:
+//! The measurements are y = f(x0) + e, with normal errors e of one unknown variance. The true values x0 are assumed to lie
+//! **within the ranges**, l <= x0 <= u. If x0 were outside, no interval within the ranges could contain it. r(x) are the
+//! residuals of the fit, S is their smallest sum of squares, reached at x^, and s^2 is the variance of a residual. The
+//! smallest sum of squares for a value c of variable j is its *profile*, and T measures how much worse the fit is with this
+//! value c:
 //!
 //! ```text
 //! S_j(c) = min { |r(x)|^2 : l <= x <= u, x_j = c }                                         (1)
 //! T_j(c) = (S_j(c) - S) / (k_j s^2)                                                        (2)
 //! ```
 //!
-//! Without weights k_j is 1 ([`StandardErrors`](super::StandardErrors)). The interval is all c with
+//! Without weights k_j is 1 ([`StandardErrors`](super::StandardErrors)). The interval contains all c with
 //!
 //! ```text
 //! T_j(c) <= q_j(c)^2                                                                       (3)
 //! ```
 //!
 //! The other variables move within their ranges in (1). So a variable that ended at its bound is not treated as known: its
-//! error widens the intervals of the others. If no bound is within reach, T_j is the square of Student's t with the degrees
+//! error widens the intervals of the other variables. If no bound is near, T_j is the square of Student's t with the degrees
 //! of freedom of s^2, q is its 97.5 % quantile, and (3) is the usual interval of linear regression.
 //!
 //! Near a bound of x_j itself, T is smaller than t^2, since x^_j cannot follow the errors across the bound. Let d be the
@@ -42,16 +43,17 @@
 //!
 //! (5) is exact for a linear fit in which only x_j can reach a bound. Bounds of the other variables make T a mixture of
 //! chi-squares whose weights depend on the unknown x0 (S. G. Self, K.-Y. Liang, Asymptotic properties of maximum likelihood
-//! estimators and likelihood ratio tests under nonstandard conditions, J. Am. Stat. Assoc. 82, 1987). So T is also simulated, by
-//! fits of the linear model to errors of known seed about x(c) ([`SimulatedFits`](super::simulated_fits::SimulatedFits)).
-//! Simulation uses x(c) in place of x0, which may make q too small. (5) ignores the bounds of the other variables, which may also
-//! make q too small. The method takes the larger of the two. If no variable has a bound within four standard errors, neither is
-//! needed, and q is the two-sided quantile.
+//! estimators and likelihood ratio tests under nonstandard conditions, J. Am. Stat. Assoc. 82, 1987). So the code also
+//! simulates T: it fits the linear model to random errors about x(c), from a fixed seed
+//! ([`SimulatedFits`](super::simulated_fits::SimulatedFits)). The simulation uses x(c) in place of x0, so its q may be too
+//! small. Equation (5) ignores the bounds of the other variables, so its q may also be too small. The method takes the larger
+//! q. If no variable has a bound within four standard errors, q is the two-sided quantile without (5) or simulation.
 //!
-//! For a linear r, (1) is a bounded linear least-squares problem, convex and piecewise quadratic in c. A bracketing search finds
-//! the end of (3). Then the true r and its Jacobian are evaluated at the point x(c) of that end. The search is repeated until the
-//! end no longer moves. There, (1) holds for the true r. If the end does not settle within the allowed number of evaluations, or
-//! if there are no residuals, it is set to the end of the range. This is correct by assumption.
+//! For a linear r, (1) is a bounded linear least-squares problem, convex and piecewise quadratic in c. A bracketing search
+//! finds the end of the interval (3). Then the true r and its Jacobian are evaluated at the point x(c) of that end. The
+//! search is repeated until the end no longer moves. At this end, (1) holds for the true r. If the end does not settle within
+//! the allowed number of evaluations, or if there are no residuals, it is set to the end of the range. This choice is safe,
+//! because x0 lies within the ranges by assumption.
 
 use super::profile::Profile;
 use super::simulated_fits::SimulatedFits;
@@ -65,11 +67,11 @@ const OUTSIDE: f64 = 0.05;
 const EVALUATIONS: usize = 6;
 /// Movement of an end, as a share of its distance from the estimate, below which the end has settled.
 const AT_REST: f64 = 0.01;
-/// Share of the range above which an interval determines nothing.
+/// Width of an interval, as a share of the range, above which the variable counts as not determined.
 const NEARLY_ALL: f64 = 0.95;
 /// Number of rounds that settle an end together with its quantile.
 const SETTLING: usize = 2;
-/// Distance, in standard errors, within which a bound changes the distribution of T.
+/// Distance, in standard errors, up to which a bound changes the distribution of T.
 const IN_REACH: f64 = 4.0;
 /// Smallest scatter, in tolerances. Smaller values are rounding errors.
 const RESOLUTION: f64 = 1e-9;
@@ -84,9 +86,9 @@ pub enum ConfidenceInterval {
         /// Highest value.
         upper: f64,
     },
-    /// The variable is at its lower bound. It is at most this value.
+    /// The variable is at its lower bound. Its true value is at most this value.
     AtMost(f64),
-    /// The variable is at its upper bound. It is at least this value.
+    /// The variable is at its upper bound. Its true value is at least this value.
     AtLeast(f64),
     /// Nearly all values of the range agree with the measurements, or the variable does not affect the measured values.
     NotDetermined,
@@ -99,12 +101,12 @@ pub(super) struct Solved<'a> {
     pub bounds: &'a Bounds,
     /// Distribution of the errors.
     pub student: Student,
-    /// Standard errors with all variables free. `None` if unknown.
+    /// Standard errors with all variables free. `None` for each unknown error.
     pub errors: &'a [Option<f64>],
     pub simulated: SimulatedFits<'a>,
 }
 
-/// Writes the residuals of a point. Returns true if the point has any.
+/// Writes the residuals of a point. Returns true if the point has residuals.
 type Evaluate<'e> = dyn FnMut(&DVector<f64>, &mut Linearisation) -> bool + 'e;
 
 impl Solved<'_> {
@@ -172,7 +174,7 @@ impl Solved<'_> {
         None
     }
 
-    /// Quantile q of (3) for the value of a variable in `x`. The other variables of `x` minimise (1).
+    /// Quantile q of (3) for the value that a variable has in `x`. The other variables of `x` minimise (1).
     fn quantile(&self, variable: usize, x: &DVector<f64>, deviation: f64, ratio: f64) -> f64 {
         let bounds = [self.bounds.lower(), self.bounds.upper()];
         let is_near = |at: &DVector<f64>, j: usize| {

@@ -1,12 +1,13 @@
-//! Orthogonal triangularisation by Householder reflections (G. H. Golub, Ch. F. Van Loan, Matrix Computations, 4th ed.,
-//! 5.2), in place and without allocation.
+//! Orthogonal triangularisation by Householder reflections (G. H. Golub, Ch. F. Van Loan, Matrix Computations, 4th ed., 5.2),
+//! in place and without allocation of memory.
 //!
 //! nalgebra's own decomposition allocates and keeps Q. The solvers need only R and Q^T b, tens of thousands of times, for
 //! matrices of a few hundred entries.
 
 use nalgebra::DMatrix;
 
-/// Smallest norm of a column that is not zero. The square of a smaller norm is not a normal number.
+/// Smallest norm of a column that counts as nonzero. The square of a smaller norm would not be a normal floating-point
+/// number.
 const SMALLEST_NORM: f64 = 1.5e-154;
 
 /// Writes the columns of a Jacobian into `to`, each multiplied by its factor and extended with zeros to `rows` rows.
@@ -24,8 +25,8 @@ pub(super) fn scale_columns(jacobian: &DMatrix<f64>, by: &[f64], rows: usize, to
 /// Applies the reflections that make the matrix `a` upper triangular to `a` and to `b`.
 ///
 /// `a` holds columns of `rows` entries, at most `rows` of them; `b` has `rows` entries. Afterwards the upper triangle of `a`
-/// is R and `b` is Q^T b. The entries below the diagonal are undefined. Backward stable for any rank: dependent columns give
-/// small diagonal entries.
+/// is R and `b` is Q^T b. The entries below the diagonal are undefined. The method is backward stable for any rank: dependent
+/// columns give small diagonal entries.
 pub(super) fn triangularise(a: &mut [f64], rows: usize, b: &mut [f64]) {
     triangularise_within(a, rows, |_| rows, b);
 }
@@ -115,7 +116,7 @@ mod tests {
     use crate::optimise::test_problems::Noise;
     use nalgebra::DVector;
 
-    /// With known zeros, the result is the same triangle.
+    /// The triangle is the same with and without the use of known zeros.
     #[test]
     fn known_zeros_change_nothing() {
         let mut noise = Noise::new(2);

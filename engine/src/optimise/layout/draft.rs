@@ -25,7 +25,7 @@ pub(super) struct Draft {
     pub targets: Vec<(usize, usize, usize, Sample)>,
     /// Part and station of each check.
     pub checks: Vec<(usize, usize)>,
-    /// Parts whose extremes between the stations count.
+    /// Parts whose limits also apply to extremes between the stations.
     pub extremes: Vec<usize>,
 }
 
@@ -88,8 +88,8 @@ impl Draft {
     }
 }
 
-/// Returns the index of the draft with this drive, this rack displacement, and stations that begin with `values`. Adds it if
-/// it is missing.
+/// Returns the index of the draft with this drive and this rack displacement whose stations begin with `values`. Adds the
+/// draft if it is missing.
 pub(super) fn draft_of(drafts: &mut Vec<Draft>, drive: Drive, rack: f64, values: &[f64]) -> usize {
     let same = |d: &Draft| d.drive == drive && d.rack == rack && d.values.starts_with(values);
     drafts.iter().position(same).unwrap_or_else(|| {

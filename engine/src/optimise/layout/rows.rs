@@ -43,7 +43,7 @@ impl Check {
 pub(in crate::optimise) struct LimitedValue {
     /// Index of the part of a constraint.
     pub part: usize,
-    /// Index among the values.
+    /// Index of the value among all values that are read.
     pub of: usize,
     /// Limits of the value.
     pub limited: Limited,
@@ -69,7 +69,7 @@ impl LimitedValue {
 }
 
 impl Extremes {
-    /// Collects the extremes of one sign from the checks of all stations. `None` if no station has such a limit.
+    /// Collects the rows for maxima or for minima from the checks of all stations. `None` if no station has such a limit.
     pub(super) fn of(
         part: usize,
         sign: f64,
@@ -94,7 +94,7 @@ pub(super) struct RowNumbers<'p> {
 }
 
 impl<'p> RowNumbers<'p> {
-    /// Numbers the equalities among these checks. A check is part, leg and station.
+    /// Numbers the equalities among these checks. Each check is given by its part, leg and station.
     pub(super) fn of(
         parts: &'p [Part],
         checks: impl Iterator<Item = (usize, usize, usize)>,

@@ -1,10 +1,10 @@
-//! Plan of a computation: the values that the outputs of a study need, and no others.
+//! Plan of a computation: only the values that the outputs of a study need.
 //!
 //! The plan decides about everything that takes computing time:
 //!
 //! - number of derivatives of a pose,
 //! - factorisation of a Jacobian, if one is needed,
-//! - hardpoints and outputs of gradients.
+//! - hardpoints and outputs for which gradients are computed.
 
 mod effects;
 
@@ -26,12 +26,12 @@ pub struct Output {
     pub unit: String,
     /// Factor from a value in the kernel's frame (radians or length units) to the printed value.
     pub factor: f64,
-    /// Highest derivative with respect to the drive or by time.
+    /// Highest order of the derivative with respect to the drive or time.
     pub highest: usize,
 }
 
 impl Output {
-    /// Quantity of the catalogue, if the output is one.
+    /// Catalogue quantity of the output. `None` for other outputs.
     pub fn quantity(&self) -> Option<Quantity> {
         self.of.quantity()
     }
@@ -53,11 +53,11 @@ pub struct Plan {
     pub station_order: StationOrder,
     /// Rack displacements, in the study's axes.
     pub racks: Vec<f64>,
-    /// True if the study moves the rack. Results then have a column for it.
+    /// True if the study sweeps the rack. Results then have a column for it.
     pub rack_moves: bool,
-    /// Factor from a rack displacement in the study's axes to one in the kernel's: 1 or -1.
+    /// Factor from a rack displacement in the study's axes to the kernel's axes: 1 or -1.
     pub rack_sign: f64,
-    /// Drive as a function of time, if derivatives are by time.
+    /// Drive as a function of time, if derivatives are with respect to time.
     pub time: Option<TimeLaw>,
     /// Outputs.
     pub outputs: Vec<Output>,
@@ -73,17 +73,17 @@ pub struct Plan {
     pub loads: Vec<Load>,
     /// Data of the study that formulas read, for example dimensions of the vehicle.
     pub constants: Constants,
-    /// Test figures of elastic parts. Their columns follow those of the outputs.
+    /// Test results of elastic parts. Their columns follow those of the outputs.
     pub figures: Vec<ElasticFigure>,
 }
 
 impl Plan {
-    /// Plan of a wheel's curves.
+    /// Plans the curves of a wheel.
     pub fn of(own: &WheelStudy) -> Plan {
         Plan::with(own, &own.outputs.characteristics, &own.outputs.figures)
     }
 
-    /// Plan of the curves before and after an optimisation: outputs of the study, then quantities of its targets.
+    /// Plans the curves before and after an optimisation: first the outputs of the study, then the quantities of its targets.
     pub fn with_targets(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
         let mut characteristics = own.outputs.characteristics.clone();
         let targets = optimise.iter().flat_map(|o| &o.targets);

@@ -24,7 +24,7 @@ pub(super) struct Profile<'a> {
     /// Column of the variable after the same rotations, and its diagonal entry.
     column: DVector<f64>,
     diagonal: f64,
-    /// Residuals after the same rotations, split in the same two parts.
+    /// Residuals after the same rotations, and the entry that belongs to `diagonal`.
     offset: DVector<f64>,
     last: f64,
     /// Part of the sum of squares that does not depend on the moves.

@@ -142,7 +142,7 @@ mod tests {
         }
     }
 
-    /// R^T R = A^T A and R^T Q^T b = A^T b, to the rounding of products of `rows` terms.
+    /// The test requires R^T R = A^T A and R^T Q^T b = A^T b, up to the rounding error of products of `rows` terms.
     #[test]
     fn the_triangle_has_the_inner_products_of_the_matrix() {
         let mut noise = Noise::new(1);

@@ -1,4 +1,4 @@
-//! Residuals of a robust tuning. The tuning minimises the residuals of its builds in place of those of the nominal design.
+//! Residuals of a robust tuning. A robust tuning minimises the residuals of its builds, not those of the nominal design.
 
 use super::builds::Builds;
 use super::lane_builds::LaneBuilds;
@@ -13,13 +13,13 @@ use std::mem::swap;
 /// Builds of a robust tuning.
 pub(super) struct Robust<'a> {
     builds: Builds<'a>,
-    /// Lane evaluation of the builds of a rigid wheel.
+    /// Evaluation of the builds of a rigid wheel in SIMD lanes.
     lanes: Option<LaneBuilds>,
 }
 
 impl<'a> Robust<'a> {
-    /// Prepares the builds of a vehicle that [`Vehicle::assembled`] returned. With `width`, those of one wheel are assembled in
-    /// lanes.
+    /// Prepares the builds of a vehicle that [`Vehicle::assembled`] returned. If `width` is given, lanes assemble the builds
+    /// of a study of one wheel.
     pub(super) fn new(
         assembled: &Vehicle,
         scatter: &'a Scatter,

@@ -1,21 +1,22 @@
 //! Fits of a linear model to simulated errors, with the variables within their ranges.
 //!
-//! The errors e of the measurements are normal and independent, with the scatter s. They move the residuals of the model
-//! r(x) = J (x - x0) + w e about a truth x0. Each simulated fit yields the same quantities as the true one in (2) of
+//! The errors e of the measurements are normal and independent, with the scatter s. They move the residuals of the model r(x)
+//! = J (x - x0) + w e about the true values x0. Each simulated fit gives the same quantities as the real fit in (2) of
 //! [`profile_interval`](super::profile_interval):
 //!
 //! ```text
 //! T = (min { |r(x)|^2 : in the box, x_j = x0_j } - min { |r(x)|^2 : in the box }) / s*^2      (1)
 //! ```
 //!
-//! Here s* is the scatter of the simulated fit, with its own number of free variables. All simulations use the same seed, so
-//! that results are reproducible and quantiles change smoothly with x0.
+//! Here s* is the scatter of the simulated fit, with the number of free variables of that fit. All simulations use the same
+//! seed, so that results are reproducible and quantiles change smoothly with x0.
 
 use super::{ActiveBound, BoundedLeastSquares, Bounds, Linearisation};
 use crate::sorting::sort_numbers;
 use nalgebra::{DMatrix, DVector};
 
-/// Number of fits. The probability above their 95 % quantile is 5 % with a standard deviation of 1.1 %.
+/// Number of fits. With this number, the probability of values above the estimated 95 % quantile is 5 % with a standard
+/// deviation of 1.1 %.
 const FITS: usize = 400;
 const SEED: u64 = 0x5EED_0F17;
 /// Damping of the bounded problems, relative to the largest column.
@@ -27,11 +28,11 @@ pub(super) struct SimulatedFits<'a> {
     weights: &'a [f64],
     /// Jacobian J times the ranges.
     jacobian: DMatrix<f64>,
-    /// Triangle of this Jacobian.
+    /// Triangular factor of this Jacobian.
     triangle: DMatrix<f64>,
     /// Weighted errors with scatter 1, one column for each fit.
     errors: DMatrix<f64>,
-    /// Errors after the rotations that make the triangle.
+    /// Errors after the same orthogonal transformation.
     rotated: DMatrix<f64>,
 }
 
@@ -147,7 +148,7 @@ impl Noise {
 mod tests {
     use super::*;
 
-    /// Two variables near their bounds. In closed form, each fit is the interior minimum or the best point of the four
+    /// Two variables near their bounds. The closed form of each fit is the interior minimum or the best point of the four
     /// edges.
     #[test]
     fn fits_of_two_variables_are_the_closed_form() {
@@ -172,7 +173,7 @@ mod tests {
                     let e = fits.rotated.column(fit).into_owned();
                     let squares =
                         |v: [f64; 2]| (r * DVector::from_row_slice(&v) + &e).norm_squared();
-                    // Best move of one variable while the other is held.
+                    // Best move of one variable while the other variable is fixed.
                     let along = |held: usize, value: f64| {
                         let free = 1 - held;
                         let rest = &e + r.column(held) * value;
@@ -210,7 +211,7 @@ mod tests {
         }
     }
 
-    /// The simulated errors have mean 0, variance 1 and the tails of the normal distribution.
+    /// The simulated errors have mean 0, variance 1 and tails like the normal distribution.
     #[test]
     fn errors_are_normal() {
         let mut noise = Noise(SEED);

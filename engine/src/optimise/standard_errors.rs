@@ -8,26 +8,26 @@
 //! C   = A^-1 (sum_i w_i^2 g_i g_i^T) A^-1 s^2,     A = sum_i g_i g_i^T                       (2)
 //! ```
 //!
-//! with g_i the gradient of the weighted r_i by the variables. Tolerances are assumed proportional to the scatter of the
-//! measurements; weights are the engineer's own choice (G. A. F. Seber, C. J. Wild, Nonlinear regression, 1989, 2.1.2 and 2.8.8).
-//! A^-1 comes from the singular values of the weighted Jacobian, with columns scaled by the ranges, so that no normal equations
-//! are formed. Standard errors are the roots of C_jj. Correlations are those of C with all variables free. So they depend on the
-//! data alone, not on bounds.
+//! with g_i the gradient of the weighted r_i with respect to the variables. The tolerances are assumed to be proportional to
+//! the scatter of the measurements. The weights are free choices of the engineer (G. A. F. Seber, C. J. Wild, Nonlinear
+//! regression, 1989, 2.1.2 and 2.8.8). A^-1 comes from the singular values of the weighted Jacobian, with columns scaled by
+//! the ranges, so that no normal equations are formed. Standard errors are the roots of C_jj. Correlations come from C with
+//! all variables free, so they depend only on the data, not on bounds.
 //!
 //! A variable at its bound is not known: its true value may lie anywhere within its range. If (2) treated the variable as fixed
 //! at the bound, the errors of the other variables would be too small. So a fit with a variable at its bound has no standard
 //! errors.
 //!
-//! With weights, the sum of squares rises about its minimum as if the variance of variable j were (A^-1)_jj s^2. The
-//! intervals divide by the ratio
+//! With weights, the sum of squares near its minimum rises as if the variance of variable j were (A^-1)_jj s^2. The intervals
+//! divide by the ratio
 //!
 //! ```text
 //! k_j = C_jj / ((A^-1)_jj s^2)                                                              (3)
 //! ```
 //!
-//! If all weights are 1, the ratio is 1. Near bounds it depends on the free variables. The code takes the larger of two ratios:
-//! with all variables free, and with only those between their bounds free. Intervals take the ranges of all variables into
-//! account ([`profile_interval`](super::profile_interval)).
+//! If all weights are 1, the ratio is 1. Near bounds, the ratio depends on the choice of the free variables. The code
+//! computes one ratio with all variables free, and one with only the variables between their bounds free. It takes the larger
+//! ratio. Intervals take the ranges of all variables into account ([`profile_interval`](super::profile_interval)).
 
 use super::covariance::Covariance;
 use super::profile_interval::{ConfidenceInterval, Solved};
@@ -41,19 +41,19 @@ use nalgebra::DVector;
 pub struct StandardErrors {
     /// Scatter of a measurement about the fit, in tolerances: s of (1).
     pub scatter: f64,
-    /// Standard errors by variable. `None` if the measurements do not determine it. `None` for all variables if one of them
-    /// is at its bound.
+    /// Standard error of each variable. `None` for a variable that the measurements do not determine. `None` for all
+    /// variables if one of them is at its bound.
     pub sigmas: Vec<Option<f64>>,
-    /// Confidence intervals by variable.
+    /// Confidence interval of each variable.
     pub intervals: Vec<ConfidenceInterval>,
     /// Pairs of variables that the measurements hardly distinguish, with their correlation, the closest first.
     pub correlations: Vec<(usize, usize, f64)>,
 }
 
 impl StandardErrors {
-    /// Standard errors and intervals of a fit that ended at `x`. `weights` are the square roots of w, by residual.
-    /// `evaluate` writes the residuals of a point, and returns true if it has any. `None` if there are no more residuals
-    /// than free variables.
+    /// Standard errors and intervals of a fit that ended at `x`. `weights` are the square roots of w, one for each residual.
+    /// `evaluate` writes the residuals of a point, and returns false if the point has no residuals. `None` if there are no
+    /// more residuals than free variables.
     pub fn of(
         x: &DVector<f64>,
         at: &Linearisation,
@@ -187,8 +187,8 @@ mod tests {
         }
     }
 
-    /// A straight line through N points, with 1 to 5 degrees of freedom. Compares with the textbook's standard errors of
-    /// slope and intercept, with quantiles of Student's distribution, and with the known correlation.
+    /// Fits a straight line to N points, with 1 to 5 degrees of freedom. Compares the result with textbook formulas for the
+    /// standard errors of slope and intercept, with quantiles of Student's distribution, and with the known correlation.
     #[test]
     fn intervals_of_a_line_are_the_closed_form() {
         let quantiles = [
@@ -246,7 +246,7 @@ mod tests {
         }
     }
 
-    /// A linear fit with simulated noise. Each 95 % interval contains the truth in 93 to 97 of 100 fits.
+    /// Fits a linear model with simulated noise. Each 95 % interval contains the truth in 93 to 97 of 100 fits.
     #[test]
     fn intervals_hold_the_truth_as_often_as_they_say() {
         let mut noise = Noise::new(8);
@@ -277,9 +277,10 @@ mod tests {
         }
     }
 
-    /// Linear fits of four correlated variables with one to three variables at bounds. The truth is inside the box or on its
-    /// border. Weights are 1, or not 1/variance. At least 80 % of the intervals of free variables are two-sided, and 92 to
-    /// 98 % contain the truth. At least 92 % of the one-sided limits contain it.
+    /// Fits linear models of four correlated variables with one to three variables at bounds. The true values are inside the
+    /// box or on its border. Some fits use weights of 1, others use weights that differ from 1/variance. At least 80 % of the
+    /// intervals of free variables are two-sided, and 92 to 98 % contain the true value. At least 92 % of the one-sided
+    /// limits contain it.
     #[test]
     fn intervals_beside_bounds_hold_the_truth() {
         let mut noise = Noise::new(31);
@@ -290,8 +291,8 @@ mod tests {
                 .map(|i| if i % 3 == 0 { 2.5 } else { 1.0 })
                 .collect(),
         ] {
-            // [number of fits of free variables, two-sided ones, ones that contain the truth]; [number of limits, ones that
-            // contain the truth]
+            // Counts: [fits of free variables, two-sided intervals, intervals that contain the true value]; [limits, limits
+            // that contain the true value]
             let (mut free, mut limits) = ([[0; 3]; 4], [0; 2]);
             for _ in 0..260 {
                 let common = DVector::from_fn(rows, |_, _| noise.next());
@@ -351,8 +352,8 @@ mod tests {
         }
     }
 
-    /// One variable near its bound. The end of its interval satisfies (4) and (5), which are solved here in closed form for
-    /// a truth at the end. Errors beyond the bound are cut off.
+    /// One variable is near its bound. The end of its interval satisfies (4) and (5). The test solves these equations in
+    /// closed form for a true value at the end of the interval. Errors beyond the bound are cut off.
     #[test]
     fn one_variable_at_its_bound_has_a_limit() {
         let rows = 400;
@@ -395,8 +396,8 @@ mod tests {
         }
     }
 
-    /// Estimate of a mean near a bound, from measurements whose errors add up to zero. `room` is its distance from the bound in
-    /// standard errors.
+    /// Estimate of a mean near a bound, from measurements whose errors add up to zero. `room` is the distance of the mean
+    /// from the bound in standard errors.
     fn mean(rows: usize, room: f64) -> (StandardErrors, f64) {
         let mut noise = Noise::new(rows as u64);
         let mut errors = DVector::from_fn(rows, |_, _| normal(&mut noise));
@@ -412,8 +413,8 @@ mod tests {
         (fit.errors(&DVector::zeros(1)).0, error)
     }
 
-    /// If no bound is within four standard errors of either end, the interval is that of Student's distribution. Closer to a
-    /// bound it is narrower, since errors beyond the bound are cut off.
+    /// If no bound is within four standard errors of either end, the interval equals that of Student's distribution. Closer
+    /// to a bound the interval is narrower, since errors beyond the bound are cut off.
     #[test]
     fn bounds_count_within_four_standard_errors() {
         for rows in 8..30 {
@@ -438,7 +439,7 @@ mod tests {
         }
     }
 
-    /// If measurements fit exactly, the uncertainty is a billionth of a tolerance, not zero.
+    /// If the model fits the measurements exactly, the uncertainty is a billionth of a tolerance, not zero.
     #[test]
     fn exact_measurements_have_rounding_errors() {
         let rows = 9;

@@ -11,9 +11,9 @@ use super::{Fit, Linearisation, Multistart, Objective, Options, Start, Terminati
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Ratio to the smallest misfit. Up to it, designs count as equally good if no design is good enough.
+/// Largest ratio to the smallest misfit up to which designs count as equally good. It applies if no design is good enough.
 const AS_GOOD: f64 = 1.01;
-/// Largest number of repetitions of all starts. They are repeated if a residual changes that was constant at the design.
+/// Largest number of repetitions of all starts. The starts run again if a residual changes that was constant at the design.
 const ROUNDS: usize = 3;
 /// Number of starts that are tried before the program reports that constraints exclude one another.
 pub(super) const STARTS_BEFORE_REFUSAL: usize = 4;
@@ -56,7 +56,7 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Runs every start without the constant residuals, and chooses the result.
+    /// Runs every start without the constant residuals, and chooses the best result.
     fn starts_without(&self, fixed: &FixedRows) -> Multistart {
         let optimise = self.optimise;
         let options = self.options();
@@ -100,7 +100,7 @@ impl<'a> Tuner<'a> {
             });
             self.count_moving_rows(&mut starts);
         }
-        // A run that stopped at a good enough misfit has not met the removed targets.
+        // A run that stopped because its misfit was good enough still misses the removed targets.
         for start in &mut starts {
             if let Ok(fit) = &mut start.outcome
                 && fit.termination == Termination::MisfitReached
@@ -150,7 +150,7 @@ impl<'a> Tuner<'a> {
         starts
     }
 
-    /// Marks a row as movable in every start if some variable changes it in one of them.
+    /// Marks a row as movable in every start if some variable changes this row in any start.
     fn count_moving_rows(&self, starts: &mut [Start]) {
         let states =
             |(_, fit): (usize, &'_ Fit)| fit.constraints.clone().map(|state| state.movable);
@@ -177,9 +177,10 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Chooses a start among those that satisfy the constraints. It chooses the nearest start that is good enough. If there is
-    /// none, it chooses the nearest among those that are about as good as the best one. If none satisfies the constraints,
-    /// chooses the one with the smallest violation. `least` is the smallest misfit of those that satisfy them.
+    /// Chooses a start among those that satisfy the constraints: the start with the smallest move among the good enough ones.
+    /// If no start is good enough, chooses the start with the smallest move among those about as good as the best. If no
+    /// start satisfies the constraints, chooses the start with the smallest violation. `least` is the smallest misfit of the
+    /// starts that satisfy the constraints.
     fn choose(&self, starts: &[Start], least: Option<f64>, good: f64) -> Option<usize> {
         let Some(least) = least else {
             return least_violation(starts);

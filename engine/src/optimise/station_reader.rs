@@ -25,12 +25,13 @@ pub(super) struct Visit<'v, 'a> {
     pub(super) moving: Option<&'v AlongVariables>,
     pub(super) solver: &'v mut Solver<'a>,
     pub(super) values: &'v mut PartValues,
-    /// Memory for the residuals, with the index of their first row. `rows` is the memory for the rows of the constraints.
+    /// Memory for the residuals, with the index of their first row. The field `rows` is the memory for the rows of the
+    /// constraints.
     pub(super) into: Option<(&'v mut Linearisation, usize)>,
     pub(super) rows: Option<&'v mut Linearisation>,
 }
 
-/// A [`Reader`] without its number of coefficients in the type.
+/// Interface of a [`Reader`], independent of its number of coefficients.
 pub(super) trait ReadStations: Send {
     /// Prepares to read poses of this design.
     fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<f64>]);
@@ -38,7 +39,7 @@ pub(super) trait ReadStations: Send {
     fn visit(&mut self, visit: Visit<'_, '_>) -> Result<(), Infeasible>;
 }
 
-/// Makes a reader of the sensitivities to points, for the quantities that a layout reads.
+/// Makes a reader for the quantities that a layout reads, with their sensitivities to the points.
 pub(super) fn reader(
     suspension: &Suspension,
     layout: &TargetLayout,
@@ -51,7 +52,7 @@ pub(super) fn reader(
     }
 }
 
-/// Reads values and gradients from poses. Each series has `N` coefficients.
+/// Reads values and gradients from poses. Each Taylor series has `N` coefficients.
 pub(super) struct Reader<const N: usize> {
     pub(super) series: DesignSeries<N>,
     pub(super) slopes: Slopes<N>,
@@ -146,7 +147,7 @@ impl<const N: usize> ReadStations for Reader<N> {
     }
 }
 
-/// The derivatives of a measure by the variables.
+/// Derivatives of a measure with respect to the variables.
 pub(super) struct Slopes<const N: usize> {
     pub(super) buffer: Vec<Vector3<Jet<f64, N>>>,
     pub(super) gradient: Vec<Vector3<f64>>,
@@ -161,7 +162,7 @@ pub(super) struct Reading<'r, 'a, const N: usize> {
     pub(super) solver: &'r Solver<'a>,
     pub(super) motion: &'r MotionPoint<f64>,
     pub(super) point_rates: &'r [PointRate],
-    /// Series along the variables. Required if the measure is a force.
+    /// Taylor series along the variables. Required if the measure is a force.
     pub(super) moving: Option<&'r AlongVariables>,
 }
 
@@ -204,7 +205,7 @@ impl<const N: usize> Slopes<N> {
     }
 }
 
-/// Value of a measure along the motion. NaN for a force if no member can carry the load.
+/// Taylor series of a measure along the motion. NaN for a force if no member can carry the load.
 pub(super) fn read<const N: usize>(
     measure: &Measure,
     view: &WheelReading<N>,
@@ -218,7 +219,7 @@ pub(super) fn read<const N: usize>(
     }
 }
 
-/// A drive value in words.
+/// Describes a drive value in words.
 pub(super) fn place_in_words(drive: Drive, value: f64) -> String {
     match drive {
         Drive::Travel => format!("travel {value}"),
@@ -226,12 +227,13 @@ pub(super) fn place_in_words(drive: Drive, value: f64) -> String {
     }
 }
 
-/// Converts the fault of a design that cannot be solved into the reason for missing residuals.
+/// Returns a function that converts the fault of an unsolvable design into the reason why residuals are missing.
 pub(super) fn refused(mechanism: &Mechanism) -> impl Fn(DesignFault) -> Infeasible {
     |fault| Infeasible::Refused(fault.describe(mechanism))
 }
 
-/// Reads the poses of a leg at some drive values in turn. Stops with an error at the first one without a pose.
+/// Reads the poses of a leg at some drive values, one after another. Stops with an error at the first drive value without a
+/// pose.
 pub(super) fn read_poses<'a>(
     solver: &mut Solver<'a>,
     leg: &Leg,
@@ -260,8 +262,8 @@ pub(super) fn read_poses<'a>(
     failed.map_or(Ok(()), Err)
 }
 
-/// Makes the error for a force whose value `found` is NaN, because no member can carry its load there. `None` for all other
-/// measures and values.
+/// Makes the error for a force whose value `found` is NaN, because no member can carry its load there. Returns `None` for all
+/// other measures and values.
 pub(super) fn uncarried(
     measure: &Measure,
     found: f64,

@@ -8,25 +8,26 @@
 //!
 //! The residual is the largest component of the left side of (1), relative to the larger of two sizes. One is the largest
 //! term of (1). The other is the largest slope that the squared residuals could have: the largest pivot of their scaled
-//! Jacobian times their norm. It is 0 at a minimum and of order one elsewhere. A run has converged if it is below
-//! [`CONVERGED`].
+//! Jacobian times their norm. The residual is 0 at a minimum and of order one elsewhere. A run has converged if its residual
+//! is below [`CONVERGED`].
 //!
-//! A slope is a sum of products, so it is never exactly zero. Residuals have the rounding error [`Options::misfit_below`], or a
-//! larger one that short steps have shown: an equilibrium has more rounding than a pose. Variables have a resolution below which
-//! no method makes steps. A slope that is no larger than the effect of these two counts as zero. So a fit of exact measurements
-//! converges: its residuals are rounding, and so is their slope, however large it is relative to them.
+//! A computed slope is a sum of products, so rounding keeps it from being exactly zero. Residuals have the rounding error
+//! [`Options::misfit_below`], or a larger error that short steps have shown: the rounding error of an equilibrium is larger
+//! than that of a pose. Variables have a resolution: no method makes smaller steps. A slope that is no larger than the effect
+//! of these two counts as zero. So a fit to exact measurements converges: its residuals and their slope consist of rounding
+//! errors only, even if the slope is large relative to the residuals.
 //!
-//! Multipliers come from non-negative least squares, which minimise the left side of (1). If gradients are linearly dependent,
-//! several sets of multipliers do so; the smallest set is used. At a kink a row has several gradients, and the same least squares
-//! over all of them yield the least-norm subgradient.
+//! Multipliers come from non-negative least squares, which minimise the left side of (1). If gradients are linearly
+//! dependent, several sets of multipliers minimise it, and the code uses the smallest set. At a kink a row has several
+//! gradients. The same least squares over all of these gradients give the least-norm subgradient.
 
 use super::{BoundedLeastSquares, Bounds, Linearisation, Options};
 use nalgebra::{DMatrix, DVector};
 
-/// Residual of the optimality conditions below which a run has converged.
+/// Residual of the optimality conditions below which a run counts as converged.
 pub(super) const CONVERGED: f64 = 1e-6;
-/// Damping of the least squares for multipliers. Their columns have length 1. Gradients count as dependent if the part of one
-/// outside the span of the others is smaller than the square root of this damping.
+/// Damping of the least squares for multipliers. The columns of the least squares have length 1. A gradient counts as
+/// dependent on the others if its part outside their span is smaller than the square root of this damping.
 const DEPENDENT: f64 = 1e-18;
 
 /// Sizes that slopes are compared with.
@@ -34,11 +35,11 @@ const DEPENDENT: f64 = 1e-18;
 pub(super) struct Scale {
     /// Largest slope that the squared residuals could have.
     steepest: f64,
-    /// Size of a slope that is only rounding.
+    /// Largest size of a slope that consists of rounding errors only.
     rounding: f64,
 }
 
-/// Squared residuals, in half ranges of the variables.
+/// Sizes of the squared residuals, in half ranges of the variables.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sizes {
     /// Number of residuals, and their norm.
@@ -77,8 +78,8 @@ impl Scale {
     }
 }
 
-/// Residual of the optimality conditions with bounds only. The largest pivot is that of the scaled Jacobian, in half ranges.
-/// `seen_rounding` is the norm of the residuals' rounding that short steps have shown.
+/// Residual of the optimality conditions with bounds only. `pivot` is the largest pivot of the scaled Jacobian, in half
+/// ranges. `seen_rounding` is the norm of the residuals' rounding that short steps have shown.
 pub(super) fn between_bounds(
     at: &Linearisation,
     x: &DVector<f64>,
@@ -134,7 +135,7 @@ impl Pushes {
         self.is_free.push(is_free);
     }
 
-    /// Multipliers with the smallest left side of (1). If there are several sets, the smallest.
+    /// Multipliers with the smallest left side of (1). If there are several such sets, returns the smallest.
     pub(super) fn balance(&self, slope: &[f64], scale: Scale) -> Balance {
         let (n, count) = (slope.len(), self.is_free.len());
         let most = |of: &[f64]| of.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
@@ -181,7 +182,7 @@ mod tests {
     use super::*;
     use crate::optimise::test_problems::Noise;
 
-    /// Makes the scale of one residual of size 1 with slopes of size 1.
+    /// Makes the scale for one residual of size 1 with slopes of size 1.
     fn plain(variables: usize) -> Scale {
         Scale::new(Sizes {
             residuals: 1,
@@ -194,8 +195,8 @@ mod tests {
         })
     }
 
-    /// Slopes that are combinations of random gradients with known multipliers can be balanced. With the opposite signs they
-    /// cannot.
+    /// Slopes that are combinations of random gradients with known multipliers can be balanced. With multipliers of the
+    /// opposite signs they cannot be balanced.
     #[test]
     fn planted_multipliers_balance_and_those_of_the_wrong_sign_do_not() {
         let mut noise = Noise::new(11);

@@ -36,7 +36,7 @@ impl Student {
         0.5 * (1.0 - within)
     }
 
-    /// Value that is exceeded with this probability, which must be below one half.
+    /// Value that a sample exceeds with the probability `tail`, which must be below one half.
     pub(super) fn quantile(&self, tail: f64) -> f64 {
         let mut high = 1.0;
         while self.tail(high) > tail && high < 1e9 {
@@ -46,7 +46,7 @@ impl Student {
     }
 }
 
-/// Finds the place between `low` and `high` up to which `is_below` is true, by bisection.
+/// Finds by bisection the value between `low` and `high` up to which `is_below` is true.
 pub(super) fn root(mut low: f64, mut high: f64, is_below: impl Fn(f64) -> bool) -> f64 {
     for _ in 0..60 {
         let middle = low.midpoint(high);
@@ -63,7 +63,7 @@ pub(super) fn root(mut low: f64, mut high: f64, is_below: impl Fn(f64) -> bool) 
 mod tests {
     use super::*;
 
-    /// Tables of the 97.5 % and 95 % quantiles.
+    /// Compares the quantiles with published tables for 97.5 % and 95 %.
     #[test]
     fn quantiles_are_those_of_the_tables() {
         for (freedoms, two_sided, one_sided) in [

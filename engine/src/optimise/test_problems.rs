@@ -1,8 +1,7 @@
 //! Problems with known answers, for the tests.
 //!
-//! Most are from J. J. Moré, B. S. Garbow, K. E. Hillstrom, Testing unconstrained optimization
-//! software, ACM Trans. Math. Softw. 7, 1981 (numbers in brackets), which gives the sums of squares
-//! at the minima to six digits.
+//! Most problems are from J. J. Moré, B. S. Garbow, K. E. Hillstrom, Testing unconstrained optimization software, ACM Trans.
+//! Math. Softw. 7, 1981 (numbers in brackets), which lists the sums of squares at the minima to six digits.
 
 use super::{Assessment, Constrained, Infeasible, LeastSquares, Linearisation, Shape};
 use nalgebra::DVector;
@@ -33,7 +32,7 @@ pub(super) fn vector(entries: &[f64]) -> DVector<f64> {
 /// Values with their gradients.
 pub(super) type Values = Vec<(f64, Vec<f64>)>;
 
-/// Residuals with their gradients, or the reason for their absence.
+/// Residuals with their gradients, or the reason why there are no residuals.
 pub(super) type Rows = Result<Values, Infeasible>;
 
 /// Writes values with their gradients.

@@ -1,4 +1,4 @@
-//! Properties of whole runs.
+//! Tests of complete runs.
 
 use super::test_problems::{
     Function, Noise, PUBLISHED, Rows, freudenstein_roth, rosenbrock, vector, written,
@@ -84,8 +84,8 @@ fn val_published_minima_are_found() {
     }
 }
 
-/// Central differences with a step h of the cube root of rounding have an error of about h^2 = 4e-11 times third
-/// derivatives. Third derivatives here go up to a thousand.
+/// Compares the derivatives with central differences. With the step h, the cube root of the rounding error, the error of the
+/// differences is about h^2 = 4e-11 times the third derivatives. Third derivatives here go up to a thousand.
 #[test]
 fn derivatives_of_the_test_problems_are_right() {
     for published in PUBLISHED {
@@ -111,7 +111,7 @@ fn derivatives_of_the_test_problems_are_right() {
     }
 }
 
-/// Minimiser of problem 2 of Hock and Schittkowski in closed form.
+/// Compares with the closed-form minimiser of problem 2 of Hock and Schittkowski.
 #[test]
 fn val_a_bound_active_at_the_minimum_is_met_exactly() {
     let fit = run(
@@ -162,7 +162,7 @@ fn seen_by_its_sum(target: f64) -> impl Fn(&[f64]) -> Rows {
 
 #[test]
 fn what_the_residuals_do_not_see_stays_where_it_is() {
-    // In one case the residuals have a zero; in the other their minimum is above zero.
+    // In the first case the residuals can reach zero; in the second case their minimum is above zero.
     for target in [0.0, 1.0] {
         let start = [0.5, -0.1, 0.2];
         let fit = run(
@@ -187,8 +187,8 @@ fn what_the_residuals_do_not_see_stays_where_it_is() {
     }
 }
 
-/// A random linear map of rank 3 on 6 variables, with residuals that cannot be zero. Rounding makes tiny singular values,
-/// which must not move the design.
+/// Fits a random linear map of rank 3 on 6 variables, with residuals that cannot be zero. Rounding causes tiny singular
+/// values, which must not move the design.
 #[test]
 fn rounding_does_not_move_a_rank_deficient_fit() {
     for seed in 0..20 {
@@ -218,7 +218,7 @@ fn rounding_does_not_move_a_rank_deficient_fit() {
     }
 }
 
-/// If singular values span eight decades and the solution is known, the run finds every coordinate of the solution.
+/// The singular values span eight decades and the solution is known. The run finds every coordinate of the solution.
 #[test]
 fn val_a_planted_design_is_found_through_weak_directions() {
     for seed in 0..10 {
@@ -233,7 +233,7 @@ fn val_a_planted_design_is_found_through_weak_directions() {
         let truth = planted.clone();
         let rows = move |x: &[f64]| {
             let move_ = DVector::from_column_slice(x) - &truth;
-            // The problem is curved, so that it takes more than one step.
+            // The problem is curved, so the solver needs more than one step.
             let curved = move_.map(|d| d + 3.0 * d * d);
             let slopes = move_.map(|d| 1.0 + 6.0 * d);
             let r = &a * curved;
@@ -256,7 +256,7 @@ fn val_a_planted_design_is_found_through_weak_directions() {
     }
 }
 
-/// Rosenbrock without residuals to the right of a line through the valley, or beyond a parabola.
+/// Rosenbrock's function, with no residuals in a forbidden region: right of a line through the valley, or beyond a parabola.
 fn fenced(fence: fn(&[f64]) -> bool) -> impl Fn(&[f64]) -> Rows {
     move |x: &[f64]| {
         if fence(x) {

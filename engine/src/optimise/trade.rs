@@ -1,4 +1,4 @@
-//! Problems that lower one criterion while others are limited: smallest change, front, and price list.
+//! Problems that lower one criterion with limits on the others. They serve the smallest change, the front and the price list.
 
 use super::constrained::{Assessment, Constrained, Shape};
 use super::{Bounds, Infeasible, Linearisation};
@@ -9,7 +9,7 @@ use nalgebra::DVector;
 pub(super) struct Criterion {
     /// Indices of the residuals of the criterion; `None` for the move from the design.
     rows: Option<Vec<usize>>,
-    /// Ratio between the norm of its residuals and its amount.
+    /// Ratio between the norm of the criterion's residuals and the value of the criterion.
     pub unit: f64,
 }
 
@@ -42,7 +42,7 @@ impl Criterion {
 #[derive(Clone, Debug)]
 pub(super) struct Distance<'a> {
     design: &'a DVector<f64>,
-    /// Weight by variable: one over the range, times the root of the cost.
+    /// Weight of each variable: square root of its cost divided by its range.
     weights: DVector<f64>,
 }
 
@@ -70,7 +70,7 @@ impl<'a> Distance<'a> {
     }
 }
 
-/// A problem in which one criterion is lowered while others are limited, under the problem's own constraints.
+/// A problem that lowers one criterion with limits on the others, and keeps the constraints of the original problem.
 pub(super) struct ConstrainedTrade<'a, P> {
     problem: P,
     distance: &'a Distance<'a>,
@@ -82,7 +82,7 @@ pub(super) struct ConstrainedTrade<'a, P> {
 }
 
 impl<'a, P: Constrained> ConstrainedTrade<'a, P> {
-    /// Lowers criterion `lowered`. `held` gives the limited criteria and their amounts.
+    /// Makes the problem that lowers criterion `lowered`. `held` holds the limited criteria and their limits.
     pub(super) fn new(
         problem: P,
         distance: &'a Distance<'a>,
@@ -99,7 +99,7 @@ impl<'a, P: Constrained> ConstrainedTrade<'a, P> {
         }
     }
 
-    /// Returns the problem with known residuals at a point `x`. Only for problems without rows of constraints.
+    /// Stores residuals that are already known at a point `x`. Use only for problems without rows of constraints.
     pub(super) fn knowing(mut self, x: &DVector<f64>, residuals: &Linearisation) -> Self {
         assert_eq!(
             self.assessment.rows.residuals.len(),

@@ -1,8 +1,8 @@
 //! Tuning of a study: from its targets, constraints and variables to the tuned design.
 //!
 //! Every start first lowers the misfit, until it is good enough or at a minimum. Let m be the study's `good_enough`. If the
-//! smallest misfit that was found is larger, let m be that misfit plus one hundredth of it. Every design with a misfit of at most
-//! m then moves back towards the study's own design, as far as m and the constraints allow. The nearest of these designs is the
+//! smallest misfit found is larger than `good_enough`, m is 1.01 times this misfit. Every design with a misfit of at most m
+//! then moves back towards the study's own design, as far as m and the constraints allow. The nearest of these designs is the
 //! result. With `good_enough = 0` the result is the design with the smallest misfit.
 
 use super::conflict::{is_satisfied_from, smallest_conflict};
@@ -25,8 +25,8 @@ use crate::study::{Optimise, RobustAim, Vehicle};
 use crate::threads::on_large_stacks;
 use nalgebra::DVector;
 
-/// Change of the misfit, in tolerances, for a move across the whole range. A direction with less effect counts as one that leaves
-/// the targets unchanged.
+/// Change of the misfit, in tolerances, for a move across the whole range. A direction with a smaller effect counts as
+/// leaving the targets unchanged.
 const UNSEEN: f64 = 0.01;
 /// Relative difference up to which prices of constraints count as equal.
 const SAME_PRICE: f64 = 0.05;
@@ -36,7 +36,7 @@ const TRIED_OUT: usize = 8;
 /// Result of a tuning.
 #[derive(Clone, Debug)]
 pub struct Tuning {
-    /// Misfit and deviations of the study's own design, or the reason why it has none.
+    /// Misfit and deviations of the study's own design, or the reason why they cannot be computed.
     pub before: Result<Fulfilment, Infeasible>,
     /// All starts, and the index of the best.
     pub starts: Multistart,
@@ -49,7 +49,7 @@ pub struct Tuning {
     /// Indices of constraints that exclude one another. If any one of them were removed, the others could be satisfied. Empty if
     /// all can be satisfied together.
     pub contradiction: Vec<usize>,
-    /// Expected yield of a tuning for yield, or the reason why builds have none. `None` for all other tunings.
+    /// Expected yield of a tuning for yield, or the reason why a build has no values. `None` for all other tunings.
     pub expected_yield: Option<Result<ExpectedYield, Infeasible>>,
 }
 
@@ -62,7 +62,7 @@ pub struct Fulfilment {
     pub targets: Vec<Deviation>,
 }
 
-/// Best design found.
+/// Best design that the tuning found.
 #[derive(Clone, Debug)]
 pub struct Best {
     /// Offsets of the variables, in the study's axes.
@@ -72,7 +72,7 @@ pub struct Best {
     pub design: Vec<Vector3<f64>>,
     /// Deviations from the targets.
     pub after: Fulfilment,
-    /// Directions of the variables that the targets determine at this design.
+    /// Directions that the targets determine at this design, in the space of the variables.
     pub identifiability: Identifiability,
     /// Outcome for each constraint.
     pub constraints: Vec<ConstraintOutcome>,
@@ -83,7 +83,7 @@ pub struct Best {
 /// Outcome of a constraint.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ConstraintOutcome {
-    /// Margin to the nearest limit, in the constraint's unit; negative if it is violated.
+    /// Margin to the nearest limit, in the constraint's unit; negative if the limit is violated.
     pub room: f64,
     /// Drive value of the station with the smallest margin, or of the extreme near it. `None` if the constraint does not change
     /// along the motion.
@@ -105,7 +105,7 @@ pub enum Price {
 }
 
 impl Price {
-    /// Price in tolerances per unit of the constraint. `None` if there is no price or if it is not determined.
+    /// Price in tolerances per unit of the constraint. `None` if there is no price, or if the price is not determined.
     pub fn per_unit(self) -> Option<f64> {
         match self {
             Price::PerUnit(price) => Some(price),
@@ -137,7 +137,7 @@ pub fn tune(
 /// Inputs and workspace of a requested tuning.
 pub(super) struct TuningRequest<'a> {
     vehicle: &'a Vehicle,
-    /// The vehicle as it is assembled ([`Vehicle::assembled`]). Only for a robust tuning.
+    /// The assembled vehicle ([`Vehicle::assembled`]). `None` unless the tuning is robust.
     assembled: Option<Vehicle>,
     optimise: &'a Optimise,
     pub layout: TargetLayout,
@@ -180,7 +180,7 @@ impl<'a> Tuner<'a> {
     pub(super) fn new(asked: &'a TuningRequest<'a>) -> Result<Self, DesignFault> {
         let (suspension, optimise) = (asked.vehicle.wheel(), asked.optimise);
         let ranges: Vec<[f64; 2]> = optimise.variables.iter().map(|v| v.range).collect();
-        // An error here would occur in every start, because all of them use this design.
+        // An error here would occur in every start, because all starts use this design.
         let plain = Objective::new(suspension, &optimise.variables, &asked.layout)?;
         let is_plain = asked.assembled.is_none();
         Ok(Tuner {
@@ -283,7 +283,7 @@ impl<'a> Tuner<'a> {
         if let Some(state) = &mut fit.constraints {
             state.violation = assessment.violation(shape.equalities, &[]);
             state.values = assessment.rows.residuals;
-            // Prices of limits are changes of the misfit, so a search for yield has no prices.
+            // Prices of limits are changes of the misfit, so a search for yield reports no prices.
             (state.multipliers, state.alternatives) = (None, None);
         }
         fit.evaluation = assessment.goal;
@@ -291,7 +291,7 @@ impl<'a> Tuner<'a> {
         tuning.best = Some(self.best(&fit));
     }
 
-    /// Move from the design in fractions of the ranges, weighted with the costs.
+    /// Measure of the move from the design: fractions of the ranges, weighted with the costs.
     pub(super) fn distance(&self) -> Distance<'_> {
         let costs: Vec<f64> = self.optimise.variables.iter().map(|v| v.cost).collect();
         Distance::new(&self.design, &self.bounds, &costs)
@@ -331,8 +331,8 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Returns the directions that the targets determine at a fit. It moves along directions without effect on the
-    /// targets to test them.
+    /// Returns the directions that the targets determine at a fit. Tests the directions without effect on the targets by
+    /// moving along them.
     fn identifiability(&self, fit: &Fit) -> Identifiability {
         let mut found = Identifiability::new(&fit.evaluation, &self.bounds, UNSEEN);
         let mut problem = self.problem();
@@ -385,7 +385,7 @@ impl<'a> Tuner<'a> {
                     at = self.layout.place_of(label);
                 }
                 visible = self.layout.visible(row);
-                // Limits that do not bind have no price.
+                // A limit that does not bind has no price.
                 if self.layout.violation(row, value) >= -KEPT && state.movable[row] {
                     let of = |m: &Option<Vec<f64>>| m.as_ref().map(|m| m[row].abs());
                     let first = of(&state.multipliers).unwrap_or(0.0);

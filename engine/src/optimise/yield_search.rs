@@ -1,7 +1,7 @@
-//! Robust tuning for yield: the share of builds that keep every band.
+//! Robust tuning for yield. The yield is the share of builds that are within every band.
 //!
-//! A build keeps its bands if every value q lies between its limits. The share of such builds is a step function of the
-//! variables, without slopes. The search uses a smooth surrogate instead. With a width tau for each band,
+//! A build is within its bands if every value q lies between its limits. The share of such builds is a step function of the
+//! variables, so it has no useful slope. The search uses a smooth surrogate instead. With a width tau for each band,
 //!
 //! ```text
 //! h = max(0, q - (upper - tau), (lower + tau) - q) / tau               for each value of a build      (1)
@@ -9,23 +9,24 @@
 //! surrogate = mean over the builds of 1/(1 + H)                                                       (3)
 //! ```
 //!
-//! A value at its limit has h = 1, so a build with one such value counts as half a build. As tau goes to 0, (3) becomes the share
-//! of builds within all bands. Least squares minimise 1 - (3) with one residual for each build:
+//! A value at its limit has h = 1, so a build with one such value counts as half a build. As tau goes to 0, (3) becomes the
+//! share of builds within all bands. The search minimises 1 - (3) by least squares, with one residual for each build:
 //!
 //! ```text
 //! r = sqrt(H/(1 + H)),     dr = (sum h dh) / (sqrt(H) (1 + H)^(3/2)),     r = dr = 0 where H = 0      (4)
 //! ```
 //!
-//! If most builds are far outside, (3) is flat. Then a first step lowers the mean of H itself, with the residuals
+//! If most builds are far outside, (3) is flat. In this case a first step lowers the mean of H, with the residuals
 //!
 //! ```text
 //! r = sqrt(H)                                                                                         (5)
 //! ```
 //!
 //! tau is a share of the standard deviation of the band's values over the builds, at most a quarter of the band. The search
-//! starts at the optimum without scatter, with wide tau, and narrows it ([`WIDTHS`]). Each end is evaluated with [`JUDGED`]
-//! further builds, which the search has not used. The end with the most builds within all bands is kept. The optimum without
-//! scatter is one of the ends. So the yield can fall below the yield of that optimum only by sampling error.
+//! starts at the optimum without scatter, with a large tau, and reduces tau in steps ([`WIDTHS`]). The code then evaluates
+//! the end of each step with [`JUDGED`] further builds, which the search has not used. It keeps the end with the most builds
+//! within all bands. The optimum without scatter is one of the ends. So only sampling error can make the yield lower than
+//! that of this optimum.
 
 use super::constrained::{Assessment, Constrained, Shape, constrained_fit};
 use super::station_reader::refused;
@@ -51,9 +52,10 @@ const WIDEST: f64 = 0.25;
 const FEW: f64 = 0.5;
 /// Number of further builds with which the ends of the search are evaluated.
 const JUDGED: usize = 1 << 16;
-/// Number of further builds with which a design with elastic parts is evaluated, whose equilibria take longer than poses.
+/// Number of further builds with which a design with elastic parts is evaluated. It is smaller, because equilibria take
+/// longer than poses.
 const JUDGED_ELASTIC: usize = 1 << 10;
-/// Number of further builds on which the yield of an axle is counted. They are solved one after another.
+/// Number of further builds with which an axle is evaluated. They are solved one after another.
 const JUDGED_AXLE: usize = 1 << 12;
 /// Number of parts into which an axle's further builds are divided for the threads.
 const AXLE_PARTS: usize = 8;
@@ -73,8 +75,8 @@ pub struct ExpectedYield {
     pub judged: [f64; 2],
     /// Number of the further builds.
     pub judged_builds: usize,
-    /// True if no end of the search has more builds within the bands than the optimum without scatter. The latter is then
-    /// kept.
+    /// True if no end of the search has more builds within the bands than the optimum without scatter. The result is then the
+    /// optimum without scatter.
     pub keeps_plain: bool,
 }
 
@@ -171,8 +173,8 @@ impl<'a> YieldSearch<'a> {
         Ok(1.0 - outside / self.scatter.builds as f64)
     }
 
-    /// The bands as targets. Limits move inwards by the widths, and the widths are the tolerances, so that residuals are
-    /// (1).
+    /// The bands as targets. Limits move inwards by the widths, and the widths are the tolerances, so that the residuals
+    /// equal (1).
     fn smoothed(&self, widths: &[f64]) -> Vec<Target> {
         let target = |(band, width): (&Band, &f64)| {
             let [low, high] = with_rounding(band.between);
@@ -191,7 +193,8 @@ impl<'a> YieldSearch<'a> {
         let limit = |value: f64| value.is_finite().then_some(Limit::Value(value));
         let site = match self.vehicle {
             Vehicle::Wheel(own) => {
-                // A figure of a test is read in the design position. Another band without `at` applies to the whole motion.
+                // A band of a test result applies to the design position. Any other band without `at` applies to the whole
+                // motion.
                 let applies_everywhere = band.at.is_none() && band.of.as_figure().is_none();
                 let motion = &own.motion;
                 Site {
@@ -224,8 +227,8 @@ impl<'a> YieldSearch<'a> {
         }
     }
 
-    /// Tuning of some builds towards some targets, in which all residuals have the same weight. For this, the weight of a
-    /// target is its number of residuals.
+    /// Describes a tuning of builds towards these targets, in which all residuals have the same weight. For this purpose, the
+    /// weight of a target is its number of residuals.
     fn goals(&self, targets: Vec<Target>, scatter: &Scatter) -> Optimise {
         let mut goals = Optimise {
             targets,
@@ -255,7 +258,7 @@ impl<'a> YieldSearch<'a> {
         SmoothYield::new(builds, residual)
     }
 
-    /// Standard deviations of the values of each band over the builds: root mean square over its stations.
+    /// Standard deviation of the values of each band over the builds, as root mean square over the stations of the band.
     fn sigmas(&self, x: &DVector<f64>) -> Result<Vec<f64>, Infeasible> {
         let values: Vec<Target> = self
             .bands
@@ -323,7 +326,7 @@ impl<'a> YieldSearch<'a> {
         }
     }
 
-    /// Residuals of builds at a design, without derivatives.
+    /// Residuals of the builds of a nominal design, without derivatives.
     fn values(
         &self,
         goals: &Optimise,
@@ -343,8 +346,8 @@ impl<'a> YieldSearch<'a> {
     }
 }
 
-/// Stations of a band of an axle. Without a site of its own it applies to the whole motion, or, for a figure of a test, to the
-/// design position.
+/// Stations of a band of an axle. A band without a site applies to the whole motion. A band of a test result without a site
+/// applies to the design position.
 fn site_of(band: &Band, study: &AxleStudy) -> AxleSite {
     if let Some(site) = &band.site {
         return site.clone();

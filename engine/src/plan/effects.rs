@@ -1,4 +1,4 @@
-//! Effects that a study may request: whether each is on, the reason, and its cost.
+//! Optional computations that a study may request ("effects"), each with a switch, a reason and a cost.
 
 use super::Plan;
 use crate::characteristics::{Measure, Quantity, Slot};
@@ -15,15 +15,15 @@ pub struct Effect {
     pub on: bool,
     /// Description of the computed part; empty if it is off.
     pub what: String,
-    /// Reason in the study that turned it on; empty if it is off.
+    /// Setting in the study that turned the effect on; empty if it is off.
     pub because: String,
-    /// Estimated cost relative to the position alone: 0.5 makes a run 1.5 times as long. Zero if the effect is off. The
-    /// other effects do not change it.
+    /// Estimated cost relative to the position alone: 0.5 makes a run 1.5 times as long. Zero if the effect is off. Other
+    /// effects do not influence this cost.
     pub cost: f64,
 }
 
 /// Costs of effects per pose, relative to a pose from the closed form of a strut, measured with `hardpoint bench effects`.
-/// They hold within a factor of two, because they depend on the machine and the topology.
+/// They are accurate to a factor of two only, because they depend on the machine and the topology.
 mod cost {
     /// Iterative solution of six equations in place of the closed form.
     pub(super) const ITERATED_POSE: f64 = 7.0;
@@ -31,24 +31,24 @@ mod cost {
     pub(super) const FACTORS: f64 = 0.8;
     /// First, second and third coefficient of the power series, with the outputs that read them.
     pub(super) const DERIVATIVES: [f64; 3] = [0.5, 2.1, 3.0];
-    /// Gradient of one output by all hardpoints, for each coefficient of its series.
+    /// Gradient of one output with respect to all hardpoints, for each coefficient of its series.
     pub(super) const GRADIENT: f64 = 2.2;
-    /// Gradient of one output, if only one of six equations has to be differentiated.
+    /// Gradient of one output, if the differentiation affects only one of six equations.
     pub(super) const LEAST_GRADIENT: f64 = 1.2;
     /// Instantaneous steering axis.
     pub(super) const SCREW_AXIS: f64 = 0.6;
     /// Rotation of a rocker, for each coefficient of its series. Estimated from its number of operations, not measured.
     pub(super) const ROCKER: f64 = 0.1;
-    /// Factorisation of the equations of a pose with the support of its loads.
+    /// Factorisation of the equations of a pose, together with the support of its loads.
     pub(super) const BALANCE: f64 = 0.8;
     /// One load and its forces in the links.
     pub(super) const LOAD: f64 = 0.3;
-    /// Interval proof of the pose and of the step to it.
+    /// Certification of the pose, and of the step to the pose, in interval arithmetic.
     pub(super) const CERTIFICATE: f64 = 1000.0;
 }
 
 impl Effect {
-    /// Makes an effect with its description, reason and cost. It is off if `found` is `None`.
+    /// Makes an effect with its description, reason and cost. The effect is off if `found` is `None`.
     fn of(name: &'static str, found: Option<(String, String, f64)>) -> Effect {
         let on = found.is_some();
         let (what, because, cost) = found.unwrap_or_default();
@@ -62,7 +62,7 @@ impl Effect {
     }
 }
 
-/// Adds to a text the line on which a path of keys is written.
+/// Adds to a text the number of the line on which the study writes a path of keys.
 fn written(study: &Study, path: &[&str], text: &str) -> String {
     match study.line_of(path) {
         Some(line) => format!("{text} (line {line})"),
@@ -138,7 +138,7 @@ impl Plan {
         effects.extend(rockers.map(rocker));
         effects.push(Effect::of("loads", self.load_forces(study)));
         effects.push(Effect::of("certificate", self.certificate(study)));
-        // Converts the costs to poses of this topology.
+        // Divides the costs by the cost of a pose of this topology.
         if !has_closed_form(mechanism) {
             let per_pose = |e: &&mut Effect| e.name != "position" && e.name != "rack";
             for effect in effects.iter_mut().filter(per_pose) {
@@ -212,7 +212,7 @@ impl Plan {
         Some((what, because, cost::ROCKER * self.coefficients as f64))
     }
 
-    /// Derivatives of a pose by the drive.
+    /// Derivatives of a pose with respect to the drive.
     fn derivatives(&self, study: &Study) -> [Effect; 3] {
         let order = study
             .one_wheel()
@@ -225,7 +225,7 @@ impl Plan {
                     let key = format!("outputs.order = \"{}\"", order.name());
                     written(study, &["outputs", "order"], &key)
                 } else {
-                    // A quantity that contains velocities needs one more order of derivatives than the reported order.
+                    // A quantity that contains velocities needs derivatives of one order more than the reported order.
                     let of_velocities = self
                         .outputs
                         .iter()

@@ -25,8 +25,7 @@ const COMPARED: [&str; 10] = [
     "ackermann_error",
 ];
 
-/// Values of a study's outputs, and of the compared quantities, over its motion.
-/// `name` is the name of the motion.
+/// Computes the study's outputs and the compared quantities over its motion. `name` is the name of the motion.
 pub(super) fn observe(
     study: &Study,
     both: &AxleStudy,
@@ -61,7 +60,7 @@ pub(super) fn observe(
             let site = target.site.axle.as_ref();
             let motion = site.and_then(|site| site.motion.as_deref());
             let station = |sample: AxleSample| match motion {
-                // Stations of another named motion have other coordinates: only equal positions count.
+                // Stations of another named motion have different coordinates. So only equal positions count.
                 Some(other) if Some(other) != name => {
                     placements.iter().position(|own| *own == sample.placement)
                 }
@@ -82,14 +81,14 @@ pub(super) fn observe(
     })
 }
 
-/// Returns true if a target for a quantity also counts for a column.
+/// Returns true if a target for a quantity also applies to a column.
 fn is_about(quantity: Quantity, column: &AxleColumn) -> bool {
     use AxleQuantity::{TotalToe, TotalToeAtRim};
     match (quantity, column.quantity()) {
         (Quantity::Corner(side, target), Some(Quantity::Corner(own, of))) => {
             side == own && customary::determines(target, of)
         }
-        // Targets for both wheels determine the sum.
+        // Targets for both wheels also determine the sum of their values.
         (Quantity::Corner(_, target), Some(Quantity::Axle(TotalToe | TotalToeAtRim))) => {
             customary::determines(target, Characteristic::Toe)
         }
@@ -99,7 +98,8 @@ fn is_about(quantity: Quantity, column: &AxleColumn) -> bool {
     }
 }
 
-/// Returns true for the kinematic roll centre. In roll the normals of both wheels become parallel, and it moves without bounds.
+/// Returns true for the kinematic roll centre. In roll, the normals of both wheels become parallel, and the roll centre moves
+/// without bounds.
 fn is_unbounded(quantity: Quantity) -> bool {
     use AxleQuantity::{RollCentreHeight, RollCentreLateral};
     matches!(
@@ -108,8 +108,8 @@ fn is_unbounded(quantity: Quantity) -> bool {
     )
 }
 
-/// Returns true for a turning circle if a target asks for another steer angle of one wheel over that of the other. The turning
-/// circle follows from both.
+/// Returns true for a turning circle if a target changes the steer angle of one wheel relative to the other. The turning
+/// circle follows from both steer angles.
 fn follows_a_target(quantity: Quantity, study: &Study) -> bool {
     use AxleQuantity::{Ackermann, AckermannByCotangents, AckermannError, TurningCircle};
     let mut targets = study.optimise.iter().flat_map(|o| &o.targets);
@@ -126,14 +126,14 @@ fn follows_a_target(quantity: Quantity, study: &Study) -> bool {
         })
 }
 
-/// Plan of the study without derivatives, with those compared quantities that the axle has.
+/// Plans the study without derivatives. Adds the compared quantities that the axle has.
 fn plan(both: &AxleStudy) -> AxlePlan {
     let mut plan = AxlePlan {
         derivatives: 0,
         ..both.plan.values_alone()
     };
     for quantity in COMPARED.into_iter().flat_map(Quantity::named) {
-        // The roll steer of the axle represents that of its wheels.
+        // The roll steer of the axle stands for the roll steer of its wheels.
         let is_double = matches!(quantity, Quantity::Wheel(..));
         if !is_double && both.axle.has(quantity) && !plan.quantities.contains(&quantity) {
             plan.quantities.push(quantity);
@@ -142,7 +142,7 @@ fn plan(both: &AxleStudy) -> AxlePlan {
     plan
 }
 
-/// Coordinates of a motion. The rack represents the steering wheel.
+/// Coordinates of a motion. The rack stands for the steering wheel.
 fn coordinates(plan: &AxlePlan) -> Vec<Coordinate> {
     let mut motion = plan.motion.clone();
     let all = Coordinate::ALL.into_iter();
@@ -179,7 +179,7 @@ fn stations(
     stations.map(station).collect()
 }
 
-/// Series of a column, without its values. `None` if it is not compared.
+/// Series of a column, without its values. `None` if the column is not compared.
 fn series_of(column: &AxleColumn, stations: &[Station], study: &Study) -> Option<Series> {
     let length = study.wheel().length_unit;
     let new = |name: &str, unit: Unit| Series::new(name, unit, length, stations);
@@ -207,7 +207,7 @@ fn series_of(column: &AxleColumn, stations: &[Station], study: &Study) -> Option
         }
         Of::Point { id, name, .. } => {
             let variables = study.optimise.iter().flat_map(|o: &Optimise| &o.variables);
-            // A variable moves these points on purpose.
+            // A variable moves these points intentionally, so the move is not a side effect.
             if variables.flat_map(|v| v.points()).any(|p| p == *id) {
                 return None;
             }

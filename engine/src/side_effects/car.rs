@@ -1,8 +1,8 @@
 //! Side effects of a tuned car: results of its load cases, and curves of each axle alone.
 //!
-//! The load cases are the stations of one comparison. Their coordinates are accelerations, speed and steering. So by (2) the
-//! change that a target requests in one case is subtracted in the others, except where a result does not change. An axle that the
-//! tuning has changed is also compared over the motions of its own study.
+//! The load cases are the stations of one comparison. Their coordinates are accelerations, speed and steering. So, by
+//! equation (2) of this folder's module, a change that a target requests in one load case is subtracted from the change in
+//! the other cases. An axle that the tuning has changed is also compared over the motions of its own study.
 
 use super::comparison::{RequestedChanges, compare};
 use super::observed::{Grid, Observed, Series, Station};
@@ -28,12 +28,12 @@ const COMPARED: [&str; 11] = [
 ];
 
 /// Compares a car before and after a tuning, in its load cases and in the motions of the axles that changed. The order is
-/// that of [`side_effects`](super::side_effects). The output of an axle alone names the axle (`camber, front axle`). Empty
-/// without `[optimise]`, or if `[optimise]` has `side_effects = false`.
+/// that of [`side_effects`](super::side_effects). Outputs of a single axle name the axle (`camber, front axle`). The list is
+/// empty without `[optimise]`, or if `[optimise]` has `side_effects = false`.
 ///
 /// # Errors
-/// The reason, in words, if a design before or after the tuning cannot be solved at all. A load case without an equilibrium
-/// is not an error: its results count as lost.
+/// Returns the reason, in words, if the design before or after the tuning cannot be solved at all. A load case without an
+/// equilibrium is not an error: its results count as lost.
 pub fn side_effects_of_car(before: &CarStudy, after: &CarStudy) -> Result<Vec<SideEffect>, String> {
     let asked = before.optimise.as_ref();
     let Some(optimise) = asked.filter(|optimise| optimise.side_effects) else {
@@ -65,7 +65,7 @@ pub fn side_effects_of_car(before: &CarStudy, after: &CarStudy) -> Result<Vec<Si
     Ok(found)
 }
 
-/// Compared results: those of the study, and the customary ones that the car has.
+/// Compared results: the results of the study, and the customary results that the car has.
 fn quantities(study: &CarStudy) -> Vec<CarQuantity> {
     let mut found = study.quantities.clone();
     for quantity in COMPARED.into_iter().flat_map(CarQuantity::named) {
@@ -134,7 +134,7 @@ fn stations(cases: &[Case]) -> Vec<Station> {
     stations.map(station).collect()
 }
 
-/// Study of an axle with the design that it has in the car, and with those goals of the car that concern only this axle.
+/// Study of one axle, with its design in the car and with the car's goals that concern only this axle.
 fn axle_by_itself(study: &CarStudy, end: AxleEnd, optimise: &CarOptimise) -> Study {
     let end = end as usize;
     let own = &study.axles[end];

@@ -5,12 +5,12 @@ use super::observed::{Observed, Series, Station};
 use crate::sorting::sort_by;
 use std::collections::HashMap;
 
-/// Share of the values, or of the tolerance, up to which a change counts as rounding.
+/// Largest change that counts as rounding, as a share of the values or of the tolerance.
 const ROUNDING: f64 = 1e-9;
 /// Smallest change of an output without a tolerance, in its unit, that does not count as rounding.
 const LEAST_CHANGE: f64 = 1e-12;
 
-/// Changes that targets request over `[motion]`: for each output, drive values with changes, in the order of the drive
+/// Changes that targets request over `[motion]`: for each output, pairs of drive value and change, in the order of the drive
 /// value.
 #[derive(Default)]
 pub(super) struct RequestedChanges(HashMap<String, Vec<(f64, f64)>>);
@@ -29,7 +29,7 @@ impl RequestedChanges {
         RequestedChanges(asked.collect())
     }
 
-    /// Change of an output at the nearest drive value. 0 if no target requests one.
+    /// Requested change of an output at the nearest drive value. 0 if no target requests a change.
     fn shift_at(&self, output: &str, drive: f64) -> f64 {
         let Some(shifts) = self.0.get(output) else {
             return 0.0;
@@ -42,7 +42,8 @@ impl RequestedChanges {
     }
 }
 
-/// Side effects over one motion, in the order of the outputs. `asked` contains the changes that targets in `[motion]` request.
+/// Returns the side effects over one motion, in the order of the outputs. `asked` contains the changes that targets in
+/// `[motion]` request.
 pub(super) fn compare(
     before: &Observed,
     after: &Observed,
@@ -65,23 +66,24 @@ pub(super) fn compare(
     effects.collect()
 }
 
-/// Change of one series at one station, beyond what targets ask for.
+/// Change of one series at one station, beyond the change that targets request.
 struct Change {
     amount: f64,
-    /// Tolerance of the value there.
+    /// Tolerance of the value at this station.
     tolerance: Option<f64>,
     station: usize,
     series: usize,
 }
 
 impl Change {
-    /// Size for comparison with other stations: in tolerances, if there is one.
+    /// Size for comparison with other stations, in tolerances if there is a tolerance.
     fn size(&self) -> f64 {
         self.amount.abs() / self.tolerance.unwrap_or(1.0)
     }
 }
 
-/// Side effect of an output, from its series before and after. `None` if it has no value at the compared stations.
+/// Computes the side effect of an output from its series before and after the tuning. `None` if the output has no value at
+/// the compared stations.
 fn effect(
     pairs: &[(&Series, &Series)],
     observed: &Observed,
@@ -105,7 +107,7 @@ fn effect(
             } else {
                 wanted.shift_at(stations, station)
             };
-            // Anything between no change and the change that a target asks for is no side effect.
+            // A change between zero and the change that a target requests is not a side effect.
             let as_asked = (to - from).clamp(shift.min(0.0), shift.max(0.0));
             let here = Change {
                 amount: to - from - as_asked,
@@ -153,7 +155,7 @@ fn effect(
     })
 }
 
-/// Stations at which a series is compared: all except those with a target for it.
+/// Stations at which a series is compared: all stations except those with a target for the series.
 fn compared(series: &Series, stations: &[Station]) -> Vec<usize> {
     let mut counts: Vec<bool> = stations
         .iter()
@@ -185,13 +187,13 @@ impl Wanted {
         Wanted { shifts }
     }
 
-    /// Intended change at the station nearest to this one. 0 without a target.
+    /// Requested change at the nearest station with a target. 0 without a target.
     fn shift_at(&self, stations: &[Station], number: usize) -> f64 {
         let here = &stations[number].position;
         let start = self.shifts.partition_point(|shift| shift.0 < here[0]);
         let (mut nearest, mut found) = (f64::INFINITY, 0.0);
-        // Searches outward along the first coordinate, until its difference alone exceeds the distance of the nearest station so
-        // far.
+        // Searches outward along the first coordinate, until the difference of this coordinate alone exceeds the distance of
+        // the nearest station found so far.
         let (below, above) = self.shifts.split_at(start);
         let ways: [&mut dyn Iterator<Item = &(f64, usize, f64)>; 2] =
             [&mut below.iter().rev(), &mut above.iter()];

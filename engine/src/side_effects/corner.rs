@@ -23,7 +23,7 @@ const COMPARED: [Characteristic; 6] = [
     Characteristic::HalfTrackChange,
 ];
 
-/// Values of a study's outputs, and of the compared characteristics, over a motion.
+/// Computes the study's outputs and the compared characteristics over a motion.
 pub(super) fn observe(
     study: &Study,
     own: &WheelStudy,
@@ -52,7 +52,7 @@ pub(super) fn observe(
             }
             _ => false,
         };
-        // A variable moves these points on purpose.
+        // A variable moves these points intentionally, so the move is not a side effect.
         if quantity.is_some_and(is_moved) {
             continue;
         }
@@ -60,7 +60,7 @@ pub(super) fn observe(
             (Some(Quantity::Characteristic(c)), _) => c.info().unit,
             (Some(Quantity::Coordinate(..)), _) => Unit::Length,
             (None, Some(measured)) => measured.of.shown_unit(),
-            // Angular velocities are not requested. Other columns are test figures, or forces under a load.
+            // Angular velocities are not requested. All other columns are test results, or forces under a load.
             _ => figure.map_or(Unit::Force, |figure| figure.unit),
         };
         let at = Looked {
@@ -87,7 +87,7 @@ pub(super) fn observe(
     })
 }
 
-/// Outputs of the study at all stations without derivatives, with those compared characteristics that it has.
+/// Outputs of the study at all stations without derivatives, together with the compared characteristics that the wheel has.
 fn outputs(own: &WheelStudy) -> Outputs {
     let mut characteristics = own.outputs.characteristics.clone();
     for more in Characteristic::available(&own.suspension) {
@@ -136,7 +136,7 @@ fn stations(motion: &Motion, length: LengthUnit) -> (Vec<Station>, Grid) {
     (places.iter().map(station).collect(), grid)
 }
 
-/// Stations of a motion for which targets and constraints are searched.
+/// Stations of a motion, used to find their targets and constraints.
 struct Looked<'a> {
     motion: &'a Motion,
     name: Option<&'a str>,
@@ -171,7 +171,7 @@ impl Looked<'_> {
         places
     }
 
-    /// Stations at which a target concerns a test figure.
+    /// Stations at which a target concerns a test result.
     fn wanted_figure(&self, figure: &ElasticFigure, optimise: &Optimise) -> Vec<usize> {
         let targets = optimise.targets.iter();
         self.of_targets(targets.filter(|t| t.of.as_figure().as_ref() == Some(figure)))

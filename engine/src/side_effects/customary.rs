@@ -1,14 +1,15 @@
-//! Customary values: tolerances of changes that no target requests, and quantities that belong to a target.
+//! Customary values: tolerances of changes that no target requests, and quantities that a target also determines.
 
 use crate::ask::Unit;
 use crate::characteristics::Characteristic;
 use crate::model::LengthUnit;
 
-/// Change of a length, in mm, that counts.
+/// Smallest relevant change of a length, in mm.
 const LENGTH: f64 = 1.0;
-/// Change of toe at the rim, in mm, that counts: 0.05 degrees at a rim of 340 mm.
+/// Smallest relevant change of toe at the rim, in mm: 0.05 degrees at a rim of 340 mm.
 const TOE_AT_RIM: f64 = 0.3;
-/// Change of a turning circle that counts, as a share of it. It grows without bounds near straight ahead.
+/// Smallest relevant change of a turning circle, as a share of its value. It is a share because the turning circle grows
+/// without bounds near straight ahead.
 const TURNING_CIRCLE: f64 = 0.01;
 
 /// Customary tolerance of a change.
@@ -30,7 +31,8 @@ impl Tolerance {
     }
 }
 
-/// Lengths that grow without bounds as links become parallel. They must be judged by their curves, so they have no tolerance.
+/// Lengths that grow without bounds as links become parallel. Only their curves show whether a change matters, so they have
+/// no tolerance.
 const UNBOUNDED: [&str; 6] = [
     "front_view_swing_arm",
     "side_view_swing_arm",
@@ -70,14 +72,15 @@ pub(super) fn tolerance(name: &str, unit: Unit, length: LengthUnit) -> Option<To
     Some(Tolerance::Fixed(fixed))
 }
 
-/// Returns true for a quantity that is judged only with the rack at 0. With steered wheels, toe is a steer angle, and the
-/// kinematic roll centre moves without bounds.
+/// Returns true for a quantity that is compared only with the rack at 0. When the wheels are steered, toe is a steer angle,
+/// and the kinematic roll centre moves without bounds.
 pub(super) fn is_judged_straight_ahead(name: &str) -> bool {
     let is_toe = ["toe", "toe_at_rim", "total_toe", "total_toe_at_rim"].contains(&name);
     is_toe || ["roll_centre_height", "roll_centre_lateral"].contains(&name)
 }
 
-/// Returns true if a target for a characteristic determines another one, except for its value in the design position.
+/// Returns true if a target for one characteristic also determines another characteristic, except for its value in the design
+/// position.
 pub(super) fn determines(target: Characteristic, of: Characteristic) -> bool {
     use Characteristic::{Toe, ToeAtRim};
     let is_same =

@@ -1,20 +1,21 @@
 //! Side effects of a tuning: changes that no target requests.
 //!
-//! A target gives target values of a quantity at some stations. A change there is intended. At all other stations, and for
-//! every other quantity, a change is a side effect. With b(s) and a(s) the values before and after the tuning at station s,
-//! the side effect is
+//! A target gives values of a quantity at some stations. A change at these stations is intended. At all other stations, and
+//! for every other quantity, a change is a side effect. With b(s) and a(s) the values before and after the tuning at station
+//! s, the side effect is
 //!
 //! ```text
 //! c(s) = a(s) - b(s)                              if no target concerns the quantity,           (1)
-//! c(s) = (a(s) - b(s)) - (a(n) - b(n))            n the station nearest to s at which one does, (2)
+//! c(s) = (a(s) - b(s)) - (a(n) - b(n))            n: nearest station with such a target,       (2)
 //! ```
 //!
-//! and 0 where the change is between 0 and the one asked for at n. A change against it counts by (1).
+//! If the change at s is between 0 and the change requested at n, c(s) is 0. If the two changes have opposite signs, (1)
+//! applies.
 //!
-//! Example: a target asks for a caster in the design position. Then caster may change by up to the same amount over the whole
-//! travel; more, or less than before, is a side effect. Distances between stations are in shares of the motion's
-//! ranges. Over a named motion without a target for the quantity, n is the station of `[motion]` with the nearest drive
-//! value.
+//! Example: a target requests a change of caster in the design position. Then caster may change by up to the same amount over
+//! the whole travel; more, or less than before, is a side effect. Distances between stations are measured in shares of the
+//! motion's ranges. Over a named motion without a target for the quantity, n is the station of `[motion]` with the nearest
+//! drive value.
 //!
 //! A target for a gain also counts for the quantity whose slope is the gain: bump steer for toe, motion ratio for spring
 //! length. Limits of a constraint on a quantity also count as a target, because the study allows any value between them.
@@ -37,7 +38,7 @@ use serde::{Deserialize, Serialize};
 /// is one output.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SideEffect {
-    /// Name of the output without its unit. It includes the name of the motion unless that is `[motion]`.
+    /// Name of the output without its unit. It includes the name of the motion, except for `[motion]`.
     pub output: String,
     /// Unit of all values, as in column names. Empty for a plain number.
     pub unit: String,
@@ -49,13 +50,13 @@ pub struct SideEffect {
     pub after_min: Option<f64>,
     /// Largest value after the tuning.
     pub after_max: Option<f64>,
-    /// Largest change beyond what targets ask for, with its sign: the one with the most tolerances. 0 if only rounding changes
-    /// the values. `None` if no station has a value both before and after.
+    /// Largest change beyond the changes that targets request, with its sign. Largest means the most tolerances. 0 if only
+    /// rounding changes the values. `None` if no station has a value both before and after.
     pub largest_change: Option<f64>,
-    /// Largest change that targets ask for, at the same stations. 0 without one.
+    /// Largest change that targets request at the same stations. 0 if they request none.
     #[serde(default)]
     pub asked_change: f64,
-    /// Station of the largest change. Empty without a change.
+    /// Station of the largest change. Empty if nothing changes.
     pub at: Vec<PlaceCoordinate>,
     /// Load case of this change, for results of a car's load cases.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -65,7 +66,7 @@ pub struct SideEffect {
     pub wheel: Option<String>,
     /// Customary tolerance at the station of the largest change. `None` if the output has none.
     pub tolerance: Option<f64>,
-    /// True if the change exceeds the tolerance, or if stations have lost their values.
+    /// True if the change exceeds the tolerance, or if values are lost at some stations.
     pub flagged: bool,
     /// Number of stations with a value before the tuning and none after it.
     pub lost: usize,
@@ -99,12 +100,12 @@ impl SideEffect {
     }
 }
 
-/// Compares a study's design with a tuned one, over `[motion]` and over the named motions with curves. Flagged outputs come
-/// first, angles before lengths, in the order of the largest change in tolerances. Empty without `[optimise]`, or if
-/// `[optimise]` has `side_effects = false`.
+/// Compares a study's design with a tuned design, over `[motion]` and over the named motions with curves. Flagged outputs
+/// come first, angles before lengths, in the order of the largest change in tolerances. The list is empty without
+/// `[optimise]`, or if `[optimise]` has `side_effects = false`.
 ///
 /// # Errors
-/// If one of the two designs cannot be solved.
+/// Returns an error if one of the two designs cannot be solved.
 pub fn side_effects(before: &Study, after: &Study) -> Result<Vec<SideEffect>, DesignFault> {
     let asked = before.optimise.as_ref();
     if !asked.is_some_and(|optimise| optimise.side_effects) {
@@ -115,7 +116,7 @@ pub fn side_effects(before: &Study, after: &Study) -> Result<Vec<SideEffect>, De
     Ok(found)
 }
 
-/// Side effects over `[motion]` and over the named motions with curves, in the order of the outputs.
+/// Returns the side effects over `[motion]` and over the named motions with curves, in the order of the outputs.
 fn over_all_motions(before: &Study, after: &Study) -> Result<Vec<SideEffect>, DesignFault> {
     let mut found = Vec::new();
     let mut asked = comparison::RequestedChanges::default();
@@ -147,7 +148,7 @@ fn severity(effect: &SideEffect) -> (u8, f64) {
         (true, 1.., _) => (0, share),
         (true, 0, "deg") => (1, share),
         (true, 0, _) => (2, share),
-        // Unflagged outputs stay in their order.
+        // Unflagged outputs keep their order.
         (false, ..) => (3, 0.0),
     }
 }

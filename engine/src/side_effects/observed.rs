@@ -1,4 +1,4 @@
-//! Values of a design at stations: of a motion of one wheel or an axle, or of the load cases of a car.
+//! Values of a design at stations: of a motion (one wheel or an axle), or of the load cases (a car).
 
 use super::customary::Tolerance;
 use super::{PlaceCoordinate, axle, corner, customary};
@@ -9,17 +9,17 @@ use crate::sorting::sort_numbers;
 use crate::study::{Study, Vehicle};
 use std::collections::HashMap;
 
-/// Distance below which two places are equal, in shares of a motion's range. For a coordinate that does not move it is in
-/// study units.
+/// Distance below which two positions are equal, as a share of the motion's range. For a coordinate that does not move, the
+/// distance is in study units.
 const SAME_PLACE: f64 = 1e-9;
 
 /// Values of a design over a motion, or in the load cases of a car.
 pub(super) struct Observed {
-    /// Name of the motion. `None` for the study's own.
+    /// Name of the motion. `None` for `[motion]`.
     pub motion: Option<String>,
     /// Stations of the motion.
     pub stations: Vec<Station>,
-    /// Values by output, and for an axle or a car also by wheel.
+    /// Values of each output, and for an axle or a car of each wheel.
     pub series: Vec<Series>,
 }
 
@@ -54,14 +54,14 @@ pub(super) struct Series {
     pub straight_only: bool,
     /// Name of the wheel, for an axle or a car.
     pub wheel: Option<&'static str>,
-    /// Stations at which a target or a constraint concerns the output.
+    /// Stations at which a target or a constraint applies to the output.
     pub wanted: Vec<usize>,
     /// Values in printed units.
     pub values: Vec<Option<f64>>,
 }
 
 impl Series {
-    /// Makes a series of a quantity with this name and unit, with its customary tolerance.
+    /// Makes a series for a quantity with this name, unit and customary tolerance.
     pub(super) fn new(name: &str, unit: Unit, length: LengthUnit, stations: &[Station]) -> Self {
         let is_judged_straight = customary::is_judged_straight_ahead(name);
         let straight_only = is_judged_straight && stations.iter().any(|s| s.is_straight);
@@ -69,7 +69,7 @@ impl Series {
         Series {
             output: name.to_owned(),
             unit: unit.suffix(length),
-            // Without a station straight ahead there is no customary tolerance.
+            // Some quantities have a customary tolerance only straight ahead. Without such a station they have no tolerance.
             tolerance: tolerance.filter(|_| straight_only || !is_judged_straight),
             straight_only,
             wheel: None,
@@ -79,7 +79,7 @@ impl Series {
     }
 }
 
-/// Values of a study's design over a named motion, or over its own.
+/// Computes the values of a study's design over a named motion, or over `[motion]` if `name` is `None`.
 pub(super) fn observe(study: &Study, name: Option<&str>) -> Result<Observed, DesignFault> {
     let moved = name.and_then(|name| study.in_motion(name));
     let study = moved.as_ref().unwrap_or(study);
@@ -130,7 +130,7 @@ impl Grid {
         grid
     }
 
-    /// Coordinates of a place, each in shares of its range.
+    /// Coordinates of a position, each as a share of its range.
     pub(super) fn shares(&self, place: &[f64]) -> Vec<f64> {
         let shares = place.iter().zip(&self.ranges);
         shares.map(|(at, range)| at / range).collect()
@@ -150,7 +150,7 @@ impl Grid {
         }
     }
 
-    /// Station nearest to a place along one coordinate. `None` if the grid does not contain one of the other coordinates.
+    /// Station nearest to a position along one coordinate. `None` if another coordinate of the position is not in the grid.
     pub(super) fn station(&self, place: &[f64], along: usize) -> Option<usize> {
         let mut key = Vec::with_capacity(place.len());
         for (k, value) in place.iter().enumerate() {

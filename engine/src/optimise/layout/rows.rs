@@ -69,7 +69,8 @@ impl LimitedValue {
 }
 
 impl Extremes {
-    /// Collects the rows for maxima or for minima from the checks of all stations. `None` if no station has such a limit.
+    /// Collects the rows that limit the maxima (`sign` 1) or the minima (`sign` -1) of a part. `None` if no station has such
+    /// a limit.
     pub(super) fn of(
         part: usize,
         sign: f64,

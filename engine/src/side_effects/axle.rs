@@ -108,8 +108,8 @@ fn is_unbounded(quantity: Quantity) -> bool {
     )
 }
 
-/// Returns true for a turning circle if a target changes the steer angle of one wheel relative to the other. The turning
-/// circle follows from both steer angles.
+/// Returns true for the turning circle if the study has a target for the Ackermann geometry. The turning circle then follows
+/// from the steer angles of both wheels.
 fn follows_a_target(quantity: Quantity, study: &Study) -> bool {
     use AxleQuantity::{Ackermann, AckermannByCotangents, AckermannError, TurningCircle};
     let mut targets = study.optimise.iter().flat_map(|o| &o.targets);

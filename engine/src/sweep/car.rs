@@ -7,7 +7,7 @@ use super::{FORM, Samples, SweepRecord};
 use crate::car::{Car, CarFault, CarQuantity, CarRequest, CarTarget, CaseResult, moved};
 use crate::study::{CarStudy, CarSweep, FileFormat, Sampled, Sampling};
 
-/// Plan of the results for each design of a car.
+/// Plan of a sweep of a car: the results to compute for each design.
 #[derive(Clone, Debug)]
 pub struct CarSweepPlan<'s> {
     /// Description of the results, as in `sweep.json`.
@@ -26,15 +26,15 @@ pub struct CarSweepPlan<'s> {
 pub enum CarNotBegun {
     /// The study's own design cannot be solved.
     Fault(CarFault),
-    /// Two columns of the results would have this name.
+    /// Two columns of the results would have the same name, given here.
     TwoColumns(String),
 }
 
 impl<'s> CarSweepPlan<'s> {
-    /// Plan of a study's sweep.
+    /// Plans the sweep of a study.
     ///
     /// # Errors
-    /// The reason if the study's own design cannot be solved, or if two columns have the same name.
+    /// Returns the reason if the study's own design cannot be solved, or if two columns have the same name.
     pub fn of(study: &'s CarStudy, sweep: &'s CarSweep) -> Result<Self, CarNotBegun> {
         let targets = study.optimise.as_ref().map_or(&[][..], |o| &o.targets);
         let wanted = targets.iter().map(|target| CaseResult {
@@ -129,7 +129,7 @@ impl<'s> CarSweepPlan<'s> {
         format!("{}_{}", self.study.cases[case].name, quantity.name())
     }
 
-    /// Writes the row of a car. Returns the reason why cases failed, if some did.
+    /// Writes the row of a car. Returns the reason if some cases failed.
     fn row_of(
         &self,
         car: &Car,
@@ -162,7 +162,7 @@ impl<'s> CarSweepPlan<'s> {
     }
 }
 
-/// Converts blocks of designs of a car to rows. Each thread has one.
+/// Worker that solves blocks of designs of a car and writes their rows. Each thread has one.
 pub struct CarWorker<'p> {
     plan: &'p CarSweepPlan<'p>,
     rows: Rows,
@@ -170,7 +170,7 @@ pub struct CarWorker<'p> {
 }
 
 impl CarWorker<'_> {
-    /// Rows of a block of the sweep.
+    /// Computes the rows of a block of the sweep.
     pub fn rows(&mut self, block: u64) -> &Rows {
         let (plan, rows) = (self.plan, &mut self.rows);
         let range = plan.record.designs_of(block);
@@ -268,7 +268,7 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
     }
 }
 
-/// SHA-256 digest of everything that determines the results. It covers the study's meaning, not its text.
+/// SHA-256 digest of everything that determines the results. The digest covers the meaning of the study, not its text.
 fn digest(study: &CarStudy, sweep: &CarSweep) -> String {
     let meaning = (
         (&study.car, &study.cases, &study.quantities),

@@ -1,30 +1,31 @@
 //! Main effects: how much each variable influences each output.
 //!
-//! Only designs with a value for every output are used. There are two measures. The *change* follows the least-squares plane
-//! through all designs, from the low end of a variable's range to its high end. It has a sign and a unit. `r2` is the share of
-//! the variance that the plane explains. The *share* is the first-order Sobol index S = Var(E[y|x]) / Var(y): the part of the
-//! output's variance that vanishes when this variable is known. It includes curved responses. Shares need variables that are
-//! sampled independently, so designs from a file have none.
+//! The computation uses only designs with a value for every output. It gives two measures. The *change* follows the
+//! least-squares plane through all designs, from the low end of a variable's range to its high end. It has a sign and a unit.
+//! `r2` is the share of the variance that the plane explains. The *share* is the first-order Sobol index S = Var(E[y|x]) /
+//! Var(y): the part of the output's variance that vanishes when this variable is known. It includes curved responses. Shares
+//! need variables that are sampled independently, so designs from a file have no shares.
 //!
-//! For a grid, a share is the exact ratio of sums of squares over the grid (levels beyond 32 are combined). For other samples,
-//! the plane gives its part of the share exactly. Only the part from r, the residual of the output from the plane, must be
-//! distinguished from random variation:
+//! For a grid, a share is the exact ratio of sums of squares over the grid (levels beyond 32 are combined). For other
+//! samples, the plane gives its part of the share exactly. Only the part of r, the residual of the output from the plane,
+//! must be distinguished from random variation:
 //!
 //! ```text
-//! n Var(E[y|x_j]) = n b_j^2 Var(u_j) + between levels of x_j of r,   y = mean + sum b_i u_i + r
+//! n Var(E[y|x_j]) = n b_j^2 Var(u_j) + (between levels of x_j, of r),   y = mean + sum b_i u_i + r
 //! ```
 //!
-//! Each of the two terms is reduced by the value that random variation alone would give. The second is the correlation ratio by
-//! levels of equal width (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935). About 1/levels^2 of it is lost
-//! within the levels. The better the plane fits, the smaller is this random part. If designs fail, or have no value for an
-//! output, the variables of the remaining designs are no longer independent. Then the plane's part of an output cannot be split
-//! by variable, and the share is the second term for the whole y. It is still the part of the variance that vanishes when this
-//! variable is known, but shares may sum up to more than one.
+//! The code subtracts from each of the two terms the value that random variation alone would give. The second term is the
+//! correlation ratio over levels of equal width (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935). About
+//! 1/levels^2 of this term is lost within the levels. The random part becomes smaller if the plane fits better. If designs
+//! fail, or have no value for an output, the variables of the remaining designs are no longer independent. Then the plane's
+//! part cannot be divided among the variables, and the share is the second term for y instead of r. This share is still the
+//! part of the variance that vanishes when this variable is known, but shares may sum up to more than one.
 //!
-//! For Saltelli's samples, the share is the mean of (y_B - mean) (y_C - y_A) (A. Saltelli et al., Computer Physics Communications
-//! 181, 2010). The total index is half the mean of (y_A - y_C)^2 (M. J. W. Jansen, Computer Physics Communications 117, 1999). It
-//! is the part of the variance that remains when all other variables are known. Random variation may move both out of the
-//! interval from 0 to 1. They are then set to its ends.
+//! For Saltelli's samples, the share is the mean of (y_B - mean) (y_C - y_A) (A. Saltelli et al., Computer Physics
+//! Communications 181, 2010). The total index is half the mean of (y_A - y_C)^2 (M. J. W. Jansen, Computer Physics
+//! Communications 117, 1999). The total index is the part of the variance that remains when all other variables are known.
+//! Random variation may move either index out of the interval from 0 to 1. Such an index is set to the nearer end of the
+//! interval.
 
 use super::{SweepRecord, SweepStatistics};
 use nalgebra::{DMatrix, DVector};
@@ -127,8 +128,8 @@ impl Effects {
     }
 }
 
-/// Sum of squares of an output between the levels of a variable, and the number of levels that contain designs. If a plane
-/// is given, it is subtracted from the output first.
+/// Sum of squares of an output between the levels of a variable, and number of levels that contain designs. A given plane is
+/// first subtracted from the output.
 fn between_levels(
     statistics: &SweepStatistics,
     variable: usize,
@@ -153,7 +154,8 @@ fn between_levels(
     (between, met)
 }
 
-/// Sum of squares due to a variable: its part of the plane, and the part of the plane's remainder between its levels.
+/// Sum of squares due to a variable: its part of the plane, and the variation of the plane's residual between the levels of
+/// the variable.
 fn share((between, met): (f64, f64), left: f64, linear: f64, n: f64) -> Option<f64> {
     // With few designs per level, the effect cannot be distinguished from random variation.
     if n < 4.0 * met {
@@ -193,8 +195,8 @@ struct Plane {
 }
 
 impl Plane {
-    /// Plane through the designs of some statistics. `None` if they do not determine it: too few designs, or variables that
-    /// depend on each other.
+    /// Plane through the designs of some statistics. `None` if the designs do not determine a plane: there are too few
+    /// designs, or variables depend on each other.
     fn of(statistics: &SweepStatistics) -> Option<Self> {
         let moments = &statistics.moments;
         let (n, d) = (moments.count as f64, moments.u.len());
@@ -219,7 +221,7 @@ impl Plane {
         })
     }
 
-    /// Slopes by the scaled variables, and the variance that they explain.
+    /// Slopes with respect to the scaled variables, and the variance that they explain.
     fn slopes(&self, statistics: &SweepStatistics, k: usize) -> (Vec<f64>, f64) {
         let moments = &statistics.moments;
         let n = moments.count as f64;

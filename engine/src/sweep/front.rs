@@ -1,4 +1,4 @@
-//! Pareto front: designs for which every other design that is better in one target is worse in another.
+//! Pareto front: every other design that is better in one target is worse in another target.
 
 use super::Failing;
 use crate::sorting::sort_by_key;
@@ -19,14 +19,14 @@ pub struct Candidate {
     pub failing: Option<Failing>,
 }
 
-/// Designs of the front: no design is at least as good as another in every target.
+/// Designs of the front. No design of the front is at least as good as another one in every target.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Vec<Candidate>", into = "Vec<Candidate>")]
 pub struct Front {
     designs: Vec<Candidate>,
 }
 
-/// Collects the candidates in the order of their numbers.
+/// Converts the front to a list of candidates, in the order of their numbers.
 impl From<Front> for Vec<Candidate> {
     fn from(front: Front) -> Self {
         front.sorted().into_iter().cloned().collect()
@@ -40,9 +40,9 @@ impl From<Vec<Candidate>> for Front {
 }
 
 impl Front {
-    /// Adds a design with its outputs, unless a design on the front is at least as good in every deviation. `deviations` are
-    /// the indices of the outputs to minimise. Designs that are no longer on the front are removed. If designs are offered
-    /// in the order of their numbers, the first of equal designs stays.
+    /// Adds a design with its outputs, unless a design on the front has no larger deviation for any target. `deviations` are
+    /// the indices of the outputs to minimise. Removes designs that are then no longer on the front. If the caller offers
+    /// designs in the order of their numbers, the first of several equal designs stays.
     pub fn offer(
         &mut self,
         deviations: &[usize],
@@ -52,7 +52,7 @@ impl Front {
         let at_least_as_good = |a: &[f64], b: &[f64]| deviations.iter().all(|k| a[*k] <= b[*k]);
         let known = |c: &Candidate| at_least_as_good(&c.outputs, outputs);
         if let Some(better) = self.designs.iter().position(known) {
-            // A design that was better than one design is often better than the next, so it is compared first.
+            // A design that was better than one candidate is often better than the next candidate, so it is compared first.
             self.designs.swap(0, better);
             return;
         }
@@ -74,10 +74,10 @@ mod tests {
     use super::*;
     use crate::sweep::uniform;
 
-    /// The front equals its definition, for points in any order and with any division into parts.
+    /// The front satisfies its definition, for points in any order and for any division into parts.
     #[test]
     fn the_front_is_what_no_other_design_betters() {
-        // Points near a plane on which every improvement in one target is a loss in another, with repetitions.
+        // Points near a plane on which every improvement in one target is a loss in another, and some points are repeated.
         let point = |i: u64| {
             let whole = |k: usize, most: f64| (uniform(i, k, 9) * most).floor();
             let (a, b) = (whole(0, 12.0), whole(1, 12.0));

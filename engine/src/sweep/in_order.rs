@@ -1,4 +1,4 @@
-//! Runs work on all threads, and passes on its results in order while it runs.
+//! Runs work on all threads. Passes the results on in order while the work runs.
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -7,12 +7,12 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 /// Largest number of pieces of work per thread that have been started but whose results have not been passed on.
 const AHEAD: u64 = 8;
 
-/// Processes the pieces of work numbered `range` on the threads of the current rayon pool. Each thread has its own worker.
-/// Any free thread passes the results to `take` in order, while the others continue. Only a few pieces per thread wait in
-/// memory, however long the range is.
+/// Processes the pieces of work with the numbers in `range` on the threads of the current rayon pool. Each thread has its own
+/// worker. Any free thread passes the results to `take` in order, while the other threads continue. Only a few pieces per
+/// thread wait in memory, however long the range is.
 ///
-/// Ends early if `take` fails, or if `work` returns `None`. In the second case, the results of all earlier pieces have been
-/// passed on.
+/// Ends early if `take` fails, or if `work` returns `None`. If `work` returns `None`, the results of all earlier pieces have
+/// been passed on.
 pub fn in_order<W, T: Send, E: Send>(
     range: Range<u64>,
     worker: impl Fn() -> W + Sync,

@@ -1,9 +1,9 @@
-//! Sweeps: many designs, in blocks, on all cores.
+//! Sweeps: evaluation of many designs, in blocks, on all cores.
 //!
-//! [`Samples`] gives the design with each number. An [`Evaluator`](crate::evaluate::Evaluator) solves a block of designs. A
-//! [`Worker`] makes a row for each design, and [`in_order()`] runs workers on all threads. Each block has its own sums,
-//! which are added in the order of the blocks ([`SweepStatistics`]). So results have the same bits for any number of
-//! threads, in one run, in shards or resumed.
+//! [`Samples`] returns the design that has a given number. An [`Evaluator`](crate::evaluate::Evaluator) solves a block of
+//! designs. A [`Worker`] makes a row for each design, and [`in_order()`] runs workers on all threads. Each block has separate
+//! sums, which are added in the order of the blocks ([`SweepStatistics`]). So results have the same bits for any number of
+//! threads, whether the sweep runs at once, in shards, or is resumed.
 
 mod car;
 pub mod csv;

@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Largest number of levels of a variable.
 const MOST_LEVELS: u64 = 32;
 
-/// Scaling of a variable over its range: -1 at its low end, 1 at its high end.
+/// Scaling of a variable: -1 at the low end of its range, 1 at the high end.
 pub(super) struct Span {
     middle: f64,
     half: f64,
@@ -15,9 +15,9 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// Spans of a sweep's variables. For a grid the levels are its own, or groups of neighbouring levels so that there are at
-    /// most [`MOST_LEVELS`]. For other samples the number of levels is the cube root of the number of designs. The error from the
-    /// width of a level then decreases as fast as the noise.
+    /// Spans of a sweep's variables. For a grid, the levels are those of the grid. If there are more than [`MOST_LEVELS`],
+    /// neighbouring levels form groups. For other samples the number of levels is the cube root of the number of designs.
+    /// With more designs, the error from the width of a level then decreases as fast as the noise.
     pub(super) fn all(record: &SweepRecord) -> Vec<Span> {
         let levels = (record.designs as f64).cbrt().floor() as u64;
         let span = |v: &super::VariableRecord| Span {
@@ -32,7 +32,7 @@ impl Span {
     }
 
     pub(super) fn scaled(&self, value: f64) -> f64 {
-        // A column of a file may be constant.
+        // A variable from a file may be constant.
         if self.half > 0.0 {
             (value - self.middle) / self.half
         } else {
@@ -101,7 +101,7 @@ impl Moments {
         }
     }
 
-    /// Returns true if both have the same shape.
+    /// Returns true if both sets of sums have the same shape.
     pub(super) fn fits(&self, other: &Self) -> bool {
         let lengths = |m: &Self| [&m.u, &m.uu, &m.y, &m.yy, &m.uy].each(Vec::len);
         lengths(self) == lengths(other)
@@ -117,14 +117,14 @@ impl Moments {
     }
 }
 
-/// Sums of outputs by the level of each variable.
+/// Sums of outputs, grouped by the level of each variable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BinnedSums {
-    /// Sums by the level of each variable.
+    /// Sums for each variable.
     pub of: Vec<LevelSums>,
 }
 
-/// Sums of outputs and variables by the level of one variable.
+/// Sums of outputs and variables, grouped by the level of one variable.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LevelSums {
     /// Number of designs, by level.
@@ -159,7 +159,7 @@ impl BinnedSums {
         }
     }
 
-    /// Returns true if both have the same shape.
+    /// Returns true if both sets of sums have the same shape.
     pub(super) fn fits(&self, other: &Self) -> bool {
         let lengths = |l: &LevelSums| [l.counts.len(), l.sums.len(), l.places.len()];
         let (own, others) = (self.of.iter(), other.of.iter());
@@ -177,8 +177,8 @@ impl BinnedSums {
     }
 }
 
-/// Sums over Saltelli's groups. A group is a design A, a design B, and then A with one variable after the other from B,
-/// called C below. Groups with a design without values are left out.
+/// Sums over Saltelli's groups. A group contains a design A, a design B, and then one design C for each variable: A with this
+/// variable taken from B. Groups with a design without values are left out.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SaltelliSums {
     /// Number of groups.
@@ -198,7 +198,7 @@ pub struct SaltelliSums {
     /// Sums of (y_A - y_C)^2, `[variable][output]`.
     #[serde(with = "super::or_null")]
     pub total: Vec<f64>,
-    /// Values of the present group, `[role][output]`. Empty if there are no groups.
+    /// Values of the present group, `[role][output]`. Empty for other samples.
     #[serde(skip)]
     group: Vec<f64>,
     #[serde(skip)]
@@ -223,7 +223,7 @@ impl SaltelliSums {
         }
     }
 
-    /// Adds the next design, which has this role in its group.
+    /// Adds the next design. `role` is its index in its group.
     pub(super) fn add(&mut self, role: usize, complete: bool, outputs: &[f64]) {
         let width = outputs.len();
         if role == 0 {
@@ -251,7 +251,7 @@ impl SaltelliSums {
         }
     }
 
-    /// Returns true if both have the same shape.
+    /// Returns true if both sets of sums have the same shape.
     pub(super) fn fits(&self, other: &Self) -> bool {
         let lengths = |s: &Self| [&s.sum, &s.squares, &s.steps, &s.first, &s.total].each(Vec::len);
         lengths(self) == lengths(other)

@@ -1,4 +1,4 @@
-//! Numbers in JSON. A number that is not finite is written as null, and null is read as NaN.
+//! Numbers in JSON: writes a number that is not finite as null, and reads null as NaN.
 
 use serde::{Deserialize, Deserializer, Serializer};
 

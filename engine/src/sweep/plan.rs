@@ -1,4 +1,4 @@
-//! Results of a sweep for each design, and the workers that compute them.
+//! Plan of a sweep: the results for each design, and the workers that compute them.
 
 mod requests;
 mod worker;
@@ -29,17 +29,17 @@ use requests::{is_figure, of_axle, of_corner, of_elastic, with_gains};
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
 
-/// Plan of the results for each design.
+/// Plan of a sweep: the results to compute for each design.
 #[derive(Clone, Debug)]
 pub struct SweepPlan<'s> {
     /// Description of the results, as in `sweep.json`.
     pub record: SweepRecord,
-    /// Quantities that are read in each pose, including those of targets, and the stations of each design.
+    /// Quantities to read in each pose, including quantities of targets, and the stations of each design.
     request: Request<'s>,
-    /// Derivative of each quantity by the drive, unless the quantity is itself a derivative. For an axle, the requested
-    /// derivatives.
+    /// Derivative of each quantity with respect to the drive, unless the quantity is itself a derivative. For an axle, the
+    /// derivatives that the study requests.
     gains: Vec<Vec<Gain>>,
-    /// Number of quantities over the motion. The others are figures of the design position.
+    /// Number of quantities over the motion. The other quantities apply only to the design position.
     over_motion: usize,
     targets: Vec<SweptTarget>,
     samples: Samples,
@@ -52,7 +52,7 @@ struct Gain {
     column: String,
     unit: String,
     factor: f64,
-    /// Index among the slopes of a block.
+    /// Index of the derivative among the slopes of a block.
     slope: usize,
 }
 
@@ -66,7 +66,7 @@ struct SweptTarget {
     wishes: Vec<SweptWish>,
 }
 
-/// Target value of a quantity at a station, each given by its index.
+/// Target value of a quantity at a station. Quantity and station are given by their indices.
 #[derive(Clone, Copy, Debug)]
 struct SweptWish {
     quantity: usize,
@@ -75,7 +75,7 @@ struct SweptWish {
 }
 
 impl SweptWish {
-    /// Target values of one wheel at the stations of the target: at each drive value and each of its racks.
+    /// Target values of one wheel at the stations of the target: at each of its drive values and rack displacements.
     fn of(
         target: &Target,
         wanted: &[Sample],
@@ -105,7 +105,7 @@ pub enum NotBegun {
     Designs(StudyErrors),
     /// The study's own design cannot be solved.
     Fault(DesignFault),
-    /// Two columns of the results would have this name.
+    /// Two columns of the results would have the same name, given here.
     TwoColumns(String),
 }
 
@@ -116,7 +116,7 @@ impl From<DesignFault> for NotBegun {
 }
 
 impl<'s> SweepPlan<'s> {
-    /// Plan of a study's sweep.
+    /// Plans the sweep of a study.
     pub fn of(study: &'s Study, sweep: &Sweep) -> Result<Self, NotBegun> {
         let suspension = study.wheel();
         let samples = match &sweep.designs {
@@ -220,12 +220,12 @@ impl<'s> SweepPlan<'s> {
         Swept::Suspension(self).run(blocks, go_on, take);
     }
 
-    /// Stations at which each design is solved.
+    /// Stations of each design.
     pub fn stations(&self) -> &Stations {
         self.request.stations()
     }
 
-    /// Quantities of one wheel, including those of targets. Empty for an axle.
+    /// Quantities of one wheel, including quantities of targets. Empty for an axle.
     pub fn quantities(&self) -> &[Quantity] {
         self.request.of_wheel()
     }
@@ -235,12 +235,12 @@ impl<'s> SweepPlan<'s> {
         self.request.columns()
     }
 
-    /// Quantities that are read in each pose of an axle, including those of targets. Empty for a study of one wheel.
+    /// Quantities that are read in each pose of an axle, including quantities of targets. Empty for a study of one wheel.
     pub fn axle_quantities(&self) -> &[crate::axle::Quantity] {
         self.request.axle().map_or(&[], |axle| &axle.quantities)
     }
 
-    /// Returns true if the file of the designs numbers them in another way than the results.
+    /// Returns true if the file of designs has different design numbers than the results.
     pub fn has_other_numbers(&self) -> bool {
         matches!(&self.samples, Samples::Table(table) if table.has_other_numbers)
     }
@@ -268,7 +268,7 @@ impl<'s> SweepPlan<'s> {
         moved
     }
 
-    /// Returns true if a quantity is read over the motion, false if it is a figure of the design position.
+    /// Returns true if a quantity is read over the motion, false if it applies only to the design position.
     fn is_over_motion(&self, quantity: usize) -> bool {
         quantity < self.over_motion
     }
@@ -338,7 +338,8 @@ impl<'s> SweepPlan<'s> {
             let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
             for station in self.stations().of_motion() {
                 let value = value_at(station) * factor;
-                // If stations are missing, a range over the remaining ones could be mistaken for the range over the whole motion.
+                // If values are missing, the user could mistake the range over the remaining stations for the range over the
+                // whole motion.
                 (min, max) = if value.is_nan() {
                     (f64::NAN, f64::NAN)
                 } else {
@@ -376,7 +377,7 @@ impl<'s> SweepPlan<'s> {
         }
     }
 
-    /// Writes the reason why each design of a block was not solved at every station, if it was not.
+    /// Writes, for each design of a block that failed at some station, the reason.
     fn failing(&self, block: &Block, into: &mut Vec<Option<Failing>>) {
         into.clear();
         into.resize(block.designs(), None);
@@ -433,7 +434,7 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
             Some(site) => t.stations_among(&site.values),
             None => t.stations_in(motion),
         };
-        // The page shows the curves at the rack of the design position.
+        // The page shows the curves at the rack displacement of the design position.
         let home = motion.design_rack();
         let is_shown = t.site.racks.is_empty() || t.site.racks.contains(&home);
         let wanted = t.wanted.at_stations(&stations).into_iter();
@@ -475,8 +476,8 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
     }
 }
 
-/// SHA-256 digest of everything that determines the results. It covers the study's meaning, not its text, so that a comment
-/// may change.
+/// SHA-256 digest of everything that determines the results. The digest covers the meaning of the study, not its text, so
+/// that comments may change.
 fn digest(study: &Study, sweep: &Sweep, samples: &Samples) -> String {
     let meaning = format!(
         "{} {:?} {:?} {:?} {:?}",

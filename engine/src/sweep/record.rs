@@ -1,19 +1,19 @@
 //! Description of a sweep without its results: `sweep.json`.
 //!
-//! It has the columns, the samples, and the division into parts. Together with the rows and statistics of its parts, it is
-//! everything that `--resume`, `hardpoint merge` and a page need.
+//! It lists the columns, the samples, and the division into parts. `--resume`, `hardpoint merge` and the page need only this
+//! file and the rows and statistics of the parts.
 
 use crate::axle::Coordinate;
 use crate::evaluate::BLOCK;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-/// Version of the file's format. A reader accepts no other.
+/// Version of the file's format. A reader accepts only this version.
 pub const FORM: u32 = 2;
 
-/// Number of blocks in a part of a sweep of wheels or axles. With 128 designs per block, one core needs some tenths of a second
-/// for a part, and a part is a row group of usual size. It must not depend on the machine, because parts are the same wherever
-/// they are computed.
+/// Number of blocks in a part of a sweep of wheels or axles. With 128 designs per block, one core needs some tenths of a
+/// second for a part, and a part is a Parquet row group of usual size. The number must not depend on the machine, because
+/// parts must be identical on all machines.
 pub const BLOCKS_OF_PART: u64 = 1024;
 
 /// Number of blocks in a part of a sweep of cars. With 16 designs per block and some milliseconds per design, one core needs a
@@ -29,8 +29,8 @@ pub struct SweepRecord {
     pub form: u32,
     /// Version of the program.
     pub version: String,
-    /// SHA-256 digest of everything that determines the results. For points of a sequence it does not cover the number of
-    /// designs, because a longer sequence begins with the shorter one.
+    /// SHA-256 digest of everything that determines the results. For points of a sequence, the digest does not cover the
+    /// number of designs, because a longer sequence begins with the points of a shorter one.
     pub digest: String,
     /// Name of the study.
     pub study: String,
@@ -56,7 +56,7 @@ pub struct SweepRecord {
     pub outputs: Vec<OutputColumn>,
     /// Targets with which designs are compared.
     pub targets: Vec<TargetColumn>,
-    /// Reasons why the results have no misfit although the study has targets, each with the name of a target.
+    /// Targets for which the sweep cannot compute a misfit, each with its name and the reason.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_swept: Vec<String>,
     /// True if the sweep keeps the curves of every design.
@@ -82,7 +82,7 @@ pub struct VariableRecord {
     pub moves: Vec<MoveRecord>,
 }
 
-/// A coordinate that a variable moves.
+/// Coordinate that a variable moves.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct MoveRecord {
     /// Name of the hardpoint.
@@ -109,7 +109,7 @@ pub enum Kind {
     Case,
     /// Root mean square deviation from a target, in tolerances.
     Rms,
-    /// Root of the weighted mean of the squares of all targets' root mean square deviations.
+    /// Misfit: root of the weighted mean, over all targets, of the squared [`Rms`](Kind::Rms).
     Misfit,
 }
 
@@ -124,7 +124,7 @@ pub struct OutputColumn {
     pub kind: Kind,
     /// Unit of the column. Empty for a plain number.
     pub unit: String,
-    /// Value of the study's own design, if it has one.
+    /// Value of the study's own design. `None` if this value does not exist.
     pub at_design: Option<f64>,
 }
 
@@ -143,7 +143,7 @@ pub struct TargetColumn {
 }
 
 impl SweepRecord {
-    /// Number of designs in a block: [`BLOCK`], or 16 cars. No block divides a group of Saltelli's samples.
+    /// Number of designs in a block: [`BLOCK`], or 16 cars. A group of Saltelli's samples is never divided between blocks.
     pub fn block(&self) -> u64 {
         let most = if self.is_of_car() {
             CAR_BLOCK
@@ -198,7 +198,7 @@ impl SweepRecord {
         up_to(shard - 1)..up_to(shard)
     }
 
-    /// Text that distinguishes this sweep from all others, including those with fewer designs of the same sequence.
+    /// Text that distinguishes this sweep from all others, including sweeps with fewer designs of the same sequence.
     pub fn run_digest(&self) -> String {
         format!("{}-{}", self.digest, self.designs)
     }
@@ -243,7 +243,7 @@ impl SweepRecord {
         columns
     }
 
-    /// Name of the file with the rows of a part. If the sweep has one part, it is `designs.csv`.
+    /// Name of the file with the rows of a part. If the sweep has only one part, the name is `designs.csv`.
     pub fn rows_name(&self, part: u64) -> String {
         self.part_name("designs", "part", part, &self.format)
     }

@@ -1,4 +1,4 @@
-//! Rows: results of each design of a block.
+//! Rows: the results of each design of a block.
 
 use crate::car::{Car, FailedCases, NoEquilibrium};
 use crate::curves::Status;
@@ -10,7 +10,7 @@ use crate::model::{Drive, Mechanism};
 pub struct Rows {
     /// Number of the first design.
     pub first: u64,
-    /// Reason why some station of each design was not solved. `None` if all were solved.
+    /// For each design, the reason why a station was not solved. `None` if all stations were solved.
     pub failing: Vec<Option<Failing>>,
     /// Values of the variables, `[design][variable]`.
     pub variables: Vec<f64>,
@@ -38,13 +38,13 @@ impl Rows {
         self.failing.len()
     }
 
-    /// Variables of a design, by its index in the rows.
+    /// Values of the variables of a design. `place` is its index in the rows.
     pub fn variables(&self, place: usize) -> &[f64] {
         let width = self.variables.len() / self.designs();
         &self.variables[place * width..][..width]
     }
 
-    /// Outputs of a design, by its index in the rows.
+    /// Outputs of a design. `place` is its index in the rows.
     pub fn outputs(&self, place: usize) -> &[f64] {
         let width = self.outputs.len() / self.designs();
         &self.outputs[place * width..][..width]
@@ -52,8 +52,8 @@ impl Rows {
 }
 
 impl Failing {
-    /// Describes a design with stations without a pose. `failure` and `at` are those of the station nearest to the design
-    /// position.
+    /// Describes a design that has no pose at some stations. `failure` and `at` describe the failed station nearest to the
+    /// design position.
     pub(super) fn stations(failure: &NoPose, at: f64) -> Self {
         Failing {
             status: Status::Failed(*failure).word().to_owned(),
@@ -63,7 +63,7 @@ impl Failing {
         }
     }
 
-    /// Describes a design of a car with cases without an equilibrium. `case` is the name of the first of them.
+    /// Describes a car design that has no equilibrium in some cases. `case` is the name of the first failed case.
     pub(super) fn case(case: &str, failed: &FailedCases, car: &Car) -> Self {
         let reason = match &failed.why {
             NoEquilibrium::NoPose { axle, failure } => {
@@ -83,7 +83,7 @@ impl Failing {
         }
     }
 
-    /// Describes a design that cannot be solved at all, for a reason in words. All its `stations` fail.
+    /// Describes a design that cannot be solved at all, with the reason in words. All its `stations` fail.
     pub(super) fn of_design(reason: String, stations: usize) -> Self {
         Failing {
             status: "degenerate".to_owned(),
@@ -99,7 +99,7 @@ impl Failing {
     }
 }
 
-/// Reason why a station has no pose, with the wheel, but without the value at which the mechanism folds.
+/// Returns the reason why a station has no pose. Names the wheel, but not the value at which the mechanism folds.
 fn no_pose(failure: &NoPose) -> String {
     match failure {
         NoPose::Corner(failure) => reason(failure),

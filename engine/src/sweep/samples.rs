@@ -1,11 +1,11 @@
-//! Designs by number.
+//! Designs of a sweep, by their number.
 
 use super::sequence::{latin_hypercube, sobol, uniform};
 use crate::model::Frame;
 use crate::number::Vector3;
 use crate::study::{DesignTable, Rate, Sampled, Sampling, SweepVariable};
 
-/// Source of the designs of a sweep, by number.
+/// Origin of the designs of a sweep.
 #[derive(Clone, Debug)]
 pub enum Samples {
     /// Designs sampled from ranges.
@@ -74,7 +74,7 @@ impl Samples {
 }
 
 impl Samples {
-    /// Rates that vary, in the order of their variables.
+    /// Rates that the sweep varies, in the order of the variables.
     pub fn rates(&self) -> impl Iterator<Item = &Rate> {
         self.variables().iter().filter_map(|v| v.rate.as_ref())
     }
@@ -97,7 +97,7 @@ fn fraction(sampled: &Sampled, design: u64, k: usize) -> f64 {
         Sampling::Sobol => sobol(design, k, count, seed),
         Sampling::Random | Sampling::Grid => uniform(design, k, seed),
         Sampling::LatinHypercube => latin_hypercube(design, sampled.samples, k, seed),
-        // A group has two samples A and B, then A with one variable after the other from B.
+        // A group has two samples A and B, then one design for each variable: A with this variable taken from B.
         Sampling::Saltelli => {
             let designs = count as u64 + 2;
             let (group, role) = (design / designs, design % designs);

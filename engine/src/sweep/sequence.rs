@@ -1,10 +1,12 @@
-//! Numbers in [0, 1) by index. Each depends only on seed, index and dimension, so that a sweep can start anywhere.
+//! Random and low-discrepancy numbers in [0, 1). Each number depends only on seed, index and dimension, so that a sweep can
+//! start at any design.
 
 /// Number of points of one scrambled Sobol sequence of `sobol_burley`.
 const SOBOL_POINTS: u64 = 1 << 16;
 
 /// Coordinate `dimension` of point `index` of an Owen-scrambled Sobol sequence with this number of `dimensions`, in steps of
-/// 2^-24. A sequence has 2^16 points of 256 dimensions. Beyond either, an independent sequence with another seed follows.
+/// 2^-24. A sequence has 2^16 points with 256 dimensions. For more points or dimensions, the function continues with an
+/// independent sequence of another seed.
 pub fn sobol(index: u64, dimension: usize, dimensions: usize, seed: u32) -> f64 {
     let most = sobol_burley::NUM_DIMENSIONS as usize;
     let across = dimensions.div_ceil(most) as u64;
@@ -30,11 +32,11 @@ pub fn uniform(index: u64, dimension: usize, seed: u32) -> f64 {
 pub fn latin_hypercube(index: u64, count: u64, dimension: usize, seed: u32) -> f64 {
     let stratum = permuted(index, count, key(dimension, seed));
     let within = uniform(index, dimension, !seed);
-    // Rounding must not reach the end of the interval.
+    // Rounding must not give the end of the interval, 1.
     ((stratum as f64 + within) / count as f64).min(1.0 - f64::EPSILON / 2.0)
 }
 
-/// Stride of SplitMix64: the fraction of the golden ratio.
+/// Stride of SplitMix64: the fractional part of the golden ratio times 2^64.
 const STRIDE: u64 = 0x9e37_79b9_7f4a_7c15;
 
 /// Finaliser of SplitMix64: a bijection whose results show no pattern for consecutive arguments (G. L. Steele, D. Lea, C. H.
@@ -86,8 +88,8 @@ mod tests {
         }
     }
 
-    /// Means, variances, and correlations between neighbours and between dimensions are those of uniform numbers, within four
-    /// standard deviations.
+    /// Means, variances, and correlations between neighbours and between dimensions agree with those of uniform numbers,
+    /// within four standard deviations.
     #[test]
     fn uniform_numbers_are_uniform_and_independent() {
         let count = 40_000;
@@ -117,7 +119,8 @@ mod tests {
         }
     }
 
-    /// In each run of 2^16 points, 2^k consecutive points are in 2^k equal strata. This also holds beyond the first run.
+    /// In each run of 2^16 points, 2^k consecutive points lie in 2^k different strata of equal width. This also holds beyond
+    /// the first run.
     #[test]
     fn sobol_points_fill_strata_beyond_the_first_run_too() {
         for start in [0, 1 << 16, 5 << 16] {

@@ -1,8 +1,8 @@
-//! Statistics that can be added: of a block, of a run, of all shards.
+//! Statistics of a block, of a run or of all shards. Statistics can be added.
 //!
-//! Statistics are made from the rows of one block. A part adds the statistics of its blocks in order, and the sweep adds
-//! those of its parts in order. So every sum has one order of additions, for any threads, shards and machines. Statistics
-//! keep their bits when they are written as JSON and read again.
+//! The rows of one block give the statistics of this block. A part adds the statistics of its blocks in order, and the sweep
+//! adds the statistics of its parts in order. So the order of additions is the same for any number of threads, shards and
+//! machines. Statistics keep their bits when they are written as JSON and read again.
 
 use super::front::{Candidate, Front};
 use super::moments::{BinnedSums, Moments, SaltelliSums, Span};
@@ -23,7 +23,7 @@ pub struct SweepStatistics {
     pub solved: u64,
     /// Number of designs that were not solved in SIMD lanes.
     pub one_by_one: u64,
-    /// Reasons for failures of the other designs, in order of first appearance.
+    /// Reasons why the other designs failed, in order of first appearance.
     pub failures: Vec<FailureCount>,
     /// Range of each output.
     pub ranges: Vec<Option<OutputRange>>,
@@ -51,13 +51,13 @@ pub struct FailureCount {
     pub status: String,
     /// Reason in words.
     pub reason: String,
-    /// Number of these designs.
+    /// Number of designs that failed for this reason.
     pub designs: u64,
     /// Number of stations without a pose in these designs.
     pub stations: u64,
     /// Drive value nearest to the design position at which a station failed.
     pub nearest: Option<f64>,
-    /// Numbers of the first of these designs.
+    /// Numbers of the first few of these designs.
     pub examples: Vec<u64>,
 }
 
@@ -66,9 +66,9 @@ pub struct FailureCount {
 pub struct OutputRange {
     /// Number of designs that have the output.
     pub count: u64,
-    /// Smallest value and its (first) design.
+    /// Smallest value, and the first design that has it.
     pub min: (f64, u64),
-    /// Largest value and its (first) design.
+    /// Largest value, and the first design that has it.
     pub max: (f64, u64),
 }
 
@@ -99,7 +99,7 @@ impl SweepStatistics {
             .iter()
             .map(|o| o.at_design.unwrap_or(0.0))
             .collect();
-        // Outputs minus those of the study's design, so that sums of squares lose no digits.
+        // Outputs minus the outputs of the study's own design, so that sums of squares do not lose digits.
         let mut shifted = vec![0.0; reference.len()];
         let spans = Span::all(record);
         let mut scaled = vec![0.0; spans.len()];
@@ -130,7 +130,7 @@ impl SweepStatistics {
                 outputs: outputs.to_vec(),
                 failing: rows.failing[place].clone(),
             };
-            // A misfit at some stations is no merit of a design that cannot reach the others.
+            // A low misfit at some stations does not count if the design cannot reach the other stations.
             let is_solved = rows.failing[place].is_none();
             match misfit.filter(|m| !outputs[*m].is_nan()) {
                 Some(misfit) if is_solved => {
@@ -146,7 +146,7 @@ impl SweepStatistics {
             for ((shifted, value), reference) in shifted.iter_mut().zip(outputs).zip(&reference) {
                 *shifted = value - reference;
             }
-            // Designs made by exchanging variables are not independent samples.
+            // The designs C of Saltelli's groups are not independent samples, because they combine the variables of A and B.
             let independent = group.is_none_or(|group| number % group < 2);
             if complete && independent {
                 for ((scaled, span), value) in scaled.iter_mut().zip(&spans).zip(variables) {
@@ -249,7 +249,7 @@ impl OutputRange {
     }
 }
 
-/// Inserts a design among the best designs if it is one of them. Among equal designs the first comes first.
+/// Inserts a design into the list of best designs if it is good enough. Equal designs keep their order.
 fn keep_best(
     best: &mut Vec<Candidate>,
     misfit: usize,
@@ -263,7 +263,7 @@ fn keep_best(
     }
 }
 
-/// Inserts a misfit among the smallest ones if it is one of them.
+/// Inserts a misfit into the list of smallest misfits if it is small enough.
 fn keep_least(least: &mut Vec<f64>, misfit: f64) {
     let place = least.partition_point(|other| *other <= misfit);
     if place < KEPT && misfit.is_finite() {

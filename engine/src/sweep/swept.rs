@@ -35,7 +35,7 @@ impl<'s> Swept<'s> {
     }
 
     /// Solves blocks of the sweep on the threads of the current rayon pool and passes their rows to `take`, in order, while
-    /// it runs. Ends early if `go_on` or `take` requests it. All earlier rows have then been passed on.
+    /// it runs. Ends early if `go_on` or `take` requests a stop. All earlier rows have then been passed on.
     pub fn run(
         self,
         blocks: Range<u64>,
@@ -55,7 +55,7 @@ impl<'s> Swept<'s> {
     }
 }
 
-/// Converts blocks of designs to rows.
+/// Worker that solves blocks of designs and writes their rows.
 pub enum SweptWorker<'s> {
     /// Designs of one wheel or of an axle.
     Suspension(Box<Worker<'s>>),
@@ -64,7 +64,7 @@ pub enum SweptWorker<'s> {
 }
 
 impl SweptWorker<'_> {
-    /// Rows of a block of the sweep.
+    /// Computes the rows of a block of the sweep.
     pub fn rows(&mut self, block: u64) -> &Rows {
         match self {
             SweptWorker::Suspension(worker) => worker.rows(block),

@@ -1,8 +1,8 @@
-//! First-order result for an axle, exact.
+//! Exact first-order result of the tolerance analysis of an axle.
 //!
-//! The parts of each side move only its built design ([`crate::assembly`]). Values of the axle have gradients with respect to
-//! every hardpoint coordinate of either side. They include the conditions of the ground on both travels
-//! ([`AxleSolver::gradients`]):
+//! The parts of one side move only the built design of this side ([`crate::assembly`]). Values of the axle have gradients
+//! with respect to every hardpoint coordinate of both sides. The gradients include the ground conditions, which determine
+//! both travels ([`AxleSolver::gradients`]):
 //!
 //! ```text
 //! dy/dx = (dy/dp_left) (dp_left/dx) + (dy/dp_right) (dp_right/dx)
@@ -18,10 +18,11 @@ use crate::model::Side;
 use crate::number::Vector3;
 use crate::study::Source;
 
-/// Rates at which a source moves every point of a wheel.
+/// Rates at which a tolerance source moves every point of a wheel.
 pub(super) type Moves = Vec<Vector3<f64>>;
 
-/// Derivatives of every value by each source, `[cell][source]`. NaN if there is no value or no derivative.
+/// Derivatives of every value with respect to each tolerance source, `[cell][source]`. NaN if there is no value or no
+/// derivative.
 pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, SetUpError> {
     let moves = moves(problem, sources)?;
     let drawn = |side: Side| {
@@ -52,7 +53,7 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
     Ok(gradients)
 }
 
-/// Rates at which each source moves the built designs of both wheels.
+/// Rates at which each tolerance source moves the built designs of both wheels.
 pub(super) fn moves(problem: &Problem, sources: &[&Source]) -> Result<Vec<[Moves; 2]>, SetUpError> {
     let mut all: Vec<[Moves; 2]> = vec![Default::default(); sources.len()];
     for (side, wheel_assembler) in problem.wheel_assemblers.iter().enumerate() {
@@ -68,7 +69,7 @@ pub(super) fn moves(problem: &Problem, sources: &[&Source]) -> Result<Vec<[Moves
     Ok(all)
 }
 
-/// Rates at which each source moves the built design of a wheel. Empty for a source that does not move it.
+/// Rates at which each tolerance source moves the built design of a wheel. Empty for a source that does not move this wheel.
 pub(super) fn moves_of_wheel(
     wheel_assembler: &WheelAssembler,
     built: &Built,

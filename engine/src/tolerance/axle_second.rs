@@ -1,10 +1,10 @@
-//! Second-order result for an axle, exact.
+//! Exact second-order result of the tolerance analysis of an axle.
 //!
-//! Along a direction of the parts, both built designs, their poses and the readings are series in one number, as for one
-//! wheel (module `expansion`). The positions on the ground follow from module `axle/series`. Quantities that contain
-//! velocities are left out.
+//! Along a direction of the parts, both built designs, their poses and the values read from them are Taylor series in one
+//! number, as for one wheel (module `expansion`). Module `axle/series` computes the positions on the ground. Quantities that
+//! contain velocities have no second-order result.
 //!
-//! Positions at a load have no second-order result.
+//! Positions that follow from a load have no second-order result, either.
 
 use super::Problem;
 use super::expansion::combined;
@@ -17,10 +17,10 @@ use crate::model::SteeringAxis;
 use crate::number::{Jet, Vector3};
 use crate::study::Source;
 
-/// Largest number of series of poses of both wheels: seconds of work.
+/// Largest number of pose series of both wheels. They take some seconds to compute.
 const MOST_SERIES: usize = 300_000;
 
-/// Second-order terms of the mean and of the variance, by cell.
+/// Second-order terms of the mean and of the variance, for each cell.
 pub(super) fn second(
     problem: &Problem,
     stations: &AxleStations,
@@ -53,10 +53,10 @@ struct DrawnPositions<'p> {
     positions: Vec<Option<DrawnPosition>>,
 }
 
-/// A pose of the nominal axle, with data for its series.
+/// A pose of the nominal axle, with data for its Taylor series.
 struct DrawnPosition {
     at: SeriesPosition,
-    /// True for each quantity that has a value here.
+    /// True for each quantity that has a value in this pose.
     has_value: Vec<bool>,
 }
 
@@ -68,12 +68,12 @@ impl<'p> DrawnPositions<'p> {
             let assembler = &wheel_assembler.assembler;
             built.push(assembler.build(assembler.drawn(), Rest::Height(0.0))?);
         }
-        // First derivatives of both wheels are needed for the slopes of the ground condition.
+        // The slopes of the ground condition need first derivatives of both wheels.
         let solver = AxleSolver::<2>::new(axle, &stations.quantities, false);
         let mut solver = solver.map_err(|(_, fault)| SetUpError::Fault(fault))?;
         let placed = solver.place_all(&stations.placements);
         let position = |(placement, placed): (&Placement, Result<crate::axle::AxlePose, _>)| {
-            // The mean travel at a load changes with forces, whose second derivatives are not computed.
+            // The mean travel under a load depends on forces, and second derivatives of forces are not computed.
             let placed = placed
                 .ok()
                 .filter(|_| !matches!(placement, Placement::AtLoad { .. }))?;
@@ -101,8 +101,8 @@ impl<'p> DrawnPositions<'p> {
         })
     }
 
-    /// Second derivative along the sum of some sources' directions, each scaled by its standard deviation. One entry for
-    /// each cell.
+    /// Second derivative of each cell along the sum of the directions of some tolerance sources, each scaled by its standard
+    /// deviation.
     fn second_derivatives(&self, along: &[&Source]) -> Vec<f64> {
         let wheel_assemblers = self.problem.wheel_assemblers.iter().zip(&self.built);
         let designs: Vec<Vec<Vector3<Series>>> = wheel_assemblers

@@ -1,4 +1,4 @@
-//! Builds by number: random numbers, assembly, solution.
+//! Builds with given numbers: their random numbers, assembly and solution.
 
 use super::lanes::LaneBuilder;
 use super::wheel_assembler::WheelAssembler;
@@ -11,13 +11,13 @@ use crate::number::{Vector3, Width};
 use crate::study::Vehicle;
 
 impl Problem<'_> {
-    /// Reason why no build is solved in SIMD lanes. `None` if most builds are.
+    /// Reason why no build is solved in SIMD lanes. `None` if most builds are solved in lanes.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
         let builder = Builder::new(self, Width::widest()).ok()?;
         builder.evaluator.not_in_lanes()
     }
 
-    /// Values of the nominal suspension, by cell.
+    /// Values of the nominal suspension, for each cell.
     pub fn drawn(&self) -> Result<Vec<f64>, DesignFault> {
         let mut builder = Builder::new(self, None)?;
         // The random numbers are 0. A nominal design that cannot be assembled has no values.
@@ -30,8 +30,8 @@ impl Problem<'_> {
         Ok(values.collect())
     }
 
-    /// Build with this number: its design in the static position, from the random numbers of the seed, and aligned if the study
-    /// requests it. For an axle it is the left wheel.
+    /// Build with this number: its design in the static position, from the random numbers of the seed. The build is aligned
+    /// if the study requests alignment. For an axle, returns the left wheel.
     pub fn built(&self, number: u64) -> Result<Suspension, AssemblyError> {
         let built = self.built_wheels(number).map_err(|(_, reject)| reject);
         built.map(|mut wheels| wheels.swap_remove(0))
@@ -80,8 +80,8 @@ impl Problem<'_> {
         }
     }
 
-    /// All wheels of the build with this number: for an axle left and right, each in the frame of a left wheel. An error
-    /// names the wheel that cannot be assembled.
+    /// All wheels of the build with this number. For an axle these are the left and the right wheel, each in the frame of a
+    /// left wheel. An error names the wheel that cannot be assembled.
     pub fn built_wheels(
         &self,
         number: u64,
@@ -89,14 +89,14 @@ impl Problem<'_> {
         Ok(self.built_parts(number)?.0)
     }
 
-    /// All wheels of a build, and the tensions that its parts cause in the links of a relaxed axle.
+    /// All wheels of a build, and the tensions that its parts cause in the links of an axle with relaxed links.
     fn built_parts(
         &self,
         number: u64,
     ) -> Result<(Vec<Suspension>, Tensions), (Option<Side>, AssemblyError)> {
         let mut draws = vec![0.0; self.tolerance.sources()];
         self.tolerance.draw(number, &mut draws);
-        // Both views of an axle have the same tensions. The left one names their links.
+        // The tensions are the same for the left and the right view of an axle. The left view names their links.
         let mut tensions = None;
         let wheels = self.wheel_assemblers.iter().map(|wheel_assembler| {
             let mut built = wheel_assembler.assembler.suspension().clone();
@@ -120,14 +120,14 @@ pub(super) type Unbuilt = (u64, Option<Side>, AssemblyError);
 /// Failed builds of a block.
 pub(super) struct Outcome {
     pub(super) rejects: Vec<Unbuilt>,
-    /// Number of builds without a pose at some station of the motion, and the number of the first of them.
+    /// Number of builds without a pose at some station of the motion, and the number of the first such build.
     pub(super) incomplete: (u64, Option<u64>),
 }
 
 /// Solves blocks of builds. Each thread has one.
 ///
-/// Builds are assembled in SIMD lanes. Builds that do not settle there, and builds with rockers near a toggle, are assembled one
-/// by one. The choice of method depends on the build alone.
+/// Builds are assembled in SIMD lanes. Builds that do not converge in lanes, and builds with rockers near a toggle, are
+/// assembled one by one. The choice of method depends only on the build.
 pub(super) struct Builder<'a> {
     problem: &'a Problem<'a>,
     /// One wheel, or left and right wheel.
@@ -136,11 +136,11 @@ pub(super) struct Builder<'a> {
     /// Values of the builds assembled together, in the order of their numbers.
     pub(super) block: Block,
     draws: Vec<f64>,
-    /// Random numbers of the block, `[source][build]`.
+    /// Random numbers of the block, `[tolerance source][build]`.
     draws_of_block: Vec<f64>,
-    /// Index in the block of each design.
+    /// Index of each design in the block.
     places: Vec<usize>,
-    /// Scattering rates of elastic parts, design after design.
+    /// Rates of elastic parts that scatter, design after design.
     rates: Vec<f64>,
 }
 
@@ -161,7 +161,7 @@ impl<'a> Builder<'a> {
         evaluator.interrupt = problem.interrupt;
         let wheel = |wheel_assembler: &'a WheelAssembler| WheelBuilder {
             wheel_assembler,
-            // Builds of a relaxed axle are assembled one by one.
+            // Builds of an axle with relaxed links are assembled one by one.
             lanes: width
                 .filter(|_| wheel_assembler.tensions.is_empty())
                 .map(|width| LaneBuilder::new(problem.tolerance, wheel_assembler, width)),
@@ -183,8 +183,8 @@ impl<'a> Builder<'a> {
         })
     }
 
-    /// Draws and solves builds from number `first` on: `count` of them, at most a block. `None` if the problem's interrupt
-    /// is raised meanwhile.
+    /// Draws and solves `count` builds from number `first` on, at most one block. `None` if the problem's interrupt is raised
+    /// during this work.
     pub(super) fn solve(&mut self, first: u64, count: usize) -> Option<Outcome> {
         let Problem {
             tolerance,
@@ -222,7 +222,7 @@ impl<'a> Builder<'a> {
             }
         }
         let outcome = self.finish(first, rejects);
-        // If the block was cut short, its values are those of an earlier block.
+        // If an interrupt stopped the block, its values belong to an earlier block.
         (!interrupt.is_raised()).then_some(outcome)
     }
 
@@ -234,8 +234,8 @@ impl<'a> Builder<'a> {
         self.rates.clear();
     }
 
-    /// Assembles all wheels of a build that the lanes did not assemble, from its random numbers. On failure it assembles
-    /// none.
+    /// Assembles all wheels of a build that the lanes did not assemble, from its random numbers. If one wheel fails, no wheel
+    /// of the build is stored.
     fn build(&mut self, place: usize) -> Result<(), (Option<Side>, AssemblyError)> {
         let (tolerance, draws) = (self.problem.tolerance, &self.draws);
         let built = self.wheels.iter_mut().try_for_each(|wheel| {

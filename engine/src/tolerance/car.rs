@@ -1,9 +1,9 @@
-//! Scatter of a car: parts of both axles, rates and figures of the car, in every load case.
+//! Scatter of a car's results in every load case. Parts of both axles, rates and values of the car such as its mass scatter.
 //!
-//! Each axle's parts are assembled as in a study of the axle ([`crate::assembly`]). With these parts, the car is then in
-//! equilibrium on its springs. First-order results are exact. They are derivatives of every result by the hardpoints of each
-//! wheel, times derivatives of the built designs by each source, plus derivatives with respect to rates and figures. Module
-//! `car_second` computes the second order.
+//! The parts of each axle are assembled as in a study of the axle ([`crate::assembly`]). The car with these parts is in
+//! equilibrium on its springs. First-order results are exact. By the chain rule, they are derivatives of every result with
+//! respect to the hardpoints of each wheel, times derivatives of the built designs with respect to each tolerance source.
+//! Derivatives with respect to rates and values of the car are added. Module `car_second` computes the second order.
 
 use super::axle_expansion::{Moves as PointMoves, moves};
 use super::histogram::Histogram;
@@ -18,19 +18,19 @@ use crate::study::{CarContributor, CarStudy, CarTolerance, Source};
 use crate::sweep::{in_order, uniform};
 use std::ops::ControlFlow;
 
-/// For each source of a contributor: its variance, and the rates at which it moves both wheels' points.
+/// For each tolerance source of a contributor: its variance, and the rates at which it moves the points of both wheels.
 type Ways = Vec<(f64, [PointMoves; 2])>;
 
 /// Number of builds in a block.
 const BLOCK: u64 = 16;
 
-/// Tolerances of a car, prepared.
+/// Prepared tolerance analysis of a car.
 pub struct CarProblem<'a> {
     /// The study.
     pub study: &'a CarStudy,
     /// Tolerances.
     pub tolerance: &'a CarTolerance,
-    /// Results of cases: those of the study, then those of bands.
+    /// Results of the load cases: first the study's results, then the results that bands limit.
     pub request: CarRequest<'a>,
     /// Index of the result of each band.
     places: Vec<usize>,
@@ -48,9 +48,9 @@ pub struct CarBuilds {
     pub failed: u64,
     /// Number of the first of these builds, and the reason.
     pub first_failed: Option<(u64, String)>,
-    /// Number of builds that keep each band.
+    /// Number of builds within each band.
     pub in_bands: Vec<u64>,
-    /// Number of builds that keep every band.
+    /// Number of builds within every band.
     pub in_all_bands: u64,
 }
 
@@ -76,7 +76,8 @@ impl CarExpansion {
         self.variances[contributor] / self.estimate.variance
     }
 
-    /// Returns true if the linear result is valid ([`Estimate::holds`]). `None` if that is unknown or the value does not scatter.
+    /// Returns true if the linear result is valid ([`Estimate::holds`]). `None` if this is unknown, or if the value does not
+    /// scatter.
     pub fn holds(&self, spread: &Spread) -> Option<bool> {
         self.estimate.holds(spread).filter(|_| self.scatters)
     }
@@ -86,7 +87,7 @@ impl<'a> CarProblem<'a> {
     /// Prepares the tolerances of a car.
     ///
     /// # Errors
-    /// Axle and reason if the design of an axle cannot be assembled.
+    /// Returns the axle and the reason if the design of an axle cannot be assembled.
     pub fn of(
         study: &'a CarStudy,
         tolerance: &'a CarTolerance,
@@ -112,7 +113,8 @@ impl<'a> CarProblem<'a> {
         })
     }
 
-    /// Car of a build. An error names the wheel that cannot be assembled, or the value that a study does not accept.
+    /// Car of the build with this number. An error names the wheel that cannot be assembled, or the value that a study does
+    /// not accept.
     pub fn built(&self, number: u64) -> Result<Car, String> {
         let mut car = self.study.car.clone();
         for (axle, problem) in self.axles.iter().enumerate() {
@@ -152,8 +154,8 @@ impl<'a> CarProblem<'a> {
         }
     }
 
-    /// Nominal car, in the form that builds use. If parts of an axle scatter, both of its wheels have the points of the
-    /// assembly, including a point of the spin axis.
+    /// Nominal car, in the form that builds use. If parts of an axle scatter, both wheels of this axle have the points of the
+    /// assembled suspension, including a point of the spin axis.
     fn drawn(&self) -> Car {
         let mut car = self.study.car.clone();
         for (axle, problem) in self.axles.iter().enumerate() {
@@ -174,7 +176,7 @@ impl<'a> CarProblem<'a> {
     /// Nominal results, in printed units. NaN for missing results.
     ///
     /// # Errors
-    /// The reason if the design position cannot be solved.
+    /// Returns the reason if the design position cannot be solved.
     pub fn nominal(&self) -> Result<Vec<f64>, CarFault> {
         let mut values = vec![f64::NAN; self.request.results.len()];
         self.request.values(&self.study.car, &mut values)?;
@@ -184,7 +186,7 @@ impl<'a> CarProblem<'a> {
     /// First- and second-order result for every quantity.
     ///
     /// # Errors
-    /// Axle and reason if the design of an axle cannot be assembled.
+    /// Returns the axle and the reason if the design of an axle cannot be assembled.
     pub fn expansion(&self) -> Result<Vec<CarExpansion>, (usize, SetUpError)> {
         let drawn = self.drawn();
         let gradients = self.request.gradients(&drawn);
@@ -312,7 +314,8 @@ impl<'a> CarProblem<'a> {
         all
     }
 
-    /// Writes the results of a build. Returns the reason if it cannot be assembled, or if a case has no equilibrium.
+    /// Writes the results of a build. Returns the reason if the build cannot be assembled, or if a load case has no
+    /// equilibrium.
     fn build(&self, number: u64, row: &mut [f64]) -> Option<String> {
         row.fill(f64::NAN);
         let car = match self.built(number) {
@@ -330,7 +333,7 @@ impl<'a> CarProblem<'a> {
     }
 }
 
-/// Derivative of a result along a motion of the points of both wheels of an axle.
+/// Derivative of a result along a move of the points of both wheels of an axle.
 fn along(gradient: &CarGradient, axle: usize, moves: &[PointMoves; 2]) -> f64 {
     let of_side = |side: Side| -> f64 {
         let by = &gradient.wheels[2 * axle + side as usize];

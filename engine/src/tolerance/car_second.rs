@@ -1,8 +1,9 @@
-//! Second-order result for a car, exact.
+//! Exact second-order result of the tolerance analysis of a car.
 //!
-//! Along a direction of the sources, the built designs of both axles, the rates and the figures of the car are series in one
-//! number. Then the wheels, the unknowns of each state and the results are series, too ([`crate::car`], module `second`).
-//! Results that are derivatives of a state are left out if an axle is solid.
+//! Along a direction of the tolerance sources, the built designs of both axles, the rates and the values of the car are
+//! Taylor series in one number. The wheels, the unknowns of each state and the results are then Taylor series, too
+//! ([`crate::car`], module `second`). If an axle is solid, results that are derivatives of a state have no second-order
+//! result.
 
 use super::Problem;
 use super::car::CarProblem;
@@ -17,37 +18,37 @@ use crate::number::{Each, Jet, Vector3};
 use crate::study::{CarContributor, Law, Source};
 use rayon::prelude::*;
 
-/// Largest number of series of states: seconds of work.
+/// Largest number of Taylor series of states. They take some seconds to compute.
 const MOST_SERIES: usize = 100_000;
 
-/// A source of scatter.
+/// A tolerance source of a car.
 #[derive(Clone, Copy)]
 enum Moved<'p> {
     /// Parts of an axle.
     Parts(usize, &'p Source),
-    /// Parameter with its change per standard deviation.
+    /// Parameter of the car, with its change per standard deviation.
     Parameter(Parameter, f64),
 }
 
-/// A state of a case.
+/// Equilibrium state of a load case.
 struct State<'p> {
     expanded: ExpandedState<'p>,
-    /// Wheels of the designs that each source moves.
+    /// For each tolerance source, the wheels that it moves.
     wheels: Vec<[Option<Box<ExpandedWheel>>; 4]>,
 }
 
-/// Designs as series, with `None` for wheels that do not move.
+/// Designs of the four wheels as Taylor series. `None` for a wheel that does not move.
 type Designs = [Option<Vec<Vector3<Series>>>; 4];
 
-/// All states of a car with the sources of its scatter.
+/// All states of a car with its tolerance sources.
 struct Expander<'p> {
     problem: &'p CarProblem<'p>,
-    /// Both wheels of each axle, as built from nominal parts.
+    /// Both wheels of each axle, built from nominal parts.
     built: [Vec<Built>; 2],
     sources: Vec<Moved<'p>>,
-    /// States of the cases. `None` without equilibrium.
+    /// States of the cases. `None` for a case without an equilibrium.
     states: Vec<Option<State<'p>>>,
-    /// The car at rest on rigid and on elastic tyres, if results count from there.
+    /// The car at rest on rigid and on elastic tyres, if results are measured from these states.
     rests: [Option<State<'p>>; 2],
 }
 
@@ -112,7 +113,7 @@ pub(super) fn second(
     ))
 }
 
-/// Distributions of all sources, and the parts of the car that they move, contributor by contributor.
+/// Distributions of all tolerance sources, and the items of the car that they change, contributor by contributor.
 fn sources<'p>(problem: &'p CarProblem<'_>, drawn: &Car) -> (Vec<Law>, Vec<Moved<'p>>) {
     let (mut laws, mut sources) = (Vec::new(), Vec::new());
     for contributor in &problem.tolerance.contributors {
@@ -136,7 +137,7 @@ fn sources<'p>(problem: &'p CarProblem<'_>, drawn: &Car) -> (Vec<Law>, Vec<Moved
 }
 
 impl<'p> State<'p> {
-    /// Solves a case, and computes its wheels along each source.
+    /// Solves a load case, and computes its wheels along each tolerance source.
     fn of(
         solver: &mut CarSolver<'p>,
         case: &'p Case,
@@ -156,7 +157,8 @@ impl<'p> State<'p> {
         })
     }
 
-    /// Second derivatives of results along one source or the sum of two. `designs` are those that both sources move.
+    /// Second derivatives of results along one tolerance source or the sum of two. `designs` are the designs that both
+    /// sources move.
     fn second_derivatives(
         &self,
         (first, other): (usize, Option<usize>),
@@ -182,7 +184,7 @@ impl<'p> State<'p> {
 }
 
 impl Expander<'_> {
-    /// Designs of the wheels along a source, or along the sum of two sources that both move the wheel.
+    /// Designs of the wheels along a tolerance source, or along the sum of two sources that both move the wheel.
     fn designs(&self, first: usize, other: Option<usize>) -> Designs {
         [0, 1, 2, 3].map(|number: usize| {
             let problem: &Problem<'_> = &self.problem.axles[number / 2];
@@ -203,7 +205,7 @@ impl Expander<'_> {
         })
     }
 
-    /// Second derivatives of all results along one source or the sum of two.
+    /// Second derivatives of all results along one tolerance source or the sum of two.
     fn second_derivatives(&self, first: usize, other: Option<usize>) -> Vec<f64> {
         let designs = match other {
             Some(_) => self.designs(first, other),

@@ -1,4 +1,5 @@
-//! Random numbers of builds. They depend only on the seed, the number of the build, the wheel and the index of the source.
+//! Random numbers of builds. They depend only on the seed, the number of the build, the wheel and the index of the tolerance
+//! source.
 
 use crate::evaluate::BLOCK;
 use crate::model::Side;
@@ -38,7 +39,7 @@ impl Law {
         }
     }
 
-    /// Replaces fractions by their quantiles.
+    /// Replaces each fraction by the quantile of the distribution.
     fn quantiles(self, fractions: &mut [f64]) {
         let Law::Normal { sigma } = self else {
             for fraction in fractions {
@@ -46,8 +47,8 @@ impl Law {
             }
             return;
         };
-        // Nearly all fractions are in the central region. Its formula is applied to all at once. The others are corrected
-        // afterwards.
+        // Nearly all fractions are in the central region. The formula of this region is applied to all fractions at once. The
+        // other fractions are corrected afterwards.
         let mut numbers = [0.0; BLOCK];
         for (number, fraction) in numbers.iter_mut().zip(&*fractions) {
             *number = sigma * centre(fraction - 0.5);
@@ -63,18 +64,18 @@ impl Law {
 }
 
 impl Tolerance {
-    /// Number of independent sources.
+    /// Number of independent tolerance sources.
     pub fn sources(&self) -> usize {
         self.each_source().count()
     }
 
-    /// All sources, contributor by contributor.
+    /// All tolerance sources, contributor by contributor.
     pub(super) fn each_source(&self) -> impl Iterator<Item = &Source> {
         self.scatter.iter().flat_map(|c| &c.sources)
     }
 
-    /// Sources, each with its random stream and its index in the stream. Each wheel of an axle has its own stream, so
-    /// contributors of the other wheel do not change its numbers.
+    /// Tolerance sources, each with its random stream and its index in the stream. Each wheel of an axle has a separate
+    /// stream, so contributors of one wheel do not change the random numbers of the other wheel.
     fn streams(&self) -> impl Iterator<Item = (&Source, Option<Side>, usize)> {
         let mut counts = [0; 3];
         self.each_source().map(move |source| {
@@ -84,15 +85,15 @@ impl Tolerance {
         })
     }
 
-    /// Random numbers of a build, source by source.
+    /// Writes the random numbers of a build, one for each tolerance source.
     pub fn draw(&self, build: u64, into: &mut [f64]) {
         for (number, (source, side, k)) in into.iter_mut().zip(self.streams()) {
             *number = source.law.quantile(self.fraction(build, side, k));
         }
     }
 
-    /// Random numbers of builds from number `first` on, for a block, `[source][build]`. They equal those of
-    /// [`Tolerance::draw`]. 0 for builds beyond the `count`-th.
+    /// Writes the random numbers of a block of builds from number `first` on, `[tolerance source][build]`. They equal the
+    /// numbers of [`Tolerance::draw`]. Numbers of builds beyond the first `count` are 0.
     pub(super) fn draw_block(&self, first: u64, count: usize, into: &mut [f64]) {
         let rows = into.chunks_exact_mut(BLOCK);
         for (row, (source, side, k)) in rows.zip(self.streams()) {
@@ -113,8 +114,8 @@ impl Tolerance {
     }
 }
 
-/// Standard normal quantile of a fraction in (0, 1), accurate to about 1e-15 relative (M. J. Wichura, Algorithm AS 241: The
-/// percentage points of the normal distribution, Applied Statistics 37, 1988, routine PPND16).
+/// Standard normal quantile of a fraction in (0, 1), with a relative error of about 1e-15 (M. J. Wichura, Algorithm AS 241:
+/// The percentage points of the normal distribution, Applied Statistics 37, 1988, routine PPND16).
 pub fn normal_quantile(fraction: f64) -> f64 {
     let q = fraction - 0.5;
     if q.abs() <= HALF_CENTRE {
@@ -130,7 +131,7 @@ pub fn normal_quantile(fraction: f64) -> f64 {
     value.copysign(q)
 }
 
-/// Half the width of the central region, whose approximation needs no logarithm.
+/// Half the width of the central region. The approximation in this region needs no logarithm.
 const HALF_CENTRE: f64 = 0.425;
 
 #[inline]
@@ -219,7 +220,8 @@ mod tests {
     use super::*;
     use crate::study::Contributor;
 
-    /// A block of random numbers has the bits of the numbers of its builds, for both laws and for sources of a wheel and of both.
+    /// The random numbers of a block equal those of its single builds bit for bit. The test covers both distributions, and
+    /// tolerance sources of one wheel and of both wheels.
     #[test]
     fn draws_by_the_block_are_those_by_the_build() {
         let source = |law: Law, side: Option<Side>| Source {

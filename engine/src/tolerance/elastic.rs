@@ -1,14 +1,14 @@
-//! Builds of a wheel with elastic parts: parts are assembled without load, and rates also scatter.
+//! Builds of a wheel with elastic parts. The parts are assembled without load, and their rates also scatter.
 //!
-//! The parts of a build are assembled like those of the rigid mechanism, in the position where elastic parts carry no force.
-//! The built design is the design of an elastic wheel, whose equilibria are evaluated. With p the built design and k the
-//! rates,
+//! The parts of a build are assembled like those of the rigid mechanism, in the position in which elastic parts carry no
+//! force. The built design is the design of an elastic wheel, and the code evaluates the equilibria of this wheel. With p the
+//! built design and k the rates,
 //!
 //! ```text
 //! dy/dx = (dy/dp) (dp/dx) + (dy/dk) (dk/dx)
 //! ```
 //!
-//! dy/dp and dy/dk come from one tape for each station. Second derivatives are not computed.
+//! One tape for each station gives dy/dp and dy/dk. Second derivatives are not computed.
 
 use super::axle_expansion::{Moves, moves_of_wheel};
 use super::wheel_assembler::WheelAssembler;
@@ -22,7 +22,7 @@ use crate::number::Vector3;
 use crate::study::{Band, ComplianceStudy, Rate, Source, Study, TargetKind, Tolerance, WheelStudy};
 use crate::threads::Interrupt;
 
-/// Scattering rates, each with the wheel of its part, in the order of their sources.
+/// Rates that scatter, each with the wheel of its part, in the order of their tolerance sources.
 pub(super) fn rates(tolerance: &Tolerance) -> impl Iterator<Item = (AxleParameter, &Rate)> {
     tolerance.each_source().filter_map(|source| {
         let rate = source.rate.as_ref()?;
@@ -37,7 +37,7 @@ pub(super) fn append_rates(tolerance: &Tolerance, draws: &[f64], into: &mut Vec<
     into.extend(sources.filter_map(|(source, z)| Some(source.rate.as_ref()?.scattered(*z)[0])));
 }
 
-/// Values of the study's outputs and of bands, each once, with their columns.
+/// Values of the study's outputs and of bands, without duplicates, with their columns.
 fn reads(own: &WheelStudy, tolerance: &Tolerance) -> (Vec<KcValue>, Vec<Column>) {
     let length = own.suspension.length_unit;
     let (mut reads, mut columns) = (Vec::new(), Vec::new());
@@ -63,7 +63,7 @@ fn reads(own: &WheelStudy, tolerance: &Tolerance) -> (Vec<KcValue>, Vec<Column>)
     (reads, columns)
 }
 
-/// Prepares the tolerances of a study with elastic parts: characteristics over the motion, test figures in the design
+/// Prepares the tolerances of a study with elastic parts: characteristics over the motion, test results in the design
 /// position.
 pub(super) fn problem<'a>(
     study: &'a Study,
@@ -128,7 +128,7 @@ pub(super) fn problem<'a>(
     })
 }
 
-/// Derivatives of every value by each source, `[cell][source]`. NaN if there is no value.
+/// Derivatives of every value with respect to each tolerance source, `[cell][source]`. NaN if there is no value.
 pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, SetUpError> {
     let wheel_assembler = &problem.wheel_assemblers[0];
     let assembler = &wheel_assembler.assembler;
@@ -167,9 +167,9 @@ pub(super) fn gradients(problem: &Problem, sources: &[&Source]) -> Result<Vec<f6
     Ok(gradient)
 }
 
-/// Writes the derivatives of a value by each source. `by` holds its derivatives with respect to the coordinates of all
-/// points, wheel after wheel, then by the scattering rates. `moves` gives the rates at which a source moves the points of
-/// each wheel.
+/// Writes the derivatives of a value with respect to each tolerance source. `by` holds the derivatives with respect to the
+/// coordinates of all points, wheel after wheel, then with respect to the rates that scatter. `moves` returns the rates at
+/// which a source moves the points of each wheel.
 pub(super) fn write_slopes<'m>(
     sources: &[&Source],
     moves: impl Fn(usize) -> &'m [Moves],

@@ -1,15 +1,16 @@
-//! First-order result for an axle with elastic parts.
+//! First-order result of the tolerance analysis of an axle with elastic parts.
 //!
-//! The parts of a wheel move only the built design of that wheel. Rates also scatter: those of the two wheels independently, and
-//! those of shared parts once. With p the built designs and k the rates,
+//! The parts of a wheel move only the built design of that wheel. Rates also scatter. The rates of the two wheels scatter
+//! independently, and a shared part has one rate. With p the built designs and k the rates,
 //!
 //! ```text
 //! dy/dx = (dy/dp_left) (dp_left/dx) + (dy/dp_right) (dp_right/dx) + (dy/dk) (dk/dx)
 //! ```
 //!
-//! Parts of a solid axle on five links cause tensions T in the links of a build ([`crate::assembly`]). They add (dy/dT) (dT/dx).
+//! Parts of a solid axle on five links cause tensions T in the links of a build ([`crate::assembly`]). These tensions add the
+//! term (dy/dT) (dT/dx).
 //!
-//! The derivatives of a station's values come from one tape. Second derivatives are not computed.
+//! One tape for each station gives the derivatives of its values. Second derivatives are not computed.
 
 use super::Problem;
 use super::axle_expansion::moves;
@@ -22,7 +23,7 @@ use crate::evaluate::AxleStations;
 use crate::model::{Axis, PointId, Side};
 use crate::study::{AxleComplianceStudy, Source, Tolerance};
 
-/// Inputs of the elastic parts that differ between builds: scattering rates, then tensions of links.
+/// Inputs of the elastic parts that differ between builds: first the rates that scatter, then the tensions of links.
 pub(super) fn inputs<'t>(
     tolerance: &'t Tolerance,
     left: &'t WheelAssembler,
@@ -31,7 +32,7 @@ pub(super) fn inputs<'t>(
     rates(tolerance).map(|(of, _)| of).chain(tensions)
 }
 
-/// Derivatives of the tensions of links by each source, `[source][link]`, in the order of [`inputs`].
+/// Derivatives of the tensions of links with respect to each tolerance source, `[source][link]`, in the order of [`inputs`].
 fn tensions(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, SetUpError> {
     let left = &problem.wheel_assemblers[0];
     if left.tensions.is_empty() {
@@ -47,7 +48,7 @@ fn tensions(problem: &Problem, sources: &[&Source]) -> Result<Vec<f64>, SetUpErr
     Ok(by_source.collect())
 }
 
-/// Derivatives of every value by each source, `[cell][source]`. NaN if there is no value.
+/// Derivatives of every value with respect to each tolerance source, `[cell][source]`. NaN if there is no value.
 pub(super) fn gradients(
     problem: &Problem,
     stations: &AxleStations<'_>,

@@ -2,11 +2,11 @@
 
 use super::Spread;
 
-/// Limit for the second-order term as a share of the variance. Below it, the linear result is valid.
+/// Limit of the second-order term, as a share of the variance. The linear result is valid below this limit.
 pub const HOLDS: f64 = 0.02;
 
-/// Bound of rounding errors, relative to the value or to 1 of its unit (rad, mm). Values closer to one another are equal, for
-/// example the camber of two builds that alignment sets.
+/// Bound of rounding errors, relative to the value, or to 1 unit (rad, mm) for small values. Values with a smaller difference
+/// count as equal. Example: the cambers of two builds that alignment sets to the same value.
 const ROUNDING: f64 = 1e-12;
 
 /// Largest rounding error of a value.
@@ -14,13 +14,13 @@ fn rounding(value: f64) -> f64 {
     ROUNDING * value.abs().max(1.0)
 }
 
-/// Limits of a band, moved outwards by the rounding error of a value there. A value that alignment holds at a limit keeps the
-/// band.
+/// Limits of a band, moved outwards by the rounding error at each limit. So a value that alignment sets exactly to a limit
+/// counts as within the band.
 pub fn with_rounding([low, high]: [f64; 2]) -> [f64; 2] {
     [low - rounding(low), high + rounding(high)]
 }
 
-/// Estimate of the scatter of a value by its derivatives at the nominal design.
+/// Estimate of the scatter of a value, from its derivatives at the nominal design.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
     /// First-order variance.
@@ -37,7 +37,7 @@ pub struct Remainder {
     pub part: f64,
     /// Standard error.
     pub error: f64,
-    /// The remainder's share by second order. NaN if it is not known.
+    /// Part of the variance that the second-order terms predict. NaN if unknown.
     pub second: f64,
 }
 
@@ -47,26 +47,26 @@ impl Estimate {
         self.variance.sqrt()
     }
 
-    /// Returns true if a value with this nominal scatters. Otherwise only rounding errors differ, and these have no shares and
-    /// cost no yield.
+    /// Returns true if a value with this nominal value scatters. If it does not scatter, builds differ only by rounding
+    /// errors. Rounding errors have no shares in the variance and do not reduce the yield.
     pub fn scatters(&self, drawn: f64) -> bool {
         self.sigma() > rounding(drawn)
     }
 
-    /// Second-order term as a share of the first-order variance. NaN if it is not known.
+    /// Second-order term as a share of the first-order variance. NaN if unknown.
     pub fn bend(&self) -> f64 {
         let [mean, variance] = self.second;
         (mean * mean).max(variance) / self.variance
     }
 
-    /// Returns true if the linear result of a value that scatters is valid, by its second order and by builds. `None` if that is
-    /// unknown.
+    /// Returns true if the linear result of a value that scatters is valid. The second-order term and the builds must confirm
+    /// it. `None` if this is unknown.
     pub fn holds(&self, spread: &Spread) -> Option<bool> {
         // Without builds, the estimate cannot be confirmed.
         if spread.count == 0 {
             return None;
         }
-        // The second order may be small while higher orders or rejected builds matter. Only the builds show this.
+        // The second-order term may be small although higher orders or rejected builds matter. Only the builds show this.
         let apart = (spread.sigma - self.sigma()).abs();
         if apart > HOLDS * self.sigma() + 4.0 * spread.sigma_error {
             return Some(false);
@@ -74,7 +74,7 @@ impl Estimate {
         self.is_straight()
     }
 
-    /// Returns true if the second-order term is small. `None` if it is not known.
+    /// Returns true if the second-order term is small. `None` if the term is unknown.
     pub fn is_straight(&self) -> Option<bool> {
         let bend = self.bend();
         (!bend.is_nan()).then_some(bend < HOLDS)
@@ -91,7 +91,7 @@ impl Estimate {
         }
     }
 
-    /// Estimate of the value in other units, `factor` times as large as a number.
+    /// Converts the estimate to another unit, in which numbers are `factor` times as large.
     pub fn scaled(&self, factor: f64) -> Self {
         let [mean, variance] = self.second;
         Estimate {

@@ -1,9 +1,9 @@
-//! First- and second-order results, exact.
+//! Exact first- and second-order results of the tolerance analysis.
 //!
-//! The adjoint of the built design ([`crate::assembly::built_curves`]) gives g, for values and gains alike. Power series
-//! give H. Along d_j + d_k a built design, its poses and the readings are series in one number. Their second coefficient is
-//! (H_jj + 2 H_jk + H_kk)/2. Quantities that contain velocities (gains, roll centres, anti-features, swing arms, motion
-//! ratios) have no second-order result here, because they would also need series in travel.
+//! The adjoint of the built design ([`crate::assembly::built_curves`]) gives g, both for values and for gains. Taylor series
+//! give H. Along d_j + d_k a built design, its poses and the values read from them are Taylor series in one number. Their
+//! second coefficient is (H_jj + 2 H_jk + H_kk)/2. Quantities that contain velocities (gains, roll centres, anti-features,
+//! swing arms, motion ratios) have no second-order result, because they would also need Taylor series in travel.
 
 use super::{
     Estimate, Problem, Remainder, Spread, axle_expansion, axle_second, elastic, elastic_axle,
@@ -21,19 +21,19 @@ use crate::study::{Law, Outputs, Source, WheelStudy};
 use rayon::prelude::*;
 use std::ops::ControlFlow;
 
-/// Largest number of sources for which products are computed.
+/// Largest number of tolerance sources for which mixed second derivatives are computed.
 const MOST_SOURCES: usize = 120;
 
-/// Mean and variance from the derivatives at the nominal design.
+/// Mean and variance of every value, from the derivatives at the nominal design.
 #[derive(Clone, Debug)]
 pub struct Expansion {
-    /// Derivatives g, `[cell][source]`.
+    /// Derivatives g, `[cell][tolerance source]`.
     pub gradient: Vec<f64>,
-    /// First-order variance, by cell.
+    /// First-order variance of each cell.
     pub variance: Vec<f64>,
-    /// First-order mean minus the nominal value, by cell. It comes from distributions that are not centred on 0.
+    /// First-order mean minus the nominal value, for each cell. It differs from 0 only if distributions are not centred on 0.
     pub shift: Vec<f64>,
-    /// Second-order terms of the mean and of the variance, by cell. NaN if unknown.
+    /// Second-order terms of the mean and of the variance, for each cell. NaN if unknown.
     pub second: Vec<[f64; 2]>,
     sources: usize,
 }
@@ -80,7 +80,7 @@ impl Expansion {
         })
     }
 
-    /// Derivatives of a value by each source.
+    /// Derivatives of a value with respect to each tolerance source.
     pub fn gradient(&self, cell: usize) -> &[f64] {
         &self.gradient[cell * self.sources..(cell + 1) * self.sources]
     }
@@ -93,12 +93,12 @@ impl Expansion {
         }
     }
 
-    /// Returns true if a value with this nominal scatters ([`Estimate::scatters`]).
+    /// Returns true if a value with this nominal value scatters ([`Estimate::scatters`]).
     pub fn scatters(&self, cell: usize, drawn: f64) -> bool {
         self.estimate(cell).scatters(drawn)
     }
 
-    /// Returns true if the second-order term is small. `None` if it is not known.
+    /// Returns true if the second-order term is small. `None` if the term is unknown.
     pub fn holds(&self, cell: usize) -> Option<bool> {
         self.estimate(cell).is_straight()
     }
@@ -123,8 +123,8 @@ impl Expansion {
     }
 }
 
-/// Derivatives of every value by each source, `[cell][source]`, and second-order terms of its mean and variance, `[cell]`,
-/// for one wheel.
+/// For one wheel: derivatives of every value with respect to each tolerance source, `[cell][source]`, and second-order terms
+/// of its mean and variance, `[cell]`.
 fn of_wheel(
     problem: &Problem,
     sources: &[&Source],
@@ -154,7 +154,7 @@ fn of_wheel(
     Ok((gradient, second(problem, &built)))
 }
 
-/// Plan of all quantities at all stations.
+/// Plans the computation of all quantities at all stations.
 fn plan(problem: &Problem) -> Plan {
     let mut own = WheelStudy::of(problem.wheel_assemblers[0].assembler.suspension().clone());
     own.outputs = Outputs::of(problem.characteristics().collect());
@@ -171,7 +171,7 @@ fn plan(problem: &Problem) -> Plan {
     plan
 }
 
-/// Second-order terms of the mean and of the variance for one wheel, by cell.
+/// Second-order terms of the mean and of the variance for each cell of one wheel.
 fn second(problem: &Problem, built: &crate::assembly::Built) -> Vec<[f64; 2]> {
     let mechanism = &problem.wheel_assemblers[0].assembler.suspension().mechanism;
     let readable: Vec<bool> = problem
@@ -188,8 +188,8 @@ fn second(problem: &Problem, built: &crate::assembly::Built) -> Vec<[f64; 2]> {
     combined(problem, &readable, second_derivatives)
 }
 
-/// Second-order terms of the mean and variance of each cell. They come from the second derivatives of all cells along sums
-/// of sources, each scaled by its standard deviation. NaN for cells that are not `readable`.
+/// Second-order terms of the mean and variance of each cell. They come from the second derivatives of all cells along sums of
+/// tolerance sources, each scaled by its standard deviation. NaN for cells for which `readable` is false.
 pub(super) fn combined(
     problem: &Problem,
     readable: &[bool],
@@ -213,9 +213,9 @@ pub(super) fn combined(
     of_pairs(&laws, problem.cells(), is_readable, second_derivatives)
 }
 
-/// Second-order terms of the mean and variance of each cell, for sources with these distributions. `second_derivatives` returns
-/// those of all cells along a source, or along the sum of two sources, each scaled by its standard deviation. NaN for cells that
-/// are not readable, and if there are too many sources.
+/// Second-order terms of the mean and variance of each cell, for tolerance sources with these distributions.
+/// `second_derivatives` returns the second derivatives of all cells along one source or the sum of two, each scaled by its
+/// standard deviation. NaN for cells that are not readable, and if there are too many sources.
 pub(super) fn of_pairs(
     laws: &[Law],
     cells: usize,
@@ -305,8 +305,8 @@ impl<'p> Poses<'p> {
         })
     }
 
-    /// Second derivative along the sum of some sources' directions, each scaled by its standard deviation. One entry for
-    /// each cell.
+    /// Second derivative of each cell along the sum of the directions of some tolerance sources, each scaled by its standard
+    /// deviation.
     fn second_derivatives(
         &self,
         problem: &Problem,

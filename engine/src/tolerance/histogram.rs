@@ -13,14 +13,14 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// Makes the histogram of values in rising order, each with its number of builds. `None` without values.
+    /// Makes the histogram from values in rising order, each with its number of builds. `None` if there are no values.
     pub(super) fn of(values: impl DoubleEndedIterator<Item = (f64, u64)> + Clone) -> Option<Self> {
         let least = values.clone().next()?.0;
         let greatest = values.clone().next_back()?.0;
         let width = (greatest - least) / BINS as f64;
         let mut counts = [0; BINS];
         for (value, count) in values {
-            // If all values are equal, the quotient is NaN, and all are in the first bin.
+            // If all values are equal, the quotient is NaN, and all values go into the first bin.
             let bin = ((value - least) / width) as usize;
             counts[bin.min(BINS - 1)] += u32::try_from(count).unwrap_or(u32::MAX);
         }
@@ -41,7 +41,7 @@ mod tests {
 
     #[test]
     fn every_value_is_in_its_bin() {
-        // The values are the middles of the bins from 0 to 32, and both ends.
+        // The test values are the middles of the bins from 0 to 32, and both ends.
         let mut values: Vec<f64> = (0..BINS).map(|bin| bin as f64 + 0.5).collect();
         values.insert(0, 0.0);
         values.push(BINS as f64);

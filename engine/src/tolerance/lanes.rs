@@ -1,4 +1,4 @@
-//! Builds in SIMD lanes: from random numbers to built designs.
+//! Assembly of builds in SIMD lanes, from random numbers to built designs.
 
 use super::wheel_assembler::WheelAssembler;
 use crate::evaluate::{BLOCK, scatter};
@@ -10,9 +10,9 @@ pub(super) struct LaneBuilder<'a> {
     tolerance: &'a Tolerance,
     wheel_assembler: &'a WheelAssembler,
     width: Width,
-    /// Built designs of the block, one build's points after another's.
+    /// Points of the built designs of the block, build after build.
     pub(super) designs: Vec<Vector3<f64>>,
-    /// True for each accepted build; the others are assembled one by one.
+    /// True for each accepted build. All other builds are assembled one by one.
     pub(super) accepted: [bool; BLOCK],
 }
 
@@ -32,7 +32,7 @@ impl<'a> LaneBuilder<'a> {
         }
     }
 
-    /// Assembles the first `count` builds from their random numbers, `[source][build]`.
+    /// Assembles the first `count` builds from their random numbers, `[tolerance source][build]`.
     pub(super) fn assemble(&mut self, draws: &[f64], count: usize) {
         self.width.run_in_avx2_lanes(Assembling {
             builder: self,

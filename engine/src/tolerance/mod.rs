@@ -1,4 +1,4 @@
-//! Effect of manufacturing scatter on curves and test figures.
+//! Tolerance analysis: effect of manufacturing scatter on curves and test results.
 //!
 //! Deviations of parts are independent random numbers z with mean m and variance s^2 ([`crate::study::Source`]). Near the
 //! nominal design, a value y of a build is
@@ -10,9 +10,9 @@
 //! sigma^2 grows by tr((H S)^2)/2      for normal z; a uniform z_k adds H_kk^2 s_k^4 (1.8 - 3)/4
 //! ```
 //!
-//! g and H are exact ([`crate::assembly`]), for one wheel and for an axle, without difference quotients. In addition, a
-//! Monte Carlo analysis assembles builds and solves them over the motion. The linear result is valid if the square of the
-//! mean shift and the growth of the variance are below 2 % of sigma^2.
+//! g and H are exact ([`crate::assembly`]), for one wheel and for an axle, without finite differences. In addition, a Monte
+//! Carlo analysis assembles builds and solves them over the motion. The linear result is valid if the square of the mean
+//! shift and the growth of the variance are below 2 % of sigma^2.
 
 mod axle_expansion;
 mod axle_second;
@@ -55,14 +55,14 @@ use wheel_assembler::WheelAssembler;
 /// Percentiles in the results.
 pub const PERCENTILES: [f64; 7] = [0.5, 1.0, 5.0, 50.0, 95.0, 99.0, 99.5];
 
-/// Tolerances of a study, prepared for one wheel or for both wheels of an axle.
+/// Prepared tolerance analysis of a study, for one wheel or for both wheels of an axle.
 pub struct Problem<'a> {
     /// The study.
     pub study: &'a Study,
     /// Tolerances.
     pub tolerance: &'a Tolerance,
-    /// Quantities and stations: those of the study's outputs and motion, the design position, then those of bands. For an
-    /// axle, each wheel has its own hardpoints.
+    /// Quantities and stations. They come from the study's outputs and motion, then the design position, then the bands. For
+    /// an axle, each wheel has separate hardpoints.
     request: Request<'static>,
     /// Output and station of each value of a band, and the limits of the band. One entry for each band.
     bands: Vec<Banded>,
@@ -77,7 +77,7 @@ pub struct Problem<'a> {
 /// Values of a band as [output, station], and the limits of the band, which include rounding errors.
 type Banded = (Vec<[usize; 2]>, [f64; 2]);
 
-/// Poses of a band at these stations: at its own value, or over the motion.
+/// Placements at which a band applies: the band's own value if it has one, otherwise all values of its site.
 fn placements_of(band: &Band, site: &AxleSite, axle: &Axle) -> Vec<Placement> {
     let values = band
         .at
@@ -88,7 +88,8 @@ fn placements_of(band: &Band, site: &AxleSite, axle: &Axle) -> Vec<Placement> {
 }
 
 impl<'a> Problem<'a> {
-    /// Returns the problem with a flag that stops the builds. The block that is running when the flag is raised is left out.
+    /// Returns the problem with a flag that stops the builds. The result omits the block that is running when the flag is
+    /// raised.
     pub fn interruptible(self, flag: &'a AtomicBool) -> Self {
         Problem {
             interrupt: Interrupt(Some(flag)),
@@ -96,7 +97,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Prepares the tolerances of a study. An error says why its own design cannot be solved or aligned.
+    /// Prepares the tolerances of a study. An error says why the study's own design cannot be solved or aligned.
     pub fn of(study: &'a Study, tolerance: &'a Tolerance) -> Result<Self, SetUpError> {
         match &study.vehicle {
             Vehicle::Wheel(own) => Problem::of_wheel(study, own, tolerance),
@@ -196,7 +197,7 @@ impl<'a> Problem<'a> {
                 }
             }
             let placements = match &band.site {
-                // Test figures apply to the design position.
+                // Test results apply to the design position.
                 None if band.of.is_figure() => at_design.clone(),
                 None => of_motion.clone(),
                 Some(site) => placements_of(band, site, &axle),
@@ -232,17 +233,17 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Columns of the values: the study's outputs, then those of bands.
+    /// Columns of the values: first the study's outputs, then the outputs that bands limit.
     pub fn outputs(&self) -> &[Column] {
         self.request.columns()
     }
 
-    /// Stations of the values: those of the motion, the design position, those of bands.
+    /// Stations of the values: the motion, then the design position, then the stations of bands.
     pub fn stations(&self) -> &Stations {
         self.request.stations()
     }
 
-    /// Characteristics of a study of one wheel, in the order of [`Problem::outputs`]. None for an axle.
+    /// Characteristics of a study of one wheel, in the order of [`Problem::outputs`]. Empty for an axle.
     fn characteristics(&self) -> impl Iterator<Item = Characteristic> {
         self.request.of_wheel().iter().filter_map(|q| match q {
             Quantity::Characteristic(c) => Some(*c),
@@ -260,7 +261,7 @@ impl<'a> Problem<'a> {
         output * self.stations().count() + station
     }
 
-    /// For each band, the indices ([`Problem::cell`]) of the values that must keep it.
+    /// For each band, the indices ([`Problem::cell`]) of the values that must be within the band.
     pub fn cells_of_bands(&self) -> impl Iterator<Item = Vec<usize>> + '_ {
         let cell = |[output, station]: &[usize; 2]| self.cell(*output, *station);
         let bands = self.bands.iter();

@@ -23,15 +23,15 @@ pub struct MonteCarlo {
     pub builds: u64,
     /// Spread of each cell.
     pub spreads: Vec<Spread>,
-    /// Builds that cannot be assembled, by a word for the reason.
+    /// Builds that cannot be assembled, grouped by a word for the reason.
     pub rejects: BTreeMap<&'static str, Rejected>,
     /// Number of assembled builds without a pose at some station.
     pub incomplete: u64,
-    /// Number of the first of these builds.
+    /// Number of the first build without a pose at some station.
     pub first_incomplete: Option<u64>,
-    /// Number of builds that keep every band.
+    /// Number of builds within every band.
     pub in_all_bands: u64,
-    /// Number of builds that keep each band.
+    /// Number of builds within each band.
     pub in_bands: Vec<u64>,
 }
 
@@ -40,7 +40,7 @@ pub struct MonteCarlo {
 pub struct Rejected {
     /// Number of builds that were rejected for this reason.
     pub builds: u64,
-    /// Number of the first of these builds.
+    /// Number of the first build that was rejected for this reason.
     pub first: u64,
     /// For an axle: the wheel of the first of these builds that cannot be assembled.
     pub side: Option<Side>,
@@ -63,8 +63,8 @@ pub struct Spread {
     pub range: [f64; 2],
     /// Percentiles at [`PERCENTILES`].
     pub percentiles: [f64; PERCENTILES.len()],
-    /// Histogram of all builds up to 4,096. With more builds, it covers the first 4,096 and the rest of their block. `None`
-    /// without values.
+    /// Histogram of all builds up to 4,096. With more builds, the histogram covers the first 4,096 builds and the rest of
+    /// their block. `None` if there are no values.
     pub histogram: Option<Histogram>,
 }
 
@@ -88,15 +88,15 @@ impl MonteCarlo {
         self.rejects.values().map(|rejected| rejected.builds).sum()
     }
 
-    /// Share of builds that keep every band. Builds that cannot be assembled count as outside the bands.
+    /// Share of builds within every band. Builds that cannot be assembled count as outside the bands.
     pub fn yield_of_all(&self) -> f64 {
         self.in_all_bands as f64 / self.builds as f64
     }
 }
 
-/// Sums over a block, of deviations from the nominal values.
+/// Sums of deviations from the nominal values over a block.
 struct Sums {
-    /// Count and sums of the first to fourth powers, by cell.
+    /// Count, and sums of the first to fourth powers, for each cell.
     powers: Vec<[f64; 5]>,
     ranges: Vec<[f64; 2]>,
     sifted: Sifted,
@@ -105,7 +105,7 @@ struct Sums {
 }
 
 impl Sums {
-    /// Sums over the builds of one block. Powers are those of the deviations from `drawn`.
+    /// Sums over the builds of one block. Powers are powers of the deviations from `drawn`.
     fn of(problem: &Problem, drawn: &[f64], block: &Block, order: &Order) -> Self {
         let bands = &problem.bands;
         let mut sums = Sums {
@@ -140,7 +140,7 @@ impl Sums {
             for [output, station] in cells {
                 let values = block.across(*output, *station).flatten();
                 for (is_in, value) in in_band.iter_mut().zip(values) {
-                    // A missing value is not in its band.
+                    // A missing value does not count as within its band.
                     *is_in &= value >= low && value <= high;
                 }
             }
@@ -158,7 +158,7 @@ fn count(flags: &[bool]) -> u64 {
     flags.iter().map(|is| u64::from(*is)).sum()
 }
 
-/// Count of values, sums of the first to fourth powers of their distances from a number, and their range.
+/// Count of values, sums of the first to fourth powers of the differences from `about`, and range of the values.
 fn powers<'v>(pieces: impl Iterator<Item = &'v [f64]>, about: f64) -> ([f64; 5], [f64; 2]) {
     // Computes several sums at a time and adds them at the end. Each sum runs in the order of the builds' numbers.
     let mut sums = [[0.0; SIDE_BY_SIDE]; 5];
@@ -193,7 +193,7 @@ pub fn monte_carlo(
     monte_carlo_in(Width::widest(), problem, drawn, note)
 }
 
-/// Runs builds like [`monte_carlo`], in lanes of this width, or one by one without lanes.
+/// Runs builds like [`monte_carlo`], in lanes of this width, or one by one if `width` is `None`.
 pub fn monte_carlo_in(
     width: Option<Width>,
     problem: &Problem,
@@ -204,7 +204,7 @@ pub fn monte_carlo_in(
     let cells = problem.cells();
     let (order, mut gathered) = Order::of(cells);
     let blocks = tolerance.builds.div_ceil(BLOCK as u64);
-    // One worker is made here, so that a design that cannot be solved gives an error.
+    // Makes one worker only to report an error if the design cannot be solved.
     Builder::new(problem, width)?;
     let worker = || Builder::new(problem, width).ok();
     let work = |worker: &mut Option<Builder>, block: u64| {
@@ -251,7 +251,7 @@ pub fn monte_carlo_in(
             ControlFlow::Break(()) => Err(()),
         }
     });
-    // After an early stop the result covers the finished builds.
+    // After an early stop, the result covers only the finished builds.
     let (Ok(()) | Err(())) = taken;
     for (cell, (powers, range)) in powers.into_iter().zip(ranges).enumerate() {
         let [mean, sigma, sigma_error] = moments(powers);

@@ -1,24 +1,26 @@
-//! Exact percentiles in bounded memory. The p-percentile of n values is the smallest value that p percent of them do not
-//! exceed.
+//! Exact percentiles in bounded memory. The p-percentile of n values is the smallest value such that at least p percent of
+//! the values are not larger.
 //!
-//! For every value the code keeps a few *windows*, in which percentiles can still lie. It only counts the values outside the
-//! windows. Whenever the number of builds has doubled, to n, the windows become narrower. The p-quantile of any larger number of
-//! builds lies between those order statistics of the n values that are
+//! For every output the code keeps a few *windows*: ranges of values in which percentiles can still lie. It stores values
+//! within the windows, and only counts values outside of them. Whenever the number of builds has doubled, to n, the windows
+//! become narrower. The p-quantile of any larger number of builds lies between two order statistics of the n values. Their
+//! ranks are
 //!
 //! ```text
 //! n p +- (7 sqrt(n p (1 - p)) + 24)
 //! ```
 //!
-//! (fewer than one in 10^10 binomial numbers are farther from their mean). The number of stored values grows as the square root
-//! of n. Equal values are stored once. If a percentile should lie outside the windows, the code detects it, and the percentile
-//! has no value. Results do not depend on the windows that a thread uses: they have the same bytes for any number of threads.
+//! Fewer than one in 10^10 binomial numbers are farther from their mean than this. The number of stored values grows as the
+//! square root of n. Equal values are stored once. If a percentile lies outside the windows, the code detects this, and the
+//! percentile has no value. Results do not depend on the windows that a thread uses, so they have the same bytes for any
+//! number of threads.
 
 use super::PERCENTILES;
 use super::histogram::Histogram;
 use rayon::prelude::*;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Number of builds at which windows become narrower for the first time.
+/// Number of builds at which the windows become narrower for the first time.
 const FIRST: u64 = 4096;
 /// Number of values below which equal values are not merged.
 const FEW: usize = 4096;
@@ -33,7 +35,7 @@ type Windows = Vec<[[f64; 2]; MOST]>;
 /// Contribution of some builds.
 pub(super) struct Sifted {
     windows: Arc<Windows>,
-    /// Number of values below the first window, between the first and the second, and so on, by cell.
+    /// Number of values below the first window, between the first and the second, and so on, for each cell.
     between: Vec<[u32; MOST + 1]>,
     /// Values within windows, cell after cell.
     kept: Vec<f64>,
@@ -41,9 +43,9 @@ pub(super) struct Sifted {
     ends: Vec<usize>,
 }
 
-/// Order of all values.
+/// Shared state of the percentile computation.
 pub(super) struct Order {
-    /// Present windows, for the builds that follow.
+    /// Current windows, for the builds that follow.
     windows: Mutex<Arc<Windows>>,
 }
 
@@ -52,7 +54,7 @@ pub(super) struct Gathered {
     windows: Arc<Windows>,
     cells: Vec<Cell>,
     narrows_at: u64,
-    /// Histograms of the builds before windows become narrower. Empty until then.
+    /// Histograms of the builds before the windows first become narrower. Empty until then.
     histograms: Vec<Option<Histogram>>,
 }
 
@@ -67,7 +69,7 @@ struct Cell {
 }
 
 impl Order {
-    /// Makes an order of this many cells without any values. At first every value is kept.
+    /// Makes the state for this number of cells, without any values. At first, every value is kept.
     pub(super) fn of(cells: usize) -> (Order, Gathered) {
         let mut all = [NONE; MOST];
         all[0] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -132,7 +134,7 @@ impl Gathered {
         let mut first = 0;
         for (number, cell) in self.cells.iter_mut().enumerate() {
             let (now, then) = (&self.windows[number], &sifted.windows[number]);
-            // Windows may have become narrower since then. Each new window lies within an old one.
+            // The windows may have become narrower since these builds were sorted. Each new window lies within an old window.
             for (gap, count) in sifted.between[number].iter().enumerate() {
                 cell.between[moved(gap, then, now)] += u64::from(*count);
             }
@@ -161,7 +163,8 @@ impl Gathered {
         self.windows = Arc::new(windows.collect());
     }
 
-    /// Histogram of a cell. It covers all builds, or the first [`FIRST`] and the rest of their block. `None` without values.
+    /// Histogram of a cell. The histogram covers all builds, or the first [`FIRST`] builds and the rest of their block.
+    /// `None` if there are no values.
     pub(super) fn histogram(&mut self, cell: usize) -> Option<Histogram> {
         match self.histograms.get(cell) {
             Some(histogram) => *histogram,
@@ -169,7 +172,7 @@ impl Gathered {
         }
     }
 
-    /// Percentiles of a cell. NaN without values.
+    /// Percentiles of a cell. NaN if there are no values.
     pub(super) fn percentiles(&mut self, cell: usize) -> [f64; MOST] {
         let windows = &self.windows[cell];
         let cell = &mut self.cells[cell];
@@ -214,7 +217,7 @@ impl Cell {
         Histogram::of(self.kept.iter().copied())
     }
 
-    /// Reduces the windows to values that can still be a percentile.
+    /// Reduces the windows to ranges that can still contain a percentile.
     fn narrow(&mut self, windows: &[[f64; 2]; MOST]) -> [[f64; 2]; MOST] {
         self.compact();
         let ranks = Ranks::of(self, windows);
@@ -231,7 +234,8 @@ impl Cell {
             let Some(own) = own else {
                 continue;
             };
-            // If there are not enough values, or if the value lies in no window, this end of the window does not change.
+            // If there are not enough values, or if the value lies outside all windows, this end of the window does not
+            // change.
             let reach = 7.0 * (n * p * (1.0 - p)).sqrt() + 24.0;
             let least = (n * p - reach).floor();
             let least = if least < 0.0 {
@@ -264,7 +268,7 @@ impl Cell {
 }
 
 /// Converts a gap between the windows `then` to the gap between the windows `now` that contains it. Each new window lies
-/// within an old one.
+/// within an old window.
 fn moved(gap: usize, then: &[[f64; 2]; MOST], now: &[[f64; 2]; MOST]) -> usize {
     match gap {
         0 => 0,
@@ -282,7 +286,7 @@ struct Ranks<'c> {
 }
 
 impl<'c> Ranks<'c> {
-    /// Makes the ranks for a compacted cell, whose values rise and occur once each.
+    /// Makes the ranks for a compacted cell, whose values are sorted and without duplicates.
     fn of(cell: &'c Cell, windows: &'c [[f64; 2]; MOST]) -> Self {
         let mut before = Vec::with_capacity(cell.kept.len() + 1);
         let mut sum = 0;
@@ -299,7 +303,7 @@ impl<'c> Ranks<'c> {
         }
     }
 
-    /// Value with this rank. `None` if it lies in no window.
+    /// Value with this rank. `None` if the value lies outside all windows.
     fn at(&self, number: u64) -> Option<f64> {
         let (mut below, mut first) = (0, 0);
         for (between, [_, greatest]) in self.cell.between.iter().zip(self.windows) {
@@ -366,8 +370,8 @@ mod tests {
             for (cell, mut values) in all.into_iter().enumerate() {
                 values.sort_unstable_by(f64::total_cmp);
                 let found = gathered.percentiles(cell);
-                // Values that rise with the number of the build are no random sample. Their percentiles may be missing, but
-                // must not be wrong.
+                // Values that rise with the number of the build are not a random sample. Their percentiles may be missing,
+                // but must not be wrong.
                 let is_sample = cell != 2;
                 for (percent, found) in PERCENTILES.into_iter().zip(found) {
                     let number = (percent / 100.0 * values.len() as f64).ceil().max(1.0);

@@ -1,4 +1,4 @@
-//! Builds one wheel: changes the parts by random numbers, and assembles them.
+//! Assembly of builds of one wheel: changes the parts by random numbers, and assembles them.
 
 use crate::assembly::{
     Alignment, Assembler, AssemblyError, BuildParameter, Built, Parts, SetUpError, TensionInput,
@@ -14,14 +14,14 @@ pub(super) struct WheelAssembler {
     /// Assembler of builds.
     pub(super) assembler: Assembler,
     pub(super) alignment: Option<Alignment>,
-    /// For an axle: the wheel whose parts these are.
+    /// For an axle: the wheel to which the parts belong.
     pub(super) side: Option<Side>,
     /// Tensions in the links of an axle whose parts do not fit without force. Empty for other suspensions.
     pub(super) tensions: Vec<TensionInput>,
 }
 
 impl WheelAssembler {
-    /// Prepares to build a wheel from its nominal design.
+    /// Prepares builds of a wheel from its nominal design.
     pub(super) fn of(
         study: &Study,
         tolerance: &Tolerance,
@@ -45,18 +45,18 @@ impl WheelAssembler {
         })
     }
 
-    /// Wheel to name if it cannot be assembled. `None` for a single wheel, and for a solid axle, which is assembled as a whole.
+    /// Wheel that an error message names. `None` for a single wheel, and for a solid axle, which is assembled as a whole.
     pub(super) fn named_side(&self) -> Option<Side> {
         let mechanism = &self.assembler.suspension().mechanism;
         self.side.filter(|_| mechanism.rigid_axle.is_none())
     }
 
-    /// Dimensions that a source changes in this wheel. Empty if the source belongs to the other wheel alone.
+    /// Dimensions that a tolerance source changes in this wheel. Empty if the source belongs only to the other wheel.
     pub(super) fn changes<'s>(&self, source: &'s Source) -> &'s [(BuildParameter, f64)] {
         source.changes_in(self.side)
     }
 
-    /// Dimensions that a source changes in this wheel, with the changes of the adjustments that keep it aligned.
+    /// Dimensions that a tolerance source changes in this wheel, with the changes of the adjustments that keep it aligned.
     pub(super) fn direction(&self, built: &Built, source: &Source) -> Vec<(BuildParameter, f64)> {
         let changes = self.changes(source);
         match &self.alignment {
@@ -67,7 +67,8 @@ impl WheelAssembler {
         }
     }
 
-    /// Built design as a series along the sum of some sources' directions, each scaled by its standard deviation.
+    /// Built design as a Taylor series along the sum of the directions of some tolerance sources, each scaled by its standard
+    /// deviation.
     pub(super) fn series(&self, built: &Built, along: &[&Source]) -> Vec<Vector3<Jet<f64, 3>>> {
         let assembler = &self.assembler;
         let mechanism = &assembler.suspension().mechanism;
@@ -103,7 +104,7 @@ impl WheelAssembler {
         }
     }
 
-    /// Changes the softness of a link whose stiffness scatters. Only the links of a relaxed axle have one.
+    /// Changes the softness of a link whose stiffness scatters. Only an axle with relaxed links has this softness.
     fn soften(&self, source: &Source, z: f64, parts: &mut Parts<f64>) {
         let (Some(rate), false) = (&source.rate, self.tensions.is_empty()) else {
             return;
@@ -124,7 +125,7 @@ impl WheelAssembler {
         }
     }
 
-    /// Assembles parts and writes their built design. Returns the tensions that they cause in the links of a relaxed axle.
+    /// Assembles parts and writes their built design. Returns the tensions that the parts cause in relaxed links of an axle.
     pub(super) fn put_together(
         &self,
         parts: &mut Parts<f64>,

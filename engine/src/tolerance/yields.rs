@@ -1,26 +1,26 @@
-//! Yield, and the tolerances that are worth their cost.
+//! Yield, and effect of each tolerance on the yield.
 //!
-//! The first-order result over a fixed random sample gives the gain from a tighter tolerance. Each contributor's part of each
-//! banded value is stored, so that halving or doubling a tolerance takes one addition. A predicted yield is the yield of the
-//! Monte Carlo analysis plus the change of the linear yield.
+//! The first-order result over a fixed random sample gives the gain from a tighter tolerance. The contribution of each
+//! contributor to each value with a band is stored, so halving or doubling a tolerance takes one addition. A predicted yield
+//! is the yield of the Monte Carlo analysis plus the change of the linear yield.
 
 use super::{Expansion, MonteCarlo, Problem};
 use crate::sorting::sort_by;
 
 /// Number of random draws in the sample.
 const SAMPLE: u64 = 20_000;
-/// Largest loss of yield by doubling a tolerance for which the tolerance can be relaxed.
+/// Largest loss of yield, if a tolerance is doubled, for which the tolerance can be relaxed.
 const LITTLE: f64 = 0.001;
-/// Smallest yield for which tolerances can be relaxed. Below it, hardly any build is left that a larger tolerance could move
-/// out of the bands.
+/// Smallest yield for which tolerances can be relaxed. Below it, so few builds are within the bands that a larger tolerance
+/// hardly changes the yield.
 const LEAST: f64 = 0.05;
 
 /// Yield of a band.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BandYield {
-    /// Share of the builds that keep the band.
+    /// Share of the builds within the band.
     pub monte_carlo: f64,
-    /// Share of builds that keep the band by the first-order result, over a random sample.
+    /// Share of a random sample within the band, by the first-order result.
     pub linear: f64,
 }
 
@@ -29,7 +29,7 @@ pub struct BandYield {
 pub struct Yields {
     /// Yield of each band.
     pub bands: Vec<BandYield>,
-    /// Yield of all bands together: share of builds that keep every band.
+    /// Yield of all bands together: share of builds within every band.
     pub all: BandYield,
     /// Contributors, in the order of the gain from halving their tolerance, largest first.
     pub ranking: Vec<Ranking>,
@@ -40,7 +40,7 @@ pub struct Yields {
 pub struct Ranking {
     /// Index of the contributor in the study.
     pub contributor: usize,
-    /// Largest share of the variance of a banded value.
+    /// Largest share of the contributor in the variance of a value with a band.
     pub share: f64,
     /// Yield with half the tolerance.
     pub halved: f64,
@@ -52,9 +52,9 @@ pub struct Ranking {
 
 /// Random sample that gives the yield of all bands when tolerances of contributors are multiplied by factors.
 struct Sample {
-    /// Contributor's part of the row's value, `[draw][row][contributor]`.
+    /// Contributor's part of the value of a row, `[draw][row][contributor]`.
     parts: Vec<f64>,
-    /// Nominal values by row.
+    /// Nominal value of each row.
     drawn: Vec<f64>,
     /// Band of each row and its limits.
     rows: Vec<(usize, [f64; 2])>,
@@ -130,7 +130,7 @@ impl Sample {
     }
 }
 
-/// First-order part of yields and ranking. It needs no builds.
+/// First-order part of yields and ranking. It does not need builds.
 pub struct Forecast {
     /// Share of the sample in each band, and in all bands.
     bands: Vec<f64>,
@@ -141,13 +141,13 @@ pub struct Forecast {
 /// First-order effect of a contributor on the yield.
 struct Worth {
     share: f64,
-    /// Change of the yield with half, and with twice the tolerance.
+    /// Change of the yield with half the tolerance, and with twice the tolerance.
     halved: f64,
     doubled: f64,
 }
 
 impl Forecast {
-    /// Forecast of a problem. `None` if the study has no bands.
+    /// Makes the forecast of a problem. `None` if the study has no bands.
     pub fn of(problem: &Problem, expansion: &Expansion, drawn: &[f64]) -> Option<Self> {
         if problem.tolerance.bands.is_empty() {
             return None;
@@ -192,7 +192,7 @@ impl Forecast {
                 }
             })
             .collect();
-        // Equal gains are ordered by the loss from doubling, then by share.
+        // Contributors with equal gains are ordered by the loss from doubling, then by their share.
         sort_by(&mut ranking, |a, b| {
             let gain = b.halved.total_cmp(&a.halved);
             gain.then(a.doubled.total_cmp(&b.doubled))

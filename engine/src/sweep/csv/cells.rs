@@ -26,7 +26,7 @@ pub fn append_text(text: &str, to: &mut Vec<u8>) {
     }
 }
 
-/// Takes a cell from the front of a line, with the comma after it.
+/// Removes the first cell of a line and the comma after it. Returns the cell.
 pub(super) fn next_cell<'l>(rest: &mut &'l str) -> Option<Cow<'l, str>> {
     let Some(mut inside) = rest.strip_prefix('"') else {
         let (cell, after) = rest.split_once(',').unwrap_or((rest, ""));

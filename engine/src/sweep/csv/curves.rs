@@ -5,20 +5,20 @@ use crate::curves::Status;
 use crate::evaluate::Block;
 use crate::sweep::SweepPlan;
 
-/// Cells of each row that are the same for all designs, and names of the other columns.
+/// Writer of curves as CSV. It holds the header, and the cells of each row that are the same for all designs.
 #[derive(Clone, Debug)]
 pub struct CurvesCsv {
     /// First line.
     pub header: Vec<u8>,
-    /// For each station of the motion, its index in a block and its cells.
+    /// For each station of the motion: its index in a block, and the cells with its coordinates.
     stations: Vec<(usize, Vec<u8>)>,
     factors: Vec<f64>,
     stations_of_block: usize,
 }
 
 impl CurvesCsv {
-    /// Curves of a sweep. `places` names the columns for the coordinates of the motion. `stations` holds the index of each
-    /// station in a block and the values of these columns.
+    /// Makes the writer for a sweep. `places` names the columns for the coordinates of the motion. `stations` holds the index
+    /// of each station in a block and the values of these columns.
     pub fn of(plan: &SweepPlan, places: Vec<String>, stations: Vec<(usize, Vec<f64>)>) -> Self {
         let mut names = vec!["design".to_owned()];
         names.extend(places);

@@ -4,7 +4,7 @@ use super::cells::{append_number, append_text, append_whole, next_cell};
 use crate::sweep::{Candidate, Failing, Rows, SweepRecord};
 use std::io::{self, BufRead, ErrorKind};
 
-/// First line of the rows of a sweep, with its line end.
+/// Header line of the rows of a sweep, including the line end.
 pub fn rows_header(record: &SweepRecord) -> Vec<u8> {
     let mut line = record.columns().join(",").into_bytes();
     line.push(b'\n');
@@ -71,7 +71,7 @@ pub struct RowsReader<'r> {
 }
 
 impl<'r> RowsReader<'r> {
-    /// Reads the header, which must be that of this sweep.
+    /// Reads the header, which must match this sweep.
     pub fn new(record: &'r SweepRecord, mut lines: Box<dyn BufRead>) -> io::Result<Self> {
         let mut line = String::new();
         lines.read_line(&mut line)?;

@@ -42,8 +42,8 @@ pub(super) fn of_corner<'s>(
     (request.with_slopes(|k| !gains[k].is_empty()), gains, wishes)
 }
 
-/// Plans the sweep of a wheel with elastic parts: characteristics over the motion, test figures in the design position. With
-/// `curves` it also reads test figures over the motion.
+/// Plans the sweep of a wheel with elastic parts: characteristics over the motion, test results in the design position. With
+/// `curves` it also reads test results over the motion.
 pub(super) fn of_elastic<'s>(
     own: &WheelStudy,
     elastic: &ComplianceStudy,
@@ -102,8 +102,9 @@ pub(super) fn of_elastic<'s>(
     )
 }
 
-/// Lists the values that a sweep must read in addition, as pairs of value and station. Targets need their own values, `curves`
-/// needs every value at every station. The last argument has the numbers of values and of stations.
+/// Lists the additional values that a sweep must read, as pairs of value and station. Targets need their values at their
+/// stations; with `curves`, every value at every station is needed. The last argument holds the number of values and the
+/// number of stations.
 fn read_further(
     wishes: &[Vec<SweptWish>],
     curves: bool,
@@ -117,12 +118,12 @@ fn read_further(
     wishes.map(|w| [w.quantity, w.station]).collect()
 }
 
-/// Returns true if a quantity of an axle is a test figure.
+/// Returns true if a quantity of an axle is a test result.
 pub(super) fn is_figure(quantity: &crate::axle::Quantity) -> bool {
     matches!(quantity, crate::axle::Quantity::Figure(_))
 }
 
-/// Plans the sweep of an axle with the target values. With `curves` it also reads test figures over the motion.
+/// Plans the sweep of an axle with the target values. With `curves` it also reads test results over the motion.
 pub(super) fn of_axle<'s>(
     both: &'s AxleStudy,
     mut plan: AxlePlan,
@@ -130,7 +131,7 @@ pub(super) fn of_axle<'s>(
     rates: Vec<AxleParameter>,
     curves: bool,
 ) -> Planned<'s> {
-    // Test figures come last, because they apply only to the design position.
+    // Test results come last, because they apply only to the design position.
     sort_by_key(&mut plan.quantities, is_figure);
     let further = samples.iter().flatten().map(|sample| sample.placement);
     let mut stations = AxleStations::of(Cow::Borrowed(&both.axle), &plan, further);

@@ -1,20 +1,20 @@
-//! Worker of one thread: blocks of designs, and their rows.
+//! Worker of one thread, which solves blocks of designs and writes their rows.
 
 use super::*;
 
-/// Converts blocks of designs to rows. Each thread has one.
+/// Worker that solves blocks of designs and writes their rows. Each thread has one.
 pub struct Worker<'p> {
     pub(super) plan: &'p SweepPlan<'p>,
     pub(super) evaluator: Evaluator<'p>,
     pub(super) block: Block,
     pub(super) designs: Vec<Vector3<f64>>,
-    /// Varying rates of elastic parts, design after design.
+    /// Rates of elastic parts that the sweep varies, design after design.
     pub(super) rates: Vec<f64>,
     pub(super) rows: Rows,
 }
 
 impl Worker<'_> {
-    /// Rows of a block of the sweep.
+    /// Computes the rows of a block of the sweep.
     pub fn rows(&mut self, block: u64) -> &Rows {
         let SweepPlan {
             record,
@@ -74,7 +74,7 @@ impl Worker<'_> {
         plan.failing(&self.block, &mut rows.failing);
     }
 
-    /// Outputs of one design.
+    /// Computes the outputs of one design.
     pub(super) fn row_of(&mut self, design: &[Vector3<f64>]) -> Vec<f64> {
         self.designs.clear();
         self.designs.extend_from_slice(design);

@@ -1,13 +1,13 @@
-//! Curves as a pure function of the design: offsets of variables in, values and exact Jacobians out.
+//! Curves as a pure function of the design: the inputs are offsets of variables, the results are values and exact Jacobians.
 //!
 //! Optimisers, surrogate models and differentiable programs need such a function. A [`DesignFunction`] owns its data, is
-//! `Send + Sync` and has no lifetime. Every thread takes its own [`Evaluation`] from it. Arrays are plain slices; the last
-//! index runs fastest. Values are in the units of the column names. Offsets are in the study's length unit and axes. A value
-//! that does not exist is NaN, with a status that gives the reason. No row is dropped.
+//! `Send + Sync` and has no lifetime. Every thread takes a separate [`Evaluation`] from the function. Arrays are plain
+//! slices; the last index runs fastest. Values are in the units of the column names. Offsets are in the study's length unit
+//! and axes. A value that does not exist is NaN, and a status gives the reason. The results contain a row for every design.
 //!
 //! A variable of an axle moves the same points of both wheels, each in the frame of its side. So a derivative is the sum of
-//! both wheels' gradients along the variable's rates. A right wheel with its own hardpoints moves by the same displacements
-//! as the left wheel.
+//! both wheels' gradients along the variable's rates. If the right wheel has different hardpoints, it moves by the same
+//! displacements as the left wheel.
 
 mod variable;
 
@@ -33,13 +33,13 @@ use std::sync::Arc;
 pub struct DesignFunction {
     /// Single wheel, or left wheel of an axle.
     suspension: Arc<Suspension>,
-    /// Right wheel of an axle, if it has its own hardpoints.
+    /// Right wheel of an axle, if its hardpoints differ from the left ones.
     right: Option<Arc<Suspension>>,
     names: Vec<DesignVariable>,
     /// Points that the variables of `names` move.
     variables: Vec<Variable>,
     request: Arc<Request<'static>>,
-    /// Indices of the motion's stations among those of the request, in the order of the results.
+    /// Indices of the motion's stations among the stations of the request, in the order of the results.
     of_motion: Vec<usize>,
     /// Drive value and rack displacement of each station of the motion, in printed units.
     motion: Vec<[f64; 2]>,
@@ -60,8 +60,8 @@ pub enum DesignStatus {
 }
 
 impl DesignFunction {
-    /// Makes the function of a study: its outputs over its motion, with the variables of [`DesignVariable::of`]. Fails for
-    /// the reasons in [`FunctionError`].
+    /// Makes the function of a study: its outputs over its motion, with the variables of [`DesignVariable::of`]. Returns a
+    /// [`FunctionError`] if the study has no such function.
     pub fn of(study: &Study) -> Result<Self, FunctionError> {
         DesignFunction::with_variables(study, DesignVariable::of(study))
     }
@@ -99,7 +99,7 @@ impl DesignFunction {
             let values = function.values().map(drop);
             values.map_err(|fault| fault.describe(&study.wheel().mechanism))
         });
-        // Another workspace was made before, so this one can be made, too.
+        // Making a workspace succeeded before, so it succeeds here, too.
         solved.map_err(FunctionError::Design)?;
         Ok(function)
     }
@@ -116,7 +116,7 @@ impl DesignFunction {
     }
 
     /// Drive value and rack displacement of each station, in the units and axes of the results. For an axle, the drive value
-    /// is that of the first coordinate that moves.
+    /// is the value of the first coordinate that moves.
     pub fn motion(&self) -> Vec<[f64; 2]> {
         self.motion.clone()
     }
@@ -136,8 +136,8 @@ impl DesignFunction {
         self.len() == 0
     }
 
-    /// Makes a workspace for evaluations, one for each thread. Its evaluators are made at the first request for values and at the
-    /// first request for derivatives.
+    /// Makes a workspace for evaluations, one for each thread. The workspace makes its evaluators when values or derivatives
+    /// are first requested.
     pub fn evaluation(&self) -> Evaluation<'_> {
         Evaluation {
             function: self,
@@ -162,8 +162,8 @@ impl DesignFunction {
     }
 }
 
-/// Request of a wheel's outputs over its motion. Also returns drive value and rack displacement of each station in printed
-/// units.
+/// Makes the request for a wheel's outputs over its motion. Also returns drive value and rack displacement of each station in
+/// printed units.
 fn of_corner(own: &WheelStudy) -> Result<(Request<'static>, Vec<[f64; 2]>), FunctionError> {
     let is_own_drive = own.motion.drive != crate::study::Drive::PaperTheta;
     if own.formulation != Formulation::KnucklePose || !is_own_drive {
@@ -201,8 +201,8 @@ fn of_corner(own: &WheelStudy) -> Result<(Request<'static>, Vec<[f64; 2]>), Func
     Ok((request, motion))
 }
 
-/// Request of an axle's quantities over its motion. Also returns, for each station, the value of the first moving coordinate
-/// and the rack displacement in printed units.
+/// Makes the request for an axle's quantities over its motion. Also returns, for each station, the value of the first moving
+/// coordinate and the rack displacement in printed units.
 fn of_axle(
     AxleStudy { axle, plan, .. }: &AxleStudy,
 ) -> Result<(Request<'static>, Vec<[f64; 2]>), FunctionError> {
@@ -221,14 +221,14 @@ fn of_axle(
 }
 
 /// Workspace of a [`DesignFunction`]. It computes on the calling thread. If the engine is compiled without optimisation, as
-/// in the dev profile of a program that embeds it, it needs 8 MiB of stack. A thread of `std::thread` or rayon has a quarter
-/// of that by default.
+/// in the dev profile of a program that embeds it, the evaluation needs 8 MiB of stack. By default, a thread of `std::thread`
+/// or rayon has only 2 MiB.
 pub struct Evaluation<'f> {
     function: &'f DesignFunction,
     values: Option<Values<'f>>,
     gradients: Option<Gradients<'f>>,
     designs: Vec<Vector3<f64>>,
-    /// Designs of right wheels with their own hardpoints. Empty if the function has none.
+    /// Designs of right wheels. Empty if the right wheel is the mirror image of the left wheel.
     rights: Vec<Vector3<f64>>,
     offsets: DVector<f64>,
     /// Point rates of the left (or only) wheel and of the right wheel.
@@ -246,7 +246,7 @@ impl<'f> Evaluation<'f> {
     /// shape `[design][output][station]`, and `status` has an entry for each design.
     ///
     /// # Panics
-    /// If the lengths of the slices do not match.
+    /// Panics if the lengths of the slices do not match.
     pub fn values(&mut self, x: &[f64], values: &mut [f64], status: &mut [DesignStatus]) {
         let f = self.function;
         let width = f.variables.len();
@@ -289,7 +289,7 @@ impl<'f> Evaluation<'f> {
     /// several designs if lanes can differentiate the outputs; otherwise designs are computed one by one.
     ///
     /// # Panics
-    /// If the lengths of the slices do not match.
+    /// Panics if the lengths of the slices do not match.
     pub fn value_and_jacobian(
         &mut self,
         x: &[f64],
@@ -415,7 +415,7 @@ impl<'f> Evaluation<'f> {
 }
 
 impl DesignFunction {
-    /// Writes the offsets from the design into `into`. They are 0 for variables that are coordinates.
+    /// Writes the offsets from the design into `into`. The offsets are 0 for variables that are coordinates.
     fn offsets(&self, x: &[f64], into: &mut DVector<f64>) {
         for ((variable, x), into) in self.names.iter().zip(x).zip(into.iter_mut()) {
             *into = if variable.absolute { 0.0 } else { *x };
@@ -437,8 +437,8 @@ impl DesignFunction {
         moved
     }
 
-    /// Writes the design of a right wheel with its own hardpoints into `into`. It moves by the same displacements as the
-    /// left wheel.
+    /// Writes the design of the right wheel into `into`, if its hardpoints differ from the left ones. The right wheel moves
+    /// by the same displacements as the left wheel.
     fn right_design(
         &self,
         own: &Suspension,
@@ -457,7 +457,7 @@ impl DesignFunction {
         }
     }
 
-    /// Writes the design at `x` into `into`. Variables are offsets, or coordinates if they are absolute.
+    /// Writes the design at `x` into `into`. A variable is an offset, or a coordinate if it is absolute.
     fn design(&self, x: &[f64], offsets: &DVector<f64>, into: &mut [Vector3<f64>]) {
         let Suspension { design, frame, .. } = &*self.suspension;
         moved_design(design, frame, &self.variables, offsets, into);

@@ -1,14 +1,14 @@
-//! Derivatives with respect to time, from those by the coordinate that follows a time law.
+//! Derivatives with respect to time, from derivatives with respect to the coordinate that follows a time law.
 
 use crate::number::Jet;
 use crate::study::TimeLaw;
 
-/// First and second derivative with respect to time of the moving coordinate, if results are by time.
+/// First and second time derivative of the moving coordinate. `None` if results are not derivatives with respect to time.
 #[derive(Clone, Copy)]
 pub(crate) struct ByTime(Option<[f64; 2]>);
 
 impl ByTime {
-    /// Derivatives at the time with this index. `None` for results that are not by time.
+    /// Derivatives at the time with this index. Without a time law, results stay derivatives with respect to the drive.
     pub(crate) fn at(law: Option<&TimeLaw>, number: usize) -> Self {
         ByTime(law.map(|law| {
             let series = law
@@ -22,8 +22,9 @@ impl ByTime {
         }))
     }
 
-    /// Derivative of this order by the drive, or by time. With y', y'' by the drive q(t), dy/dt = y' q' and d2y/dt2 = y''
-    /// q'^2 + y' q''. A quantity that is itself a rate by the drive (an angular velocity) becomes w q' and w' q'^2 + w q''.
+    /// Derivative of this order with respect to the drive or to time. With the derivatives y', y'' with respect to the drive
+    /// q(t), dy/dt = y' q' and d2y/dt2 = y'' q'^2 + y' q''. A quantity w that is itself a rate with respect to the drive (an
+    /// angular velocity) becomes w q' and w' q'^2 + w q''.
     pub(crate) fn apply(self, is_rate: bool, by_drive: [f64; 3], order: usize) -> f64 {
         let Some([velocity, acceleration]) = self.0 else {
             return by_drive[order];

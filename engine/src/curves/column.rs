@@ -1,4 +1,4 @@
-//! Columns of the results. Their names contain meaning and unit.
+//! Columns of the results. The name of a column contains its meaning and its unit.
 
 use crate::ask::{Info, with_unit};
 use crate::characteristics::{Characteristic, Quantity};
@@ -19,8 +19,8 @@ pub struct Column {
     pub positive: Option<&'static str>,
     /// Order of the derivative; 0 for a value.
     pub order: usize,
-    /// Motion of the axle along which it is a derivative, for example `left travel`. `None` for values, and for derivatives
-    /// by the drive or by time.
+    /// Coordinate of the axle with respect to which the column is a derivative, for example `left travel`. `None` for values,
+    /// and for derivatives with respect to the drive or time.
     pub by: Option<&'static str>,
     /// Index of the output in the plan. `None` for a force under a load.
     pub(crate) of: Option<usize>,
@@ -40,7 +40,7 @@ impl Column {
         columns
     }
 
-    /// Column of a characteristic.
+    /// Makes the column of a characteristic.
     pub(crate) fn of_characteristic(of: Characteristic, length: LengthUnit) -> Column {
         let Info {
             name,
@@ -52,7 +52,7 @@ impl Column {
         Column::of_value((*name).to_owned(), unit.suffix(length), positive, factor)
     }
 
-    /// Column of a value that only axles have.
+    /// Makes the column of a value that only axles have.
     pub(crate) fn of_value(
         output: String,
         unit: String,
@@ -119,15 +119,15 @@ impl Column {
     }
 }
 
-/// Converts `wheel_centre_x` to `wheel_centre_vx` or `wheel_centre_ax`.
+/// Converts the name `wheel_centre_x` to `wheel_centre_vx` (velocity) or `wheel_centre_ax` (acceleration).
 pub(crate) fn velocity_name(coordinate: &str, axis: Axis, order: usize) -> String {
     let point = coordinate.strip_suffix(axis.name()).unwrap_or(coordinate);
     let letter = if order == 1 { 'v' } else { 'a' };
     format!("{point}{letter}{}", axis.name())
 }
 
-/// Unit `unit` divided by the `power`-th power of `by`. Examples: `deg`, `mm`, 2 gives `deg_per_mm2`; `deg_per_mm`, `mm`, 1
-/// gives `deg_per_mm2`.
+/// Name of the unit `unit` divided by the `power`-th power of `by`. Examples: `deg`, `mm`, 2 gives `deg_per_mm2`;
+/// `deg_per_mm`, `mm`, 1 gives `deg_per_mm2`.
 pub(crate) fn per(unit: &str, by: &str, power: usize) -> String {
     if power == 0 {
         return unit.to_owned();

@@ -1,4 +1,4 @@
-//! Motion of a study, expressed by one of the drives that the solver supports.
+//! Motion of a study, expressed in a drive that the solver supports.
 
 use super::PaperTheta;
 use crate::derive::MotionPoint;
@@ -21,7 +21,7 @@ pub struct DriveLaw {
 }
 
 impl DriveLaw {
-    /// Expresses the motion of a plan for this design. Stations that the solver's drive cannot express are left out.
+    /// Expresses the motion of a plan for this design. The result omits stations that the solver's drive cannot express.
     pub fn of(suspension: &Suspension, plan: &Plan) -> Result<Self, DesignFault> {
         let law = match plan.drive {
             Drive::Travel | Drive::ArmAngle => None,
@@ -48,7 +48,7 @@ impl DriveLaw {
         })
     }
 
-    /// The solver's drive as a series along the study's drive, at a station with this drive value.
+    /// Taylor series of the solver's drive with respect to the study's drive, at a station with this drive value.
     pub fn motion<const N: usize>(&self, value: f64, rack: f64) -> MotionPoint<Jet<f64, N>> {
         let along = Jet::variable(value);
         MotionPoint {

@@ -1,4 +1,4 @@
-//! Curves of a wheel with elastic parts: its equilibria over travel and rack, without horizontal loads.
+//! Curves of a wheel with elastic parts: equilibria over travel and rack, without horizontal loads.
 
 use super::elastic_loads::ElasticLoads;
 use super::run::{motion, place};
@@ -12,13 +12,13 @@ use crate::number::Each;
 use crate::plan::Plan;
 use crate::study::{ComplianceStudy, ElasticFigure};
 
-/// Source of a column: the value to read, and the reason if it has none.
+/// Origin of a column: the value to read, and the reason to report if the value does not exist.
 struct Read {
     value: KcValue,
     undefined: NoValue,
 }
 
-/// Columns of a plan's characteristics, then those of its test figures, each with its source.
+/// Columns of a plan's characteristics, then of its test results, each with its origin.
 fn columns(length: LengthUnit, plan: &Plan) -> Vec<(Column, Read)> {
     let mut found = Vec::new();
     for column in Column::all(plan, length) {
@@ -47,7 +47,7 @@ fn columns(length: LengthUnit, plan: &Plan) -> Vec<(Column, Read)> {
 }
 
 impl ElasticFigure {
-    /// The test figure as a column of results.
+    /// Returns the test result as a column of results.
     pub(crate) fn as_column(&self, length: LengthUnit) -> Column {
         let (suffix, factor) = (self.unit.suffix(length), self.unit.printed_factor(length));
         Column::of_value(
@@ -128,7 +128,8 @@ pub(super) fn elastic_curves(
     Ok(curves)
 }
 
-/// Values of a station, and the derivatives of existing values by `parameters`, each with the index of its value.
+/// Values of a station, and derivatives of the existing values with respect to `parameters`, each with the index of its
+/// value.
 type ValuesAndGradients = (Vec<Option<f64>>, Vec<(usize, Vec<f64>)>);
 
 /// Values at a travel and a rack displacement, with their derivatives with respect to `parameters`.

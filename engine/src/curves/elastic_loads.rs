@@ -18,7 +18,7 @@ pub(crate) struct MemberColumns {
 }
 
 impl MemberColumns {
-    /// Columns of these members. `frame` maps between the study's axes and the wheel's own frame.
+    /// Makes the columns of these members. `frame` maps between the study's axes and the wheel's own frame.
     pub(crate) fn of(members: Vec<ElasticMember>, frame: Frame, length: LengthUnit) -> Self {
         MemberColumns {
             members,
@@ -27,8 +27,8 @@ impl MemberColumns {
         }
     }
 
-    /// Columns of a load: the forces of its members, then the vertical force or the travel, whichever the load does not
-    /// prescribe. `prefix` names the wheel.
+    /// Columns of a load: first the forces of the members, then the quantity that the load does not prescribe (vertical force
+    /// or travel). `prefix` names the wheel.
     pub(crate) fn columns<'s>(
         &'s self,
         load: &'s str,
@@ -62,8 +62,8 @@ impl MemberColumns {
         value.is_finite().then_some(value)
     }
 
-    /// Values of the columns, in their units. Forces at joints are along the study's axes. `left` is the vertical force or the
-    /// travel, whichever the load does not prescribe.
+    /// Values of the columns, in their units. Forces at joints are along the study's axes. `left` is the quantity that the
+    /// load does not prescribe: vertical force or travel.
     pub(crate) fn values<'s>(
         &'s self,
         carried: &'s CarriedForces,
@@ -84,8 +84,8 @@ impl MemberColumns {
 }
 
 impl Load {
-    /// Loads to add to an equilibrium that carries `wheel_load` alone. A load of the kind that prescribes the wheel load already
-    /// contains it, so it replaces `wheel_load`.
+    /// Loads to add to an equilibrium that carries `wheel_load` alone. A load that prescribes the wheel load already contains
+    /// this force, so it replaces `wheel_load`.
     pub(crate) fn in_equilibrium(&self, held: HeldQuantity, wheel_load: f64) -> WheelLoads {
         let mut loads = WheelLoads::none(0.0);
         match self.at {
@@ -165,7 +165,7 @@ impl<'a> ElasticLoads<'a> {
         }
     }
 
-    /// Values of the columns about a station. A load without equilibrium has none.
+    /// Values of the columns at a station. A load without an equilibrium has no values.
     fn values(&self, station: &Equilibrium) -> Vec<Option<f64>> {
         let mut values = Vec::new();
         for load in self.loads {

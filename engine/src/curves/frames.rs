@@ -1,7 +1,7 @@
 //! Positions of all points of a mechanism along its motion, for drawings.
 //!
-//! With elastic parts, the wheel carrier is at its place in the equilibrium. Arms, struts and rockers are drawn to their joints
-//! on the carrier. Displacements of bushings at their other ends are not drawn.
+//! With elastic parts, the wheel carrier is drawn in its equilibrium position. Arms, struts and rockers end at their joints
+//! on the carrier. The drawing neglects displacements of the bushings at their other ends.
 
 use super::DriveLaw;
 use crate::characteristics::InstantCentres;
@@ -27,7 +27,7 @@ pub struct Frame {
     pub pose: Result<Placement, String>,
 }
 
-/// Drawn positions in one pose, in the study's axes.
+/// Positions to draw in one pose, in the study's axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Placement {
     /// Position of each point.
@@ -38,8 +38,8 @@ pub struct Placement {
     pub steering_axis: Option<[[f64; 3]; 2]>,
     /// Contact point of the wheel, if its radius is known.
     pub contact: Option<[f64; 3]>,
-    /// Roll centre, in the car's centre plane. This and the following fields are `None` if the wheel's rates are unknown or
-    /// the centre is at infinity.
+    /// Roll centre, in the car's centre plane. This and the following fields are `None` if the wheel's velocities are unknown
+    /// or the centre is at infinity.
     pub roll_centre: Option<[f64; 3]>,
     /// Instantaneous centre in front view, in the transverse plane of the contact point.
     pub front_view_centre: Option<[f64; 3]>,
@@ -48,12 +48,12 @@ pub struct Placement {
     /// Right wheel of an axle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub right: Option<OtherWheel>,
-    /// Turn with the steered wheels of an axle.
+    /// Turning geometry of the steered wheels of an axle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub turn: Option<Turn>,
 }
 
-/// A wheel of an axle, in the same axes as the other one.
+/// Right wheel of an axle, in the same axes as the left wheel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OtherWheel {
     /// Unit vector along the spin axis, positive outboard.
@@ -66,23 +66,24 @@ pub struct OtherWheel {
     pub side_view_centre: Option<[f64; 3]>,
 }
 
-/// A turn, seen from above: x and y in the body's axes.
+/// Turning geometry, seen from above: x and y in the body's axes.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Turn {
     /// Rear and front end of the left and the right wheel.
     pub wheels: [[[f64; 2]; 2]; 2],
-    /// Points at which the spin axes meet the other axle's line. `None` straight ahead.
+    /// Points in which the spin axes meet the line of the other axle. `None` straight ahead.
     pub meets: Option<[[f64; 2]; 2]>,
-    /// Midpoint of both points: the vehicle's turning centre.
+    /// Midpoint of these two points: the vehicle's turning centre.
     pub centre: Option<[f64; 2]>,
     /// Position of the other axle along x.
     pub other_axle: f64,
 }
 
-/// Frames of one wheel at the stations of a plan, rack by rack: of equilibria if there are elastic parts, otherwise of poses.
+/// Computes the frames of one wheel at the stations of a plan, rack by rack. They show equilibria if there are elastic parts,
+/// otherwise poses.
 ///
 /// # Errors
-/// If the design position cannot be solved, or has no elastic model.
+/// Returns an error if the design position cannot be solved, or if the design has no elastic model.
 pub fn wheel_frames(own: &WheelStudy, plan: &Plan) -> Result<Vec<Frame>, DesignFault> {
     match &own.compliance {
         Some(elastic) => equilibrium_frames(&own.suspension, elastic, plan),
@@ -153,7 +154,7 @@ pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, Design
                     if let Some(rod) = toggles.note(Some(solver), &at, motion.value[0]) {
                         return Err(Failure::Toggle(rod));
                     }
-                    // At a fold the rates do not exist.
+                    // At a fold the velocities do not exist.
                     let motion = drive_law.motion::<2>(values[number], rack);
                     let moving = solver.configuration_series(&moving, pose, &motion);
                     let centres = match moving {
@@ -172,7 +173,7 @@ pub fn frames(suspension: &Suspension, plan: &Plan) -> Result<Vec<Frame>, Design
 }
 
 impl Placement {
-    /// Both wheels of an axle, the points of the left wheel first.
+    /// Combines both wheels of an axle. The points of the left wheel come first.
     pub(crate) fn of_axle(
         points: Vec<[f64; 3]>,
         [left, right]: [OtherWheel; 2],
@@ -192,8 +193,8 @@ impl Placement {
         }
     }
 
-    /// The mechanism in a configuration without rates. `suspension` gives the axes. An error names the first rod that does not
-    /// reach its rocker.
+    /// Placement of the mechanism in a configuration without velocities. `suspension` gives the axes. An error names the
+    /// first rod that does not reach its rocker.
     pub(crate) fn at_rest(
         suspension: &Suspension,
         at: &Configuration<f64>,
@@ -243,7 +244,7 @@ impl Placement {
     }
 }
 
-/// Two points of the steering axis: its joints. For an instantaneous axis, two points below and above the wheel's centre.
+/// Two points of the steering axis: its joints. For an instantaneous axis, one point below and one above the wheel centre.
 fn steering_axis<T: Real>(
     suspension: &Suspension,
     at: &Configuration<T>,

@@ -1,4 +1,4 @@
-//! Influence of each coordinate on each curve.
+//! Influence of each hardpoint coordinate on each curve.
 
 use super::wheel_curves;
 use crate::characteristics::Quantity;
@@ -19,8 +19,8 @@ pub struct Influence {
     pub largest: f64,
     /// Root mean square of the derivative over the motion. It shows how far the curve moves.
     pub rms: f64,
-    /// Root mean square of the derivative's difference from its mean over the motion. It shows how much the shape of the
-    /// curve changes.
+    /// Root mean square of the derivative's difference from its mean over the motion. It shows how much the curve changes its
+    /// shape.
     pub bend: f64,
 }
 
@@ -54,7 +54,7 @@ pub fn influences(own: &WheelStudy, plan: &Plan) -> Result<Vec<Influence>, Desig
             ..plan.clone()
         },
     )?;
-    // Each station lists its derivatives in the same order: by output, then point, then axis.
+    // Each station lists its derivatives in the same order: outputs, then points, then axes.
     let stations = found.stations.len() - found.failed();
     let stride = found.sensitivities.len() / stations.max(1);
     let mut influences = Vec::new();

@@ -6,7 +6,7 @@ use crate::model::{Frame, LengthUnit, Mechanism, RockerId};
 use crate::number::Vector3;
 use crate::study::Load;
 
-/// Loads on a wheel, and the reactions in the results.
+/// Loads on a wheel, and the reaction forces to report.
 pub(crate) struct Loads<'a> {
     loads: &'a [Load],
     mechanism: &'a Mechanism,
@@ -17,8 +17,8 @@ pub(crate) struct Loads<'a> {
     members: Vec<Member>,
 }
 
-/// Adds the name of its side to a member of a rigid axle's halves. A load on one wheel loads both halves, so names need the side.
-/// A member that the axle has only once keeps its name.
+/// Adds the side to the name of a member of a rigid axle. A load on one wheel loads both halves of the axle, so names need
+/// the side. A member that the axle has only once keeps its name.
 fn with_side(member: Member, mechanism: &Mechanism, frame: Frame) -> Member {
     if mechanism.rigid_axle.is_none() {
         return member;
@@ -89,8 +89,8 @@ impl<'a> Loads<'a> {
         })
     }
 
-    /// Values of the columns in a pose, in their unit. Forces are along the study's axes. `contact` is the contact point in
-    /// the kernel's frame.
+    /// Values of the columns in a pose, in printed units. Forces are along the study's axes. `contact` is the contact point
+    /// in the kernel's frame.
     pub(crate) fn forces(
         &self,
         balance: &Balance<'_>,

@@ -33,8 +33,8 @@ use crate::plan::Plan;
 use crate::solve::Rejection;
 use crate::study::WheelStudy;
 
-/// Curves of one wheel under a plan: from equilibria if there are elastic parts, otherwise from poses. An error says why its
-/// design position cannot be solved.
+/// Computes the curves of one wheel under a plan: from equilibria if there are elastic parts, otherwise from poses. An error
+/// says why the design position cannot be solved.
 pub fn wheel_curves(own: &WheelStudy, plan: &Plan) -> Result<Curves, DesignFault> {
     match &own.compliance {
         Some(elastic) => elastic::elastic_curves(&own.suspension, elastic, plan),
@@ -42,18 +42,19 @@ pub fn wheel_curves(own: &WheelStudy, plan: &Plan) -> Result<Curves, DesignFault
     }
 }
 
-/// Status of a station: solved or not, and the quality of its values.
+/// Status of a station: solved or not, and accuracy of its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Status {
     /// Solved; every value that exists is present.
     Ok,
     /// Solved, but close to a singular pose: derivatives and sensitivities have fewer than six correct digits.
     IllConditioned,
-    /// Solved, but no member supports the loads: the spring has too little leverage for six correct digits of the forces.
-    /// The forces have no values.
+    /// Solved, but no member supports the loads: the leverage of the spring is too small for six correct digits of the
+    /// forces. The forces have no values.
     Unsupported,
-    /// Solved, but some rods are at a toggle here or nearer to the design position. They are listed for the left (or only)
-    /// wheel, then for the right wheel. Quantities that depend on their rockers have no values.
+    /// Solved, but a rod is at a toggle at this station or nearer to the design position. The first entry is the rod of the
+    /// left (or only) wheel, the second the rod of the right wheel. Quantities that depend on the rocker of such a rod have
+    /// no values.
     Toggle([Option<Rod>; 2]),
     /// Not solved, for this reason.
     Failed(NoPose),
@@ -92,7 +93,7 @@ impl Status {
         }
     }
 
-    /// Returns true if the station is solved and every value that is defined is present.
+    /// Returns true if the station is solved and every defined value is present.
     pub fn is_whole(&self) -> bool {
         matches!(self, Status::Ok | Status::IllConditioned)
     }
@@ -112,7 +113,7 @@ pub struct MotionColumn {
 }
 
 impl MotionColumn {
-    /// Coordinate that the study gives and that has a column in files.
+    /// Makes a coordinate that the study gives and that has a column in files.
     pub(crate) fn given(key: &'static str, unit: &'static str) -> Self {
         MotionColumn {
             key,
@@ -135,42 +136,43 @@ pub struct Station {
     pub at: Vec<Option<f64>>,
     /// Status of the station.
     pub status: Status,
-    /// Value of each column of [`Curves::columns`], or the reason why it has none.
+    /// Value of each column of [`Curves::columns`], or the reason why it has no value.
     pub values: Vec<Result<f64, NoValue>>,
-    /// Condition number of the equations. For an axle it is that of the worse wheel. It is accurate within a factor of ten
-    /// if the closed form gave the pose and the number is below 1000. `None` if there is no pose.
+    /// Condition number of the equations. For an axle, the larger number of the two wheels. If the closed form gave the pose
+    /// and the number is below 1000, it is accurate within a factor of ten. `None` if there is no pose.
     pub condition: Option<f64>,
-    /// Proof of the pose, if the study requests one and it was found.
+    /// Certified bounds of the pose. `None` if the study does not request them, or if they were not found.
     pub proof: Option<Proof>,
 }
 
 impl Station {
-    /// Value of a column. `None` if it does not exist.
+    /// Value of a column. `None` if the value does not exist.
     pub fn value(&self, column: usize) -> Option<f64> {
         self.values.get(column)?.ok()
     }
 }
 
-/// Proved bounds for a station's pose.
+/// Certified bounds for a station's pose.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proof {
     /// Bound on the distance of any point of a wheel carrier from its exact position.
     pub position_error: f64,
-    /// Any other pose differs by at least this length in a coordinate of a carrier's origin, an entry of a rotation or the roll
-    /// angle. The last two are multiplied by the mechanism's size.
+    /// Smallest distance to any other pose. Any other pose differs by at least this length in a coordinate of a carrier's
+    /// origin, in an entry of a rotation or in the roll angle. Rotation entries and roll angle are multiplied by the
+    /// mechanism's size.
     pub uniqueness: f64,
     /// All bounds, including these two, in the order of [`Curves::bounds`].
     pub bounds: Vec<f64>,
 }
 
-/// Derivative of an output, or of its derivative, by a hardpoint coordinate.
+/// Derivative of an output, or of an output's derivative, with respect to a hardpoint coordinate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sensitivity {
     /// Index of the station.
     pub station: usize,
     /// Index of the differentiated column.
     pub column: usize,
-    /// Wheel whose hardpoint moves. `None` if there is one wheel, or if both move as mirror images.
+    /// Wheel whose hardpoint moves. `None` if there is only one wheel, or if both wheels move as mirror images.
     pub side: Option<Side>,
     /// The hardpoint.
     pub point: PointId,
@@ -187,16 +189,16 @@ pub struct Curves {
     pub motion: Vec<MotionColumn>,
     /// Columns, in the order of [`Station::values`].
     pub columns: Vec<Column>,
-    /// Names of the proved bounds, in the order of [`Proof::bounds`]. Empty unless the study requests proofs.
+    /// Names of the certified bounds, in the order of [`Proof::bounds`]. Empty unless the study requests certification.
     pub bounds: Vec<String>,
-    /// Stations of the motion, rack displacement by rack displacement. For each they are in the order of the motion's
-    /// values.
+    /// Stations of the motion, rack displacement by rack displacement. For each rack displacement they are in the order of
+    /// the motion's values.
     pub stations: Vec<Station>,
     /// Sensitivities, station by station. Empty unless the study requests them.
     pub sensitivities: Vec<Sensitivity>,
     /// Counts of the work done. All zero for an axle.
     pub work: Work,
-    /// Reasons why the continuation instead of the tracker solved stations, each with the number of stations.
+    /// Reasons why the slower continuation method solved stations instead of the tracker, each with the number of stations.
     pub left_to_continuation: Vec<(Rejection, usize)>,
 }
 
@@ -209,13 +211,13 @@ impl Curves {
             .count()
     }
 
-    /// Index of a coordinate of the motion by its name without the unit. `None` if the motion does not have it.
+    /// Index of the motion's coordinate with this name (without unit). `None` if the motion does not have it.
     pub fn motion_index(&self, key: &str) -> Option<usize> {
         self.motion.iter().position(|column| column.key == key)
     }
 
-    /// Values of a coordinate of the motion at each station, by its name without the unit. `None` if it follows from a pose
-    /// that does not exist, or if the motion does not have it.
+    /// Values at each station of the motion's coordinate with this name (without unit). `None` if the coordinate follows from
+    /// a pose that does not exist, or if the motion does not have it.
     pub fn along<'c>(&'c self, key: &str) -> impl Iterator<Item = Option<f64>> + 'c {
         let index = self.motion_index(key);
         self.stations.iter().map(move |station| station.at[index?])
@@ -237,8 +239,8 @@ impl Curves {
         self.stations.iter().any(|s| s.values[column].is_ok())
     }
 
-    /// Numbers of empty cells by column and reason, at stations with a pose. Cells that are empty because of a toggle or a
-    /// missing support are not counted, because the station's status reports them.
+    /// Numbers of empty cells for each column and reason, at stations with a pose. The count omits cells that are empty
+    /// because of a toggle or a missing support, because the station's status reports these.
     pub fn empty_cells(&self) -> Vec<(usize, NoValue, usize)> {
         let mut counts: Vec<(usize, NoValue, usize)> = Vec::new();
         for column in 0..self.columns.len() {

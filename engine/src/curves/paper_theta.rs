@@ -1,29 +1,30 @@
-//! Drive of Attia's paper, its equation (15), expressed by the arm angle.
+//! Drive angle theta of equation (15) in Attia's paper, converted to the arm angle.
 //!
 //! ```text
 //! z5 - z1 = d51 cos(theta)
 //! ```
 //!
-//! Point 1 is the first named point of the arm's axis (`lower_arm_front`), 5 is the arm's outer joint. d51 is their
-//! distance, and theta the inclination of the line 1-5 from the vertical. On the arm's circle, with psi the arm's angle from
-//! its highest position,
+//! Point 1 is the first named point of the arm's axis (`lower_arm_front`), and point 5 is the arm's outer joint. d51 is their
+//! distance, and theta is the inclination of the line 1-5 from the vertical. On the arm's circle, with psi the arm's angle
+//! from its highest position,
 //!
 //! ```text
 //! z5 = zc + rho cos(psi)   so that   cos(psi) = (z1 - zc + d51 cos(theta))/rho
 //! ```
 //!
 //! with zc the height of the circle's centre and rho its vertical half-extent. The arm angle is psi minus its design value.
-//! Near its ends the cosine would lose half of the digits. With z1 - zc = o rho and d51 = (1 + e) rho, the accurate form is
+//! Near 1 and -1, the cosine would lose half of the digits of psi. With z1 - zc = o rho and d51 = (1 + e) rho, the accurate
+//! form is
 //!
 //! ```text
 //! 1 + cos(psi) = o - e + 2 (1 + e) cos^2(theta/2)
-//! 1 - cos(psi) = -o - e + 2 (1 + e) sin^2(theta/2),   tan^2(psi/2) their quotient
+//! 1 - cos(psi) = -o - e + 2 (1 + e) sin^2(theta/2),   tan^2(psi/2) = (1 - cos(psi))/(1 + cos(psi))
 //! ```
 //!
-//! The equation contains only the cosine, so psi stays in the half-turn of the design position. When theta passes a multiple
-//! of pi, the arm does not pass its highest or lowest position (its dead centre), but turns back. At the dead centre itself,
-//! no finite speed of the arm gives the speed of theta. If the line 1-5 is not normal to the axis (d51 > rho), there are no
-//! positions near it.
+//! The equation contains only the cosine, so psi stays on the same side (positive or negative) as in the design position.
+//! When theta passes a multiple of pi, the arm does not pass its highest or lowest position (its dead centre), but turns
+//! back. At the dead centre itself, the given speed of theta would need an infinite speed of the arm. If the line 1-5 is not
+//! normal to the axis (d51 > rho), there are no positions near the dead centre.
 
 use crate::mechanism::DesignFault;
 use crate::mechanism::constraint::axis_ends;
@@ -43,8 +44,8 @@ pub struct PaperTheta {
     design: f64,
 }
 
-/// Threshold of 1 + cos(psi) or 1 - cos(psi), half the square of the distance from a dead centre. Below it, half of the
-/// digits of the arm angle are lost.
+/// Threshold of 1 + cos(psi) or 1 - cos(psi), which is half the square of the angle from a dead centre. Below the threshold,
+/// half of the digits of the arm angle are lost.
 const DEAD_CENTRE: f64 = f64::EPSILON;
 
 impl PaperTheta {
@@ -65,7 +66,7 @@ impl PaperTheta {
             excess: difference / (rho * (leg.norm() + rho)),
             design: (-ahead).atan2(up),
         };
-        // With this form of the test, NaN (from an arm without a radius or on a vertical axis) is refused.
+        // This form of the test also refuses NaN, which comes from an arm without a radius or on a vertical axis.
         if ahead * ahead > DEAD_CENTRE * rho * rho {
             Ok(drive)
         } else {
@@ -78,7 +79,7 @@ impl PaperTheta {
         ((self.design.cos() - self.offset) / (1.0 + self.excess)).acos()
     }
 
-    /// Arm angle as a series, in the variable of the series theta. `None` at a dead centre and beyond.
+    /// Taylor series of the arm angle, in the same variable as the series `theta`. `None` at a dead centre and beyond.
     pub fn arm_angle<const N: usize>(&self, theta: Jet<f64, N>) -> Option<Jet<f64, N>> {
         let (sine, cosine) = theta.scaled(0.5).sin_cos();
         let twice = 2.0 * (1.0 + self.excess);

@@ -1,10 +1,10 @@
-//! Proofs of poses, converted to lengths for users.
+//! Certified bounds of poses, converted to lengths for users.
 
 use super::Proof;
 use crate::analyse::{Certificate, Certifier};
 use crate::model::{Body, Suspension};
 
-/// Proves the poses of one suspension.
+/// Certifies the poses of one suspension.
 pub(crate) struct Prover<'a> {
     pub(crate) certifier: Certifier<'a>,
     /// Largest distance of a point of the wheel carrier from the carrier's origin.
@@ -26,8 +26,8 @@ impl<'a> Prover<'a> {
         Prover {
             certifier: Certifier::new(mechanism, design),
             lever,
-            // p = o + R b. A rounded b, and three products and three sums in each of three components, amount to less than
-            // eps (4.2 |b| + 0.9 |p|), and |p| is below |o| + |b|.
+            // p = o + R b. The rounding of b, and of three products and three sums in each component, gives an error below
+            // eps (4.2 |b| + 0.9 |p|). |p| is below |o| + |b|.
             rounding: 8.0 * f64::EPSILON * (farthest + lever),
         }
     }

@@ -1,4 +1,4 @@
-//! Runs a plan: visits the stations, reads values, differentiates.
+//! Runs a plan: visits the stations, reads values, and differentiates them.
 
 use super::drive_law::DriveLaw;
 use super::loads::Loads;
@@ -36,12 +36,12 @@ fn curves_here(suspension: &Suspension, plan: &Plan) -> Result<Curves, DesignFau
     }
 }
 
-/// A run in which every power series has `N` coefficients.
+/// A run in which every Taylor series has `N` coefficients.
 pub(super) struct Run<'a, const N: usize> {
     pub(super) suspension: &'a Suspension,
     pub(super) plan: &'a Plan,
     pub(super) design_series: DesignSeries<N>,
-    /// Columns of the outputs, then those of the loads.
+    /// Columns of the outputs, then columns of the loads.
     columns: Vec<Column>,
     loads: Loads<'a>,
     /// Rockers that influence each output.
@@ -49,11 +49,11 @@ pub(super) struct Run<'a, const N: usize> {
     pub(super) toggles: Toggles,
     stations: Vec<Station>,
     sensitivities: Vec<Sensitivity>,
-    /// Numbers of stations that the continuation solved instead of the tracker, by reason.
+    /// Numbers of stations that the continuation solved instead of the tracker, for each reason.
     left_to_continuation: BTreeMap<Rejection, usize>,
-    /// Work counted by the solver.
+    /// Work that the solver counted.
     pub(super) work: Work,
-    /// Work counted while reading characteristics.
+    /// Counter of the work for reading characteristics.
     work_counter: WorkCounter,
 }
 
@@ -63,7 +63,7 @@ pub(super) struct Findings {
     pub(super) values: Vec<Result<f64, NoValue>>,
     /// True if loads are requested and no member supports them in this pose.
     pub(super) unsupported: bool,
-    /// Rod at or beyond its toggle that influences a requested quantity.
+    /// Rod that is at or beyond its toggle and influences a requested quantity.
     pub(super) toggle: Option<Rod>,
     pub(super) gradients: Vec<Sensitivity>,
     pub(super) condition: Option<f64>,
@@ -84,7 +84,7 @@ impl<'a, const N: usize> Run<'a, N> {
             for (number, value) in plan.station_order.values().iter().enumerate() {
                 stations.push(Station {
                     at: place(plan, number, *value, *rack),
-                    // Stations keep this status if the solver's drive cannot reach their drive value.
+                    // A station keeps this status if the solver's drive cannot reach the drive value of the station.
                     status: Status::Failed(Failure::DeadCentre.into()),
                     values: vec![Err(NoValue::NoPose); columns.len()],
                     condition: None,
@@ -196,7 +196,7 @@ impl<'a, const N: usize> Run<'a, N> {
         let station = &mut self.stations[index];
         match found {
             Ok(findings) => {
-                // Positions lose half as many digits as derivatives and sensitivities.
+                // Near a singularity, positions lose half as many digits as derivatives and sensitivities.
                 let differentiated =
                     self.plan.coefficients > 1 || !self.plan.sensitivities.is_empty();
                 let digits = findings.condition.map(rate_digits);
@@ -248,7 +248,7 @@ impl<'a, const N: usize> Run<'a, N> {
         })
     }
 
-    /// Values of all columns, including those of the loads.
+    /// Values of all columns, including the columns of the loads.
     fn loaded(
         &self,
         solver: &Solver,
@@ -362,7 +362,7 @@ impl<'a, const N: usize> Run<'a, N> {
         let mut buffer = vec![zero; self.suspension.design.len()];
         let count = self.columns.len() * plan.sensitivities.len() * Axis::ALL.len();
         let mut gradients = Vec::with_capacity(count);
-        // Gradients with respect to order, point and axis, before the conversion to derivatives with respect to time.
+        // Gradients, `[point][order]`, before the conversion to derivatives with respect to time.
         let mut found: Vec<[Vector3<f64>; 3]> = vec![[Vector3::default(); 3]; buffer.len()];
         let mut index = 0;
         for (columns, output) in self.columns_by_output() {

@@ -6,7 +6,7 @@ use std::ops::{Deref, DerefMut};
 const LINE: usize = 64;
 const IN_LINE: usize = LINE / size_of::<f64>();
 
-/// Numbers that start at a cache line, so that no full register crosses the border of a cache line.
+/// Numbers that start at a cache line, so that no SIMD register crosses the border of a cache line.
 #[derive(Debug)]
 pub(super) struct Aligned {
     numbers: Vec<f64>,

@@ -1,6 +1,7 @@
 //! Designs of an axle. The evaluator moves points of both wheels and solves both at every pose of the motion.
 //!
-//! A variable moves the same point of both wheels as mirror images, even if the right wheel has its own hardpoints.
+//! A variable moves the same point of both wheels as mirror images, even if the hardpoints of the right wheel differ from the
+//! left ones.
 
 use super::axle_lanes::AxleLanes;
 use super::elastic_axle::ElasticAxleParts;
@@ -31,14 +32,14 @@ pub(crate) struct AxleStations<'s> {
     pub(super) design: usize,
     /// True for builds. Each half of a solid axle then moves separately.
     pub of_builds: bool,
-    /// Values and rates to read, for an axle with elastic parts. `None` for a rigid one.
+    /// Values and rates to read, for an axle with elastic parts. `None` for an axle without elastic parts.
     pub elastic: Option<ElasticAxleParts>,
     /// Printed value of the first moving coordinate, for each placement.
     values: Vec<f64>,
 }
 
 impl<'s> AxleStations<'s> {
-    /// Stations of a plan, and further stations.
+    /// Collects the stations of a plan, and further stations.
     pub(crate) fn of(
         axle: Cow<'s, Axle>,
         plan: &AxlePlan,
@@ -52,7 +53,8 @@ impl<'s> AxleStations<'s> {
             index_or_push(&mut placements, placement);
         }
         let value = |placement: &Placement| over.written(placement.along(over), &axle);
-        // Gains are by the moving coordinate, even if the curves are by time.
+        // Gains are derivatives with respect to the moving coordinate, even if the curves use derivatives with respect to
+        // time.
         let by_motion = AxlePlan {
             motion: AxleMotion {
                 time: None,
@@ -91,7 +93,7 @@ impl<'s> AxleStations<'s> {
         }
     }
 
-    /// Indices of a quantity and of a placement. Both must be among those evaluated.
+    /// Indices of a quantity and of a placement. Both must be part of the evaluation.
     pub(crate) fn place(&self, quantity: Quantity, placement: Placement) -> [usize; 2] {
         let quantity = self.quantities.iter().position(|q| *q == quantity);
         let station = self.placements.iter().position(|p| *p == placement);
@@ -114,8 +116,8 @@ impl<'s> AxleStations<'s> {
         self.quantities.iter().map(column).collect()
     }
 
-    /// Evaluator of designs in lanes of this width, or one by one without lanes. An error says why the axle's own design
-    /// cannot be solved.
+    /// Evaluator of designs in lanes of this width, or one by one if `width` is `None`. An error says why the axle's own
+    /// design cannot be solved.
     pub(crate) fn evaluator(&self, width: Option<Width>) -> Result<Evaluator<'_>, DesignFault> {
         if let Some(elastic) = &self.axle.elastic {
             return self.elastic_evaluator(elastic);
@@ -128,7 +130,7 @@ impl<'s> AxleStations<'s> {
         };
         let mut evaluator = Evaluator::of(self.axle.left.design.len(), one_by_one);
         evaluator.axle = Some(&self.axle);
-        // Gains need one more order of derivatives than the values. Lanes do not compute it.
+        // Gains need one more order of derivatives than values. Lanes do not compute this order.
         let quantities = self.gains.iter().filter_map(|gain| gain.quantity());
         if let Some(order) = quantities.map(|q| q.rate_order()).max() {
             evaluator.slopes = Some(match order {
@@ -144,13 +146,13 @@ impl<'s> AxleStations<'s> {
     }
 }
 
-/// Both wheels of the design with this index. Each wheel has this number of `points`.
+/// Both wheels of the design with this index. `points` is the number of points of a wheel.
 fn pair([left, right]: Pairs<'_>, number: usize, points: usize) -> Pairs<'_> {
     let right = if right.is_empty() { left } else { right };
     [left, right].each(|designs| &designs[number * points..(number + 1) * points])
 }
 
-/// Solves axles one after another. Each series has `N` coefficients.
+/// Solves axles one after another. Each Taylor series has `N` coefficients.
 struct OneByOne<'a, const N: usize> {
     stations: &'a AxleStations<'a>,
     solver: AxleSolver<'a, N>,
@@ -169,7 +171,7 @@ impl<const N: usize> SolvesOneByOne for OneByOne<'_, N> {
     }
 }
 
-/// Derivatives in the design position by each moving coordinate.
+/// Computes derivatives in the design position with respect to each moving coordinate.
 impl<const N: usize> FindsSlopes for OneByOne<'_, N> {
     fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block) {
         let points = self.stations.axle.left.design.len();
@@ -196,7 +198,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
         }))
     }
 
-    /// Reads the design position, with the derivatives with respect to a steering gear that gains need.
+    /// Reads the design position. Includes the derivatives with respect to the steering gear if gains need them.
     fn read_design(&mut self, wheels: Pairs<'_>) -> Option<(Read<'a>, Vec<Option<ByGear>>)> {
         self.stations.prepare(&mut self.solver, wheels).ok()?;
         let design = self.stations.placements[self.stations.design];
@@ -227,7 +229,7 @@ impl<'a, const N: usize> OneByOne<'a, N> {
                 }
             };
             for (k, quantity) in stations.quantities.iter().enumerate() {
-                // The cell stays empty if the quantity has no value by its definition.
+                // The cell stays empty if the quantity is not defined in this pose.
                 if let Ok(value) = read.value(*quantity) {
                     block.put(number, k, station, value);
                 }

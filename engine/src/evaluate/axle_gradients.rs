@@ -1,4 +1,4 @@
-//! Axles one at a time, with the gradients of their quantities by the hardpoints of both wheels.
+//! Gradients of axle quantities with respect to the hardpoints of both wheels, one axle at a time.
 
 use super::gradients_one_by_one::DifferentiatesOneByOne;
 use super::{AxleStations, Evaluated, Pairs};
@@ -7,15 +7,15 @@ use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::number::Vector3;
 
-/// Solver of one axle after another. Each series has `N` coefficients.
+/// Solver of one axle after another. Each Taylor series has `N` coefficients.
 struct OneByOne<'a, const N: usize> {
     stations: &'a AxleStations<'a>,
     solver: AxleSolver<'a, N>,
 }
 
 impl AxleStations<'_> {
-    /// Makes a solver of values with gradients. On a plane ground the travels depend on the design, so one more order of
-    /// derivatives is needed than for the values. An error says why the axle's own design cannot be solved.
+    /// Makes a solver of values with gradients. On a plane ground the travels depend on the design. So the solver needs one
+    /// more order of derivatives than for values. An error says why the axle's own design cannot be solved.
     pub(super) fn differentiating(
         &self,
     ) -> Result<Box<dyn DifferentiatesOneByOne + '_>, (Side, DesignFault)> {

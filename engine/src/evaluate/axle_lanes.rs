@@ -1,4 +1,4 @@
-//! Axles in SIMD lanes.
+//! Solution of axles in SIMD lanes.
 
 use super::axle::AxleStations;
 use super::block::{Block, SIDE_BY_SIDE};
@@ -37,12 +37,14 @@ pub(super) struct AxleLanes<'a> {
 /// displacement 0.
 struct Gear {
     displacement: f64,
-    /// Number of steps to the displacement. Between two steps, the rods of the knuckles must keep their leverage.
+    /// Number of steps in which the gear reaches the displacement. Between two steps, the rods of the knuckles must keep
+    /// their leverage.
     steps: usize,
     groups: Vec<Group>,
 }
 
-/// Stations that the batch visits together: those with the same heave, rack displacement and steering gear.
+/// Stations that the batch visits together, because they have the same heave, rack displacement and steering gear
+/// displacement.
 struct Group {
     rack: f64,
     /// Index of the group in the batch.
@@ -51,12 +53,12 @@ struct Group {
     numbers: Vec<usize>,
 }
 
-/// Place of a station for the tracker.
+/// Coordinates of a station for the tracker.
 struct Spot {
     /// Displacement of the steering gear of a steered axle, else 0.
     gear: f64,
     heave: f64,
-    /// Displacement of the rack. For a rigid axle in roll, the mean travel.
+    /// Displacement of the rack. For a rigid axle in roll, this field holds the mean travel.
     rack: f64,
     /// Moving coordinate: the roll angle, or the travel of both wheels.
     value: f64,
@@ -98,7 +100,7 @@ impl Spot {
     }
 }
 
-/// Spots with the same heave, rack displacement and steering gear.
+/// Spots with the same heave, rack displacement and steering gear displacement.
 struct Together {
     gear: f64,
     heave: f64,
@@ -136,8 +138,8 @@ fn grouped(placements: &[Placement], carriers: Carriers) -> Option<Vec<Together>
     Some(groups)
 }
 
-/// Largest lift of a wheel centre of an axle's own design by its steering gear, while the axle rests. The result is at most the
-/// displacement of the gear.
+/// Largest lift of a wheel centre when the steering gear moves and the axle rests, for the axle's own design. The result is
+/// at most the displacement of the gear.
 fn lift(suspension: &Suspension, gear: f64) -> f64 {
     let mut design = suspension.design.clone();
     let [difference, mean] = displace(&suspension.mechanism, &mut design, gear);
@@ -190,7 +192,7 @@ impl<'a> AxleLanes<'a> {
             let slots = quantities.iter().map(|q| q.lane_slots(side));
             let mut slots = slots.fold(Slots::default(), Slots::and);
             if let Carriers::Steered(_) = carriers {
-                // The kingpin is a line of the axle.
+                // The kingpin is an axis fixed in the axle.
                 slots = slots.with(&[Slot::SteeringPoint]);
             }
             let mechanism = &axle.suspension(side).mechanism;
@@ -351,7 +353,8 @@ impl SimdTask for AxleBlockTask<'_, '_> {
     }
 }
 
-/// Moves the steering gear of designs. Returns the lift of the mean travel and of half the difference of the travels.
+/// Moves the steering gear of designs. Returns the resulting change of the mean travel, and of half the difference of the
+/// travels.
 #[inline(always)]
 fn displace_in_lanes<B: SimdReal>(
     mechanism: &Mechanism,
@@ -368,7 +371,7 @@ fn displace_in_lanes<B: SimdReal>(
     )
 }
 
-/// Lanes in which the rods of both knuckles keep their leverage while the steering gear moves and the axle rests.
+/// Returns the lanes in which the rods of both knuckles keep their leverage while the steering gear moves and the axle rests.
 #[inline(always)]
 fn keeps_leverage<B: SimdReal>(
     mechanism: &Mechanism,
@@ -392,7 +395,7 @@ fn keeps_leverage<B: SimdReal>(
     keeps
 }
 
-/// Rods of two knuckles while the axle rests, as seen from the knuckles.
+/// Rods of two knuckles in the rest position of the axle, as seen from the knuckles.
 #[inline(always)]
 fn rods_at_rest<B: SimdReal>(
     mechanism: &Mechanism,

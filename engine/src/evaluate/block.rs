@@ -4,10 +4,10 @@ use super::aligned::Aligned;
 use crate::mechanism::{DesignFault, NoPose};
 use crate::number::{MOST_LANES, SimdReal};
 
-/// Number of designs in a full block. Blocks are also the unit of sums, shards and resumption: the designs from `k * BLOCK`
-/// on always belong together, for any number of threads.
+/// Number of designs in a full block. Sums, shards and resumed sweeps also use whole blocks: a block always contains the
+/// designs from `k * BLOCK` on, for any number of threads.
 pub const BLOCK: usize = 128;
-/// Number of designs whose values are stored side by side, as the lanes return them.
+/// Number of designs whose values are stored side by side, in the order in which lanes return them.
 pub(super) const SIDE_BY_SIDE: usize = MOST_LANES;
 const _: () = assert!(BLOCK.is_multiple_of(SIDE_BY_SIDE));
 
@@ -49,7 +49,7 @@ impl Block {
 
     /// Allocates a block like [`Block::new`], with `gains` slopes per design.
     pub(super) fn with_gains(outputs: usize, stations: usize, gains: usize) -> Self {
-        // `from` points into the slopes, so at least one must exist even if none is requested.
+        // `from` points into the slopes, so at least one slope must exist even if no slope is requested.
         let gains = gains.max(1);
         Block {
             outputs,
@@ -82,7 +82,7 @@ impl Block {
         self.values[self.place(design, output, station)]
     }
 
-    /// Values of an output of a design, by station.
+    /// Values of an output of a design, station by station.
     pub fn values(&self, design: usize, output: usize) -> impl Iterator<Item = f64> {
         (0..self.stations).map(move |station| self.value(design, output, station))
     }
@@ -102,7 +102,7 @@ impl Block {
         self.slopes[self.slope_place(design, output)]
     }
 
-    /// Stores a value. Stores NaN if it is not finite (a swing arm of a wheel that does not rotate).
+    /// Stores a value. Stores NaN if the value is not finite, for example the swing arm of a wheel that does not rotate.
     pub(super) fn put(&mut self, design: usize, output: usize, station: usize, value: f64) {
         let place = self.place(design, output, station);
         self.values[place] = value.finite();
@@ -114,7 +114,7 @@ impl Block {
         self.slopes[place] = slope.finite();
     }
 
-    /// Stores the reason why a design has no pose at a station, or not all values.
+    /// Stores the reason why a design has no pose, or lacks values, at a station.
     pub(super) fn fail(&mut self, design: usize, station: usize, failure: NoPose) {
         self.failures.push(FailedStation {
             design,
@@ -123,8 +123,8 @@ impl Block {
         });
     }
 
-    /// Returns the places for values and slopes of the designs that are solved together, from `design` on. The next
-    /// station follows [`SIDE_BY_SIDE`] numbers later, the next output after all stations.
+    /// Returns the memory for values and slopes of the designs that are solved together, from `design` on. The next station
+    /// follows [`SIDE_BY_SIDE`] numbers later, the next output after all stations.
     #[inline(always)]
     pub(super) fn from(&mut self, design: usize) -> (&mut [f64], &mut [f64]) {
         let (value, slope) = (self.place(design, 0, 0), self.slope_place(design, 0));

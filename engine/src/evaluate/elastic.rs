@@ -1,4 +1,4 @@
-//! Wheels with elastic parts: values in equilibrium and test figures, one design at a time.
+//! Wheels with elastic parts: values in equilibrium and test results, one design at a time.
 
 use super::elastic_lanes::ElasticLanes;
 use super::evaluator::{Evaluator, Pairs, SolvesOneByOne};
@@ -31,8 +31,8 @@ pub(crate) struct ElasticQuantities {
 }
 
 impl ElasticQuantities {
-    /// Values of a wheel: characteristics at every station, test figures in the design position. `further` lists more, as
-    /// pairs of value and station. `rates` differ between designs.
+    /// Lists the values of a wheel: characteristics at every station, test results in the design position. `further` lists
+    /// additional pairs of value and station. `rates` are the rates that differ between designs.
     pub(crate) fn of(
         own: &WheelStudy,
         elastic: &ComplianceStudy,
@@ -87,14 +87,14 @@ impl ElasticQuantities {
     }
 }
 
-/// Reader of designs with their rates.
+/// Reader of values of designs with different rates.
 pub(super) struct ElasticDesigns<'a> {
     of: &'a ElasticQuantities,
     elastic: ComplianceStudy,
     stations: &'a Stations,
-    /// Rates of the block's designs. Empty if none varies.
+    /// Rates of the block's designs. Empty if no rate varies.
     rates: Vec<f64>,
-    /// Values that are read at a station, and derivatives with respect to wheel travel.
+    /// Values that are read at a station, and their derivatives with respect to wheel travel.
     wanted: Vec<KcValue>,
 }
 
@@ -123,7 +123,7 @@ impl<'a> ElasticDesigns<'a> {
         self.rates.extend_from_slice(rates);
     }
 
-    /// Elastic wheel of a design of the block, with its tests.
+    /// Prepares the elastic wheel of a design of the block, with its tests.
     pub(super) fn run(
         &mut self,
         designs: &[Vector3<f64>],

@@ -1,4 +1,4 @@
-//! Axles with elastic parts, one design at a time: quantities in equilibrium, test figures in the design position.
+//! Axles with elastic parts, one design at a time: quantities in equilibrium, test results in the design position.
 
 use super::evaluator::{Evaluator, FindsSlopes, Pairs, SolvesOneByOne};
 use super::{AxleStations, Block, NotInLanes};
@@ -13,12 +13,12 @@ use crate::study::AxleComplianceStudy;
 pub(crate) struct ElasticAxleParts {
     /// Rates and tensions that differ between designs.
     pub rates: Vec<AxleParameter>,
-    /// Test figures to read at other stations than the design position, as [quantity, station].
+    /// Test results to read at stations other than the design position, as [quantity, station].
     pub further: Vec<[usize; 2]>,
 }
 
 impl AxleStations<'_> {
-    /// Quantities to read at a station: test figures only where requested, all others at every station.
+    /// Quantities to read at a station: test results only where requested, all other quantities at every station.
     pub(crate) fn quantities_at(&self, station: usize) -> Vec<usize> {
         let further = self.elastic.as_ref().map_or(&[][..], |own| &own.further);
         let is_read = |k: &usize| {
@@ -54,7 +54,7 @@ impl AxleStations<'_> {
 struct OneByOne<'a> {
     stations: &'a AxleStations<'a>,
     parts: AxleCompliance,
-    /// Rates of the block's designs. Empty if none varies.
+    /// Rates of the block's designs. Empty if no rate varies.
     rates: Vec<f64>,
 }
 
@@ -124,7 +124,7 @@ impl SolvesOneByOne for OneByOne<'_> {
     }
 }
 
-/// Derivatives in the design position by each moving coordinate.
+/// Computes derivatives in the design position with respect to each moving coordinate.
 impl FindsSlopes for OneByOne<'_> {
     fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block) {
         let gains = self.stations.gains.iter();

@@ -1,7 +1,7 @@
-//! Wheels with elastic parts, with a design in each SIMD lane.
+//! Wheels with elastic parts in SIMD lanes, with one design in each lane.
 //!
-//! Each design becomes an elastic wheel of its own. The equilibria at the stations, and those at the ends of the tests'
-//! windows, are solved side by side. A design in which a lane has no equilibrium remains for one-by-one solution.
+//! Each design becomes a separate elastic wheel. Lanes solve the equilibria of all designs side by side, at the stations and
+//! at the ends of the tests' load windows. If a lane finds no equilibrium, its design is solved one by one afterwards.
 
 use super::elastic::{ElasticDesigns, ElasticQuantities};
 use super::evaluator::{Pairs, SolvesInLanes};
@@ -93,7 +93,7 @@ impl SimdTask for ElasticTask<'_, '_> {
     }
 }
 
-/// Design in a lane.
+/// Design that a lane solves.
 struct Member<'a> {
     /// Index in the block.
     number: usize,
@@ -147,7 +147,7 @@ impl<B: SimdReal> Group<'_, '_, B> {
         found
     }
 
-    /// Equilibria at the ends of the windows of all tests whose secants are wanted at this station.
+    /// Equilibria at the ends of the load windows of all tests whose secants are requested at this station.
     fn window_ends(&self, wheels: &WheelsInLanes<B>, at: &EquilibriaInLanes<B>) -> Vec<TestEnds> {
         let mut ends: Vec<TestEnds> = Vec::new();
         let Some(member) = self.runs.first() else {
@@ -179,7 +179,7 @@ impl<B: SimdReal> Group<'_, '_, B> {
     }
 }
 
-/// Equilibria at both ends of a test's window, one for each design of a group.
+/// Equilibria at both ends of a test's load window, one for each design of a group.
 struct TestEnds {
     test: KcTest,
     found: [Vec<Option<Equilibrium>>; 2],

@@ -1,8 +1,8 @@
 //! Evaluation of a block of designs: hardpoints in, values out.
 //!
-//! This module separates a sweep from the solver. A sweep handles samples, threads and files. The solver handles poses.
-//! The values of a design depend on that design alone, never on its neighbours in the block. From block to block, only
-//! failures allocate memory.
+//! This module separates a sweep from the solver. A sweep handles samples, threads and files. The solver handles poses. The
+//! values of a design depend only on this design, never on its neighbours in the block. After the first block, only failures
+//! allocate memory.
 
 use super::lanes::{LaneSolver, NotInLanes};
 use super::one_by_one::OneByOne;
@@ -15,14 +15,14 @@ use crate::number::{Vector3, Width};
 use crate::solve::Solver;
 use crate::threads::Interrupt;
 
-/// Hardpoints of left and right wheels, design after design. The second slice is empty for a single wheel and for an axle
-/// whose right wheel mirrors the left.
+/// Hardpoints of left and right wheels, design after design. The second slice is empty for a single wheel, and for an axle
+/// whose right wheel is the mirror image of the left wheel.
 pub type Pairs<'d> = [&'d [Vector3<f64>]; 2];
 
 /// Solver of designs in SIMD lanes.
 pub(super) trait SolvesInLanes: Send {
-    /// Evaluates the designs of a block, until the interrupt is raised. Adds the indices of the designs that remain for
-    /// one-by-one solution to `fallback`.
+    /// Evaluates the designs of a block, and stops early if the interrupt is raised. Adds the indices of designs that must be
+    /// solved one by one to `fallback`.
     fn evaluate(
         &mut self,
         designs: Pairs<'_>,
@@ -30,7 +30,7 @@ pub(super) trait SolvesInLanes: Send {
         block: &mut Block,
         fallback: &mut Vec<usize>,
     );
-    /// Receives the varying rates of all designs of the next block, design after design.
+    /// Receives the rates that vary, for all designs of the next block, design after design.
     fn take_rates(&mut self, _rates: &[f64]) {}
 }
 
@@ -38,22 +38,22 @@ pub(super) trait SolvesInLanes: Send {
 pub(super) trait SolvesOneByOne: Send {
     /// Evaluates the designs with these indices.
     fn evaluate(&mut self, designs: Pairs<'_>, numbers: &[usize], block: &mut Block);
-    /// Receives the varying rates of all designs of the next block, design after design.
+    /// Receives the rates that vary, for all designs of the next block, design after design.
     fn take_rates(&mut self, _rates: &[f64]) {}
 }
 
-/// Computes slopes that need one derivative more than the values.
+/// Computes slopes, which need one order of derivatives more than the values.
 pub(super) trait FindsSlopes: Send {
-    /// Adds these slopes to a block with evaluated values. A slope without a value stays NaN.
+    /// Adds the slopes to a block with evaluated values. A slope without a value stays NaN.
     fn evaluate(&mut self, designs: Pairs<'_>, block: &mut Block);
-    /// Receives the varying rates of all designs of the next block, design after design.
+    /// Receives the rates that vary, for all designs of the next block, design after design.
     fn take_rates(&mut self, _rates: &[f64]) {}
 }
 
-/// Evaluator of blocks of designs of a wheel or an axle. Each thread has its own.
+/// Evaluator of blocks of designs of a wheel or an axle. Each thread has a separate evaluator.
 ///
-/// Designs are solved in SIMD lanes if lanes can read every requested quantity. Designs that the tracker rejects are solved one
-/// by one; without lanes, all designs are. The choice of method depends on the design alone.
+/// Designs are solved in SIMD lanes if lanes can read every requested quantity. Designs that the tracker rejects are solved
+/// one by one. Without lanes, all designs are solved one by one. The choice of method depends only on the design.
 pub struct Evaluator<'a> {
     /// Number of points of a wheel.
     points: usize,
@@ -63,9 +63,9 @@ pub struct Evaluator<'a> {
     /// Axle of the designs. If the hardpoints of its wheels differ, the evaluator makes the right wheels in `rights`.
     pub(super) axle: Option<&'a Axle>,
     rights: Vec<Vector3<f64>>,
-    /// Indices of the designs of the block that remain for one-by-one solution.
+    /// Indices of the designs of the block that must be solved one by one.
     fallback: Vec<usize>,
-    /// Flag that stops a block early. Its values must then not be used.
+    /// Flag that stops a block early. The values of the block must then not be used.
     pub(crate) interrupt: Interrupt<'a>,
 }
 
@@ -95,8 +95,8 @@ impl<'a> Evaluator<'a> {
         Ok(evaluator)
     }
 
-    /// Makes an evaluator like [`Evaluator::new`] that finds every pose by continuation. It gives the same values more slowly,
-    /// and serves for comparison.
+    /// Makes an evaluator like [`Evaluator::new`] that finds every pose by continuation. This method gives the same values
+    /// more slowly, and serves for comparison.
     pub fn by_continuation(
         suspension: &'a Suspension,
         stations: &'a Stations,
@@ -161,7 +161,7 @@ impl<'a> Evaluator<'a> {
         self.fallback.len()
     }
 
-    /// Sets the varying rates of elastic parts for the next designs, design after design.
+    /// Sets the rates of elastic parts that vary, for the next designs, design after design.
     pub(crate) fn set_rates(&mut self, rates: &[f64]) {
         if let Ok(lanes) = &mut self.lanes {
             lanes.take_rates(rates);
@@ -172,8 +172,8 @@ impl<'a> Evaluator<'a> {
         }
     }
 
-    /// Evaluates designs, given as points of left and of right wheels, each in the frame of its side. Without points of
-    /// right wheels, these are mirror images.
+    /// Evaluates designs, given as points of left and of right wheels, each in the frame of its side. If there are no points
+    /// of right wheels, the right wheels are mirror images.
     pub(crate) fn evaluate_pairs(&mut self, designs: Pairs<'_>, block: &mut Block) {
         let count = designs[0].len() / self.points;
         block.clear(count);

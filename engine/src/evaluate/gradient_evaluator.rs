@@ -1,8 +1,8 @@
 //! Quantities at stations with their gradients with respect to the hardpoints, for several designs at a time.
 //!
-//! SIMD lanes differentiate designs that the tracker accepts, if they support the quantities. (For a single design the lanes hold
-//! its stations, and results are equal to the last bit.) Other designs are differentiated one by one, with the adjoint of the
-//! closure equations. The choice of method depends on the design alone.
+//! SIMD lanes differentiate designs that the tracker accepts, if lanes support the quantities. For a single design the lanes
+//! hold the stations of the design; the results are the same to the last bit. Other designs are differentiated one by one,
+//! with the adjoint of the closure equations. The choice of method depends only on the design.
 
 use super::gradients_one_by_one::{DifferentiatesOneByOne, OneByOne};
 use super::{AxleStations, Gradients, Jacobians, Pairs, Stations};
@@ -23,7 +23,7 @@ pub struct Evaluated {
     values: Vec<f64>,
     /// Gradients, `[design][quantity][station][side][point]`.
     gradients: Vec<Vector3<f64>>,
-    /// Reason why each design cannot be solved. `None` if it can.
+    /// Reason why each design cannot be solved. `None` if the design can be solved.
     faults: Vec<Option<DesignFault>>,
     /// True if a design has a pose at a station, `[design][station]`.
     solved: Vec<bool>,
@@ -52,7 +52,7 @@ impl Evaluated {
         self.solved.resize(designs * stations, false);
     }
 
-    /// Reason why a design cannot be solved at all. `None` if it can.
+    /// Reason why a design cannot be solved at all. `None` if the design can be solved.
     pub fn fault(&self, design: usize) -> Option<&DesignFault> {
         self.faults[design].as_ref()
     }
@@ -62,13 +62,13 @@ impl Evaluated {
         self.solved[design * self.stations + station]
     }
 
-    /// Value of a quantity of a design at a station. NaN if it does not exist.
+    /// Value of a quantity of a design at a station. NaN if the value does not exist.
     pub fn value(&self, design: usize, quantity: usize, station: usize) -> f64 {
         self.values[self.place(design, quantity, station)]
     }
 
-    /// Derivatives of a quantity by every hardpoint of a wheel, in the order of the design's points. A single wheel is the
-    /// left one.
+    /// Derivatives of a quantity with respect to every hardpoint of a wheel, in the order of the design's points. A single
+    /// wheel counts as the left wheel.
     pub fn gradient(
         &self,
         (design, quantity, station): (usize, usize, usize),
@@ -78,7 +78,8 @@ impl Evaluated {
         &self.gradients[first..first + self.points]
     }
 
-    /// Derivative of a quantity as every hardpoint of a wheel moves at its rate. Without rates, no hardpoint moves.
+    /// Derivative of a quantity if every hardpoint of a wheel moves at its rate. An empty list of rates means that no
+    /// hardpoint moves.
     pub fn along(&self, place: (usize, usize, usize), side: Side, rates: &[Vector3<f64>]) -> f64 {
         let pairs = rates.iter().zip(self.gradient(place, side));
         // A point that does not move contributes nothing, even if the derivative with respect to it has no value.
@@ -185,11 +186,11 @@ fn evaluate_in_lanes(
 }
 
 impl<'a> GradientEvaluator<'a> {
-    /// Prepares to evaluate designs like that of a suspension, with gradients with respect to these points. Gradients with
-    /// respect to other points must not be used. Lanes have this width; without a width designs are evaluated one by one.
+    /// Prepares to evaluate designs of a suspension, with gradients with respect to these points. Gradients with respect to
+    /// other points must not be used. `width` is the width of the lanes; if it is `None`, designs are evaluated one by one.
     ///
     /// # Errors
-    /// If the suspension's own design cannot be solved.
+    /// Returns an error if the suspension's own design cannot be solved.
     pub fn new(
         suspension: &'a Suspension,
         stations: &'a Stations,
@@ -213,8 +214,8 @@ impl<'a> GradientEvaluator<'a> {
         })
     }
 
-    /// Prepares to evaluate axles, with gradients with respect to all points of both wheels, one by one. An error says why
-    /// the axle's own design cannot be solved.
+    /// Prepares to evaluate axles one by one, with gradients with respect to all points of both wheels. An error says why the
+    /// axle's own design cannot be solved.
     pub(super) fn of_axle(stations: &'a AxleStations<'a>) -> Result<Self, (Side, DesignFault)> {
         Ok(GradientEvaluator {
             stations: stations.placements.len(),
@@ -233,8 +234,8 @@ impl<'a> GradientEvaluator<'a> {
     }
 
     /// Evaluates designs, given as their points one design after the other, at every station with a pose. The second slice
-    /// has the points of right wheels, unless these are mirror images. Returns the number of designs that were evaluated one
-    /// by one.
+    /// has the points of right wheels; it is empty if the right wheels are mirror images. Returns the number of designs that
+    /// were evaluated one by one.
     pub fn evaluate(&mut self, [designs, rights]: Pairs<'_>, into: &mut Evaluated) -> usize {
         let points = self.points;
         let count = designs.len() / points;

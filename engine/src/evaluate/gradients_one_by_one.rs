@@ -11,8 +11,8 @@ use std::ops::ControlFlow;
 
 /// Solver of one design after another.
 pub(super) trait DifferentiatesOneByOne: Send {
-    /// Evaluates the design with this index at every station with a pose. It evaluates the left wheel, and the right wheel
-    /// unless that is the mirror image.
+    /// Evaluates the design with this index at every station with a pose. It evaluates the left wheel. It also evaluates the
+    /// right wheel if this is not the mirror image of the left wheel.
     fn evaluate(
         &mut self,
         design: Pairs<'_>,
@@ -21,7 +21,7 @@ pub(super) trait DifferentiatesOneByOne: Send {
     ) -> Result<(), DesignFault>;
 }
 
-/// Solver of one design after another. Each series has `N` coefficients.
+/// Solver of one design after another. Each Taylor series has `N` coefficients.
 pub(super) struct OneByOne<'a, const N: usize> {
     stations: &'a Stations,
     quantities: &'a [Quantity],

@@ -1,14 +1,15 @@
 //! Gradients of several designs at a time, one in each SIMD lane.
 //!
-//! Programs that move many designs at once use it, such as a descent from several starts. It gives either of these:
+//! Programs that move many designs at once use this module, for example a descent from several starts. An evaluation gives
+//! one of these results:
 //!
-//! - derivatives of quantities by every hardpoint coordinate, or along directions that move several hardpoints,
+//! - derivatives of quantities with respect to every hardpoint coordinate, or along directions that move several hardpoints,
 //! - the sum of squared deviations over all stations, with its gradient.
 //!
 //! The sum costs one adjoint per pose. The derivatives cost one adjoint per pose and angle.
 //!
-//! The caller receives Jacobians pose by pose; they are not stored. A strut needs 864 bytes per pose. Writing the Jacobians
-//! of a whole curve to memory would take as long as computing them.
+//! The caller receives Jacobians pose by pose; the module does not store them. The Jacobian of a strut takes 864 bytes per
+//! pose. Storing the Jacobians of a whole curve would take as long as computing them.
 
 mod differentiate;
 mod results;
@@ -114,8 +115,8 @@ impl<'a> Gradients<'a> {
         self.evaluate(designs, None, Task::Jacobians(&mut visit));
     }
 
-    /// Visits the stations like [`Gradients::jacobians`], with derivatives along directions. `along` holds the rate of every
-    /// coordinate in each direction, `[direction][point][axis][lane]`, with [`at_once`](Self::at_once) lanes.
+    /// Visits the stations like [`Gradients::jacobians`], but with derivatives along directions. `along` holds the rate of
+    /// every coordinate in each direction, `[direction][point][axis][lane]`, with [`at_once`](Self::at_once) lanes.
     pub fn slopes(
         &mut self,
         designs: &[Vector3<f64>],
@@ -127,9 +128,10 @@ impl<'a> Gradients<'a> {
         self.evaluate(designs, None, Task::Slopes { along, visit });
     }
 
-    /// Visits the stations of a single design, with one station per lane. Otherwise like [`Gradients::jacobians`]. The visitor
-    /// gets the stations of [`Jacobians::side_by_side`] in place of designs. Returns true if the design was accepted. If not, the
-    /// visited values must not be used. No design is accepted if [`Gradients::takes_one`] is false.
+    /// Visits the stations of a single design, with one station per lane. In all other respects it equals
+    /// [`Gradients::jacobians`]. The visitor gets the stations of [`Jacobians::side_by_side`] instead of designs. Returns
+    /// true if the design was accepted. If the design was not accepted, the visited values must not be used. No design is
+    /// accepted if [`Gradients::takes_one`] is false.
     pub fn jacobians_of_one(
         &mut self,
         design: &[Vector3<f64>],
@@ -138,8 +140,8 @@ impl<'a> Gradients<'a> {
         self.evaluate_one(design, Task::Jacobians(&mut visit))
     }
 
-    /// Visits the stations like [`Gradients::jacobians_of_one`], with derivatives along directions. `along` is that of
-    /// [`Gradients::slopes`] for one lane.
+    /// Visits the stations like [`Gradients::jacobians_of_one`], but with derivatives along directions. `along` has the form
+    /// of [`Gradients::slopes`], for one lane.
     pub fn slopes_of_one(
         &mut self,
         design: &[Vector3<f64>],
@@ -167,7 +169,7 @@ impl<'a> Gradients<'a> {
         is_accepted
     }
 
-    /// Allocates memory for slopes along directions. `along` is the count of their numbers, for `lanes` lanes.
+    /// Allocates memory for slopes along directions. `along` is the length of the list of directions, for `lanes` lanes.
     fn make_room(&mut self, along: usize, lanes: usize) {
         let one = self.found.points * 3 * lanes;
         assert!(along.is_multiple_of(one), "whole directions");
@@ -192,15 +194,14 @@ impl<'a> Gradients<'a> {
         self.is_accepted(0)
     }
 
-    /// Returns true if the lanes can hold the stations of a single design. They cannot if rods of rockers are watched
-    /// from one station to the next.
+    /// Returns true if the lanes can hold the stations of a single design. This is impossible if the tracker must watch rods
+    /// of rockers from one station to the next.
     pub fn takes_one(&self) -> bool {
         !self.reader.watches_rods()
     }
 
     /// Computes the sum of weighted squared deviations of each design. There must not be more designs than lanes. `wanted`
-    /// lists the targets angle by angle and station by station. Afterwards, [`is_accepted`](Self::is_accepted) identifies
-    /// the accepted designs.
+    /// lists the targets, `[angle][station]`. Afterwards, [`is_accepted`](Self::is_accepted) identifies the accepted designs.
     pub fn deviations(
         &mut self,
         designs: &[Vector3<f64>],
@@ -223,7 +224,7 @@ impl<'a> Gradients<'a> {
         });
     }
 
-    /// Returns true if the last evaluation accepted a design. The caller must solve a rejected design on its own.
+    /// Returns true if the last evaluation accepted a design. The caller must solve a rejected design by another method.
     pub fn is_accepted(&self, design: usize) -> bool {
         self.accepted[design]
     }
@@ -231,7 +232,7 @@ impl<'a> Gradients<'a> {
 
 /// Result that an evaluation computes.
 enum Task<'t> {
-    /// Derivatives of every angle by hardpoint coordinates, passed to a visitor.
+    /// Derivatives of every angle with respect to hardpoint coordinates, passed to a visitor.
     Jacobians(&'t mut dyn FnMut(&Jacobians<'_>)),
     /// Derivatives of every angle along directions, passed to a visitor.
     Slopes {

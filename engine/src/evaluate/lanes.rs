@@ -1,4 +1,4 @@
-//! Evaluates designs in SIMD lanes.
+//! Evaluation of designs in SIMD lanes.
 
 use super::Stations;
 use super::block::{Block, SIDE_BY_SIDE};
@@ -13,17 +13,17 @@ use crate::threads::Interrupt;
 /// Reason why no design of a sweep is solved in SIMD lanes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NotInLanes {
-    /// The caller requested solution one by one.
+    /// The caller requested to solve designs one by one.
     Asked,
     /// The tracker does not support the drive or the study's own design.
     Mechanism,
-    /// Two stations coincide, or one is out of reach.
+    /// Two stations coincide, or the mechanism cannot reach a station.
     Stations,
     /// A requested quantity cannot be read in lanes.
     Reading,
     /// Each wheel of an axle has its own travel, or their mean travel follows from a load.
     Travels,
-    /// Lanes do not support the elastic parts: the elastic mount of a strut, or an axle.
+    /// Lanes do not support these elastic parts: an elastic mount of a strut, or an axle with elastic parts.
     Elastic,
 }
 
@@ -225,7 +225,7 @@ pub(crate) fn scatter<B: SimdReal>(
     }
 }
 
-/// Visitor of the poses of a group. One type for both tasks, so that the tracker is compiled once.
+/// Visitor of the poses of a group. A single type serves both tasks, so that the tracker is compiled only once.
 pub(super) enum Visitor<'v, 'r, 't, B: SimdReal> {
     /// Reads values.
     Values(&'v mut Reading<'r, B>),
@@ -251,7 +251,7 @@ pub(super) struct Reading<'r, B: SimdReal> {
     rack: B,
     /// Lanes accepted so far.
     accepted: B::Mask,
-    /// Number of all stations, and index of the first one at this rack displacement.
+    /// Number of all stations, and index of the first station at this rack displacement.
     count: usize,
     first: usize,
     design_station: usize,

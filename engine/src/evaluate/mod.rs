@@ -1,9 +1,9 @@
 //! Evaluates quantities of many designs at stations, for one wheel or for an axle.
 //!
-//! A `Request` names vehicle, quantities and stations. An [`Evaluator`] fills a [`Block`] with the values of designs. It uses
-//! SIMD lanes for designs that the tracker accepts, and solves the others one by one. A [`GradientEvaluator`] computes values
-//! with their gradients with respect to the hardpoints ([`Evaluated`]). A design's values depend on that design alone, never
-//! on its neighbours.
+//! A `Request` names the vehicle, the quantities and the stations. An [`Evaluator`] fills a [`Block`] with the values of
+//! designs. It uses SIMD lanes for designs that the tracker accepts, and solves all other designs one by one. A
+//! [`GradientEvaluator`] computes values with their gradients with respect to the hardpoints ([`Evaluated`]). The values of a
+//! design depend only on this design, never on its neighbours.
 
 mod aligned;
 mod axle;

@@ -1,4 +1,4 @@
-//! Evaluates designs one at a time, with every check.
+//! Evaluation of designs one at a time, with every check.
 
 use super::Stations;
 use super::block::Block;
@@ -11,12 +11,12 @@ use crate::number::Vector3;
 use crate::solve::{Solver, Toggles};
 use std::ops::ControlFlow;
 
-/// Evaluates one design at a time, with `N` coefficients of the pose's power series at every station.
+/// Evaluates one design at a time, with `N` coefficients of the pose's Taylor series at every station.
 pub(super) struct OneByOne<'a, const N: usize> {
     stations: &'a Stations,
     quantities: &'a [Quantity],
     constants: Constants,
-    /// Inputs of the quantities.
+    /// Inputs that the quantities read.
     slots: Slots,
     /// Rockers that influence each quantity.
     rockers: Vec<Vec<RockerId>>,

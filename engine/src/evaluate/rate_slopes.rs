@@ -1,7 +1,7 @@
-//! Slopes in the design position for quantities that contain velocities, such as `motion_ratio` and `roll_centre_height`.
+//! Slopes in the design position, for quantities that contain velocities, such as `motion_ratio` and `roll_centre_height`.
 //!
-//! Their derivatives with respect to the drive need accelerations, which lanes do not compute. Only one pose of each design
-//! is needed, so they are computed one design at a time, with power series.
+//! The derivatives of such quantities with respect to the drive need accelerations, which lanes do not compute. Only one pose
+//! of each design is needed, so the code computes the slopes one design at a time, with Taylor series.
 
 use super::Stations;
 use super::block::Block;
@@ -16,7 +16,7 @@ use std::ops::ControlFlow;
 
 /// Computes the slopes of quantities that contain velocities.
 pub(super) struct RateSlopes<'a> {
-    /// Quantities with their indices, and the rockers that influence each.
+    /// Quantities with their indices, and the rockers that influence each quantity.
     quantities: Vec<(usize, Quantity, Vec<RockerId>)>,
     /// Design position: index of its station, a station order with only this station, and its drive value and rack
     /// displacement.
@@ -31,8 +31,8 @@ pub(super) struct RateSlopes<'a> {
 }
 
 impl<'a> RateSlopes<'a> {
-    /// Prepares the slopes of those quantities with velocities for which `is_wanted` is true. `None` if there are none. An
-    /// error says why the suspension's own design cannot be solved.
+    /// Prepares the slopes of quantities that contain velocities, if `is_wanted` is true for them. `None` if there are no
+    /// such quantities. An error says why the suspension's own design cannot be solved.
     pub(super) fn of(
         suspension: &'a Suspension,
         stations: &Stations,
@@ -82,7 +82,7 @@ impl FindsSlopes for RateSlopes<'_> {
                 !block.value(number, *k, self.station).is_nan()
             };
             if self.quantities.iter().any(has_value) {
-                // The evaluation of the values has already reported a fault of the design.
+                // A fault of the design needs no second report: the evaluation of the values has already reported it.
                 let _: Result<(), DesignFault> = self.evaluate_design(number, design, block);
             }
         }

@@ -32,7 +32,7 @@ enum Requested<'s> {
 struct CornerQuantities<'s> {
     suspension: Cow<'s, Suspension>,
     quantities: Vec<Quantity>,
-    /// True for each quantity whose derivative with respect to the drive in the design position is requested, too.
+    /// True for each quantity that also needs its derivative with respect to the drive in the design position.
     has_slope: Vec<bool>,
 }
 
@@ -78,7 +78,7 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Adds derivatives with respect to the drive in the design position, for those quantities of one wheel for which
+    /// Adds derivatives with respect to the drive in the design position, for the quantities of one wheel for which
     /// `is_wanted` is true. The request for an axle already contains these derivatives.
     pub(crate) fn with_slopes(mut self, is_wanted: impl Fn(usize) -> bool) -> Self {
         if let Requested::Corner(corner) = &mut self.of {
@@ -99,7 +99,7 @@ impl<'s> Request<'s> {
         &self.stations
     }
 
-    /// Indices of the values that are read at a station of a wheel with elastic parts. Empty for others.
+    /// Indices of the values that are read at a station of a wheel with elastic parts. Empty for other requests.
     pub(crate) fn read_at(&self, station: usize) -> &[usize] {
         match &self.of {
             Requested::Elastic(quantities) => quantities.read_at(station),
@@ -132,8 +132,8 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Makes an evaluator of designs in lanes of this width, or without lanes. An error says why the vehicle's own design
-    /// cannot be solved.
+    /// Makes an evaluator of designs in lanes of this width, or one by one if `width` is `None`. An error says why the
+    /// vehicle's own design cannot be solved.
     pub(crate) fn evaluator(&self, width: Option<Width>) -> Result<Evaluator<'_>, DesignFault> {
         match &self.of {
             Requested::Corner(corner) => {
@@ -153,10 +153,10 @@ impl<'s> Request<'s> {
         }
     }
 
-    /// Makes an evaluator of values with gradients with respect to these points. It uses lanes of this width where possible;
-    /// without a width it works one by one. Gradients with respect to other points must not be used. An axle has gradients
-    /// with respect to all points, one by one. An error says why the vehicle's own design cannot be solved, and names the
-    /// wheel of an axle.
+    /// Makes an evaluator of values with gradients with respect to these points. It uses lanes of this width where possible.
+    /// If `width` is `None`, it works one by one. Gradients with respect to other points must not be used. Axles are
+    /// evaluated one by one, and have gradients with respect to all points. An error says why the vehicle's own design cannot
+    /// be solved, and names the wheel.
     pub(crate) fn gradients(
         &self,
         points: &[PointId],
@@ -169,7 +169,7 @@ impl<'s> Request<'s> {
                     .map_err(|fault| (Side::Left, fault))
             }
             Requested::Axle(stations) => GradientEvaluator::of_axle(stations),
-            // Gradients of equilibria are computed together with those by rates, on a tape.
+            // Gradients of equilibria come from a tape, together with derivatives with respect to rates.
             Requested::Elastic(_) => Err((Side::Left, DesignFault::Singular)),
         }
     }

@@ -4,8 +4,8 @@ use crate::model::{Axis, Drive, Frame};
 use crate::solve::StationOrder;
 use crate::study::Motion;
 
-/// All combinations of drive values and rack displacements. In both lists, those of the motion come first. Further ones
-/// follow, for the design position and for targets.
+/// All combinations of drive values and rack displacements. In both lists, the values of the motion come first. Further
+/// values follow, for the design position and for targets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Stations {
     /// Kind of drive.
@@ -25,8 +25,8 @@ pub struct Stations {
 }
 
 impl Stations {
-    /// Stations of a motion, and those at `further` drive values. Single values use the rack displacement of the study, or
-    /// straight ahead if the study moves the rack.
+    /// Stations of a motion, and stations at `further` drive values. Single values use the rack displacement of the study, or
+    /// rack 0 if the study sweeps the rack.
     pub fn of(motion: &Motion, frame: &Frame, further: &[f64]) -> Self {
         let mut values = motion.values.clone();
         for value in further {
@@ -57,7 +57,7 @@ impl Stations {
         }
     }
 
-    /// Stations of an order at one rack displacement (towards the kernel's +y). None of them counts as the design position.
+    /// Stations of an order at one rack displacement (towards the kernel's +y). No station counts as the design position.
     pub(crate) fn at_rack(drive: Drive, order: &StationOrder, rack: f64) -> Self {
         let values = order.values().len();
         Stations {
@@ -76,12 +76,12 @@ impl Stations {
         self.values().len() * self.racks.len()
     }
 
-    /// Drive values. Those of the motion come first.
+    /// Drive values. The drive values of the motion come first.
     pub fn values(&self) -> &[f64] {
         self.station_order.values()
     }
 
-    /// Index of the station with this rack displacement and drive value, given by their indices.
+    /// Index of the station with this rack displacement and this drive value, both given by their indices.
     #[inline]
     pub fn number(&self, rack: usize, value: usize) -> usize {
         rack * self.values().len() + value
@@ -109,9 +109,9 @@ impl Stations {
         Some(self.number(self.home, value))
     }
 
-    /// Indices of the stations at which a target evaluates this drive value, one for each of its rack displacements. The
-    /// displacements are towards the kernel's +y. A target without any uses the rack of the design position. The list omits
-    /// stations that do not exist.
+    /// Indices of the stations at which a target evaluates this drive value, one for each rack displacement of the target.
+    /// The displacements are towards the kernel's +y. A target without rack displacements uses the rack displacement of the
+    /// design position. The list omits stations that do not exist.
     pub fn at_racks(&self, value: f64, racks: &[f64]) -> Vec<usize> {
         let Some(value) = self.values().iter().position(|v| *v == value) else {
             return Vec::new();
@@ -131,7 +131,7 @@ impl Stations {
     }
 }
 
-/// Returns the index of `place` in the list. A missing `place` is appended.
+/// Returns the index of `place` in the list. Appends `place` if it is missing.
 pub(crate) fn index_or_push<P: PartialEq>(places: &mut Vec<P>, place: P) -> usize {
     let known = places.iter().position(|p| *p == place);
     known.unwrap_or_else(|| {

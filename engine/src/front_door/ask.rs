@@ -1,4 +1,4 @@
-//! Methods that make studies from numbers.
+//! Methods that make studies, motions, variables and targets from numbers.
 
 use super::Error;
 use super::error::{checked, finite};
@@ -13,10 +13,10 @@ use crate::study::{GOOD_ENOUGH, MAX_ITERATIONS};
 use std::ops::RangeInclusive;
 
 impl Motion {
-    /// Motion with one travel of the wheel and one displacement of the rack along the suspension's +y.
+    /// Makes a motion with one travel of the wheel and one displacement of the rack along the suspension's +y.
     ///
     /// # Errors
-    /// If one of them is not finite.
+    /// Returns an error if a number is not finite.
     pub fn at(travel: f64, rack: f64) -> Result<Self, Error> {
         Ok(Motion {
             values: vec![finite("the travel", travel)?],
@@ -25,10 +25,10 @@ impl Motion {
         })
     }
 
-    /// Motion with evenly spaced travels over a range, both ends included, and the rack straight ahead.
+    /// Makes a motion with evenly spaced travels over a range, both ends included, and the rack straight ahead.
     ///
     /// # Errors
-    /// If an end is not finite, the range is empty, or there are fewer than two stations.
+    /// Returns an error if an end is not finite, the range is empty, or there are fewer than two stations.
     pub fn travel(range: RangeInclusive<f64>, stations: usize) -> Result<Self, Error> {
         let [low, high] = ends("the travel", &range)?;
         if stations < 2 {
@@ -50,7 +50,7 @@ impl Motion {
     /// Returns the motion at each of these rack displacements, along the suspension's +y.
     ///
     /// # Errors
-    /// If the list is empty, or a displacement is not finite.
+    /// Returns an error if the list is empty, or a displacement is not finite.
     pub fn with_racks(mut self, racks: &[f64]) -> Result<Self, Error> {
         for rack in racks {
             finite("the rack displacement", *rack)?;
@@ -65,7 +65,7 @@ impl Motion {
 }
 
 impl Study {
-    /// Makes a study of a suspension. It covers only the design position and requests nothing.
+    /// Makes a study of a suspension. The study covers only the design position and requests no results.
     ///
     /// Its `text` is empty. Functions that edit the text of a study ([`Study::with_design`]) need a study from a file or
     /// text.
@@ -91,12 +91,12 @@ impl Study {
         self
     }
 
-    /// Returns the study with these characteristics requested, and their derivatives with respect to travel up to `order`.
-    /// They replace earlier requests.
+    /// Returns the study with a request for these characteristics, and for their derivatives with respect to travel up to
+    /// `order`. This request replaces earlier requests.
     ///
     /// # Errors
-    /// [`Error::Lacking`] if the suspension lacks an input or part that one of them needs. [`Error::Axle`] for a study of an
-    /// axle, whose requests are in its text.
+    /// [`Error::Lacking`] if the suspension lacks an input or part that a characteristic needs. [`Error::Axle`] for a study
+    /// of an axle, whose requests are in its text.
     pub fn asking(
         mut self,
         characteristics: &[Characteristic],
@@ -111,10 +111,10 @@ impl Study {
         Ok(self)
     }
 
-    /// Returns the study with the positions of these points requested. They replace earlier requests.
+    /// Returns the study with a request for the positions of these points. This request replaces earlier requests.
     ///
     /// # Errors
-    /// [`Error::UnknownPoint`]; [`Error::Axle`] as for [`Study::asking`].
+    /// [`Error::UnknownPoint`] if no point has one of the names. [`Error::Axle`] as for [`Study::asking`].
     pub fn asking_points(mut self, names: &[&str]) -> Result<Self, Error> {
         let own = self.wheel_to_ask()?;
         let points = names.iter().map(|name| own.suspension.point_named(name));
@@ -122,7 +122,7 @@ impl Study {
         Ok(self)
     }
 
-    /// Wheel whose requests change. An error for the study of an axle.
+    /// Returns the wheel whose requests change, or an error for the study of an axle.
     fn wheel_to_ask(&mut self) -> Result<&mut WheelStudy, Error> {
         let refusal = Error::Axle("give its requests in the study file");
         self.one_wheel_mut().ok_or(refusal)
@@ -134,11 +134,11 @@ impl Study {
         self
     }
 
-    /// Returns the study with designs sampled from the ranges of variables. [`Study::sweep`] computes them and reports
-    /// errors in them.
+    /// Returns the study with designs sampled from the ranges of variables. [`Study::sweep`] computes these designs, and
+    /// reports errors in the ranges.
     ///
     /// A grid has the same number of values for every variable, and `samples` is that number to the power of the number of
-    /// variables. For example, 5 values of each of 3 variables are 125 samples. To give variables different numbers of
+    /// variables. For example, 5 values for each of 3 variables give 125 samples. To give variables different numbers of
     /// values, set the fields of [`Sampled::variables`].
     pub fn sampling(
         mut self,
@@ -156,7 +156,8 @@ impl Study {
             moves: variable.moves.clone(),
             rate: variable.rate,
             absolute: false,
-            // As a design variable, a rate has a range of logarithms or changes. Here its range is in factors or rates.
+            // A design variable gives the range of a rate as logarithms or changes. A sweep needs the range as factors or
+            // rates.
             range: match &variable.rate {
                 Some(rate) if rate.is_relative => variable.range.each(f64::exp),
                 Some(rate) => variable.range.each(|change| rate.design + change),
@@ -179,8 +180,8 @@ impl Study {
 }
 
 impl Optimise {
-    /// Makes a tuning of these variables towards these targets. It starts from the design itself, with the default settings
-    /// of a study.
+    /// Makes a tuning of these variables towards these targets. The tuning starts from the design itself, with the default
+    /// settings of a study.
     pub fn of(variables: Vec<Variable>, targets: Vec<Target>) -> Self {
         Optimise {
             starts: 1,
@@ -199,10 +200,11 @@ impl Optimise {
 }
 
 impl Variable {
-    /// Variable that moves one coordinate of a hardpoint by an offset within a range, in the suspension's axes.
+    /// Makes a variable that moves one coordinate of a hardpoint by an offset within a range, in the suspension's axes.
     ///
     /// # Errors
-    /// [`Error::UnknownPoint`]. Also if an end of the range is not finite, or the range is empty.
+    /// [`Error::UnknownPoint`] if no point has this name. Also returns an error if an end of the range is not finite, or if
+    /// the range is empty.
     pub fn offset(
         suspension: &Suspension,
         point: &str,
@@ -212,10 +214,10 @@ impl Variable {
         Variable::together(suspension, &[(point, 1.0)], axis, range)
     }
 
-    /// Variable that moves one coordinate of several hardpoints, each by its factor times the offset.
+    /// Makes a variable that moves one coordinate of several hardpoints. Each point moves by its factor times the offset.
     ///
     /// # Errors
-    /// As [`Variable::offset`]; [`Error::Empty`] if there is no point.
+    /// The errors of [`Variable::offset`], and [`Error::Empty`] if there is no point.
     pub fn together(
         suspension: &Suspension,
         points: &[(&str, f64)],
@@ -246,11 +248,11 @@ impl Variable {
 }
 
 impl Target {
-    /// Target curve of a characteristic over the travel. `points` are pairs of travel and target value, in the unit of the
-    /// characteristic's column. A monotone cubic joins them. The curve is compared at the stations of the motion between its
-    /// ends. `tolerance` is the acceptable deviation, in the same unit.
+    /// Makes a target curve of a characteristic over the travel. `points` are pairs of travel and target value, in the unit
+    /// of the characteristic's column. Monotone cubics connect the points. The tuning compares the curve at the stations of
+    /// the motion between the ends of the curve. `tolerance` is the acceptable deviation, in the same unit.
     ///
-    /// # Errors [`Error::Lacking`]. Also if there are fewer than two points; use [`Target::at`] for a value at one travel. Also if a number is not finite, travels do not rise, or the tolerance is not positive.
+    /// # Errors [`Error::Lacking`] if the suspension lacks an input of the characteristic. Also returns an error if there are fewer than two points (use [`Target::at`] for a value at one travel), if a number is not finite, if travels do not rise, or if the tolerance is not positive.
     pub fn curve(
         suspension: &Suspension,
         characteristic: Characteristic,
@@ -288,11 +290,12 @@ impl Target {
         })
     }
 
-    /// Target value of a characteristic at one travel. The motion need not have a station there. Units and `tolerance` are
-    /// those of [`Target::curve`].
+    /// Makes a target value of a characteristic at one travel. The motion does not need a station at this travel. Units and
+    /// `tolerance` are those of [`Target::curve`].
     ///
     /// # Errors
-    /// [`Error::Lacking`]. Also if a number is not finite, or the tolerance is not positive.
+    /// [`Error::Lacking`] if the suspension lacks an input of the characteristic. Also returns an error if a number is not
+    /// finite, or if the tolerance is not positive.
     pub fn at(
         suspension: &Suspension,
         characteristic: Characteristic,
@@ -308,7 +311,7 @@ impl Target {
         })
     }
 
-    /// Target values of a characteristic, and travels of comparison in addition to those of the motion.
+    /// Makes a target from values of a characteristic, and from travels to compare in addition to the travels of the motion.
     fn of(
         suspension: &Suspension,
         characteristic: Characteristic,
@@ -346,7 +349,7 @@ impl Suspension {
     }
 }
 
-/// Ends of a range. An error if the range is empty.
+/// Returns the ends of a range, or an error if the range is empty.
 fn ends(what: &str, range: &RangeInclusive<f64>) -> Result<[f64; 2], Error> {
     let low = finite(&format!("{what}'s lowest value"), *range.start())?;
     let high = checked(
@@ -358,10 +361,10 @@ fn ends(what: &str, range: &RangeInclusive<f64>) -> Result<[f64; 2], Error> {
     Ok([low, high])
 }
 
-/// Returns the number of values of each variable in a grid of `points` points, if there is such a grid.
+/// Returns the number of values of each variable in a grid of `points` points. `None` if there is no such grid.
 fn steps_of_grid(points: u64, variables: usize) -> Option<u64> {
     let variables = u32::try_from(variables).ok().filter(|n| *n > 0)?;
-    // Below 2^53 the nearest whole number is the exact root, if there is one. Larger numbers are refused elsewhere.
+    // Below 2^53, the nearest whole number is the exact root if an exact root exists. Other code refuses larger numbers.
     let steps = (points as f64).powf(1.0 / f64::from(variables)).round() as u64;
     (steps >= 2 && steps.checked_pow(variables) == Some(points)).then_some(steps)
 }

@@ -1,4 +1,4 @@
-//! Makes suspensions from numbers, with a check that the design position can be solved.
+//! Construction of suspensions from numbers, with a check that the design position can be solved.
 
 use crate::curves::{Status, curves};
 use crate::mechanism::{BuildError, SuspensionBuilder};
@@ -7,11 +7,11 @@ use crate::plan::Plan;
 use crate::study::WheelStudy;
 
 impl SuspensionBuilder {
-    /// Returns the suspension after solving its design position. It has a pose there, and the drive can move the wheel from
-    /// it.
+    /// Returns the suspension after a check of its design position: it has a pose there, and the drive can move the wheel
+    /// from this pose.
     ///
     /// # Errors
-    /// The first error in the hardpoints, in other inputs, or in the design position.
+    /// Returns the first error in the hardpoints, in other inputs, or in the design position.
     pub fn build(self) -> Result<Suspension, BuildError> {
         let own = WheelStudy::of(self.assemble()?);
         let suspension = &own.suspension;

@@ -34,7 +34,7 @@ pub enum Error {
     Number {
         /// Name of the number.
         what: String,
-        /// Its value.
+        /// Value of the number.
         value: f64,
         /// Expected values, in words.
         expected: &'static str,
@@ -63,7 +63,7 @@ pub enum Error {
         travel: f64,
         /// Rack displacement, in the suspension's axes.
         rack: f64,
-        /// Unit of both, and of lengths in the reason.
+        /// Unit of travel and rack displacement, and of lengths in the reason.
         unit: &'static str,
         /// Reason, in words.
         reason: String,

@@ -34,18 +34,20 @@ impl SuspensionPose {
     }
 
     /// Value of a characteristic in the unit of its column. [`Characteristic::info`] gives sign and formula. `None` if the
-    /// suspension lacks an input for it, or if it has no value here (a swing arm whose centre is at infinity).
+    /// suspension lacks an input of the characteristic, or if the characteristic has no value in this pose (for example a
+    /// swing arm with its centre at infinity).
     pub fn characteristic(&self, characteristic: Characteristic) -> Option<f64> {
         self.characteristics.get(&characteristic).copied()
     }
 }
 
 impl Suspension {
-    /// Pose of the suspension with the wheel at `travel` above its design position and the rack displaced by `rack` along
-    /// the suspension's +y. It contains every point, and every characteristic for which the suspension has the inputs.
+    /// Computes the pose of the suspension with the wheel at `travel` above its design position and the rack displaced by
+    /// `rack` along the suspension's +y. The pose contains every point, and every characteristic for which the suspension has
+    /// the inputs.
     ///
-    /// The pose is the one that a motion from the design position reaches. Other assemblies of the mechanism at this travel
-    /// are excluded.
+    /// The result is the pose that a continuous motion from the design position reaches. Other assemblies of the mechanism at
+    /// this travel are excluded.
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;
@@ -71,7 +73,7 @@ impl Suspension {
     /// ```
     ///
     /// # Errors
-    /// [`Error::NoPose`] if the wheel cannot get there, [`Error::Design`] if the design position itself cannot be
+    /// [`Error::NoPose`] if the wheel cannot reach this pose. [`Error::Design`] if the design position itself cannot be
     /// solved.
     pub fn pose_at(&self, travel: f64, rack: f64) -> Result<SuspensionPose, Error> {
         let mut own = WheelStudy::of(self.clone());

@@ -1,4 +1,4 @@
-//! Runs a study: curves, tuning, sweep.
+//! Methods that run a study: curves, tuning and sweep.
 
 use super::Error;
 use crate::axle::axle_curves;
@@ -15,15 +15,15 @@ use std::sync::atomic::AtomicBool;
 /// Threads of a sweep, and a flag that stops it.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SweepControl<'a> {
-    /// Number of threads. `None` for one per core. Results do not depend on it.
+    /// Number of threads. `None` for one thread per core. Results do not depend on the number of threads.
     pub threads: Option<NonZeroUsize>,
-    /// Flag that stops the sweep. Once true, the sweep ends after the current designs.
+    /// Flag that stops the sweep. Once the flag is true, the sweep ends after the current designs.
     pub interrupt: Option<&'a AtomicBool>,
 }
 
 impl Study {
     /// Computes the requested curves at every station of the motion, of one wheel or of an axle. If a station has no pose,
-    /// its status gives the reason.
+    /// the status of the station gives the reason.
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;
@@ -53,9 +53,9 @@ impl Study {
         }
     }
 
-    /// Tunes the variables towards the targets. [`Tuning::best`] is the tuned design; it is `None` if no start can be solved
-    /// at all stations. Starts run in parallel, on at most as many threads as the calling rayon pool has (outside a pool,
-    /// the global one). They use separate threads with large enough stacks.
+    /// Tunes the variables towards the targets. [`Tuning::best`] is the tuned design; it is `None` if no start has a solution
+    /// at all stations. Starts run in parallel, on at most as many threads as the calling rayon pool has (outside a pool, the
+    /// global one). The starts use separate threads with large enough stacks.
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;
@@ -76,7 +76,7 @@ impl Study {
     /// ```
     ///
     /// # Errors
-    /// [`Error::NotAsked`] without [`Study::tuning`], [`Error::Empty`] without a variable or a target in it,
+    /// [`Error::NotAsked`] without a call of [`Study::tuning`]. [`Error::Empty`] if the tuning has no variable or no target.
     /// [`Error::Design`] if the design cannot be solved.
     pub fn tune(&self, control: Control<'_>) -> Result<Tuning, Error> {
         let optimise = self
@@ -93,10 +93,10 @@ impl Study {
     }
 
     /// Solves the designs of the sweep on all cores. While it runs, it passes their rows to `sink`, block by block in the
-    /// order of the designs. Memory holds only a few blocks, however many designs there are. Returns the names of the
-    /// columns, first those of the variables, then those of the outputs. The sweep ends early if `sink` breaks or the
-    /// control stops it. All earlier rows have then been passed on, and the names are returned, too. A sweep is complete if
-    /// the number of received designs ([`Rows::designs`]) equals the number of its designs ([`Sampled::designs`], or the
+    /// order of the designs. Memory holds only a few blocks, for any number of designs. Returns the names of the columns,
+    /// first those of the variables, then those of the outputs. The sweep ends early if `sink` breaks or the control stops
+    /// it. `sink` has then received all earlier rows, and the method still returns the names. The sweep is complete if the
+    /// number of received designs ([`Rows::designs`]) equals the number of requested designs ([`Sampled::designs`], or the
     /// rows of the file or table).
     ///
     /// ```
@@ -124,9 +124,10 @@ impl Study {
     /// ```
     ///
     /// # Errors
-    /// [`Error::NotAsked`] without [`Study::sampling`]. [`Error::Empty`] if it has no variable. [`Error::Number`] if the
-    /// number of samples is 0 or does not fit a grid. [`Error::MovesNothing`]. [`Error::Design`] if the design itself cannot
-    /// be solved. The error of a file of designs.
+    /// [`Error::NotAsked`] without a call of [`Study::sampling`]. [`Error::Empty`] if the sampling has no variable.
+    /// [`Error::Number`] if the number of samples is 0 or does not fit a grid. [`Error::MovesNothing`] if a variable moves no
+    /// coordinate. [`Error::Design`] if the design itself cannot be solved. [`Error::File`] if the file of designs has an
+    /// error.
     pub fn sweep(
         &self,
         control: SweepControl<'_>,
@@ -145,7 +146,7 @@ impl Study {
             reason: error.to_string(),
         })?;
         let go_on = || !Interrupt(control.interrupt).is_raised();
-        // The plan solves the design itself, which also needs the large stack of a pool's thread.
+        // Making the plan solves the design itself. This also needs the large stack of a thread of the pool.
         pool.install(|| {
             let plan = SweepPlan::of(self, sweep)
                 .map_err(|reason| Error::not_begun(self.wheel(), reason))?;
@@ -155,7 +156,7 @@ impl Study {
     }
 }
 
-/// Refuses the same errors in the sampling as the reader of studies.
+/// Returns an error if the sampling has a fault that the reader of studies would also refuse.
 fn refuse_wrong(sampled: &Sampled) -> Result<(), Error> {
     let variables = &sampled.variables;
     if variables.is_empty() {

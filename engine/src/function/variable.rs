@@ -1,4 +1,4 @@
-//! Variables of a function.
+//! Variables of a [`DesignFunction`](super::DesignFunction).
 
 use crate::model::Suspension;
 use crate::number::Each;
@@ -9,12 +9,12 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum FunctionError {
-    /// The study solves the equations of Attia's paper, which do not give every output of every design.
+    /// The study uses the equations of Attia's paper, which do not give every output for every design.
     #[error(
         "DesignFunction does not support formulation = \"point_coordinates\" or drive = \"paper_theta\""
     )]
     Formulation,
-    /// The study has elastic parts. Their equilibria depend on more than positions.
+    /// The study has elastic parts. Equilibria do not depend on positions alone.
     #[error("DesignFunction is for rigid mechanisms only; the study has [compliance]")]
     Elastic,
     /// The study has no output that is a function of position.
@@ -45,7 +45,8 @@ pub struct DesignVariable {
 }
 
 impl DesignVariable {
-    /// Variables of a study: those of `[optimise]`, else those of `[sweep]`, else every coordinate of every hardpoint.
+    /// Variables of a study: the variables of `[optimise]`, else the variables of `[sweep]`, else every coordinate of every
+    /// hardpoint.
     pub fn of(study: &Study) -> Vec<Self> {
         if let Some(optimise) = &study.optimise {
             return optimise.variables.iter().map(Self::tuned).collect();
@@ -57,11 +58,11 @@ impl DesignVariable {
         }
     }
 
-    /// Finds the variable with this name: one of `[optimise]` or `[sweep]`, or the offset or the coordinate of any hardpoint
-    /// along an axis.
+    /// Finds the variable with this name: a variable of `[optimise]` or `[sweep]`, or the offset or coordinate of any
+    /// hardpoint along an axis.
     ///
     /// # Errors
-    /// [`FunctionError::UnknownVariable`] if there is none. It suggests the closest name.
+    /// [`FunctionError::UnknownVariable`] if no variable has this name. The error suggests the closest name.
     pub fn named(name: &str, study: &Study) -> Result<Self, FunctionError> {
         let mut known = Self::of(study);
         if let Some(Designs::Sampled(sampled)) = study.sweep.as_ref().map(|sweep| &sweep.designs) {
@@ -131,8 +132,8 @@ impl DesignVariable {
         self.moved.range
     }
 
-    /// Offset that moves the design as this variable does, and the variable's value at the design. `None` for a coordinate
-    /// that several points share, because it has no single value at the design.
+    /// Returns an offset that moves the design like this variable, and the variable's value at the design. `None` for a
+    /// coordinate that several points share, because it has no single value at the design.
     pub fn as_offset(&self, suspension: &Suspension) -> Option<(Variable, f64)> {
         if !self.absolute {
             return Some((self.moved.clone(), 0.0));
@@ -144,7 +145,7 @@ impl DesignVariable {
         Some((self.moved.clone(), at / m.factor + 0.0))
     }
 
-    /// The variable as a column of a table of designs. `None` for a rotation or a rate, which cannot be a column.
+    /// Converts the variable to a column of a table of designs. `None` for a rotation or a rate, which cannot be a column.
     pub fn swept_as(&self) -> Option<SweepVariable> {
         let is_of_points = self.moved.turn.is_none() && self.moved.rate.is_none();
         is_of_points.then(|| SweepVariable {

@@ -40,7 +40,7 @@ pub struct Objective<'a> {
     constants: Constants,
     /// The wheel, or the left wheel of an axle.
     pub(super) wheel: MovedWheel<'a>,
-    /// Right wheel. `None` if it is the mirror image of the left wheel.
+    /// Right wheel of an axle, if its hardpoints differ from the left ones.
     pub(super) right: Option<MovedWheel<'a>>,
     /// Evaluation in SIMD lanes, for designs and builds that the tracker accepts. `None` if lanes cannot read a target, or if
     /// lanes are switched off.

@@ -89,7 +89,7 @@ impl Problem<'_> {
         Ok(self.built_parts(number)?.0)
     }
 
-    /// All wheels of a build, and the tensions that its parts cause in the links of an axle with relaxed links.
+    /// All wheels of a build, and the tensions that its parts cause in the links of an axle with extra links.
     fn built_parts(
         &self,
         number: u64,
@@ -161,7 +161,7 @@ impl<'a> Builder<'a> {
         evaluator.interrupt = problem.interrupt;
         let wheel = |wheel_assembler: &'a WheelAssembler| WheelBuilder {
             wheel_assembler,
-            // Builds of an axle with relaxed links are assembled one by one.
+            // Builds of an axle with extra links are assembled one by one.
             lanes: width
                 .filter(|_| wheel_assembler.tensions.is_empty())
                 .map(|width| LaneBuilder::new(problem.tolerance, wheel_assembler, width)),

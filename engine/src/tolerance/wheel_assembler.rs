@@ -104,7 +104,7 @@ impl WheelAssembler {
         }
     }
 
-    /// Changes the softness of a link whose stiffness scatters. Only an axle with relaxed links has this softness.
+    /// Changes the softness of a link whose stiffness scatters. Only an axle with extra links uses softnesses.
     fn soften(&self, source: &Source, z: f64, parts: &mut Parts<f64>) {
         let (Some(rate), false) = (&source.rate, self.tensions.is_empty()) else {
             return;
@@ -125,7 +125,8 @@ impl WheelAssembler {
         }
     }
 
-    /// Assembles parts and writes their built design. Returns the tensions that the parts cause in relaxed links of an axle.
+    /// Assembles parts and writes their built design. Returns the tensions that the parts cause in the links of an axle with
+    /// extra links.
     pub(super) fn put_together(
         &self,
         parts: &mut Parts<f64>,

@@ -1,4 +1,4 @@
-//! Derivatives of the quantities in the poses of a group.
+//! Derivatives of quantities in the poses of a group of stations.
 
 use super::results::{Found, Jacobians};
 use super::{AngleTarget, Task};
@@ -27,7 +27,7 @@ impl<B: SimdReal> Gradient<B> for Row<'_> {
     }
 }
 
-/// Fills a row with zeros, for the instructions of the lanes.
+/// Fills a row with zeros, with SIMD instructions.
 #[inline(always)]
 fn clear<B: SimdReal>(zero: B, row: &mut [f64]) {
     for place in row.chunks_exact_mut(B::LANES) {
@@ -35,8 +35,8 @@ fn clear<B: SimdReal>(zero: B, row: &mut [f64]) {
     }
 }
 
-/// Computes derivatives along directions from those by the hardpoints. It processes a few directions at a time, because in a
-/// single sum each addition would wait for the previous one.
+/// Computes derivatives along directions from derivatives with respect to the hardpoints. It processes a few directions at a
+/// time, because in a single sum each addition would wait for the previous one.
 #[inline(always)]
 fn chain<B: SimdReal>(like: B, gradient: &[f64], along: &[f64], slopes: &mut [f64]) {
     const TOGETHER: usize = 3;
@@ -50,7 +50,7 @@ fn chain<B: SimdReal>(like: B, gradient: &[f64], along: &[f64], slopes: &mut [f6
             let by = like.load(&gradient[place..]);
             let mut k = 0;
             while k < TOGETHER {
-                // If no direction is left, the last one is computed again, and the result is not used.
+                // If no direction is left, the code computes the last direction again, and does not use the result.
                 let direction = first + k.min(together - 1);
                 let rate = like.load(&along[direction * length + place..]);
                 sums[k] = sums[k].plus_product(by, rate);
@@ -65,19 +65,20 @@ fn chain<B: SimdReal>(like: B, gradient: &[f64], along: &[f64], slopes: &mut [f6
     }
 }
 
-/// Differentiates the angles in the poses of a group.
+/// Differentiates the angles in the poses of a group of stations.
 pub(in crate::evaluate) struct Differentiating<'r, 't, B: SimdReal> {
     pub(super) reader: &'r LaneReader<'r>,
     pub(super) wheels: &'r LaneWheels<B>,
     pub(super) members: &'r AdjointConstants<B>,
-    /// Designs as series along the travel, if a quantity contains velocities, and a buffer for a gradient.
+    /// Designs as Taylor series along the travel, if a quantity contains velocities. The next field is a buffer for a
+    /// gradient.
     pub(super) series: Option<&'r (&'r AlongTravel, SeriesDesign<B>)>,
     pub(super) series_gradient: Vec<Vector3<Jet<B, 2>>>,
     pub(super) inputs: &'r mut LaneInputs<B>,
     pub(super) rack: B,
     /// Lanes accepted so far.
     pub(super) accepted: B::Mask,
-    /// Number of all stations, and index of the first one at this rack displacement.
+    /// Number of all stations, and index of the first station at this rack displacement.
     pub(super) count: usize,
     pub(super) first: usize,
     pub(super) task: Task<'t>,
@@ -87,8 +88,8 @@ pub(in crate::evaluate) struct Differentiating<'r, 't, B: SimdReal> {
 }
 
 impl<B: SimdReal> Differentiating<'_, '_, B> {
-    /// Factor of an angle's derivatives: 1, or the derivative of a sum of deviations by the angle. In the second case the
-    /// angle's deviation is added to the sum.
+    /// Factor of an angle's derivatives: 1, or the derivative of the sum of squared deviations with respect to the angle. In
+    /// the second case the angle's deviation is added to the sum.
     #[inline(always)]
     fn weight(&mut self, angle: usize, station: usize) -> B {
         let one = self.rack.one();
@@ -115,7 +116,8 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
     }
 }
 
-/// Work piece in a separate function, so that poses of one design side by side and poses of many designs share the code.
+/// Work at one pose, as a separate function. So the code is shared by poses of one design side by side and poses of many
+/// designs.
 struct AtPose<'v, 'r, 't, B: SimdReal, P> {
     differentiating: &'v mut Differentiating<'r, 't, B>,
     station: usize,
@@ -200,8 +202,8 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
         }
     }
 
-    /// Adds the gradients of those quantities in the range that contain no velocities, each times its weight, to the row of
-    /// the first.
+    /// Adds gradients of the quantities in the range to the row of the first of them, each times its weight. Skips quantities
+    /// that contain velocities.
     #[inline(always)]
     fn add_gradients(
         &mut self,
@@ -235,8 +237,8 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
     }
 }
 
-/// Adds the gradient of a quantity that contains velocities, times a weight, to its row. A separate function, since its many
-/// series would use stack in every pose.
+/// Adds the gradient of a quantity that contains velocities, times a weight, to its row. This is a separate function, because
+/// its many Taylor series would otherwise use stack in every pose.
 struct AddingGradientOfRates<'v, 'r, 't, 'c, B: SimdReal> {
     differentiating: &'v mut Differentiating<'r, 't, B>,
     number: usize,

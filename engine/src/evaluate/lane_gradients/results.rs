@@ -19,14 +19,14 @@ pub(super) struct Found {
     /// Derivatives of the angles along directions, `[angle][direction][lane]`. `directions` is the number of directions.
     pub(super) slopes: Vec<f64>,
     pub(super) directions: usize,
-    /// Sum of deviations, `[lane]`.
+    /// Sum of squared deviations, `[lane]`.
     pub(super) sum: Aligned,
     /// Derivatives of the sum, `[point][axis][lane]`.
     pub(super) gradient: Aligned,
 }
 
 impl Found {
-    /// Memory row for the derivatives of this angle, or of the sum of deviations.
+    /// Memory row for the derivatives of this angle, or of the sum of squared deviations.
     #[inline(always)]
     pub(super) fn row(&mut self, is_sum: bool, angle: usize) -> &mut [f64] {
         let length = self.points * 3 * self.lanes;
@@ -90,7 +90,7 @@ impl Jacobians<'_> {
     }
 }
 
-/// Sums of weighted squared deviations, by the index of the design.
+/// Sums of weighted squared deviations, one for each design.
 pub struct Deviations<'f> {
     pub(super) found: &'f Found,
 }

@@ -63,7 +63,7 @@ pub struct Plan {
     pub outputs: Vec<Output>,
     /// Values of wheel, steering axis and spring that the outputs read.
     pub reads: Slots,
-    /// Coefficients of the power series of a pose: 1 for positions alone.
+    /// Number of coefficients of a pose's Taylor series: 1 for positions alone.
     pub coefficients: usize,
     /// Hardpoints for which gradients are computed. May be empty.
     pub sensitivities: Vec<PointId>,
@@ -73,7 +73,7 @@ pub struct Plan {
     pub loads: Vec<Load>,
     /// Data of the study that formulas read, for example dimensions of the vehicle.
     pub constants: Constants,
-    /// Test results of elastic parts. Their columns follow those of the outputs.
+    /// Test results of elastic parts. Their columns follow the columns of the outputs.
     pub figures: Vec<ElasticFigure>,
 }
 

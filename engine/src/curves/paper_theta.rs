@@ -4,9 +4,9 @@
 //! z5 - z1 = d51 cos(theta)
 //! ```
 //!
-//! Point 1 is the first named point of the arm's axis (`lower_arm_front`), and point 5 is the arm's outer joint. d51 is their
-//! distance, and theta is the inclination of the line 1-5 from the vertical. On the arm's circle, with psi the arm's angle
-//! from its highest position,
+//! Point 1 is the first named point of the arm's axis (`lower_arm_front`), and point 5 is the arm's outer joint. The distance
+//! between these points is d51. The angle theta is the inclination of the line 1-5 from the vertical. On the arm's circle,
+//! with psi the arm's angle from its highest position,
 //!
 //! ```text
 //! z5 = zc + rho cos(psi)   so that   cos(psi) = (z1 - zc + d51 cos(theta))/rho

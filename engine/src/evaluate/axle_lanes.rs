@@ -426,7 +426,7 @@ struct Reading<'r, 'a, B: SimdReal> {
     /// Index in the block of each station of this group.
     numbers: &'r [usize],
     rack: B,
-    /// Lanes accepted so far.
+    /// Lanes that the tracker has accepted so far.
     accepted: B::Mask,
     /// Destination of the values, in the layout of [`Block::from`].
     values: &'r mut [f64],

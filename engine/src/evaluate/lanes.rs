@@ -21,7 +21,7 @@ pub enum NotInLanes {
     Stations,
     /// A requested quantity cannot be read in lanes.
     Reading,
-    /// Each wheel of an axle has its own travel, or their mean travel follows from a load.
+    /// Each wheel of an axle has a separate travel, or their mean travel follows from a load.
     Travels,
     /// Lanes do not support these elastic parts: an elastic mount of a strut, or an axle with elastic parts.
     Elastic,
@@ -249,7 +249,7 @@ pub(super) struct Reading<'r, B: SimdReal> {
     wheels: &'r LaneWheels<B>,
     inputs: &'r mut LaneInputs<B>,
     rack: B,
-    /// Lanes accepted so far.
+    /// Lanes that the tracker has accepted so far.
     accepted: B::Mask,
     /// Number of all stations, and index of the first station at this rack displacement.
     count: usize,

@@ -252,7 +252,10 @@ impl Target {
     /// of the characteristic's column. Monotone cubics connect the points. The tuning compares the curve at the stations of
     /// the motion between the ends of the curve. `tolerance` is the acceptable deviation, in the same unit.
     ///
-    /// # Errors [`Error::Lacking`] if the suspension lacks an input of the characteristic. Also returns an error if there are fewer than two points (use [`Target::at`] for a value at one travel), if a number is not finite, if travels do not rise, or if the tolerance is not positive.
+    /// # Errors
+    /// [`Error::Lacking`] if the suspension lacks an input of the characteristic. Also returns an error for fewer than two
+    /// points, a number that is not finite, travels that do not rise, or a tolerance that is not positive. For a value at one
+    /// travel, use [`Target::at`].
     pub fn curve(
         suspension: &Suspension,
         characteristic: Characteristic,

@@ -93,11 +93,11 @@ impl Study {
     }
 
     /// Solves the designs of the sweep on all cores. While it runs, it passes their rows to `sink`, block by block in the
-    /// order of the designs. Memory holds only a few blocks, for any number of designs. Returns the names of the columns,
-    /// first those of the variables, then those of the outputs. The sweep ends early if `sink` breaks or the control stops
-    /// it. `sink` has then received all earlier rows, and the method still returns the names. The sweep is complete if the
-    /// number of received designs ([`Rows::designs`]) equals the number of requested designs ([`Sampled::designs`], or the
-    /// rows of the file or table).
+    /// order of the designs. Memory holds only a few blocks, for any number of designs. Returns the names of the columns:
+    /// first the variables, then the outputs. The sweep ends early if `sink` breaks or the control stops it. `sink` has then
+    /// received all earlier rows, and the method still returns the names. The sweep is complete if the number of received
+    /// designs ([`Rows::designs`]) equals the number of requested designs ([`Sampled::designs`], or the rows of the file or
+    /// table).
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;

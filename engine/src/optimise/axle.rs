@@ -129,7 +129,7 @@ pub(super) struct Moved<'m> {
     pub wheels: [WheelMoved<'m>; 2],
     /// Scatter of elastic rates in a build. Empty for the nominal design.
     pub scattered: &'m [ScatteredRate],
-    /// True for a build. Its points move independently of each other, including those of the far half of a solid axle.
+    /// True for a build. Its points move independently of each other, including the points of the right half of a solid axle.
     pub is_build: bool,
 }
 

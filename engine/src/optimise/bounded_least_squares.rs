@@ -40,7 +40,7 @@ pub struct BoundedLeastSquares {
     triangle: Vec<f64>,
     /// First n entries of Q^T r.
     offset: Vec<f64>,
-    /// Norms of the columns of R. They equal those of J W.
+    /// Norms of the columns of R. They equal the norms of the columns of J W.
     norms: Vec<f64>,
     step: Vec<f64>,
     active_bounds: Vec<ActiveBound>,
@@ -130,7 +130,7 @@ impl BoundedLeastSquares {
                 self.descend(damping, lower, upper);
                 self.turned_back.fill(false);
             } else {
-                // Its multiplier was zero except for rounding (Stark and Parker, step 6).
+                // The multiplier of this variable was zero except for rounding (Stark and Parker, step 6).
                 self.active_bounds[j] = held;
                 self.turned_back[j] = true;
             }

@@ -11,7 +11,7 @@
 //! ```
 //!
 //! for a small rotation t. A derivative b with respect to v is therefore a moment m = v x b about the carrier. Forces f_i at
-//! the points that have this moment equal its derivatives with respect to the points:
+//! the three points with this moment are the derivatives with respect to the points:
 //!
 //! ```text
 //! b.dv = m.t + b.R dV = sum f_i.(de_i - R dE_i) + (R^T b).dV,     sum e_i x f_i = m      (3)

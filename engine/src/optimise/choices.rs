@@ -51,8 +51,8 @@ pub fn front(
     Ok(Tuner::new(&asked)?.front(tuning))
 }
 
-/// Computes the least misfit for each size of change: about ten designs from the study's own to the one with the least
-/// misfit. An error says why the design itself cannot be solved.
+/// Computes the least misfit for each size of change: about ten designs, from the study's own design to the design with the
+/// least misfit. An error says why the design itself cannot be solved.
 pub fn price_list(
     vehicle: &Vehicle,
     optimise: &Optimise,

@@ -121,7 +121,7 @@ impl<'a> FitRecord<'a> {
         }
         match &self.termination {
             None => TerminationStatus::NotTerminated,
-            // argmin receives only the text of the reason. It has fewer reasons of its own, and no code reads them.
+            // argmin receives only the text of the reason. The reasons that argmin defines are fewer, and no code reads them.
             Some(reason) => {
                 let reason = TerminationReason::SolverExit(reason.to_string());
                 TerminationStatus::Terminated(reason)

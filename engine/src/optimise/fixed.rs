@@ -69,7 +69,7 @@ impl FixedRows {
         })
     }
 
-    /// Sets the residuals to zero, and marks those that change.
+    /// Sets the residuals to zero, and marks the residuals that change.
     fn take_out(&self, at: &mut Linearisation, bounds: &Bounds) {
         for (row, _, moved) in &self.rows {
             if moves(at, *row, bounds) {

@@ -433,7 +433,7 @@ fn best_of(points: &[Found]) -> Vec<usize> {
     (0..points.len()).filter(is_best).collect()
 }
 
-/// Selects at most [`POINTS`] points, each as far as possible from those selected before it.
+/// Selects at most [`POINTS`] points, each as far as possible from the points selected before it.
 fn farthest_apart(points: Vec<Found>, ranges: &[[f64; 2]]) -> Vec<Found> {
     let between = |a: &Found, b: &Found| {
         let parts = a.amounts.iter().zip(&b.amounts).zip(ranges);

@@ -263,7 +263,7 @@ mod tests {
         tried.try_out(&x, 2.0, &bounds, |x| Some(2.0 + f64::max(x[0], 0.0)));
         assert!((tried.free[0] - 0.1 / 4.0).abs() < 1e-3, "{:?}", tried.free);
         assert!(tried.free[0] <= 0.1 / 4.0 && tried.free[1] == 0.25);
-        // There is no misfit beyond x = 1 in one case, and none anywhere in the other.
+        // In the first case there is no misfit beyond x = 1. In the second case there is no misfit anywhere.
         tried.try_out(&x, 2.0, &bounds, |x| (x[0] < 1.0).then_some(2.0));
         assert!((tried.free[0] - 0.25).abs() < 1e-3 && tried.free[0] < 0.25);
         tried.free = [0.0; 2];

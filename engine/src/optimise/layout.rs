@@ -150,15 +150,15 @@ pub struct TargetLayout {
 
 impl TargetLayout {
     /// Lays out the targets and constraints of the nominal design alone. The layout of a robust study has the rows of all its
-    /// builds. An evaluation of the nominal design must not use that layout: it fills the rows of one build, and its misfit is
-    /// divided by the number of all rows.
+    /// builds. An evaluation of the nominal design must not use that layout. It would fill the rows of only one build, but
+    /// divide the misfit by the number of all rows.
     pub fn nominal(optimise: &Optimise, vehicle: &Vehicle) -> Self {
         TargetLayout::of(&optimise.nominal(), vehicle)
     }
 
     /// Lays out the targets and constraints of a mechanism. Curves are compared at all stations of the motion between their
-    /// ends, and at stations added for them. Single values have their own stations. The rack has the displacement that the
-    /// study gives, or is straight ahead if the study sweeps the rack.
+    /// ends, and at stations added for them. Each single value adds a station. The rack has the displacement that the study
+    /// gives, or is straight ahead if the study sweeps the rack.
     pub fn of(optimise: &Optimise, vehicle: &Vehicle) -> Self {
         let (
             own_motion,

@@ -20,11 +20,10 @@
 //! component along r, so the step along the direction is up to e |J W| |r| / damping. The term limits that step to [`DRIFT`]
 //! of the range. The term goes to zero with r, so it does not slow down the convergence.
 //!
-//! If singular values spread over many decades, the cost has a narrow, curved valley, and steps along the floor of this
-//! valley would soon become very short. Even a short step along the floor raises the cost, because the floor curves and the
-//! step ends on a steep wall. So a trial that does not lower the cost is corrected before it is rejected. Newton steps move
-//! the trial to the point with the residuals that the model predicted. They use Jacobians that the trials have already
-//! computed:
+//! If singular values spread over many decades, the cost has a narrow, curved valley. Steps along the floor of this valley
+//! would soon become very short. Even a short step along the floor raises the cost, because the floor curves and the step
+//! ends on a steep wall. So a trial that does not lower the cost is corrected before it is rejected. Newton steps move the
+//! trial to the point with the residuals that the model predicted. They use Jacobians that the trials have already computed:
 //!
 //! ```text
 //! e = argmin |J' W e + r' - (r + J W s)|^2 + damping |e|^2     with r' and J' at the trial          (3)
@@ -55,8 +54,8 @@ const ACCEPTABLE: f64 = 1e-4;
 /// Ratios below which the damping rises for the next step, and above which it falls.
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
-/// Length of a step, as a fraction of the range, up to which the residuals follow their slopes: along such a step, curvature
-/// changes them by less than rounding, and a kink by little more than rounding.
+/// Length of a step, as a fraction of the range, up to which the residuals follow their slopes. Along such a step, curvature
+/// changes the residuals by less than rounding. A kink changes them by little more than rounding.
 const STRAIGHT: f64 = 1e-11;
 /// Largest number of corrections of a trial. Each correction is at most half as long as the previous one; most converge
 /// quadratically.

@@ -2,7 +2,7 @@
 //! starts.
 //!
 //! [`tune()`] writes the targets of a study as an [`Objective`]. The solvers below it do not know about suspensions. A
-//! [`LeastSquares`] problem yields residuals, in units of their tolerances, and their exact Jacobian in one pass. [`fit()`]
+//! [`LeastSquares`] problem gives residuals, in units of their tolerances, and their exact Jacobian in one pass. [`fit()`]
 //! finds a minimum from one start, [`multistart()`] from several in parallel. [`Identifiability`] names the directions in
 //! which the residuals do not change. This module is the only one that uses argmin.
 //!

@@ -212,7 +212,7 @@ mod tests {
         Axis::ALL.map(turn).to_vec()
     }
 
-    /// A rotation preserves distances and the centroid. A rotation about one axis has the given angle.
+    /// A rotation preserves distances and the centroid. A rotation about one axis turns by the given angle.
     #[test]
     fn a_body_is_turned_about_its_centroid() {
         let frame = Frame::new(FrameConvention::Iso8855, Side::Left);

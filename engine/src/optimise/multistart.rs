@@ -160,8 +160,9 @@ pub(super) fn least_misfit(starts: &[Start]) -> Option<f64> {
     kept.map(|(_, fit)| fit.misfit()).min_by(f64::total_cmp)
 }
 
-/// Chooses the start with the smallest move among those that satisfy the constraints with a misfit up to `good`. Two
-/// distances count as equal if they differ by at most the fraction `share`. Of equal starts the earliest wins.
+/// Chooses the start with the smallest move among those that satisfy the constraints with a misfit up to `good`. A distance
+/// counts as equal to the smallest one if it exceeds it by at most the fraction `share`. The earliest of equally near starts
+/// wins.
 pub(super) fn nearest(
     starts: &[Start],
     good: f64,

@@ -7,7 +7,7 @@ pub struct Options {
     /// rounding error of curves that are some thousand tolerances high. Fits with misfits below the default are equally good.
     pub misfit_below: f64,
     /// Condition: predicted and actual reduction of the cost <= this times the cost. The default, 1e-10, makes the misfit
-    /// accurate to ten digits. The limit does not matter for a minimum with zero misfit: near such a minimum each step lowers
+    /// accurate to ten digits. The limit does not matter for a minimum with zero misfit. Near such a minimum each step lowers
     /// the cost by a large fraction, so the run finds it to the last digit.
     pub reduction_below: f64,
     /// Condition: max_j |step_j| / range_j <= this. The default is the rounding error of a coordinate that is up to sixteen

@@ -2,9 +2,8 @@
 //!
 //! The measurements are y = f(x0) + e, with normal errors e of one unknown variance. The true values x0 are assumed to lie
 //! **within the ranges**, l <= x0 <= u. If x0 were outside, no interval within the ranges could contain it. r(x) are the
-//! residuals of the fit, S is their smallest sum of squares, reached at x^, and s^2 is the variance of a residual. The
-//! smallest sum of squares for a value c of variable j is its *profile*, and T measures how much worse the fit is with this
-//! value c:
+//! residuals of the fit. S is their smallest sum of squares, reached at x^. s^2 is the variance of a residual. The smallest
+//! sum of squares for a value c of variable j is its *profile*, and T measures how much worse the fit is with this value c:
 //!
 //! ```text
 //! S_j(c) = min { |r(x)|^2 : l <= x <= u, x_j = c }                                         (1)
@@ -52,8 +51,8 @@
 //! For a linear r, (1) is a bounded linear least-squares problem, convex and piecewise quadratic in c. A bracketing search
 //! finds the end of the interval (3). Then the true r and its Jacobian are evaluated at the point x(c) of that end. The
 //! search is repeated until the end no longer moves. At this end, (1) holds for the true r. If the end does not settle within
-//! the allowed number of evaluations, or if there are no residuals, it is set to the end of the range. This choice is safe,
-//! because x0 lies within the ranges by assumption.
+//! the allowed number of evaluations, or if there are no residuals, the code uses the end of the range instead. This choice
+//! is safe, because x0 lies within the ranges by assumption.
 
 use super::profile::Profile;
 use super::simulated_fits::SimulatedFits;

@@ -246,7 +246,7 @@ mod tests {
         }
     }
 
-    /// Fits a linear model with simulated noise. Each 95 % interval contains the truth in 93 to 97 of 100 fits.
+    /// Fits a linear model with simulated noise. Each 95 % interval contains the true value in 93 to 97 of 100 fits.
     #[test]
     fn intervals_hold_the_truth_as_often_as_they_say() {
         let mut noise = Noise::new(8);

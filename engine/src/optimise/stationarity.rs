@@ -12,10 +12,10 @@
 //! is below [`CONVERGED`].
 //!
 //! A computed slope is a sum of products, so rounding keeps it from being exactly zero. Residuals have the rounding error
-//! [`Options::misfit_below`], or a larger error that short steps have shown: the rounding error of an equilibrium is larger
-//! than that of a pose. Variables have a resolution: no method makes smaller steps. A slope that is no larger than the effect
-//! of these two counts as zero. So a fit to exact measurements converges: its residuals and their slope consist of rounding
-//! errors only, even if the slope is large relative to the residuals.
+//! [`Options::misfit_below`], or a larger one that short steps have shown. For example, the rounding error of an equilibrium
+//! is larger than that of a pose. Variables have a resolution: no method makes smaller steps. A slope counts as zero if the
+//! rounding error and the resolution can explain it. So a fit to exact measurements converges. Its residuals and their slope
+//! consist of rounding errors only, even if the slope is large relative to the residuals.
 //!
 //! Multipliers come from non-negative least squares, which minimise the left side of (1). If gradients are linearly
 //! dependent, several sets of multipliers minimise it, and the code uses the smallest set. At a kink a row has several

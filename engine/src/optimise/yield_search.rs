@@ -303,7 +303,7 @@ impl<'a> YieldSearch<'a> {
             }
             let further = Scatter {
                 builds: at_once,
-                // Each part of the builds has its own seed.
+                // Each part of the builds has a separate seed.
                 seed: self.scatter.seed.wrapping_add(1 + part as u32),
                 ..self.scatter.clone()
             };

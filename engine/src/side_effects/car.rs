@@ -12,7 +12,7 @@ use crate::model::Side;
 use crate::number::Each;
 use crate::study::{AxleStudy, CarOptimise, CarStudy, Study, Vehicle};
 
-/// Names of the results that are compared in addition to those of the study.
+/// Names of the results that are compared in addition to the results of the study.
 const COMPARED: [&str; 11] = [
     "roll",
     "pitch",

@@ -1,9 +1,9 @@
 //! Scatter of a car's results in every load case. Parts of both axles, rates and values of the car such as its mass scatter.
 //!
 //! The parts of each axle are assembled as in a study of the axle ([`crate::assembly`]). The car with these parts is in
-//! equilibrium on its springs. First-order results are exact. By the chain rule, they are derivatives of every result with
-//! respect to the hardpoints of each wheel, times derivatives of the built designs with respect to each tolerance source.
-//! Derivatives with respect to rates and values of the car are added. Module `car_second` computes the second order.
+//! equilibrium on its springs. First-order results are exact. They follow from the chain rule: derivatives of every result
+//! with respect to the hardpoints, times derivatives of the built designs with respect to each tolerance source. Rates and
+//! values of the car add further terms. Module `car_second` computes the second order.
 
 use super::axle_expansion::{Moves as PointMoves, moves};
 use super::histogram::Histogram;

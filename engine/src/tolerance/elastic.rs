@@ -1,6 +1,6 @@
 //! Builds of a wheel with elastic parts. The parts are assembled without load, and their rates also scatter.
 //!
-//! The parts of a build are assembled like those of the rigid mechanism, in the position in which elastic parts carry no
+//! The parts of a build are assembled like the parts of a rigid mechanism, in the position in which elastic parts carry no
 //! force. The built design is the design of an elastic wheel, and the code evaluates the equilibria of this wheel. With p the
 //! built design and k the rates,
 //!

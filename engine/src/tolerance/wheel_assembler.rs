@@ -85,7 +85,7 @@ impl WheelAssembler {
         }
     }
 
-    /// Changes the parts to those of a build, from its random numbers.
+    /// Changes the parts to the parts of a build, from its random numbers.
     pub(super) fn change_parts(
         &self,
         tolerance: &Tolerance,

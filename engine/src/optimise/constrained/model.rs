@@ -57,7 +57,7 @@ pub(super) struct ConvexModel<'a> {
     /// Number of residuals of the goal, and their norm.
     residuals: usize,
     norm: f64,
-    /// Squares of each level.
+    /// Sum of squares of the residuals of each level.
     held: Vec<Squares>,
     /// Rows as given, with scaled gradients.
     normals: Vec<f64>,

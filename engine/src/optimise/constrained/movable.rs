@@ -30,7 +30,7 @@ pub(super) struct Movable {
     /// Rounding of each row by (1).
     rounding: Vec<f64>,
     takes_part: Vec<bool>,
-    /// Values at the start.
+    /// Values of the rows at the start.
     first: Vec<f64>,
     standing: usize,
 }

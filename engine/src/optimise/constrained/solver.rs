@@ -37,7 +37,7 @@ const BESIDE: f64 = 1e-6;
 const SIDES: usize = 4;
 /// Number of iterations before the estimate of the curvature is used.
 const CURVED_FROM: u64 = 7;
-/// Step length, in half ranges, that counts as zero. Programs are solved to no more digits.
+/// Step length, in half ranges, that counts as zero. The solver does not compute steps more accurately than this.
 pub(super) const RESOLUTION: f64 = 1e-12;
 /// Largest number of trials in an iteration. Each is at most half as long as the previous one.
 const TRIALS: usize = 60;

@@ -1,4 +1,4 @@
-//! Fronts with known shapes.
+//! Tests of fronts with known shapes.
 
 use super::super::test_problems::{Values, stated};
 use super::super::trade::{Criterion, Distance};

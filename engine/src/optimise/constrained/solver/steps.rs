@@ -17,7 +17,7 @@ pub(super) struct Trials {
     pub negligible: f64,
     /// Number of trials.
     pub count: usize,
-    /// Number of evaluations, and number of those without a result.
+    /// Number of evaluations, and number of evaluations without a result.
     pub evaluations: u32,
     pub infeasible: u32,
     /// Reason of the last evaluation without a result.

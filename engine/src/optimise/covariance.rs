@@ -130,8 +130,8 @@ mod tests {
         }
     }
 
-    /// Variables with equal columns count as not determined, all others as determined. With weights of 1 every ratio of variances
-    /// is 1.
+    /// Variables with equal columns count as not determined. All other variables count as determined. With weights of 1 every
+    /// ratio of variances is 1.
     #[test]
     fn twins_are_unseen() {
         let bounds = Bounds::new(&[[-1.0, 1.0]; 3]).unwrap();

@@ -248,7 +248,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             }
             gaps.extend(parts);
         }
-        // Widest gap between neighbours that was not searched. Wider gaps were searched and contain no design.
+        // Widest gap between neighbours that the search has not examined. It found no design in wider gaps.
         let unknown = gaps.iter().map(|gap| gap.width(extent)).fold(0.0, f64::max);
         let mut kept: Vec<usize> = best_of(&points);
         sort_by(&mut kept, |a, b| {

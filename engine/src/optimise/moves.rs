@@ -102,7 +102,7 @@ pub fn moved_design(
 
 impl Study {
     /// Returns the study with the variables of its tuning moved by `offsets`. A right wheel with different hardpoints moves
-    /// by the same offsets. If one body carries both wheels, the right half of the body follows the left half.
+    /// by the same offsets. If one body carries both wheels, its far half (at the other wheel) follows the near half.
     pub fn moved(&self, offsets: &[f64]) -> Study {
         let Some(optimise) = &self.optimise else {
             return self.clone();

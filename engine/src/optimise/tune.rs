@@ -99,8 +99,8 @@ pub enum Price {
     Nothing,
     /// Price in tolerances per unit of the constraint.
     PerUnit(f64),
-    /// The limit binds together with others, and their gradients are linearly dependent. The share of each limit in the price is
-    /// not determined.
+    /// The limit binds together with other limits, and the gradients of these limits are linearly dependent. The share of
+    /// each limit in the price is not determined.
     NotDetermined,
 }
 

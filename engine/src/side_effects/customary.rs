@@ -50,7 +50,7 @@ const UNBOUNDED_IN_TURNS: [&str; 3] = [
 ];
 
 /// Largest change of a quantity that an engineer tolerates, in the printed unit. Angles: toe 0.05 degrees, camber, roll and
-/// pitch 0.1 degrees, caster and inclination of the steering axis 0.2 degrees. Others: turning circle 1 % of it, other
+/// pitch 0.1 degrees, caster and inclination of the steering axis 0.2 degrees. Others: turning circle 1 % of its value, other
 /// lengths 1 mm, toe at the rim 0.3 mm, share of the front axle in the load transfer 1 %, roll gradient 0.05 degrees/g.
 /// `None` for all others.
 pub(super) fn tolerance(name: &str, unit: Unit, length: LengthUnit) -> Option<Tolerance> {

@@ -15,7 +15,7 @@ pub struct Candidate {
     /// Outputs of the design. NaN if a value does not exist.
     #[serde(with = "super::or_null")]
     pub outputs: Vec<f64>,
-    /// Reason why some station was not solved. `None` if all were solved.
+    /// Reason why some station was not solved. `None` if all stations were solved.
     pub failing: Option<Failing>,
 }
 

@@ -377,7 +377,7 @@ impl<'s> SweepPlan<'s> {
         }
     }
 
-    /// Writes, for each design of a block that failed at some station, the reason.
+    /// Writes the reason of the failure for each design of a block that failed at some station.
     fn failing(&self, block: &Block, into: &mut Vec<Option<Failing>>) {
         into.clear();
         into.resize(block.designs(), None);

@@ -222,7 +222,7 @@ impl<'a> Builder<'a> {
             }
         }
         let outcome = self.finish(first, rejects);
-        // If an interrupt stopped the block, its values belong to an earlier block.
+        // If an interrupt stopped the solution, the stored values belong to an earlier block.
         (!interrupt.is_raised()).then_some(outcome)
     }
 

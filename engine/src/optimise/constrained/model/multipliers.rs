@@ -16,7 +16,7 @@ const ON_BOUND: f64 = 1e-12;
 enum Push {
     Row(usize),
     Level(usize),
-    /// A variable at a bound: -1 at the lower one, 1 at the upper one.
+    /// A variable at a bound: -1 at the lower bound, 1 at the upper bound.
     Bound(usize, f64),
 }
 

@@ -28,7 +28,8 @@ impl ConvexModel<'_> {
             self.relaxed.fill(0.0);
             return (self.relax_rows(), Vec::new());
         }
-        // The variables are d and t. Violations are at most t times the worst here. Minimise |t|^2 + (small |d|)^2.
+        // The variables are d and t. Each violation may be at most t times the largest violation at this point. Minimise
+        // |t|^2 + (small |d|)^2.
         let small = 1e-5;
         let mut triangle = vec![0.0; (n + 1) * (n + 1)];
         for k in 0..n {

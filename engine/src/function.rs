@@ -36,7 +36,7 @@ pub struct DesignFunction {
     /// Right wheel of an axle, if its hardpoints differ from the left ones.
     right: Option<Arc<Suspension>>,
     names: Vec<DesignVariable>,
-    /// Points that the variables of `names` move.
+    /// Variables of the kernel: the points that each variable in `names` moves.
     variables: Vec<Variable>,
     request: Arc<Request<'static>>,
     /// Indices of the motion's stations among the stations of the request, in the order of the results.

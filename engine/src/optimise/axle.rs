@@ -25,7 +25,7 @@ pub(super) struct AxleStation {
     pub limits: Vec<LimitedValue>,
 }
 
-/// The targets of an axle, laid out.
+/// Layout of the targets of an axle.
 #[derive(Clone, Debug)]
 pub(super) struct AxleLayout {
     pub axle: Axle,

@@ -28,7 +28,7 @@ struct ElasticStation {
     limits: Vec<LimitedValue>,
 }
 
-/// The targets of a wheel with elastic parts, laid out.
+/// Layout of the targets of a wheel with elastic parts.
 #[derive(Clone, Debug)]
 pub(super) struct ElasticLayout {
     suspension: Suspension,

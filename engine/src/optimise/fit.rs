@@ -133,8 +133,8 @@ impl Termination {
         }
     }
 
-    /// Checks the reason against the imbalance of the optimality conditions: it counts as a minimum only below
-    /// [`CONVERGED`].
+    /// Checks the reason against the imbalance of the optimality conditions. The end counts as a minimum only if the
+    /// imbalance is below [`CONVERGED`].
     pub(super) fn checked(self, residual: f64) -> Self {
         match self {
             Termination::NoFurtherDescent

@@ -177,9 +177,9 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Chooses a start among those that satisfy the constraints: the start with the smallest move among the good enough ones.
-    /// If no start is good enough, chooses the start with the smallest move among those about as good as the best. If no
-    /// start satisfies the constraints, chooses the start with the smallest violation. `least` is the smallest misfit of the
+    /// Chooses the result. Among the starts that satisfy the constraints and are good enough, it takes the one with the
+    /// smallest move. If no start is good enough, it takes the smallest move among the starts that are about as good as the
+    /// best. If no start satisfies the constraints, it takes the smallest violation. `least` is the smallest misfit of the
     /// starts that satisfy the constraints.
     fn choose(&self, starts: &[Start], least: Option<f64>, good: f64) -> Option<usize> {
         let Some(least) = least else {

@@ -36,7 +36,7 @@ pub struct SweepStatistics {
     pub front: Front,
     /// Sums over designs with a value for every output.
     pub moments: Moments,
-    /// Sums by the level of each variable.
+    /// Sums of outputs, grouped by the level of each variable.
     #[serde(rename = "levels")]
     pub binned: BinnedSums,
     /// Sums over Saltelli's groups.
@@ -163,7 +163,7 @@ impl SweepStatistics {
         statistics
     }
 
-    /// Returns true if these statistics have the shape of this sweep.
+    /// Returns true if these statistics have the size of this sweep, for example its number of outputs.
     pub fn are_of(&self, record: &SweepRecord) -> bool {
         let empty = SweepStatistics::empty(record);
         let [variables, outputs] = [record.variables.len(), record.outputs.len()];

@@ -28,7 +28,7 @@ pub struct Info {
 }
 
 impl Info {
-    /// An empty entry. Other entries take the fields from it that they do not set.
+    /// Empty entry. Other entries take from it the fields that they do not set.
     pub(crate) const EMPTY: Info = Info {
         name: "",
         unit: Unit::Ratio,

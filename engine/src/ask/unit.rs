@@ -92,7 +92,7 @@ impl Unit {
         }
     }
 
-    /// Power of the study's unit of length in a value inside the program.
+    /// Exponent of the length unit in values of this kind inside the program.
     fn power_of_length(self) -> i32 {
         match self {
             Unit::Length

@@ -163,7 +163,8 @@ impl<'a> CarSolver<'a> {
         match self.with_contact(case, Start::of(self.start(case))) {
             Ok(found) if found.is_stiff() => Ok(found),
             Ok(_) => self.along_load(case),
-            // Both searches failed.
+            // Both searches failed. If the direct search gives only a general reason, report the reason of the search along
+            // the load.
             Err(first) => self.along_load(case).map_err(|along| match first {
                 NoEquilibrium::NotFound
                 | NoEquilibrium::Singular

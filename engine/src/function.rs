@@ -1,9 +1,10 @@
-//! Curves as a pure function of the design: offsets of variables in, values and exact Jacobians out.
+//! Curves as a pure function of the design: its inputs are offsets of variables, its outputs are values and exact
+//! Jacobians.
 //!
 //! Optimisers, surrogate models and differentiable programs need such a function. A [`DesignFunction`] owns its data, is
-//! `Send + Sync` and has no lifetime. Every thread takes its own [`Evaluation`] from it. Arrays are plain slices; the last
-//! index runs fastest. Values are in the units of the column names. Offsets are in the study's length unit and axes. A value
-//! that does not exist is NaN, with a status that gives the reason. No row is dropped.
+//! `Send + Sync` and has no lifetime. Every thread takes its own [`Evaluation`] from it. Arrays are plain slices in
+//! row-major order: the last index varies fastest. Values are in the units of the column names. Offsets are in the study's
+//! length unit and axes. A value that does not exist is NaN, and the status gives the reason. The results keep all rows.
 //!
 //! A variable of an axle moves the same points of both wheels, each in the frame of its side. So a derivative is the sum of
 //! both wheels' gradients along the variable's rates. A right wheel with its own hardpoints moves by the same displacements
@@ -33,13 +34,13 @@ use std::sync::Arc;
 pub struct DesignFunction {
     /// Single wheel, or left wheel of an axle.
     suspension: Arc<Suspension>,
-    /// Right wheel of an axle, if it has its own hardpoints.
+    /// Right wheel of an axle, if it has hardpoints different from the left wheel's.
     right: Option<Arc<Suspension>>,
     names: Vec<DesignVariable>,
     /// Points that the variables of `names` move.
     variables: Vec<Variable>,
     request: Arc<Request<'static>>,
-    /// Indices of the motion's stations among those of the request, in the order of the results.
+    /// Indices of the motion's stations among the stations of the request, in the order of the results.
     of_motion: Vec<usize>,
     /// Drive value and rack displacement of each station of the motion, in printed units.
     motion: Vec<[f64; 2]>,
@@ -53,15 +54,15 @@ pub struct DesignFunction {
 pub enum DesignStatus {
     /// Every station has a pose.
     Ok = 0,
-    /// Some station has no pose or no derivatives.
+    /// At least one station has no pose or no derivatives.
     Failed = 1,
-    /// The design cannot be solved at all.
+    /// The design position cannot be solved.
     Faulty = 2,
 }
 
 impl DesignFunction {
-    /// Makes the function of a study: its outputs over its motion, with the variables of [`DesignVariable::of`]. Fails for
-    /// the reasons in [`FunctionError`].
+    /// Makes the function of a study: its outputs over its motion, with the variables of [`DesignVariable::of`].
+    /// [`FunctionError`] lists the reasons for a failure.
     pub fn of(study: &Study) -> Result<Self, FunctionError> {
         DesignFunction::with_variables(study, DesignVariable::of(study))
     }
@@ -99,7 +100,7 @@ impl DesignFunction {
             let values = function.values().map(drop);
             values.map_err(|fault| fault.describe(&study.wheel().mechanism))
         });
-        // Another workspace was made before, so this one can be made, too.
+        // A workspace of this function has already been made once, so this cannot fail.
         solved.map_err(FunctionError::Design)?;
         Ok(function)
     }
@@ -115,8 +116,8 @@ impl DesignFunction {
         columns.map(|column| column.name.clone()).collect()
     }
 
-    /// Drive value and rack displacement of each station, in the units and axes of the results. For an axle, the drive value
-    /// is that of the first coordinate that moves.
+    /// Drive value and rack displacement of each station, in the units and axes of the results. For an axle, the drive
+    /// value is the value of the first coordinate that moves.
     pub fn motion(&self) -> Vec<[f64; 2]> {
         self.motion.clone()
     }
@@ -136,8 +137,8 @@ impl DesignFunction {
         self.len() == 0
     }
 
-    /// Makes a workspace for evaluations, one for each thread. Its evaluators are made at the first request for values and at the
-    /// first request for derivatives.
+    /// Makes a workspace for evaluations, one for each thread. The first request for values, and the first request for
+    /// derivatives, make their evaluators.
     pub fn evaluation(&self) -> Evaluation<'_> {
         Evaluation {
             function: self,
@@ -221,14 +222,14 @@ fn of_axle(
 }
 
 /// Workspace of a [`DesignFunction`]. It computes on the calling thread. If the engine is compiled without optimisation, as
-/// in the dev profile of a program that embeds it, it needs 8 MiB of stack. A thread of `std::thread` or rayon has a quarter
-/// of that by default.
+/// in the dev profile of a program that embeds it, the computation needs 8 MiB of stack. By default, a thread of
+/// `std::thread` or rayon has only 2 MiB.
 pub struct Evaluation<'f> {
     function: &'f DesignFunction,
     values: Option<Values<'f>>,
     gradients: Option<Gradients<'f>>,
     designs: Vec<Vector3<f64>>,
-    /// Designs of right wheels with their own hardpoints. Empty if the function has none.
+    /// Designs of right wheels with their own hardpoints. Empty if the function has no such wheels.
     rights: Vec<Vector3<f64>>,
     offsets: DVector<f64>,
     /// Point rates of the left (or only) wheel and of the right wheel.
@@ -284,9 +285,9 @@ impl<'f> Evaluation<'f> {
         }
     }
 
-    /// Computes the values of several designs together with their exact derivatives with respect to the variables. `jacobian` has the
-    /// shape `[design][output][station][variable]`, per length unit (per degree for a rotation). SIMD lanes hold several
-    /// designs if lanes can differentiate the outputs; otherwise designs are computed one by one.
+    /// Computes the values of several designs together with their exact derivatives with respect to the variables.
+    /// `jacobian` has the shape `[design][output][station][variable]`, per length unit (per degree for a rotation). If
+    /// lanes can differentiate the outputs, several designs are computed at once in SIMD lanes; otherwise one by one.
     ///
     /// # Panics
     /// If the lengths of the slices do not match.
@@ -360,7 +361,8 @@ impl<'f> Evaluation<'f> {
         }
     }
 
-    /// Copies the values of design `number`. Computes its derivatives with respect to the variables from the derivatives with respect to points.
+    /// Copies the values of design `number`. Also computes its derivatives with respect to the variables, from the
+    /// derivatives with respect to points.
     fn read(
         &self,
         found: &Evaluated,
@@ -414,7 +416,7 @@ impl<'f> Evaluation<'f> {
 }
 
 impl DesignFunction {
-    /// Writes the offsets from the design into `into`. They are 0 for variables that are coordinates.
+    /// Writes the offsets from the design into `into`. Offsets are 0 for absolute variables (coordinates).
     fn offsets(&self, x: &[f64], into: &mut DVector<f64>) {
         for ((variable, x), into) in self.names.iter().zip(x).zip(into.iter_mut()) {
             *into = if variable.absolute { 0.0 } else { *x };

@@ -1,6 +1,6 @@
-//! Plan of a computation: the values that the outputs of a study need, and no others.
+//! Plan of a computation: it contains only the values that the outputs of a study need.
 //!
-//! The plan decides about everything that takes computing time:
+//! The plan determines everything that takes computing time:
 //!
 //! - number of derivatives of a pose,
 //! - factorisation of a Jacobian, if one is needed,
@@ -26,7 +26,7 @@ pub struct Output {
     pub unit: String,
     /// Factor from a value in the kernel's frame (radians or length units) to the printed value.
     pub factor: f64,
-    /// Highest derivative with respect to the drive or by time.
+    /// Highest derivative with respect to the drive or to time.
     pub highest: usize,
 }
 
@@ -55,9 +55,9 @@ pub struct Plan {
     pub racks: Vec<f64>,
     /// True if the study moves the rack. Results then have a column for it.
     pub rack_moves: bool,
-    /// Factor from a rack displacement in the study's axes to one in the kernel's: 1 or -1.
+    /// Factor from a rack displacement in the study's axes to a displacement in the kernel's axes: 1 or -1.
     pub rack_sign: f64,
-    /// Drive as a function of time, if derivatives are by time.
+    /// Drive as a function of time, if derivatives are with respect to time.
     pub time: Option<TimeLaw>,
     /// Outputs.
     pub outputs: Vec<Output>,
@@ -73,7 +73,7 @@ pub struct Plan {
     pub loads: Vec<Load>,
     /// Data of the study that formulas read, for example dimensions of the vehicle.
     pub constants: Constants,
-    /// Test figures of elastic parts. Their columns follow those of the outputs.
+    /// Test results of elastic parts. Their columns follow the columns of the outputs.
     pub figures: Vec<ElasticFigure>,
 }
 

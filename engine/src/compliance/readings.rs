@@ -52,7 +52,7 @@ impl<T: Scalar> Built<T> {
                 };
                 let found = self.system.mount(&frames, state)?;
                 let ([x, y], [a, b]) = (found.tilt, found.tilt_torque);
-                // The force of the law acts on the holding body, as in `BushingState`.
+                // Force and torque of the law act on the body that holds the mount, as in `BushingState`.
                 let state = BushingState {
                     deflection: found.deflection,
                     rotation: Vector3::new(x, y, x.zero()),

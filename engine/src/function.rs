@@ -100,7 +100,7 @@ impl DesignFunction {
             let values = function.values().map(drop);
             values.map_err(|fault| fault.describe(&study.wheel().mechanism))
         });
-        // A workspace of this function has already been made once, so this cannot fail.
+        // Both evaluators were made once above. Later evaluations rely on this and do not handle an error.
         solved.map_err(FunctionError::Design)?;
         Ok(function)
     }

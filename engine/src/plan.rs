@@ -3,7 +3,7 @@
 //! The plan determines everything that takes computing time:
 //!
 //! - number of derivatives of a pose,
-//! - factorisation of a Jacobian, if one is needed,
+//! - factorisation of a Jacobian, if needed,
 //! - hardpoints and outputs of gradients.
 
 mod effects;
@@ -31,7 +31,7 @@ pub struct Output {
 }
 
 impl Output {
-    /// Quantity of the catalogue, if the output is one.
+    /// Quantity of the catalogue; `None` if the output is another measure.
     pub fn quantity(&self) -> Option<Quantity> {
         self.of.quantity()
     }

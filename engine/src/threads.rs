@@ -58,9 +58,9 @@ pub(crate) fn checkpoint() {
 }
 
 /// Stack size of every thread in bytes. Without optimisation, every temporary takes space in the stack frame. At opt-level
-/// 0 a sweep overflows 4 MiB, and a certificate overflows 10 MiB. (Threads of rayon have 2 MiB, a main thread usually has 8
-/// MiB.) The engine does not control the profile of a program that embeds it, and a stack overflow ends the process. Unused
-/// pages only take address space.
+/// 0 a sweep overflows 4 MiB, and a certificate overflows 10 MiB. Threads of rayon have 2 MiB, and a main thread usually
+/// has 8 MiB. The engine does not control the profile of a program that embeds it, and a stack overflow ends the process.
+/// Unused pages only take address space.
 const STACK: usize = 64 << 20;
 
 thread_local! {

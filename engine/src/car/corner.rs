@@ -32,7 +32,7 @@ pub struct AxleMotion<T> {
 /// State of one wheel at its travel, in the car's axes.
 #[derive(Clone, Copy, Debug)]
 pub struct Corner<T> {
-    /// 1 for a left wheel, -1 for a right one.
+    /// 1 for a left wheel, -1 for a right wheel.
     pub sign: f64,
     /// Wheel centre W.
     pub centre: Vector3<T>,

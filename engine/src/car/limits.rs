@@ -1,6 +1,6 @@
 //! Limits of a car along a ray of accelerations: the first lifted wheel, and the end of equilibrium.
 //!
-//! The accelerations on a ray are those of a case times a factor s. With the wheel loads N of the state at s, Newton's
+//! On a ray, the accelerations of a case are multiplied by a factor s. With the wheel loads N of the state at s, Newton's
 //! method finds the factor at which the first wheel has no load:
 //!
 //! ```text
@@ -134,8 +134,8 @@ impl Case {
 }
 
 impl CarSolver<'_> {
-    /// Finds the limits along the accelerations ax and ay of a case, up to 5 g. Speed, az and racks stay those of the case.
-    /// `None` for a case without ax and ay.
+    /// Finds the limits along the accelerations ax and ay of a case, up to 5 g. Speed, az and racks do not change. `None`
+    /// for a case without ax and ay.
     pub fn limits(&mut self, case: &Case) -> Option<RayLimits> {
         let length = case.ax.hypot(case.ay);
         if length == 0.0 {

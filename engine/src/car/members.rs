@@ -81,7 +81,8 @@ impl CarMember {
     }
 }
 
-/// Lists the members of one wheel: links, forces at points, rods, the spring, and joints of arms that carry a spring or a rod.
+/// Lists the members of one wheel: links, forces at points, rods, the spring, and joints of arms that carry a spring or a
+/// rod.
 fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
     let mut found = Vec::new();
     let borne = |outer: PointId| {

@@ -61,9 +61,8 @@ impl<'a> RigRows<'a> {
         self.objective.assess(&own, &mut self.assessment)
     }
 
-    /// Writes the residuals, the first one to row `first`. In the axle's problem, residuals are scaled for the axle's
-    /// misfit. In the car's problem, the factor on each squared residual is the target's weight divided by its number of
-    /// stations.
+    /// Writes the residuals to the rows from `first` on. In the axle's problem, residuals are scaled for the axle's misfit.
+    /// In the car's problem, the factor on each squared residual is the target's weight divided by its number of stations.
     pub(super) fn write_residuals(&self, first: usize, scale: f64, into: &mut Linearisation) {
         let own = &self.assessment.goal;
         let rows = own.residuals.len();

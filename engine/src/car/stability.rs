@@ -23,8 +23,9 @@
 //! G_x x' = -G_s.                                                                                                  (3)
 //! ```
 //!
-//! The path turns back where det G_x = 0 (a fold), and there the car tips or its body sinks. At a change of contact, the row of wheel b passes
-//! from gap_b = 0 to N_b = 0. The other rows leave one direction v free; x' adds a multiple of it on either side, and
+//! The path turns back where det G_x = 0 (a fold), and there the car tips or its body sinks. At a change of contact, the
+//! row of wheel b passes from gap_b = 0 to N_b = 0. The other rows allow one free direction v. On either side of the
+//! change, x' contains a multiple of v, and
 //!
 //! ```text
 //! gap_b' (lifted) = -(gap_b.v)/(N_b.v) N_b' (down),      (gap_b.v)/(N_b.v) = det G_x (down)/det G_x (lifted)      (4)
@@ -45,10 +46,10 @@
 //! (f, e, r) = T q,      S = T C T^T.                                                                              (6)
 //! ```
 //!
-//! Towards a fold, one motion grows without bound, and all columns of S approach its direction. The car tips if r is the largest
-//! part of that motion, or if f and e have opposite signs and similar sizes. Otherwise the body sinks at an axle. At rest, a
-//! column whose diagonal element is negative has the direction. Where the path turns back at a lift, S stays bounded, and the car
-//! tips.
+//! Towards a fold, one motion grows without bound, and all columns of S approach its direction. The car tips if r is the
+//! largest part of that motion, or if f and e have opposite signs and similar sizes. Otherwise the body sinks at an axle.
+//! At rest, a column whose diagonal element is negative has the direction. If the path turns back at a lift, S stays
+//! bounded, and the car tips.
 
 use super::equations::{GROUND, LOADS, PITCH, PITCH_MOMENT, ROLL, ROLL_MOMENT, UNKNOWNS, VERTICAL};
 use super::solver::{CarSolver, Equilibrium, LONGEST_TRAVEL, LONGEST_TURN, Start};
@@ -136,8 +137,8 @@ impl Equilibrium {
         softest.map_or(NoEquilibrium::Tips, |k| motion(columns[k]))
     }
 
-    /// Returns true if the path from an accepted state leads to this one. det G_x must keep its sign, and body and wheels must
-    /// move by no more than the limit of a Newton step.
+    /// Returns true if the path from an accepted state leads to this state. For this, det G_x must keep its sign, and the
+    /// motions of body and wheels must not exceed the limit of a Newton step.
     pub(super) fn follows(&self, from: &Equilibrium, car: &Car) -> bool {
         let near = |k: usize| {
             let longest = match k {

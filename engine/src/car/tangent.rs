@@ -56,7 +56,8 @@ impl Factors {
 /// Numbers with derivatives with respect to all unknowns.
 type Wide = Dual<f64, UNKNOWNS>;
 
-/// Extends a number with derivatives with respect to some unknowns (in this order) to derivatives with respect to all unknowns.
+/// Extends a number with derivatives with respect to some unknowns (in this order) to derivatives with respect to all
+/// unknowns.
 fn widened<const N: usize>(narrow: Dual<f64, N>, unknowns: [usize; N]) -> Wide {
     let mut wide = Wide {
         value: narrow.value,
@@ -68,7 +69,8 @@ fn widened<const N: usize>(narrow: Dual<f64, N>, unknowns: [usize; N]) -> Wide {
     wide
 }
 
-/// Unknowns on which the pose of a wheel depends: attitude of the body, its own travel, and for a solid axle the other travel.
+/// Unknowns on which the pose of a wheel depends: attitude of the body, its own travel, and for a solid axle the other
+/// travel.
 fn unknowns_of<const N: usize>(number: usize) -> [usize; N] {
     let all = [
         ROLL,

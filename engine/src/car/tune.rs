@@ -94,7 +94,7 @@ pub struct CarRun {
     pub seed: u32,
 }
 
-/// Goals as residuals and rows of constraints. Rows of cases come first, then those of the front and the rear rig.
+/// Goals as residuals and rows of constraints. Rows of cases come first, then rows of the front rig and of the rear rig.
 struct Objective<'a> {
     car: &'a Car,
     goals: CarGoals<'a>,
@@ -128,8 +128,8 @@ impl Objective<'_> {
         (first, count)
     }
 
-    /// Index of the constraint that each row belongs to, and the number of constraints. Constraints of cases have the first indices;
-    /// constraints of the front rig and of the rear rig follow.
+    /// Index of the constraint that each row belongs to, and the number of constraints. Constraints of cases have the first
+    /// indices; constraints of the front rig and of the rear rig follow.
     fn constraints_of_rows(&self) -> (Vec<usize>, usize) {
         let (mut equalities, mut others) = (Vec::new(), Vec::new());
         for (number, constraint) in self.goals.constraints.iter().enumerate() {
@@ -340,8 +340,8 @@ impl Constrained for Objective<'_> {
 pub struct CarTuning {
     /// All starts, and the index of the best.
     pub starts: Multistart,
-    /// Indices of constraints that cannot be satisfied together, counted over cases, front rig and rear rig. Without any
-    /// one of them, the others could be satisfied. Empty if all constraints can be satisfied together.
+    /// Indices of constraints that cannot be satisfied together, counted over cases, front rig and rear rig. If any one of
+    /// these constraints were removed, the others could be satisfied. Empty if all constraints can be satisfied together.
     pub contradiction: Vec<usize>,
 }
 

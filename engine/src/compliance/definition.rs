@@ -99,7 +99,7 @@ pub struct LinkPart<T = f64> {
     pub preload: T,
 }
 
-/// Member that can stretch.
+/// Member that can have axial stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkMember {
     /// Rod, or leg of an arm, between body or rack and the carrier.

@@ -65,7 +65,7 @@ pub enum EndCause {
         /// Direction of the motion.
         motion: Motion,
     },
-    /// The force that drives the motion reaches [`LARGEST_FORCE`]: rigid parts are at full stretch or in contact.
+    /// The force that drives the motion reaches [`LARGEST_FORCE`]: rigid parts are fully extended or in contact.
     Force(DrivingForce),
     /// The search reached its largest value. Equilibria may exist beyond it.
     SearchEnds,

@@ -52,7 +52,7 @@ impl<T: Valued> Floating<T> {
         (e, turn)
     }
 
-    /// States of the bushings, the inner one first.
+    /// States of the bushings, first the inner bushing.
     pub(super) fn bushing_states(
         &self,
         at: &Conditions<T>,
@@ -105,7 +105,8 @@ impl<T: Valued> Floating<T> {
         let (f, k, n) = (outer.force, outer.by_shift, outer.by_turn);
         let f_q = cross_matrix(f).negated().plus(&k.times_cross(lever));
         let m_q = cross_matrix(outer.moment).negated().plus(&n.negated());
-        // The outer bushing exerts the force f at p and a torque on the link. The link's unknowns are its shift v and rotation w.
+        // The outer bushing exerts the force f at p and a torque on the link. The link's unknowns are its shift v and
+        // rotation w.
         let k_arm = k.times_cross(arm).negated();
         let mut own_rows = [[Matrix3::null(like); 2]; 2];
         own_rows[0] = [k, k_arm];

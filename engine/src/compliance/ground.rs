@@ -75,8 +75,8 @@ pub(super) struct SubframePart<T> {
     pub(super) to_carrier: Vector3<T>,
     /// Mounts at the body, with levers from the subframe's reference point.
     pub(super) mounts: Vec<CarrierBushing<T>>,
-    /// Vector from the subframe's reference point to the spring's upper end at the body. `None` unless the spring acts on an arm
-    /// of the subframe.
+    /// Vector from the subframe's reference point to the spring's upper end at the body. `None` unless the spring acts on
+    /// an arm of the subframe.
     pub(super) upper: Option<Vector3<T>>,
 }
 

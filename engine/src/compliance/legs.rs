@@ -1,4 +1,4 @@
-//! Seats of springs and drop links of anti-roll bars on arms with rigid or stretching legs.
+//! Seats of springs and drop links of anti-roll bars on arms with rigid or elastic legs.
 //!
 //! The seat is fixed in the frame of the arm's axis e and outer joint. Let r be the unit vector from the axis to the joint,
 //! n = e x r, and l the joint's distance from the axis. Let b and c be the seat's distances along r and n. A force F at the
@@ -18,7 +18,7 @@ use super::limb::{Beside, Conditions, Evaluated, Followers, LimbState, Sum, TWIS
 use super::point::{BarSeat, PointForce, Seat, SeatForce, Stretched};
 use crate::number::{Matrix3, Real, Valued, Vector3, outlined};
 
-/// Point of an arm with rigid or stretching legs.
+/// Point of an arm with rigid or elastic legs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LegPoint<T> {
     /// Vector from the carrier's reference point to the outer joint.
@@ -31,7 +31,7 @@ pub(super) struct LegPoint<T> {
     pub(super) place: [T; 2],
 }
 
-/// Seat of a spring on an arm with rigid or stretching legs.
+/// Seat of a spring on an arm with rigid or elastic legs.
 #[derive(Clone, Debug)]
 pub(super) struct LegSeat<T> {
     pub(super) leg: LegPoint<T>,

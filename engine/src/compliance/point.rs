@@ -10,8 +10,8 @@
 //! The change of a rod's length is l - L = (2 v0.d + d.d)/(l + L), with the relative displacement d of its ends (2). This
 //! form keeps all digits.
 //!
-//! A rod with axial stiffness turns a rocker by theta about the rocker's axis. The balance of moments about this axis is a scalar
-//! equation, which eliminates theta. With the moment g,
+//! A rod with axial stiffness turns a rocker by theta about the rocker's axis. The balance of moments about this axis is a
+//! scalar equation, which eliminates theta. With the moment g,
 //!
 //! ```text
 //! K - k k'/g',   F - k g/g',   dtheta = -(g + k.dp)/g'                                            (3)
@@ -257,8 +257,8 @@ pub(super) struct SeatState<T> {
 }
 
 impl<T: Valued> RockerSeat<T> {
-    /// Displacement of a point of the rocker at the rotation theta, with its first and second derivative with respect to theta. `half` is
-    /// tan(theta/2).
+    /// Displacement of a point of the rocker at the rotation theta, with its first and second derivative with respect to
+    /// theta. `half` is tan(theta/2).
     #[inline(always)]
     fn turned(&self, point: Vector3<T>, half: T) -> [Vector3<T>; 3] {
         let [first, second] = self.axis;

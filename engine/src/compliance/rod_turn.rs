@@ -101,8 +101,8 @@ mod tests {
     use super::*;
     use crate::number::Dual;
 
-    /// Nested derivative numbers give the same first and second derivatives of the angle, and of the distance between a
-    /// point on the rocker and a fixed point.
+    /// Nested derivative numbers give the same first and second derivatives. The test compares the angle, and the distance
+    /// between a point on the rocker and a fixed point.
     #[test]
     fn derivatives_agree_with_nested_numbers() {
         let mut seed = 0.3_f64;

@@ -4,7 +4,7 @@
 //! whole change. The solver halves a fraction of the change if
 //!
 //! - the first correction exceeds 60 mm or 0.3 rad: the linear prediction is not reliable,
-//! - a correction exceeds 0.8 of the previous one: the method does not contract,
+//! - a correction exceeds 0.8 of the previous correction: the method does not contract,
 //! - the result is not stable.
 //!
 //! Corrections s converge as s_(k+1) <= C s_k^2, since the tangents are exact. C is the largest s_(k+1) / s_k^2 so far (P.
@@ -28,7 +28,7 @@ const TURN_LEVER: f64 = 300.0;
 const LONGEST_SHIFT: f64 = 60.0;
 /// Largest first correction in rotation, radians.
 const LARGEST_TURN: f64 = 0.3;
-/// Largest ratio of a correction to the previous one.
+/// Largest ratio of a correction to the previous correction.
 const CONTRACTION: f64 = 0.8;
 /// Largest last correction in shift, mm.
 const LAST_SHIFT: f64 = 1e-11;
@@ -259,7 +259,7 @@ pub(super) fn raised<S: Copy>(
 pub(super) struct Judge {
     bounds: Bounds,
     before: f64,
-    /// Largest ratio of a correction to the square of the previous one.
+    /// Largest ratio of a correction to the square of the previous correction.
     quotient: f64,
     steps: usize,
 }

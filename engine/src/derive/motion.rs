@@ -121,7 +121,7 @@ impl<const N: usize> DesignSeries<N> {
         self.steered.is_some()
     }
 
-    /// Replaces the design by another one of the same mechanism, without allocation.
+    /// Replaces the design with another design of the same mechanism, without allocation.
     pub fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<f64>]) {
         self.prepare_points(design);
         self.prepare_equations(mechanism);
@@ -140,7 +140,7 @@ impl<const N: usize> DesignSeries<N> {
         }
     }
 
-    /// Replaces the design by a design whose points move along the series. Each entry is `(point number, rate)`.
+    /// Replaces the design with a design whose points move along the series. Each entry is `(point number, rate)`.
     pub(crate) fn prepare_moving(
         &mut self,
         mechanism: &Mechanism,

@@ -12,8 +12,8 @@ use crate::model::Mechanism;
 use crate::number::Jet;
 use crate::number::{Each, Vector3};
 
-/// Pose as a power series in e, from the pose itself and its factorised Jacobian. `driver` and `rack` are series that describe
-/// the motion. For derivatives with respect to the drive, `driver` is the value of the drive plus e.
+/// Pose as a power series in e, from the pose itself and its factorised Jacobian. `driver` and `rack` are series that
+/// describe the motion. For derivatives with respect to the drive, `driver` is the value of the drive plus e.
 pub(crate) fn pose_series<const N: usize>(
     mechanism: &Mechanism,
     design: &[Vector3<Jet<f64, N>>],

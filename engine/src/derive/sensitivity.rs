@@ -245,7 +245,8 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         self.adjoint.hardpoint(id, gradient);
     }
 
-    /// Adds the derivative with respect to the rotation of the mechanism's knuckle. For a steered axle, this is the rotation of the axle.
+    /// Adds the derivative with respect to the rotation of the mechanism's knuckle. For a steered axle, this is the
+    /// rotation of the axle.
     #[inline(always)]
     pub fn turn(&mut self, moment: Vector3<T>) {
         self.adjoint.wrench(moment.zero(), moment);

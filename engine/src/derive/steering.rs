@@ -44,7 +44,7 @@ impl<const N: usize> Steered<N> {
         Steered { design, closure }
     }
 
-    /// Replaces the design by another one of the same mechanism, without allocation.
+    /// Replaces the design with another design of the same mechanism, without allocation.
     pub(crate) fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<Jet<f64, N>>]) {
         for (design_series, point) in self.design.iter_mut().zip(design) {
             *design_series = point.map(Jet::constant);

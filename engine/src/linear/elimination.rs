@@ -9,7 +9,7 @@
 
 use crate::number::{MaskOf, SimdReal, Valued};
 
-/// Replaces the first `size` rows of B and c by the solutions of A X = B and A x = c. Afterwards the diagonal of `a`
+/// Replaces the first `size` rows of B and c with the solutions of A X = B and A x = c. Afterwards the diagonal of `a`
 /// contains the pivots. Returns the lanes in which every pivot is finite and not zero.
 #[inline(always)]
 pub(crate) fn eliminate<T: Valued, const N: usize, const C: usize>(

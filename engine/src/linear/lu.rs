@@ -1,5 +1,6 @@
-//! LU factorisation with partial pivoting. The program uses it for the six closure equations, the same equations with a
-//! tangent as additional row and column, the twelve equations of a certificate, and the fifteen equations of Attia's paper.
+//! LU factorisation with partial pivoting. The program uses it for the six closure equations, with or without a tangent as
+//! additional row and column. It also solves the twelve equations of a certificate and the fifteen equations of Attia's
+//! paper.
 
 use crate::number::{Each, Jet, Scalar, array_of};
 

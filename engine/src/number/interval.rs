@@ -1,9 +1,9 @@
 //! Intervals that contain the exact result: arithmetic rounded outward.
 //!
 //! IEEE 754 rounds to the nearest number, so the exact result of +, -, x, / and the square root lies between the neighbours
-//! of the computed one. The code does not widen a sum whose rounding error is zero. This rounding error is itself a double,
-//! so the code can compute it (D. E. Knuth, *The Art of Computer Programming* 2, 4.2.2). Sine, cosine and the inverse
-//! functions come from the platform. The code assumes that their error is at most two units in the last place.
+//! of the computed result. The code does not widen a sum whose rounding error is zero. This rounding error is itself a
+//! double, so the code can compute it (D. E. Knuth, *The Art of Computer Programming* 2, 4.2.2). Sine, cosine and the
+//! inverse functions come from the platform. The code assumes that their error is at most two units in the last place.
 //!
 //! A result that is NaN or unbounded becomes the whole line, which certifies nothing.
 

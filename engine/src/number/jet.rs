@@ -2,8 +2,8 @@
 //!
 //! `Jet([c0, c1, c2])` means `c0 + c1 e + c2 e^2 + O(e^3)`; the k-th derivative is `k! c_k`. The recurrences are the usual
 //! recurrences for power series (A. Griewank, A. Walther, *Evaluating Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and
-//! 13.2). The code uses plain loops, because `array::map` and `from_fn` cost the compiler ten times as much. Products of
-//! the shortest series are the most frequent, so the code contains them without loops.
+//! 13.2). The code uses plain loops, because `array::map` and `from_fn` take ten times longer to compile. Products of the
+//! shortest series are the most frequent, so the code contains them without loops.
 
 #![allow(
     clippy::needless_range_loop,

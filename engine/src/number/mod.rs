@@ -1,5 +1,5 @@
-//! Number types of the formulas: plain `f64`, Taylor series in the drive ([`Jet`]), first derivatives with respect to a few
-//! inputs ([`Dual`]), and SIMD registers ([`Lanes`]).
+//! Number types of the formulas: plain `f64`, Taylor series ([`Jet`]), first derivatives with respect to a few inputs
+//! ([`Dual`]), and SIMD registers ([`Lanes`]).
 //!
 //! The crate contains every formula once, generic over [`Real`]. The number type determines the result: a value, its
 //! derivatives with respect to wheel travel, its gradient, or these results for many designs. Number types nest: a
@@ -96,8 +96,8 @@ pub trait Real:
         piece.work_outlined()
     }
 
-    /// Runs a piece of work like [`Real::outlined`], for the number type of a slice. (If the caller took the first number
-    /// by its index, the compiler would add code that drops the piece when the index is out of range.)
+    /// Runs a piece of work like [`Real::outlined`], for the number type of a slice. (With an index instead of a slice, the
+    /// compiler would add code that drops the piece if the index is out of range.)
     #[inline(always)]
     fn outlined_as<P: Outlined>(_: &[Self], piece: P) -> P::Output {
         piece.work_outlined()

@@ -241,7 +241,7 @@ impl<T: Real> Vector3<T> {
         }
     }
 
-    /// A constant vector, with the number type of this one.
+    /// A constant vector, with the number type of this vector.
     #[inline(always)]
     pub fn constant(self, value: Vector3<f64>) -> Self {
         Vector3::new(

@@ -1,7 +1,7 @@
 //! Newton's method for one set of wheels in contact.
 //!
-//! Several steps use the factors of one tangent. With the unknowns x and the steps s, both relative to the sizes of the
-//! unknowns, let L bound the relative change of the tangent G_x per step. With the factors at y, a step s from x leaves the
+//! Several steps use the factors of one tangent. Let x be the unknowns and s the steps, both divided by the sizes of the
+//! unknowns. Let L bound the relative change of the tangent G_x per step. With the factors at y, a step s from x leaves the
 //! error
 //!
 //! ```text
@@ -25,8 +25,8 @@ use crate::number::{Each, array_of};
 const CONTRACTION: f64 = 0.1;
 /// After a step below this limit, relative to the sizes of the unknowns, the next step uses the same tangent.
 const NEAR: f64 = 2e-3;
-/// After a step between half of [`NEAR`] and this limit, the next step still uses the tangent of a neighbouring state. After a
-/// shorter step the solver computes a new tangent, close to the solution.
+/// After a step between half of [`NEAR`] and this limit, the next step still uses the tangent of a neighbouring state.
+/// After a shorter step the solver computes a new tangent, close to the solution.
 const BESIDE: f64 = 2e-2;
 /// A step below this limit, relative to the sizes of the unknowns, is rounding error.
 pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
@@ -233,7 +233,7 @@ impl Iteration {
     }
 
     /// Takes a step, and keeps its factors if the next step can use them. If the tangent was computed too far away, or if
-    /// convergence is too slow, the iteration stays at its point, and the next step gets a new tangent.
+    /// convergence is too slow, the iteration stays at its point. The next step then gets a new tangent.
     fn advance(&mut self, step: Step, is_end: bool) {
         let longest = step.longest;
         if !step.is_fresh && (is_end || longest > CONTRACTION * self.smallest) {

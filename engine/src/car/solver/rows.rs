@@ -10,7 +10,7 @@
 //! - the set of wheels in contact would change, or the case has other settings than its block.
 //!
 //! One state in [`VERIFIED`] gets its exact tangent. This state must meet the condition of stability in
-//! [`super::super::stability`]. Otherwise the solver solves all states since the last one with a tangent again, alone.
+//! [`super::super::stability`]. Otherwise the solver solves all states since the last state with a tangent again, alone.
 
 use super::super::equations::{Held, LOADS, TRAVELS, UNKNOWNS, masses, static_loads};
 use super::super::parameters::Parameters;
@@ -171,7 +171,8 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Splits rows into blocks that [`CarSolver::solve_rows`] solves side by side. Results of a row do not depend on other rows.
+    /// Splits rows into blocks that [`CarSolver::solve_rows`] solves side by side. Results of a row do not depend on other
+    /// rows.
     pub fn blocks_of<'r, 'c>(rows: &'r [&'c [Case]]) -> impl Iterator<Item = &'r [&'c [Case]]> {
         let alike = |a: &&[Case], b: &&[Case]| match (a.first(), b.first()) {
             (Some(a), Some(b)) => fits(a, b),
@@ -407,8 +408,8 @@ impl<'a> CarSolver<'a> {
         take(self, place, found);
     }
 
-    /// State of a case with these unknowns and all wheels on the ground, with its tangent. `None` if a wheel has no curve there, or if
-    /// the tangent is singular.
+    /// State of a case with these unknowns and all wheels on the ground, with its tangent. `None` if a wheel has no curve
+    /// there, or if the tangent is singular.
     fn with_tangent(&mut self, case: &Case, x: [f64; UNKNOWNS]) -> Option<Equilibrium> {
         let travels = array_of(|k| x[TRAVELS + k]);
         let near = self.near(travels, case.racks)?;

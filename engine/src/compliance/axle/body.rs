@@ -127,7 +127,8 @@ impl<T: Scalar> ElasticAxle<T> {
         Some(axle)
     }
 
-    /// Adds derivatives to an equilibrium of [`ElasticAxle::on_its_links`]. Both travels are those of `held`.
+    /// Adds derivatives to an equilibrium of [`ElasticAxle::on_its_links`]. Its travels equal those of the equilibrium
+    /// `held`.
     pub(in crate::compliance) fn carried_on_links(
         &self,
         at: &AxleEquilibrium,

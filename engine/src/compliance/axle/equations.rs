@@ -52,7 +52,7 @@ impl<T: Scalar> AxleState<T> {
         }
     }
 
-    /// Positions of the shared bodies as seen from the wheel of a side.
+    /// Positions of the shared bodies in the axes of the wheel of a side.
     pub(in super::super) fn around(&self, side: usize) -> Surroundings<T> {
         match side {
             0 => self.around,
@@ -370,7 +370,7 @@ impl<T: Scalar> AxleEquations<T> {
         self.step(axle, &wheels, &shared, false)
     }
 
-    /// Computes all unknowns from those of equation (1).
+    /// Computes all unknowns from the unknowns of equation (1).
     pub(in super::super) fn step(
         &self,
         axle: &[ElasticWheel<T>; 2],

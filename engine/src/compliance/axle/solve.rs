@@ -99,7 +99,7 @@ impl ElasticAxle {
         }
     }
 
-    /// Newton's method from a state. A failure at one wheel comes with the index of its side.
+    /// Newton's method from a state. For a failure at one wheel, the error contains the index of its side.
     pub(super) fn newton(
         &self,
         start: &AxleState<f64>,

@@ -158,7 +158,7 @@ impl<'s, T: Scalar> Station<'s, T> {
 /// Value at a station, with its derivatives with respect to some inputs.
 #[derive(Clone, Copy, Debug)]
 pub struct KcGradient<'g> {
-    /// Index of the value among the requested ones.
+    /// Index of the value among the requested values.
     pub number: usize,
     /// Value at the station; `None` if it does not exist.
     pub value: Option<f64>,
@@ -167,8 +167,8 @@ pub struct KcGradient<'g> {
 }
 
 impl KcRun<'_> {
-    /// Values at a station with their derivatives with respect to inputs. The station has a travel, and a rack displacement along the
-    /// study's +y.
+    /// Values at a station with their derivatives with respect to inputs. The station has a travel, and a rack displacement
+    /// along the study's +y.
     pub fn gradients(
         &self,
         [travel, rack]: [f64; 2],

@@ -86,7 +86,7 @@ const FIGURES: &[(TestLoad, &[&str])] = &[
     ),
 ];
 
-/// Results that describe the whole axle, except those of a roll test, which also describe the whole axle.
+/// Results that describe the whole axle. All results of a roll test also do so, but are not in this list.
 const OF_AXLES: [&str; 4] = [
     "axle_steer_by_lateral_force",
     "understeer_by_lateral_force",

@@ -59,7 +59,7 @@ impl AxleKcRun<'_> {
         secants: Option<[WheelFigures<T>; 2]>,
     ) -> Vec<AxleFigure<T>> {
         let one = here.axle.travel(&here.at, Side::Left).one();
-        // These factors convert derivatives to those per unit load on the wheel itself.
+        // These factors convert the derivatives to derivatives per unit load on the wheel itself.
         let units = match test.load {
             TestLoad::Heave | TestLoad::Steering => [one; 2],
             TestLoad::Roll => match &by {

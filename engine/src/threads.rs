@@ -31,7 +31,7 @@ struct Stopped;
 
 /// Runs work on this thread. If the flag is raised, the work stops at its next checkpoint: between stations, steps of a
 /// path, or equilibria. If the flag is already raised, the work does not begin. Returns `None` if the work was stopped.
-/// Parallel parts of the work check their own flags.
+/// Parallel tasks within the work check their own flags.
 pub fn stoppable<T>(flag: &Arc<AtomicBool>, work: impl FnOnce() -> T) -> Option<T> {
     if flag.load(Ordering::Relaxed) {
         return None;
@@ -80,9 +80,9 @@ pub fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
         .build()
 }
 
-/// Runs a task on a large stack, with this number of threads for its parallel parts. The task runs in a new pool, or on
-/// this thread if it already belongs to such a pool. If the system cannot start a thread, the task runs on this thread,
-/// whose stack may suffice.
+/// Runs a task on a large stack, with this number of threads for parallel work. The task runs in a new pool, or on this
+/// thread if it already belongs to such a pool. If the system cannot start a thread, the task runs on this thread, whose
+/// stack may suffice.
 pub(crate) fn on_large_stacks<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
     let own = if HAS_LARGE_STACK.get() {
         None

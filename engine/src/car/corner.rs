@@ -107,8 +107,8 @@ struct ByTravels<T> {
 
 #[inline(always)]
 fn by_travels<T: Real>(held: AxleTravel, [first, second]: [T; 2]) -> ByTravels<T> {
-    // The variables are (own + other)/2 and (own - other)/2. A unit step of the own travel changes both by one half. A unit
-    // step of the other travel changes the second one by minus one half.
+    // The variables are (own + other)/2 and (own - other)/2. A unit step of the own travel changes both by 1/2. A unit step
+    // of the other travel changes the first by 1/2 and the second by -1/2.
     let other = match held {
         AxleTravel::Mean => second - first,
         AxleTravel::Difference => first - second,

@@ -34,7 +34,7 @@ pub(super) const BODY: usize = 8;
 pub(super) const VERTICAL: usize = 10;
 pub(super) const ROLL_MOMENT: usize = 11;
 pub(super) const PITCH_MOMENT: usize = 12;
-/// Equations that prescribed values of gamma, phi and theta (in this order) replace.
+/// Equations that the solver replaces if gamma, phi and theta (in this order) are prescribed.
 pub(super) const HELD_ROWS: [usize; 3] = [2, 0, 1];
 
 /// Inputs that stay fixed while the solver varies the unknowns.

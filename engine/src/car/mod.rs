@@ -57,7 +57,7 @@
 //! ```
 //!
 //! The equations are written once over any number type. One Newton step with numbers that carry gradients adds the gradient
-//! of the unknowns. A further step with series adds derivatives along a direction.
+//! of the unknowns. A further step with Taylor series adds derivatives along a direction.
 
 mod accepted;
 mod answers;

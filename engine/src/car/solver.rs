@@ -190,8 +190,8 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Finds the state of a case from a neighbouring state, if no turning point separates them. `None` if Newton's method
-    /// does not find it.
+    /// Finds the state of a case from a neighbouring state, if there is no turning point between them. `None` if Newton's
+    /// method does not find it.
     pub(super) fn solve_beside(&mut self, case: &Case, from: &Equilibrium) -> Option<Equilibrium> {
         let found = self.with_contact(case, Start::beside(from)).ok()?;
         (found.is_stiff() || found.follows(from, self.car)).then_some(found)

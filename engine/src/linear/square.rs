@@ -76,8 +76,7 @@ impl<T: Scalar> SquareLu<T> {
 mod tests {
     use super::*;
 
-    /// The matrix times the solution equals the right-hand side within a few rounding errors. The order of the equations
-    /// forces pivoting.
+    /// The matrix times the solution equals the right-hand side within a few rounding errors.
     #[test]
     fn the_solution_satisfies_the_equations() {
         let mut seed = 0.3_f64;

@@ -358,7 +358,7 @@ impl<T: Scalar, const N: usize> Scalar for Jet<T, N> {
 mod tests {
     use super::*;
 
-    /// Identities as power series: sin^2 + cos^2 = 1, atan2(sin, cos) = x and asin(sin) = x.
+    /// Identities hold for all coefficients of the power series: sin^2 + cos^2 = 1, atan2(sin, cos) = x and asin(sin) = x.
     #[test]
     fn elementary_functions_invert_each_other() {
         let x = Jet([0.7, 1.0, -0.4, 0.3]);

@@ -26,7 +26,7 @@ const CONTRACTION: f64 = 0.1;
 /// After a step below this limit, relative to the sizes of the unknowns, the next step uses the same tangent.
 const NEAR: f64 = 2e-3;
 /// After a step between half of [`NEAR`] and this limit, the next step still uses the tangent of a neighbouring state.
-/// After a shorter step the solver computes a new tangent, close to the solution.
+/// After a shorter step, the solver computes a new tangent close to the solution.
 const BESIDE: f64 = 2e-2;
 /// A step below this limit, relative to the sizes of the unknowns, is rounding error.
 pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;

@@ -22,7 +22,7 @@ use super::{CarSolver, Equilibrium, LONGEST_TRAVEL, LONGEST_TURN};
 use crate::axle::{CURVE_LANES, CurveLanes, CurveWheel};
 use crate::number::{Vector3, Width, array_of};
 
-/// Number of states between two states with an exact tangent.
+/// Number of states from one exact tangent to the next.
 const VERIFIED: usize = 8;
 /// Largest number of steps.
 const MOST_STEPS: usize = 10;

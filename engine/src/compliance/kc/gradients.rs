@@ -36,7 +36,7 @@ pub(super) struct Station<'s, T: Valued> {
     pub(super) sheet: Sheet<'s>,
     pub(super) at: Equilibrium<T>,
     tangents: [Option<Option<Tangent<T>>>; 2],
-    /// Inputs of characteristics along wheel travel, once computed.
+    /// Inputs of characteristics along wheel travel; `None` until they are computed.
     by_travel: Option<Option<Inputs<Jet<T, 2>>>>,
 }
 

@@ -28,7 +28,7 @@ pub struct Info {
 }
 
 impl Info {
-    /// Empty entry. Other entries take from it the fields that they do not set.
+    /// Empty entry with the default values of all fields.
     pub(crate) const EMPTY: Info = Info {
         name: "",
         unit: Unit::Ratio,

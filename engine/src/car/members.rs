@@ -248,7 +248,7 @@ impl CarSolver<'_> {
         let moment = if self.car.carrier_takes_torque(axle, setting.longitudinal) {
             nothing
         } else {
-            // Shafts from the body carry the torque about the spin axis, so the carrier does not.
+            // Shafts from the body carry the torque about the spin axis. This moment removes it from the carrier.
             let spin = wheel.corner.spin;
             let lever = wheel.contact - wheel.corner.centre;
             spin * -spin.dot(lever.cross(push))

@@ -1,4 +1,4 @@
-//! Parameters of a car and a case. Gradients are derivatives with respect to them.
+//! Parameters of a car and a case. Gradients contain derivatives with respect to these parameters.
 
 use super::{Car, Case};
 use crate::axle::{Axle, AxleKind, Preloaded, RockerSprings};

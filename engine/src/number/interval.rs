@@ -303,8 +303,8 @@ impl Scalar for Interval {
 mod tests {
     use super::*;
 
-    /// 1/3, 0.1 + 0.2 and sqrt(2) are not doubles. Their intervals contain them and are at most two doubles wide. The test
-    /// checks this with integer arithmetic. 0.1 and 0.2 stand for the nearest doubles.
+    /// 1/3, 0.1 + 0.2 and sqrt(2) are not doubles. The interval of 0.1 + 0.2 ends at two neighbouring doubles. Products of
+    /// the other intervals contain 1 and 2.
     #[test]
     fn inexact_results_lie_inside() {
         let one = Interval::point(1.0);

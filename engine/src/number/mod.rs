@@ -228,7 +228,7 @@ pub trait Scalar: Valued<Plain = f64> {
     fn value(self) -> f64;
 }
 
-/// A function whose formula depends on the values of its arguments, for example a function with cases.
+/// A function whose formula depends on the values of its arguments.
 pub trait LocalFunction<const N: usize, const K: usize> {
     /// Values of the function.
     fn at<T: Scalar>(&self, arguments: [T; N]) -> [T; K];

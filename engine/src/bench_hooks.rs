@@ -1,5 +1,6 @@
-//! Closure equations, their factorisation and the closed form, without the checks of the solver. `hardpoint-bench` runs them
-//! with other number types and other starts. `hardpoint-attia` factorises its own equations. Nothing else may use them.
+//! Closure equations, their factorisation and the closed form, without the checks of the solver. `hardpoint-bench` runs
+//! them with other number types and other starts. `hardpoint-attia` factorises its own equations. No other code may use
+//! them.
 
 pub use crate::linear::lu::{Lu, Lu6};
 pub use crate::mechanism::{Closure, Driver};
@@ -11,20 +12,20 @@ use crate::compliance::{
 };
 use crate::number::{MOST_LANES, SimdReal, SimdTask, Width};
 
-/// Angles and positions of a wheel in equilibrium. The function is compiled here, and not again in the crate that measures
-/// it.
+/// Angles and positions of a wheel in equilibrium. The function is compiled in this crate, and not again in the crate that
+/// measures it.
 pub fn wheel_figures(wheel: &ElasticWheel, at: &Equilibrium) -> WheelFigures {
     wheel.figures(at)
 }
 
-/// Work of [`equilibria_in_lanes`]: it passes the figures of each equilibrium on. The number of the piece of work is its last
-/// argument.
+/// Work of [`equilibria_in_lanes`]. It passes the angles and positions of each equilibrium to its first argument. Its last
+/// argument is the number of the piece of work.
 pub type LaneWork<'w> = dyn FnMut(&mut dyn FnMut(WheelFigures), usize) + 'w;
 
-/// Prepares equilibria of one wheel in lanes of a width, and passes two pieces of work to `measure`. The first one solves all
-/// loads from the equilibrium at the design height. The second one solves one load after the other in every lane, each from the
-/// equilibrium under the previous load. Both read the figures of the wheels. Returns false, and does not call `measure`, if
-/// lanes do not support the wheel.
+/// Prepares equilibria of one wheel in lanes of a width, and passes two pieces of work to `measure`. The first one solves
+/// all loads from the equilibrium at the design height. The second one solves one load after the other in every lane, each
+/// from the equilibrium under the previous load. Both compute the angles and positions of the wheels. If lanes do not
+/// support the wheel, the function returns false and does not call `measure`.
 pub fn equilibria_in_lanes(
     width: Width,
     wheel: &ElasticWheel,
@@ -97,7 +98,7 @@ impl SimdTask for LaneEquilibria<'_> {
     }
 }
 
-/// Loads in lanes, one after the other.
+/// Puts loads into lanes, one load per lane.
 #[inline(always)]
 fn side_by_side<B: SimdReal>(like: B, loads: &[WheelLoads]) -> WheelLoads<B> {
     let of = |part: fn(&WheelLoads) -> f64| {

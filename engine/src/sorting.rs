@@ -1,7 +1,8 @@
 //! Sorting, compiled once for all types.
 //!
-//! A sort of the standard library is compiled anew for every type and every comparison, and each copy is a thousand lines long.
-//! Here the indices are sorted, through a comparison that is called by its address. Hot loops sort their own types.
+//! The compiler compiles a sort of the standard library again for every type and every comparison, and each copy is a
+//! thousand lines long. This module sorts indices, with a comparison through a function pointer. Time-critical loops use
+//! the standard sorts instead.
 
 use std::cmp::Ordering;
 

@@ -30,8 +30,8 @@ thread_local! {
 struct Stopped;
 
 /// Runs work on this thread. If the flag is raised, the work stops at its next checkpoint: between stations, steps of a
-/// path, or equilibria. If the flag is raised before, the work does not begin. Returns `None` if it was stopped. Parallel
-/// parts of the work check their own flags.
+/// path, or equilibria. If the flag is already raised, the work does not begin. Returns `None` if the work was stopped.
+/// Parallel tasks within the work check their own flags.
 pub fn stoppable<T>(flag: &Arc<AtomicBool>, work: impl FnOnce() -> T) -> Option<T> {
     if flag.load(Ordering::Relaxed) {
         return None;
@@ -57,18 +57,18 @@ pub(crate) fn checkpoint() {
     }
 }
 
-/// Stack size of every thread in bytes. Without optimisation every temporary has its own place in a frame: at opt-level 0 a
-/// sweep overflows 4 MiB, and a certificate 10 MiB. (Threads of rayon have 2 MiB, a main thread usually 8.) The profile of
-/// an embedding program is outside the engine's control, and a stack overflow ends the process. Unused pages only take
-/// address space.
+/// Stack size of every thread in bytes. Without optimisation, every temporary takes space in the stack frame. At opt-level
+/// 0 a sweep overflows 4 MiB, and a certificate overflows 10 MiB. Threads of rayon have 2 MiB, and a main thread usually
+/// has 8 MiB. The engine does not control the profile of a program that embeds it, and a stack overflow ends the process.
+/// Unused pages only take address space.
 const STACK: usize = 64 << 20;
 
 thread_local! {
-    /// True if this thread belongs to a pool that this module made.
+    /// True if this thread belongs to a pool from this module.
     static HAS_LARGE_STACK: Cell<bool> = const { Cell::new(false) };
 }
 
-/// Makes a pool with this number of threads; 0 means rayon's default.
+/// Makes a pool with this number of threads; 0 selects rayon's default.
 ///
 /// # Errors
 /// If the system cannot start the threads.
@@ -80,9 +80,9 @@ pub fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
         .build()
 }
 
-/// Runs a task on a large stack, with this number of threads for its parallel parts. It uses a new pool, or this thread if
-/// it already belongs to such a pool. If no thread can be started, the task also runs on this thread, whose stack may
-/// suffice.
+/// Runs a task on a large stack, with this number of threads for parallel work. The task runs in a new pool, or on this
+/// thread if it already belongs to such a pool. If the system cannot start a thread, the task runs on this thread, whose
+/// stack may suffice.
 pub(crate) fn on_large_stacks<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
     let own = if HAS_LARGE_STACK.get() {
         None
@@ -99,7 +99,7 @@ pub(crate) fn on_large_stacks<T: Send>(threads: usize, run: impl FnOnce() -> T +
 mod tests {
     use super::*;
 
-    /// Recursion that uses this many KiB of stack.
+    /// Recursive function that uses this number of KiB of stack.
     fn descend(kib: usize) -> usize {
         let frame = std::hint::black_box([1_u8; 1024]);
         match kib {
@@ -116,7 +116,7 @@ mod tests {
         assert_eq!(all, [12 << 10; 2]);
     }
 
-    /// Work stops at the checkpoint after its flag is raised. Work that contains other work stops only by its own flag.
+    /// Work stops at the checkpoint after its flag is raised. The flag of inner work does not stop the work around it.
     #[test]
     fn work_ends_at_a_checkpoint() {
         let [outer, inner] = [(); 2].map(|()| Arc::new(AtomicBool::new(false)));

@@ -7,11 +7,11 @@ use std::fmt;
 pub enum Accepted {
     /// Every number.
     All,
-    /// Numbers above this one.
+    /// Numbers above this limit.
     Above(f64),
-    /// Numbers below this one.
+    /// Numbers below this limit.
     Below(f64),
-    /// Numbers between these two, without the two themselves.
+    /// Numbers between these limits, without the limits.
     Between(f64, f64),
     /// Shares: numbers from 0 to 1, both included.
     Share,

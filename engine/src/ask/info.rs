@@ -17,7 +17,7 @@ pub struct Info {
     pub formula: &'static str,
     /// Source of the definition.
     pub source: &'static str,
-    /// Inputs of the formula. An axle's formula also reads position and rotation of both carriers.
+    /// Inputs of the formula. A formula of an axle also has the positions and rotations of both carriers as inputs.
     pub reads: &'static [Slot],
     /// Inputs and parts that the study must give.
     pub needs: &'static [Need],
@@ -28,7 +28,7 @@ pub struct Info {
 }
 
 impl Info {
-    /// An empty entry. Other entries take the fields from it that they do not set.
+    /// Empty entry with the default values of all fields.
     pub(crate) const EMPTY: Info = Info {
         name: "",
         unit: Unit::Ratio,

@@ -1,8 +1,8 @@
 //! Vocabulary of requests: plain data without numerics.
 //!
-//! [`Unit`] is the kind of a number and its printed unit. [`Need`] is an input or part that a quantity requires. [`Info`] is
-//! the catalogue entry of a quantity, of a wheel or of an axle. [`NoValue`] is the reason why a quantity has no value. [`Accepted`] is
-//! the set of values that a study accepts for a number.
+//! [`Unit`] is the physical type of a number, with its printed unit. [`Need`] is an input or part that a quantity requires.
+//! [`Info`] is the catalogue entry of a quantity of a wheel or an axle. [`NoValue`] is the reason why a quantity has no
+//! value. [`Accepted`] is the set of values that a study accepts for a number.
 
 mod accepted;
 mod info;

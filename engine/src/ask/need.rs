@@ -2,7 +2,7 @@
 
 use crate::model::{AxlePosition, Suspension};
 
-/// An input or part, besides the hardpoints, that a quantity requires.
+/// Input or part that a quantity requires in addition to the hardpoints.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Need {
@@ -26,7 +26,7 @@ pub enum Need {
     Rocker,
     /// An anti-roll bar with its drop link.
     AntiRollBar,
-    /// A steering axis in the topology: the wheel can be steered, or something prevents it from steering.
+    /// A steering axis in the topology: the wheel steers, or a link prevents it from steering.
     SteeringAxis,
     /// `strut_upper` in `[suspension.hardpoints]`.
     StrutUpper,
@@ -130,7 +130,7 @@ impl Need {
         }
     }
 
-    /// Key or part of a study that meets the need. `None` if more than one key does.
+    /// Key or part of a study that meets the need. `None` if the need has more than one key.
     pub fn key(self) -> Option<&'static str> {
         Some(match self {
             Need::WheelRadius => "radius in [wheel]",

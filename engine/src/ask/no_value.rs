@@ -5,11 +5,12 @@
 pub enum NoValue {
     /// The station has no pose.
     NoPose,
-    /// The quantity is a quotient of two differences of steer angles, and both are zero straight ahead.
+    /// The quantity divides two differences of steer angles, and both differences are zero straight ahead.
     StraightAhead,
-    /// The quantity is the intersection of two normals, and they are parallel.
+    /// The quantity is the intersection of two normals, and these normals are parallel.
     ParallelNormals,
-    /// The wheels stand on pads of different heights, and the quantity is a derivative along roll on a plane ground.
+    /// The wheels stand on pads of different heights, but the quantity is a derivative with respect to roll on a plane
+    /// ground.
     NoPlane,
     /// A rocker is at a toggle or beyond it.
     Toggle,

@@ -1,4 +1,4 @@
-//! Kinds of numbers, and the units in which they are printed.
+//! Physical types of numbers, and their printed units.
 //!
 //! Inside the program angles are in radians, lengths in the study's unit, forces in newtons and torques in newtons
 //! times the study's length unit.
@@ -6,7 +6,7 @@
 use crate::model::LengthUnit;
 use std::f64::consts::PI;
 
-/// Kind of a number. It determines the printed unit.
+/// Physical type of a number. It determines the printed unit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Unit {
@@ -92,7 +92,7 @@ impl Unit {
         }
     }
 
-    /// Power of the study's unit of length in a value inside the program.
+    /// Exponent of the length unit in values of this kind inside the program.
     fn power_of_length(self) -> i32 {
         match self {
             Unit::Length

@@ -57,7 +57,7 @@ impl Car {
 }
 
 impl Moves {
-    /// Everything but hardpoints that a study can vary: rates of both axles, then values of the whole car.
+    /// Values that a study can vary, except hardpoints: rates of both axles, then values of the whole car.
     pub fn values() -> impl Iterator<Item = Moves> {
         let rates = [0, 1].into_iter().flat_map(|axle| {
             let rate = move |parameter| Moves::Rate { axle, parameter };
@@ -66,7 +66,7 @@ impl Moves {
         rates.chain(FIGURES)
     }
 
-    /// Values that a study accepts, with all other values of the car as they are. They are in the unit of the study.
+    /// Values that a study accepts while all other values of the car stay unchanged, in the study's unit.
     pub fn accepted(&self, car: &Car) -> Accepted {
         match *self {
             Moves::Hardpoints(_) => Accepted::All,
@@ -102,20 +102,20 @@ impl Moves {
         }
     }
 
-    /// Difference of the left spring's rate above the right one's; 0 if the left rate is lower. A variable of the rate moves both
-    /// by the same amount.
+    /// Left spring rate minus right spring rate; 0 if the left rate is lower. A variable changes both rates by the same
+    /// amount.
     fn excess_of_left(&self, car: &Car, axle: usize) -> f64 {
         let Some(laws) = &car.axles[axle].setup.springs else {
             return 0.0;
         };
         match laws.each_ref().map(|law| law.rate()) {
             [Some(left), Some(right)] => (left - right).max(0.0) / self.written_unit(car),
-            // A spring with a force curve has no rate, and no variable moves it.
+            // A spring with a force curve has no rate, and no variable changes it.
             _ => 0.0,
         }
     }
 
-    /// Words for one value and for several.
+    /// Singular and plural noun for the value, for messages.
     pub fn nouns(&self) -> [&'static str; 2] {
         match self {
             Moves::Hardpoints(_) => ["offset", "offsets"],

@@ -23,7 +23,7 @@ pub struct CarRequest<'c> {
     pub results: Vec<CaseResult>,
 }
 
-/// Cases of a design without an equilibrium.
+/// Number of a design's cases that have no equilibrium, and the first such case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FailedCases {
     /// Number of cases that failed.
@@ -38,7 +38,7 @@ pub struct FailedCases {
 pub type CarFault = (usize, Side, DesignFault);
 
 impl<'c> CarRequest<'c> {
-    /// Requests every result in every case in which it is defined, and the `further` ones.
+    /// Requests every result in every case in which it is defined, and the `further` results.
     pub fn of(
         cases: &'c [Case],
         quantities: &[CarQuantity],
@@ -74,15 +74,15 @@ impl<'c> CarRequest<'c> {
         format!("{case}_{}", result.quantity.column(car.length_unit))
     }
 
-    /// Results of a case, and the index of the first.
+    /// Index of a case's first result, and all results of the case.
     fn of_case(&self, case: usize) -> (usize, &[CaseResult]) {
         let from = self.results.partition_point(|result| result.case < case);
         let to = self.results.partition_point(|result| result.case <= case);
         (from, &self.results[from..to])
     }
 
-    /// Writes the results of a design in printed units. NaN for missing results. Every case is solved from the design
-    /// position, so that the numbers depend only on this case.
+    /// Writes the results of a design in printed units. Missing results are NaN. The solver starts every case from the
+    /// design position, so its results do not depend on other cases.
     ///
     /// # Errors
     /// The reason if the design position cannot be solved.

@@ -1,4 +1,4 @@
-//! Load cases, and reasons why one has no equilibrium.
+//! Load cases, and reasons why a case has no equilibrium.
 
 use super::catalogue::WheelPlace;
 use super::{AXLE_NAMES, Car};
@@ -32,9 +32,9 @@ pub struct Setting {
     pub elastic_tyres: bool,
     /// Source of longitudinal forces.
     pub longitudinal: Longitudinal,
-    /// Distribution of an axle's lateral force on its wheels.
+    /// Distribution of an axle's lateral force between its wheels.
     pub lateral_shares: LateralShares,
-    /// Distribution of an axle's longitudinal force on its wheels.
+    /// Distribution of an axle's longitudinal force between its wheels.
     pub longitudinal_shares: LongitudinalShares,
     /// Axes of the tyre forces.
     pub tyre_axes: TyreAxes,
@@ -49,7 +49,7 @@ pub enum Longitudinal {
     Drive,
 }
 
-/// Distribution of an axle's lateral force on its wheels.
+/// Distribution of an axle's lateral force between its wheels.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LateralShares {
     /// In proportion to the wheel loads.
@@ -60,7 +60,7 @@ pub enum LateralShares {
     Left([f64; 2]),
 }
 
-/// Distribution of an axle's longitudinal force on its wheels.
+/// Distribution of an axle's longitudinal force between its wheels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LongitudinalShares {
     /// In proportion to the wheel loads.
@@ -116,9 +116,9 @@ pub enum NoEquilibrium {
     Singular,
     /// No set of wheels in contact satisfies the equations.
     NoContactSet {
-        /// A wheel that can neither be in contact nor lifted.
+        /// Wheel for which neither contact nor lift satisfies the equations.
         wheel: WheelPlace,
-        /// True if an axle distributes its force equally, which may be the cause.
+        /// True if an axle distributes its force equally. This may be the cause.
         equal_shares: bool,
     },
     /// All wheels have lifted.
@@ -128,11 +128,11 @@ pub enum NoEquilibrium {
         /// Axle: 0 front, 1 rear.
         axle: usize,
     },
-    /// The car rolls or pitches over: beyond this state, its weight turns it further than springs turn it back.
+    /// The car rolls or pitches over: beyond this state, the moment of its weight exceeds the moment of the springs.
     Tips,
-    /// The body sinks: beyond this state, the springs' forces at the wheels grow less than the load.
+    /// The body sinks: beyond this state, the spring forces at the wheels grow more slowly than the load.
     Sinks,
-    /// No part carries the body.
+    /// No spring or other part carries the body.
     Unsupported,
 }
 

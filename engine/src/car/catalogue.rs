@@ -95,7 +95,7 @@ macro_rules! catalogue {
                 /// All variants, in their order.
                 pub const ALL: &'static [$Kind] = &[$($Kind::$entry),*];
 
-                /// Entry.
+                /// Catalogue entry.
                 pub fn info(self) -> &'static CarInfo {
                     match self {
                         $($Kind::$entry => &CarInfo {
@@ -240,7 +240,7 @@ pub enum CarQuantity {
 }
 
 impl CarQuantity {
-    /// All quantities: the car's, those of each wheel, those of each axle.
+    /// All quantities: results of the car, of each wheel, and of each axle.
     pub fn all() -> Vec<CarQuantity> {
         let whole = WholeResult::ALL.iter().copied().map(CarQuantity::Whole);
         let wheels = WheelPlace::ALL.into_iter().flat_map(|place| {
@@ -254,7 +254,7 @@ impl CarQuantity {
         whole.chain(wheels).chain(axles).collect()
     }
 
-    /// All names for [`CarQuantity::named`]: of single results, and of those of all wheels or both axles.
+    /// All names that [`CarQuantity::named`] accepts. A name selects one result, or one result of all wheels or both axles.
     pub fn names() -> Vec<String> {
         let all = CarQuantity::all().into_iter();
         let mut names: Vec<String> = all.map(CarQuantity::name).collect();
@@ -266,7 +266,7 @@ impl CarQuantity {
         names
     }
 
-    /// Results with this name: one, or those of all four wheels or both axles.
+    /// Results with this name: one result, or the results of all four wheels or both axles.
     pub fn named(name: &str) -> Vec<CarQuantity> {
         let matches = |quantity: &CarQuantity| {
             let plain = match quantity {
@@ -278,7 +278,7 @@ impl CarQuantity {
         };
         let mut found = CarQuantity::all();
         found.retain(matches);
-        // If the car itself has a result of this name, it takes precedence over those of both axles.
+        // A result of the whole car takes precedence over results of the axles with the same name.
         if let Some(whole) = found.iter().find(|q| matches!(q, CarQuantity::Whole(_))) {
             return vec![*whole];
         }
@@ -350,7 +350,7 @@ impl CarQuantity {
         columns
     }
 
-    /// Results that sweeps and tolerances keep for a study that names none.
+    /// Default results of sweeps and tolerance studies.
     pub fn key_columns(car: &Car) -> Vec<CarQuantity> {
         let load = |place| CarQuantity::Wheel(place, WheelResult::Load);
         let mut columns = WheelPlace::ALL.each(load).to_vec();
@@ -373,7 +373,7 @@ impl CarQuantity {
         columns
     }
 
-    /// Entry.
+    /// Catalogue entry.
     pub fn info(self) -> &'static CarInfo {
         match self {
             CarQuantity::Wheel(_, result) => result.info(),
@@ -417,8 +417,8 @@ impl CarQuantity {
         self == CarQuantity::Whole(WholeResult::JackingHeave)
     }
 
-    /// Reason why the result is undefined in a case. It is 0/0, or it concerns braking while the case has drive forces, or
-    /// the reverse. `None` if it is defined.
+    /// Reason why the result is undefined in a case; `None` if it is defined. Its formula is 0/0, or the result applies
+    /// only to braking and the case has drive forces, or the reverse.
     pub fn undefined_in(self, case: &Case) -> Option<&'static str> {
         use WholeResult::{
             AntiDive, AntiLiftFront, AntiLiftRear, AntiSquat, Distribution, DistributionElastic,

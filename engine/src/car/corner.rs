@@ -5,7 +5,7 @@ use crate::characteristics::{NumberPart, VectorPart};
 use crate::model::AxleTravel;
 use crate::number::{Each, Real, Vector3};
 
-/// Derivatives of a wheel by one travel of its axle, with the body held.
+/// Derivatives of a wheel's pose with respect to one travel of its axle, with the body held.
 #[derive(Clone, Copy, Debug)]
 pub struct WheelRates<T> {
     /// Derivative W' of the wheel centre.
@@ -18,7 +18,7 @@ pub struct WheelRates<T> {
     pub bar: T,
 }
 
-/// Motion of the axle under the knuckles of a steered solid axle, as its left wheel rises and its right wheel falls.
+/// Motion of a steered solid axle, without its knuckles, as the left wheel rises and the right wheel falls.
 #[derive(Clone, Copy, Debug)]
 pub struct AxleMotion<T> {
     /// A point of the axle.
@@ -32,7 +32,7 @@ pub struct AxleMotion<T> {
 /// State of one wheel at its travel, in the car's axes.
 #[derive(Clone, Copy, Debug)]
 pub struct Corner<T> {
-    /// 1 for a left wheel, -1 for a right one.
+    /// 1 for a left wheel, -1 for a right wheel.
     pub sign: f64,
     /// Wheel centre W.
     pub centre: Vector3<T>,
@@ -46,7 +46,7 @@ pub struct Corner<T> {
     pub bar: T,
     /// Motion of the rocker, in the frame of the wheel's side.
     pub rocker: RockerMotion<T>,
-    /// Wheel centre in the design position.
+    /// Wheel centre W in the design position.
     pub design_centre: Vector3<T>,
     /// Spin axis in the design position.
     pub design_spin: Vector3<T>,
@@ -58,7 +58,7 @@ pub struct Corner<T> {
     pub axle: Option<AxleMotion<T>>,
 }
 
-/// Steps from the travels at which the wheel was read.
+/// Differences from the travels at which the wheel was read.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps<T> {
     /// Step of the wheel's own travel.
@@ -69,9 +69,10 @@ pub(super) struct Steps<T> {
     pub rack: Option<T>,
 }
 
-/// Value of a polynomial in two variables up to the third degree, and its derivatives with respect to both variables. These numbers have
-/// exact derivatives by the steps up to the second order. Without a second step, the second variable is left out. With the
-/// fourth degree, derivatives with respect to the first variable alone are exact up to the third order.
+/// Value and first derivatives of a polynomial of third degree in two variables. Their derivatives with respect to the
+/// steps are exact up to the second order. Without a second step, the function omits the second variable. If the
+/// fourth-degree coefficient is known, derivatives with respect to the first variable alone are exact up to the third
+/// order.
 #[inline(always)]
 fn polynomial<T: Real>(
     c: impl Fn([usize; 2]) -> T,
@@ -98,7 +99,7 @@ fn polynomial<T: Real>(
     ]
 }
 
-/// Derivatives with respect to the wheel's own travel and by the other wheel's, from derivatives with respect to the two variables of a reading.
+/// Derivatives with respect to the wheel's own travel and to the other wheel's travel.
 struct ByTravels<T> {
     own: T,
     other: T,
@@ -106,8 +107,8 @@ struct ByTravels<T> {
 
 #[inline(always)]
 fn by_travels<T: Real>(held: AxleTravel, [first, second]: [T; 2]) -> ByTravels<T> {
-    // A step of the own travel changes the mean by one half and the difference, own less other, by one half. A step of the
-    // other travel changes the mean by one half and the difference by minus one half.
+    // The variables are (own + other)/2 and (own - other)/2. A unit step of the own travel changes both by 1/2. A unit step
+    // of the other travel changes the first by 1/2 and the second by -1/2.
     let other = match held {
         AxleTravel::Mean => second - first,
         AxleTravel::Difference => first - second,
@@ -130,7 +131,7 @@ impl<T: Copy> WheelRates<T> {
 }
 
 impl<T: Copy> Corner<T> {
-    /// Converts all numbers of the wheel to another kind.
+    /// Converts all numbers of the wheel to another number type.
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Corner<U> {
         Corner {
             sign: self.sign,
@@ -154,8 +155,7 @@ impl<T: Copy> Corner<T> {
 }
 
 impl<T: Real> Corner<T> {
-    /// Reads `wheel`, in the frame of its own side, at the steps. `lift` converts numbers of the wheel to numbers of this
-    /// kind.
+    /// Reads `wheel`, in the frame of its own side, at the steps. `lift` converts the wheel's numbers to this number type.
     #[inline(always)]
     pub(super) fn read<U: Real, W: WheelParts<U>>(
         wheel: &W,
@@ -175,7 +175,7 @@ impl<T: Real> Corner<T> {
                 turns[1] = turns[1] + column.cross(second);
             }
         }
-        // The angular velocity is an axial vector: its mirror image turns the other way.
+        // The angular velocity is an axial vector, so mirroring also reverses its sign.
         let turns = turns.each(|turn| mirrored(turn.scaled(0.5)).scaled(sign));
         let mut vectors = [[Vector3::new(zero, zero, zero); 3]; 3];
         let parts = [
@@ -243,8 +243,8 @@ impl<T: Real> Corner<T> {
     }
 }
 
-/// Motion of the axle by the difference of travels. It is given by two columns of its rotation and a point, each with its derivatives
-/// by both coordinates of the expansion.
+/// Motion of the axle with respect to the difference of travels. The inputs are two columns of its rotation and a point,
+/// each with its derivatives with respect to both coordinates of the expansion.
 fn axle_motion<T: Real>(
     held: AxleTravel,
     [along, across]: [[Vector3<T>; 3]; 2],
@@ -266,7 +266,7 @@ fn axle_motion<T: Real>(
 
 /// Small displacement from the point of expansion.
 struct Displacement<T> {
-    /// Step of the first coordinate: the wheel's own travel, or the travel that the mode of an axle does not hold.
+    /// Step of the first coordinate: the wheel's own travel, or the axle's travel (mean or difference) that is not held.
     first: T,
     /// Step of the second coordinate: the rack or the held travel. `None` without such a coordinate.
     second: Option<T>,
@@ -295,18 +295,18 @@ impl<T: Real> Displacement<T> {
         }
     }
 
-    /// A number and its derivatives with respect to both coordinates, from its coefficients by powers.
+    /// A number and its derivatives with respect to both coordinates, from the coefficients of its power series.
     #[inline(always)]
     fn number(&self, of: impl Fn([usize; 2]) -> T) -> [T; 3] {
         polynomial(of, self.first, self.second, self.has_fourth)
     }
 
-    /// A vector and its derivatives with respect to both coordinates, from its coefficients by powers.
+    /// A vector and its derivatives with respect to both coordinates, from the coefficients of its power series.
     #[inline(always)]
     fn vector(&self, of: impl Fn([usize; 2]) -> Vector3<T>) -> [Vector3<T>; 3] {
         let (a, b) = (self.first, self.second);
         let zero = a.zero();
-        // Each vector coefficient is read once and serves all three components.
+        // Reads each vector coefficient once for all three components.
         let mut table = [[Vector3::new(zero, zero, zero); 4]; 5];
         let degrees = if self.has_fourth { 5 } else { 4 };
         for (i, row) in table.iter_mut().enumerate().take(degrees) {
@@ -327,8 +327,9 @@ impl<T: Real> Displacement<T> {
     }
 }
 
-/// A vector of a wheel and its derivatives with respect to both coordinates. At the travels of the coefficients they are coefficients themselves, and
-/// then no closure is called, which a compiler would not inline for SIMD lanes.
+/// A vector of a wheel and its derivatives with respect to both coordinates. At the travels of the expansion, value and
+/// derivatives are coefficients. This branch reads them directly, because the compiler would not inline the closure for
+/// SIMD lanes.
 #[inline(always)]
 fn vector<T: Real, U: Real, W: WheelParts<U>>(
     at: &Displacement<T>,
@@ -381,7 +382,8 @@ fn number<T: Real, U: Real, W: WheelParts<U>>(
     at.number(|p| lift(wheel.number(part, p)))
 }
 
-/// Rates by the wheel's own travel and by the other wheel's, from derivatives with respect to the coordinates of the expansion.
+/// Rates with respect to the wheel's own travel and to the other wheel's travel, from derivatives with respect to the
+/// coordinates of the expansion.
 #[inline(always)]
 fn rates<T: Real>(
     carriers: Carriers,

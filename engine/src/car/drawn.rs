@@ -8,7 +8,7 @@ use crate::number::{Each, Vector3};
 /// Positions in the axes of the ground under the car: forward, left, height above the ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarDrawing {
-    /// Points of each axle: first those of the left wheel, then those of the right wheel.
+    /// Points of each axle: first the left wheel's points, then the right wheel's points.
     pub points: [Vec<[f64; 3]>; 2],
     /// Lowest point of each wheel: front left, front right, rear left, rear right.
     pub contacts: [[f64; 3]; 4],
@@ -47,7 +47,7 @@ impl CarSolver<'_> {
             0 => Vector3::default(),
             _ => self.car.rear_offset,
         };
-        // Each wheel is given in the frame of its own side. The frame of a right wheel is the mirror image.
+        // Each wheel has coordinates in the frame of its own side. The frame of a right wheel is mirrored.
         let plain = |axle: usize, side: Side, v: Vector3<f64>| {
             Vector3::new(v.x, side.sign() * v.y, v.z) + offset(axle)
         };

@@ -26,7 +26,7 @@ pub(super) const LOADS: usize = 7;
 pub(super) const SIDE_FORCES: usize = 11;
 pub(super) const LONGITUDINAL: usize = 13;
 
-/// First indices of the equations: contacts and travels of the wheels, then the whole car.
+/// Index of the first equation of each group: contacts of the wheels, travels of the wheels, whole car.
 pub(super) const CONTACTS: usize = 0;
 pub(super) const BALANCES: usize = 4;
 pub(super) const BODY: usize = 8;
@@ -34,7 +34,7 @@ pub(super) const BODY: usize = 8;
 pub(super) const VERTICAL: usize = 10;
 pub(super) const ROLL_MOMENT: usize = 11;
 pub(super) const PITCH_MOMENT: usize = 12;
-/// Equations that are replaced if gamma, phi and theta (in this order) are prescribed.
+/// Equations that the solver replaces if gamma, phi and theta (in this order) are prescribed.
 pub(super) const HELD_ROWS: [usize; 3] = [2, 0, 1];
 
 /// Inputs that stay fixed while the solver varies the unknowns.
@@ -53,7 +53,7 @@ pub struct WheelState<T> {
     pub corner: Corner<T>,
     /// Wheel load N.
     pub load: T,
-    /// Parts of the load by (9): elastic, geometric, longitudinal, unsprung.
+    /// Components of the load by (9): elastic, geometric, longitudinal, unsprung.
     pub parts: [T; 4],
     /// Lateral force S, to the left.
     pub side_force: T,
@@ -67,9 +67,9 @@ pub struct WheelState<T> {
     pub across: Vector3<T>,
     /// Contact point C.
     pub contact: Vector3<T>,
-    /// Derivative C' by the wheel's own travel.
+    /// Derivative C' with respect to the wheel's own travel.
     pub contact_rate: Vector3<T>,
-    /// Velocity of the carrier's point at C by the other wheel's travel, for a solid axle.
+    /// Velocity of the carrier's point at C with respect to the other wheel's travel, for a solid axle.
     pub contact_by_other: Option<Vector3<T>>,
     /// Loaded radius.
     pub radius: T,
@@ -207,7 +207,7 @@ impl<T: Scalar> Balance<T> {
     }
 }
 
-/// Ground under a car, and the acceleration that its masses feel.
+/// Ground under a car, and the acceleration of its masses including gravity.
 pub(super) struct Ground<T> {
     /// Directions of the ground.
     pub road: Road<T>,
@@ -234,7 +234,7 @@ impl<T: Local> Ground<T> {
     }
 }
 
-/// Resultant force of forces on the car, and its moment about the origin.
+/// Resultant of forces on the car, and their moment about the origin.
 #[derive(Clone, Copy)]
 pub(super) struct Resultant<T> {
     force: Vector3<T>,
@@ -242,7 +242,7 @@ pub(super) struct Resultant<T> {
 }
 
 impl<T: Copy> Resultant<T> {
-    /// Converts all numbers to another kind.
+    /// Converts all numbers to another number type.
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Resultant<U> {
         Resultant {
             force: self.force.map(f),
@@ -291,9 +291,9 @@ impl<T: Local> Resultant<T> {
     }
 }
 
-/// Forces on the body that do not come from its wheels.
+/// Forces on the body, except those from its wheels.
 pub(super) struct Body<T> {
-    /// Resultant of the inertia of the sprung mass and of the air.
+    /// Resultant of the sprung mass's inertia and the aerodynamic forces.
     pub resultant: Resultant<T>,
     air: [T; 3],
     ride_heights: [T; 2],
@@ -334,7 +334,7 @@ impl<T: Local> Body<T> {
     }
 }
 
-/// Wheels under their forces, and the residuals of all equations.
+/// Forces of the wheels, and the residuals of all equations.
 pub(super) struct Loaded<T> {
     forces: [Forces<T>; 4],
     /// Torque of each axle's anti-roll bar.
@@ -346,7 +346,7 @@ pub(super) struct Loaded<T> {
 }
 
 impl<T: Local> Loaded<T> {
-    /// Parts (9) of the wheel loads.
+    /// Components (9) of the wheel loads.
     #[inline(always)]
     pub(super) fn parts(&self, wheels: [&Stance<T>; 4]) -> [[T; 4]; 4] {
         let [a, b, c, d] = wheels;
@@ -356,7 +356,8 @@ impl<T: Local> Loaded<T> {
         [a, b, c, d]
     }
 
-    /// Computes the forces for values of the unknowns. The wheels and the other forces on the body belong to these values.
+    /// Computes the forces for values of the unknowns. The caller gives the wheels and the other forces on the body at
+    /// these values.
     #[inline(always)]
     pub(super) fn of(
         held: &Held<'_>,

@@ -1,4 +1,5 @@
-//! Formulas of results. j and J are the jacking coefficients along the ground and across the wheel.
+//! Formulas of results. The jacking coefficients are j for side forces along the ground and J for side forces across the
+//! wheel.
 
 pub(super) mod axle;
 pub(super) mod car;

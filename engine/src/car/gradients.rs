@@ -1,4 +1,4 @@
-//! Derivatives of results by hardpoints and parameters, equation (10) of [`super`].
+//! Derivatives of results with respect to hardpoints and parameters, equation (10) of [`super`].
 
 use super::equations::Balance;
 use super::parameters::{AxleParameter, BodyParameter, Parameter, Parameters};
@@ -14,18 +14,19 @@ use crate::number::{Each, Scalar, Tape, Tracked, Vector3};
 pub struct CarGradient {
     /// Value of the result, in radians, newtons and length units.
     pub value: f64,
-    /// Derivatives with respect to the hardpoints of each axle's left wheel, in the kernel's frame. The right wheel's hardpoints move
-    /// with them as mirror images.
+    /// Derivatives with respect to the hardpoints of each axle's left wheel, in the kernel's frame. The right wheel's
+    /// hardpoints move as mirror images.
     pub hardpoints: [Vec<Vector3<f64>>; 2],
-    /// Derivatives with respect to the own points of each wheel, in the kernel's frame of its side. Order of the wheels: front left, front right,
-    /// rear left, rear right. Each wheel of a solid axle has all points of the axle, as it sees them.
+    /// Derivatives with respect to each wheel's hardpoints alone, in the kernel's frame of its side. Order of the wheels:
+    /// front left, front right, rear left, rear right. Each wheel of a solid axle has all points of the axle, in the frame
+    /// of its side.
     pub wheels: [Vec<Vector3<f64>>; 4],
     /// Derivatives with respect to all parameters.
     pub parameters: [f64; Parameter::COUNT],
 }
 
 impl<'a> CarSolver<'a> {
-    /// Computes a state with its derivatives along directions.
+    /// Computes a state with its derivatives with respect to accelerations, a couple, body motions and warp.
     pub fn solved(
         &mut self,
         case: &Case,
@@ -61,8 +62,8 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Adds the heave of the car at rest to results that count from rest, with its derivatives with respect to the design. This state at
-    /// rest does not depend on accelerations, speed, warp and racks of the case.
+    /// Adds the heave of the car at rest, with its derivatives with respect to the design, to results that are measured
+    /// from rest. This heave does not depend on accelerations, speed, warp and racks of the case.
     fn add_rest(
         &mut self,
         case: &Case,
@@ -174,8 +175,9 @@ impl<'a> CarSolver<'a> {
         Ok(gradients)
     }
 
-    /// Derivatives with respect to the parameters, the first numbers of the tape. Derivatives with respect to the racks are NaN if they are not known. Those by a
-    /// steering gear follow from the derivatives with respect to the points of its axle.
+    /// Derivatives with respect to the parameters, which are the first numbers of the tape. With a steering gear, the
+    /// rack's derivative follows from the derivatives with respect to the points of the axle. Unknown derivatives with
+    /// respect to the racks are NaN.
     fn of_parameters(
         &self,
         by_numbers: &[f64],
@@ -202,7 +204,7 @@ fn no_gradients(axle: &Axle) -> Vec<Vector3<f64>> {
     vec![Vector3::default(); axle.left.mechanism.points.len()]
 }
 
-/// Derivatives with respect to the hardpoints of each left wheel, with which those of the right wheel move.
+/// Derivatives with respect to the hardpoints of each left wheel. The right wheel's hardpoints move as mirror images.
 fn of_both_sides(car: &Car, wheels: &[Vec<Vector3<f64>>; 4]) -> [Vec<Vector3<f64>>; 2] {
     [0, 1].map(|axle| {
         let (mut left, mut right) = (wheels[2 * axle].clone(), wheels[2 * axle + 1].clone());

@@ -1,15 +1,15 @@
 //! Limits of a car along a ray of accelerations: the first lifted wheel, and the end of equilibrium.
 //!
-//! The accelerations on a ray are those of a case times a factor s. With the wheel loads N of the state at s, Newton's
+//! On a ray, the accelerations of a case are multiplied by a factor s. With the wheel loads N of the state at s, Newton's
 //! method finds the factor at which the first wheel has no load:
 //!
 //! ```text
 //! s' = s + min over the wheels with N_s < 0 of N/(-N_s)                                                       (1)
 //! ```
 //!
-//! N_s comes from the state's exact derivatives with respect to ax and ay. A bracket keeps the iteration safe. At its lower end all wheels are
-//! on the ground; its upper end is beyond the first lift. No equation gives the end of equilibrium, so bisection finds it. Within
-//! a bracket, the solver starts each state from the previous one. It is close if the bracket is narrow. The full search takes far
+//! N_s comes from the state's exact derivatives with respect to ax and ay. A bracket keeps the iteration safe. At its lower
+//! end all wheels are on the ground; its upper end is beyond the first lift. No equation gives the end of equilibrium, so
+//! bisection finds it. Within a bracket, the solver starts each state from the previous state. The full search takes far
 //! longer where no equilibrium exists, so it only confirms the end.
 
 use super::catalogue::{CarQuantity, WheelPlace, WheelResult};
@@ -18,7 +18,7 @@ use super::solver::Start;
 use super::{CarSolver, Case, Equilibrium, Longitudinal, NoEquilibrium};
 use crate::number::Each;
 
-/// Largest acceleration that is tried, g.
+/// Largest acceleration of the search, g.
 const MOST: f64 = 5.0;
 /// Step along the ray, g.
 const STEP: f64 = 0.1;
@@ -108,8 +108,8 @@ impl Case {
     /// Makes a case with 1 g along the ground, in a direction in degrees from forward to the left. Each axle distributes its
     /// forces in proportion to the wheel loads, as in a map of states.
     pub fn along(name: &str, degrees: f64, at_rest: &Case) -> Case {
-        // Along the axes one acceleration must be exactly zero. Otherwise the case would need the share of a force that is only
-        // rounding error.
+        // Along the axes, one acceleration must be exactly zero. Otherwise the equations would distribute a force that is
+        // only rounding error.
         let [ax, ay] = match degrees.rem_euclid(360.0) {
             0.0 => [1.0, 0.0],
             90.0 => [0.0, 1.0],
@@ -134,8 +134,8 @@ impl Case {
 }
 
 impl CarSolver<'_> {
-    /// Finds the limits along the accelerations ax and ay of a case, up to 5 g. Speed, az and racks stay those of the case.
-    /// `None` for a case without ax and ay.
+    /// Finds the limits along the accelerations ax and ay of a case, up to 5 g. Speed, az and racks do not change. `None`
+    /// for a case without ax and ay.
     pub fn limits(&mut self, case: &Case) -> Option<RayLimits> {
         let length = case.ax.hypot(case.ay);
         if length == 0.0 {
@@ -184,7 +184,7 @@ impl CarSolver<'_> {
         })
     }
 
-    /// Finds the last state with all wheels on the ground between a state and an acceleration beyond it.
+    /// Finds the last state with all wheels on the ground, between the state `from` and the acceleration `beyond`.
     fn last_down(&mut self, ray: &Ray<'_>, from: At, beyond: f64) -> At {
         let (mut low, mut high) = (from, beyond);
         for _ in 0..MOST_STATES {
@@ -225,8 +225,8 @@ impl CarSolver<'_> {
         step.is_finite().then_some(at.g + step)
     }
 
-    /// Describes the lift at a state, if its smallest load is zero. A last step by (1), from poses instead of curves, leaves
-    /// rounding error.
+    /// Describes the lift at a state if its smallest wheel load is zero. A last step by (1), from poses instead of curves,
+    /// reduces this load to rounding error.
     fn lift(&mut self, ray: &Ray<'_>, at: &At) -> Option<Lift> {
         let (part, wheel) = at.least();
         let none = 1e3 * NO_LOAD;
@@ -253,7 +253,7 @@ impl CarSolver<'_> {
     }
 
     /// Finds the last state below an acceleration that seems to have no equilibrium, and the reason for the end. The reason
-    /// is `None` if the search from that state finds an equilibrium there after all.
+    /// is `None` if the search from that state finds an equilibrium at the acceleration.
     fn end(
         &mut self,
         ray: &Ray<'_>,
@@ -267,7 +267,8 @@ impl CarSolver<'_> {
             let g = if is_last { high } else { 0.5 * (low.g + high) };
             let mut found = self.solve_beside(&ray.at(g), &low.found);
             if found.is_none() && is_last {
-                // Newton's method cannot cross a gap. The full search shows whether an equilibrium exists beyond it.
+                // Newton's method cannot cross a gap without equilibrium. The full search tests for an equilibrium beyond
+                // the gap.
                 match self.solve(&ray.at(g)) {
                     Ok(state) => found = Some(state),
                     Err(reason) => {

@@ -43,7 +43,7 @@ pub struct CarMember {
 pub struct WheelMembers {
     /// Forces of one wheel's members, in the order of [`CarMember::all`].
     pub forces: Vec<f64>,
-    /// Vertical force at the wheel centre that is missing for equilibrium. In a solved state it is only rounding error.
+    /// Unbalanced vertical force at the wheel centre. In a solved state it is only rounding error.
     pub lacking: f64,
 }
 
@@ -81,7 +81,8 @@ impl CarMember {
     }
 }
 
-/// Lists the members of one wheel: links, forces at points, rods, the spring, and joints of arms that carry a spring or a rod.
+/// Lists the members of one wheel: links, forces at points, rods, the spring, and joints of arms that carry a spring or a
+/// rod.
 fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
     let mut found = Vec::new();
     let borne = |outer: PointId| {
@@ -95,8 +96,8 @@ fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
     };
     for constraint in &mechanism.constraints {
         match *constraint {
-            // The legs of an arm that carries a part are in bending. A force along a leg would not be the whole force, so
-            // none is listed.
+            // The legs of an arm that carries a spring or rod are in bending. The list omits them, because the force along
+            // a leg is not the whole force.
             Constraint::Link { outer, .. } if borne(outer).is_some() => {}
             Constraint::Link { inner, outer } => {
                 let name = mechanism.link_name(inner).to_owned();
@@ -135,7 +136,7 @@ fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
 }
 
 impl CarSolver<'_> {
-    /// Computes the forces in the members of each wheel in a state. A solid axle has no members here.
+    /// Computes the forces in the members of each wheel in a state. The list for a solid axle is empty.
     pub fn members(
         &mut self,
         case: &Case,
@@ -247,7 +248,7 @@ impl CarSolver<'_> {
         let moment = if self.car.carrier_takes_torque(axle, setting.longitudinal) {
             nothing
         } else {
-            // Shafts from the body carry the torque about the spin axis.
+            // Shafts from the body carry the torque about the spin axis. This moment removes it from the carrier.
             let spin = wheel.corner.spin;
             let lever = wheel.contact - wheel.corner.centre;
             spin * -spin.dot(lever.cross(push))

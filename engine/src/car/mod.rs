@@ -36,10 +36,10 @@
 //! whole car        sum F.i = sum F.e = sum F.n = 0,   sum M.x = sum M.e = sum M.n = 0                           (8)
 //! ```
 //!
-//! A prime is the derivative with respect to the wheel's own travel, with the body fixed. C' is the velocity of the carrier's point at C. If
-//! the carrier carries the reaction to the torque, B' is C'. Otherwise it is the velocity of a point that does not rotate with
-//! the carrier about the spin axis. U is the energy of springs, stops and bar. Moments are about the origin; M.x is the work of a
-//! roll.
+//! A prime is the derivative with respect to the wheel's own travel, with the body fixed. C' is the velocity of the
+//! carrier's point at C. If the carrier carries the reaction to the torque, B' is C'. Otherwise it is the velocity of a
+//! point that does not rotate with the carrier about the spin axis. U is the energy of springs, stops and bar. Moments are
+//! about the origin; M.x is the work of a roll.
 //!
 //! Divided by n.C', equation (7) splits each wheel load exactly:
 //!
@@ -57,7 +57,7 @@
 //! ```
 //!
 //! The equations are written once over any number type. One Newton step with numbers that carry gradients adds the gradient
-//! of the unknowns. A further step with series adds derivatives along a direction.
+//! of the unknowns. A further step with Taylor series adds derivatives along a direction.
 
 mod accepted;
 mod answers;

@@ -76,7 +76,7 @@ impl Moves {
         }
     }
 
-    /// Returns true if these moves of hardpoints change the distance of the axles' wheel centres along x.
+    /// Returns true if these moves of hardpoints change the distance between the axles' wheel centres along x.
     pub(crate) fn changes_wheelbase(&self, car: &Car) -> bool {
         let change = |at: &PointMove| {
             let is_centre = at.point == car.axles[at.axle].left.mechanism.wheel_centre;
@@ -89,7 +89,7 @@ impl Moves {
         self.points().iter().map(change).sum::<f64>() != 0.0
     }
 
-    /// Names of the hardpoints, each after `separator` and its axle, and the axis that all of them share.
+    /// Names of the hardpoints, each with `separator` and its axle in front, and the axis if all moves share it.
     fn names(&self, car: &Car, separator: char) -> (String, Option<Axis>) {
         let points = self.points();
         let name = |at: &PointMove| {
@@ -97,14 +97,14 @@ impl Moves {
             format!("{}{separator}{name}", crate::car::AXLE_NAMES[at.axle])
         };
         let mut names: Vec<String> = points.iter().map(name).collect();
-        // Along a direction, the same point can move in several coordinates.
+        // The same point can move in several coordinates.
         names.dedup();
         let first = points.first().map(|at| at.axis);
         let axis = first.filter(|axis| points.iter().all(|at| at.axis == *axis));
         (names.join("+"), axis)
     }
 
-    /// Program units per unit of the study: newtons per pound-force, kilograms per pound.
+    /// Program units per unit of the study, for example newtons per pound-force or kilograms per pound.
     pub(super) fn written_unit(&self, car: &Car) -> f64 {
         match self {
             Moves::Rate { parameter, .. } => parameter.unit(car).1,
@@ -154,7 +154,7 @@ impl Moves {
         }
     }
 
-    /// Sets the part of the car to a value; moves hardpoints by that value.
+    /// Sets the car's parameter to a value, or moves its hardpoints by that value.
     pub fn apply(&self, value: f64, car: &mut Car) {
         let now = self.internal(car).unwrap_or(0.0);
         let value = value * self.written_unit(car);
@@ -238,7 +238,7 @@ impl Moves {
         Some((parameter, rate * self.written_unit(car)))
     }
 
-    /// Derivative of a result by the variable, per unit of the study.
+    /// Derivative of a result with respect to the variable, per unit of the study.
     pub fn slope(&self, car: &Car, gradient: &CarGradient) -> f64 {
         match self.direction(car) {
             Some((parameter, rate)) => rate * gradient.parameters[parameter.place()],

@@ -1,4 +1,4 @@
-//! Parameters of a car and a case, by which results are differentiated.
+//! Parameters of a car and a case. Gradients contain derivatives with respect to these parameters.
 
 use super::{Car, Case};
 use crate::axle::{Axle, AxleKind, Preloaded, RockerSprings};
@@ -98,7 +98,7 @@ impl AxleParameter {
             AxleParameter::HeaveSpringRate | AxleParameter::HeaveSpringForce => {
                 rockers.heave_spring.is_some()
             }
-            // Formulas treat a twist beam as a bar, but no key of the study sets the rate of that bar.
+            // Formulas treat a twist beam as a bar, but a study has no key for the rate of that bar.
             AxleParameter::BarRate => axle.kind() != AxleKind::TwistBeam,
             AxleParameter::TBarRate => rockers.t_bar.is_some(),
             AxleParameter::HeaveBarRate | AxleParameter::HeaveBarTorque => {
@@ -247,7 +247,7 @@ impl<T: Copy> Parameters<T> {
         self.0[Parameter::Body(parameter).place()]
     }
 
-    /// Converts the values to another kind of number.
+    /// Converts the values to another number type.
     pub fn map<U: Copy>(&self, f: impl FnMut(T) -> U) -> Parameters<U> {
         Parameters(self.0.each(f))
     }

@@ -1,4 +1,4 @@
-//! Derivatives of a state by accelerations of the car, by loads and motions of the body, and by warp of the ground.
+//! Derivatives of a state with respect to accelerations, loads on the body, motions of the body and warp of the ground.
 
 use super::Car;
 use super::equations::{BODY, Balance, HELD_ROWS, PITCH, ROLL_MOMENT, UNKNOWNS};
@@ -8,7 +8,7 @@ use super::tangent::{Matrix, held, inverse, tangent};
 use crate::axle::WheelParts;
 use crate::number::{Dual, Each, Jet, Real, Scalar, array_of};
 
-/// A state with its derivatives, from which the values of results follow.
+/// A state with its derivatives. All results are computed from it.
 #[derive(Clone, Debug)]
 pub struct Solved<'c, T> {
     /// Car of the state.
@@ -19,7 +19,7 @@ pub struct Solved<'c, T> {
     pub by_ay: Balance<Jet<T, 2>>,
     /// State with its derivative with respect to ax, per g.
     pub by_ax: Balance<Jet<T, 2>>,
-    /// State with its derivative by a couple on the body, about the forward direction along the ground.
+    /// State with its derivative with respect to a couple on the body, about the forward direction along the ground.
     pub by_couple: Balance<Jet<T, 2>>,
     /// State with its derivative with respect to gamma, with roll, pitch, A and B held.
     pub by_heave: Balance<Jet<T, 2>>,
@@ -31,7 +31,7 @@ pub struct Solved<'c, T> {
     pub rest_heave: f64,
 }
 
-/// Plain numbers of a state, from which its derivatives follow.
+/// Numbers of a state without derivatives, from which its derivatives are computed.
 #[derive(Clone, Debug)]
 pub(super) struct Plain {
     pub unknowns: [f64; UNKNOWNS],
@@ -65,7 +65,7 @@ const DIRECTIONS: [Direction; 6] = [
 ];
 
 impl Plain {
-    /// Computes the plain numbers; `None` if the equations are singular.
+    /// Computes these numbers; `None` if the equations are singular.
     pub(super) fn of<R: WheelParts<f64>>(
         base: &Base<'_, '_, R>,
         parameters: &Parameters<f64>,
@@ -109,7 +109,7 @@ impl Plain {
     }
 }
 
-/// Derivatives of the residuals by the parameters among [`DIRECTIONS`], in their order.
+/// Derivatives of the residuals with respect to the parameters among [`DIRECTIONS`], in this order.
 fn by_parameters<R: WheelParts<f64>>(
     base: &Base<'_, '_, R>,
     parameters: &Parameters<f64>,
@@ -135,8 +135,8 @@ impl Direction {
         moved
     }
 
-    /// Errors in the derivatives of the equations along the direction, for residual derivatives `rates`. `level` is the work
-    /// of the couple per roll angle.
+    /// Errors in the derivatives of the equations along the direction. `rates` are the derivatives of the residuals,
+    /// `level` is the work of the couple per roll angle.
     fn defect<T: Real>(self, mut rates: [T; UNKNOWNS], level: T) -> [T; UNKNOWNS] {
         match self {
             Direction::Parameter(_) => {}
@@ -161,8 +161,8 @@ fn times<T: Real>(matrix: &Matrix, vector: [T; UNKNOWNS]) -> [T; UNKNOWNS] {
     product
 }
 
-/// Corrects the unknowns by Newton steps. For numbers that carry gradients, one step adds the gradient of the unknowns (10). For
-/// series, each step adds one order.
+/// Corrects the unknowns by Newton steps. For numbers that carry gradients, one step adds the gradient of the unknowns
+/// (10). For Taylor series, each step adds one order.
 pub(super) fn settle<T: Scalar, U: Real, R: WheelParts<U>>(
     base: &Base<'_, '_, R>,
     parameters: &Parameters<T>,
@@ -194,8 +194,8 @@ impl<'c> Solved<'c, f64> {
 }
 
 impl<'c, T: Scalar> Solved<'c, T> {
-    /// Computes the state near plain numbers, with all its derivatives. `orders` is the number of orders that numbers of this kind
-    /// carry besides their value: 0 for plain numbers, 1 for gradients.
+    /// Computes the state with all its derivatives, from the numbers `plain`. `orders` is the number of derivative orders
+    /// of the number type: 0 for plain numbers, 1 for gradients.
     pub(super) fn of<U: Real, R: WheelParts<U>>(
         car: &'c Car,
         base: &Base<'_, '_, R>,

@@ -61,8 +61,8 @@ impl<'a> RigRows<'a> {
         self.objective.assess(&own, &mut self.assessment)
     }
 
-    /// Writes the residuals, the first one to row `first`. A residual of the axle carries the share of its target in the
-    /// axle's misfit. Here its square must have the target's weight divided by the number of its stations.
+    /// Writes the residuals to the rows from `first` on. In the axle's problem, residuals are scaled for the axle's misfit.
+    /// In the car's problem, the factor on each squared residual is the target's weight divided by its number of stations.
     pub(super) fn write_residuals(&self, first: usize, scale: f64, into: &mut Linearisation) {
         let own = &self.assessment.goal;
         let rows = own.residuals.len();
@@ -110,7 +110,7 @@ pub struct RigOutcome {
 }
 
 impl RigGoals {
-    /// Computes the outcome for values `x` of the car's variables. The error says why the axle has no outcome.
+    /// Computes the outcome for values `x` of the car's variables. The error gives the reason why the axle has no outcome.
     pub fn outcome(&self, vehicle: &Vehicle, x: &[f64]) -> Result<RigOutcome, String> {
         let layout = TargetLayout::of(&self.optimise, vehicle);
         let mut rows =

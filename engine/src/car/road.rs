@@ -32,7 +32,7 @@ impl LocalFunction<1, 2> for SinCos {
 }
 
 impl<T: Copy> Road<T> {
-    /// Converts all numbers to another kind.
+    /// Converts all numbers to another number type.
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Road<U> {
         Road {
             up: self.up.map(f),

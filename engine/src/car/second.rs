@@ -1,11 +1,11 @@
 //! Second derivatives of a state along directions of the design and of the parameters.
 //!
-//! Along a direction, parameters and wheels are series in one number e, and so are the unknowns. With the inverse of the tangent
-//! G_x of the plain state, each step x - G_x^-1 G(x(e), e) makes one more order of the unknowns exact. The results are then evaluated
-//! with these series.
+//! Along a direction, parameters, wheels and unknowns are Taylor series in one number e. With the inverse of the tangent
+//! G_x of the plain state, each step x - G_x^-1 G(x(e), e) makes one more order of the unknowns exact. The formulas of the
+//! results then use these series.
 //!
-//! Derivatives with respect to accelerations, couples and motions of the body need one more derivative of the wheels by travel. These are known for
-//! independent wheels.
+//! Derivatives with respect to accelerations, couples and motions of the body need one more derivative of the wheels with
+//! respect to travel. Only independent wheels have it.
 
 use super::equations::Held;
 use super::parameters::Parameters;
@@ -15,10 +15,10 @@ use super::{Car, CarQuantity, Case, NoEquilibrium, WholeResult};
 use crate::axle::{Axle, Carriers, Expandable, ExpandedWheel, Series};
 use crate::number::{Each, Real, Vector3};
 
-/// Number of orders of [`Series`] besides the value.
+/// Number of derivative orders of [`Series`].
 const ORDERS: usize = 2;
 
-/// A state whose wheels and parameters may be series along a direction.
+/// A state whose wheels and parameters may be Taylor series along a direction.
 pub(crate) struct ExpandedState<'a> {
     car: &'a Car,
     case: &'a Case,
@@ -26,14 +26,14 @@ pub(crate) struct ExpandedState<'a> {
     parameters: Parameters<f64>,
     plain: Plain,
     wheels: Vec<Expandable<'a>>,
-    /// Wheels of the state's own design.
+    /// Wheels of the unchanged design.
     still: Vec<ExpandedWheel>,
     travels: [f64; 4],
     carriers: [Carriers; 2],
 }
 
 impl<'a> CarSolver<'a> {
-    /// Prepares a state for series along directions.
+    /// Prepares a state for Taylor series along directions.
     pub(crate) fn expanded(
         &mut self,
         case: &'a Case,
@@ -64,24 +64,25 @@ impl<'a> CarSolver<'a> {
 }
 
 impl ExpandedState<'_> {
-    /// A wheel (front left, front right, rear left, rear right) of a design that is a series.
+    /// Wheel number 0 to 3 (front left, front right, rear left, rear right) of a design that is a Taylor series.
     pub(crate) fn wheel(&self, number: usize, design: &[Vector3<Series>]) -> ExpandedWheel {
         self.wheels[number].along(design)
     }
 
-    /// Returns true if the second derivatives of a result are known.
+    /// Returns true if the second derivatives of a result can be computed.
     pub(crate) fn knows(&self, quantity: CarQuantity) -> bool {
         let is_rigid = self.car.axles.iter().any(Axle::is_rigid);
         !(quantity.info().is_rate && !quantity.is_since_rest() && is_rigid)
     }
 
-    /// Parameters as constant series.
+    /// Parameters as constant Taylor series.
     pub(crate) fn parameters(&self) -> Parameters<Series> {
         self.parameters.map(Series::constant)
     }
 
-    /// Second derivatives of results. `moved` has the wheels whose design is a series; the others have the design of the state. Results
-    /// that count from rest lack the part of the car at rest. NaN for unknown ones.
+    /// Second derivatives of results; NaN if they cannot be computed. `moved` has the wheels whose design is a Taylor
+    /// series; the other wheels have the unchanged design. For results that are measured from rest, the contribution of the
+    /// car at rest is missing.
     pub(crate) fn second_derivatives(
         &self,
         moved: [Option<&ExpandedWheel>; 4],

@@ -24,10 +24,10 @@ pub(super) use readings::{Base, Readings, Wheels};
 pub use rows::{RowResult, RowState};
 pub(super) use start::Start;
 
-/// Number of terms in the series of wheels. Equations need first derivatives with respect to travel, and their tangents need second ones.
-/// Derivatives of tangents by the design need third ones.
+/// Number of terms in the Taylor series of wheels with respect to travel. Equations need first derivatives, their tangents
+/// need second derivatives, and design derivatives of tangents need third derivatives.
 pub(super) const TERMS: usize = 4;
-/// Largest number of sets of wheels in contact that are tried.
+/// Largest number of sets of wheels in contact that the search tries.
 const MOST_SETS: usize = 16;
 /// Largest changes in a Newton step: angles in radians, travels in metres.
 pub(super) const LONGEST_TURN: f64 = 0.0175;
@@ -40,16 +40,16 @@ pub struct CarSolver<'a> {
     pub car: &'a Car,
     /// True if gradients contain the derivatives with respect to the racks.
     pub(super) by_rack: bool,
-    /// State of the car at rest on rigid and on elastic tyres, once solved.
+    /// States of the car at rest on rigid and on elastic tyres; `None` until they are solved.
     pub(super) rests: [Option<Result<Equilibrium, NoEquilibrium>>; 2],
     pub(super) axles: [AxleSolver<'a, TERMS>; 2],
     /// Curves of the wheels along their travels. `None` if a wheel depends on more than its own travel.
     curves: Option<Box<[WheelCurve; 4]>>,
-    /// Memory for wheels from their curves.
+    /// Memory that is reused for wheels from their curves.
     spare: Option<Box<OnCurves>>,
 }
 
-/// Quantities with the inputs that the equations read.
+/// Quantities that the solver of an axle must provide for the equations.
 fn read_of(car: &Car, axle: usize) -> Vec<Quantity> {
     let axle = &car.axles[axle];
     let mut quantities = Vec::new();
@@ -130,7 +130,7 @@ impl<'a> CarSolver<'a> {
         Ok([place(0)?, place(1)?])
     }
 
-    /// Reads the wheels at these travels.
+    /// Reads the wheels at these travels, from poses.
     pub(super) fn read(
         &mut self,
         travels: [f64; 4],
@@ -163,7 +163,8 @@ impl<'a> CarSolver<'a> {
         match self.with_contact(case, Start::of(self.start(case))) {
             Ok(found) if found.is_stiff() => Ok(found),
             Ok(_) => self.along_load(case),
-            // Both searches failed. The direct search gives the more specific reason.
+            // Both searches failed. If the direct search gives only a general reason, report the reason of the search along
+            // the load.
             Err(first) => self.along_load(case).map_err(|along| match first {
                 NoEquilibrium::NotFound
                 | NoEquilibrium::Singular
@@ -176,8 +177,8 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Finds the state of a case from a neighbouring state that was accepted. Its wheels come from their curves, so its
-    /// numbers can differ from those of [`CarSolver::solve`] by rounding error.
+    /// Finds the state of a case from a neighbouring state that was accepted. Wheels come from their curves, so results can
+    /// differ from [`CarSolver::solve`] by rounding error.
     pub fn solve_from(
         &mut self,
         case: &Case,
@@ -189,8 +190,8 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Finds the state of a case that follows a neighbouring state without a turning point. `None` if Newton's method does
-    /// not lead from one to the other.
+    /// Finds the state of a case from a neighbouring state, if there is no turning point between them. `None` if Newton's
+    /// method does not find it.
     pub(super) fn solve_beside(&mut self, case: &Case, from: &Equilibrium) -> Option<Equilibrium> {
         let found = self.with_contact(case, Start::beside(from)).ok()?;
         (found.is_stiff() || found.follows(from, self.car)).then_some(found)
@@ -326,7 +327,7 @@ impl<'a> CarSolver<'a> {
         Ok(wheels.balance(self.held(case, found), &parameters, found.unknowns))
     }
 
-    /// Poses of both axles in a state that was found.
+    /// Poses of both axles in a solved state.
     pub fn poses(&mut self, found: &Equilibrium) -> Result<[AxlePose; 2], NoEquilibrium> {
         match &found.placed {
             Some(placed) => Ok(**placed),
@@ -334,7 +335,7 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Reads the wheels of a state that was found: from their curves if the state used those, otherwise from poses.
+    /// Reads the wheels of a solved state: from their curves if the state used curves, otherwise from poses.
     pub(super) fn wheels_of(&mut self, found: &Equilibrium) -> Result<Wheels<'a>, NoEquilibrium> {
         if found.placed.is_none()
             && let Some(near) = self.near(found.travels(), found.racks)
@@ -344,7 +345,7 @@ impl<'a> CarSolver<'a> {
         Ok(Wheels::Exact(Box::new(self.readings(found)?)))
     }
 
-    /// Reads the wheels of a state that was found, from their poses.
+    /// Reads the wheels of a solved state, from their poses.
     pub(super) fn readings(&mut self, found: &Equilibrium) -> Result<Readings<'a>, NoEquilibrium> {
         let placed = self.poses(found)?;
         let mut read = |axle: usize| {

@@ -14,17 +14,18 @@
 //! f.C f > 0   for every f,                                                                                        (2)
 //! ```
 //!
-//! still means that the body yields to every force. This condition is sufficient but not necessary. For example, a car that
-//! brakes hard with strong anti-features violates (2), while its loads change smoothly and all wheels stay on the ground.
-//! The state ends where it cannot follow the load. Let the accelerations be s times those of the case. Along the states x(s)
-//! that begin at rest,
+//! still means that the body moves in the sense of every force. This condition is sufficient but not necessary. For
+//! example, a car that brakes hard with strong anti-features violates (2), while its loads change smoothly and all wheels
+//! stay on the ground. The state ends where it cannot follow the load. Let the accelerations be s times those of the case.
+//! Along the states x(s) that begin at rest,
 //!
 //! ```text
 //! G_x x' = -G_s.                                                                                                  (3)
 //! ```
 //!
-//! The path turns back where det G_x = 0 (a fold), and there the car tips or its body sinks. At a change of contact, the row of wheel b passes
-//! from gap_b = 0 to N_b = 0. The other rows leave one direction v free; x' adds a multiple of it on either side, and
+//! The path turns back where det G_x = 0 (a fold), and there the car tips or its body sinks. At a change of contact, the
+//! row of wheel b passes from gap_b = 0 to N_b = 0. The other rows allow one free direction v. On either side of the
+//! change, x' contains a multiple of v, and
 //!
 //! ```text
 //! gap_b' (lifted) = -(gap_b.v)/(N_b.v) N_b' (down),      (gap_b.v)/(N_b.v) = det G_x (down)/det G_x (lifted)      (4)
@@ -45,23 +46,23 @@
 //! (f, e, r) = T q,      S = T C T^T.                                                                              (6)
 //! ```
 //!
-//! Towards a fold, one motion grows without bound, and all columns of S approach its direction. The car tips if r is the largest
-//! part of that motion, or if f and e have opposite signs and similar sizes. Otherwise the body sinks at an axle. At rest, a
-//! column whose diagonal element is negative has the direction. Where the path turns back at a lift, S stays bounded, and the car
-//! tips.
+//! Towards a fold, one motion grows without bound, and all columns of S approach its direction. The car tips if r is the
+//! largest part of that motion, or if f and e have opposite signs and similar sizes. Otherwise the body sinks at an axle.
+//! At rest, a column whose diagonal element is negative has the direction. If the path turns back at a lift, S stays
+//! bounded, and the car tips.
 
 use super::equations::{GROUND, LOADS, PITCH, PITCH_MOMENT, ROLL, ROLL_MOMENT, UNKNOWNS, VERTICAL};
 use super::solver::{CarSolver, Equilibrium, LONGEST_TRAVEL, LONGEST_TURN, Start};
 use super::{Car, Case, NoEquilibrium};
 use crate::number::Each;
 
-/// Longest step along the load, as a fraction of the whole load.
+/// Longest step along the load, as a fraction of the full load.
 const LONGEST: f64 = 1.0 / 16.0;
-/// Shortest step, as a fraction of the whole load. If a shorter step is needed, the path has turned back.
+/// Shortest step, as a fraction of the full load. If the search needs a shorter step, the path has turned back.
 const SHORTEST: f64 = LONGEST / 1024.0;
-/// Growth of the flexibility since rest that shows a fold.
+/// Growth of the flexibility, relative to rest, that indicates a fold.
 const GROWTH: f64 = 4.0;
-/// Largest number of steps. Steps back count as well.
+/// Largest number of steps. The count includes steps back.
 const MOST_STEPS: usize = 400;
 
 impl Equilibrium {
@@ -98,7 +99,7 @@ impl Equilibrium {
             let centre = wheel.design[wheel.mechanism.wheel_centre.0];
             [centre.x + offset, centre.y]
         });
-        // A ground that rises by gamma lowers the body.
+        // A ground that rises by gamma lowers the body relative to the ground.
         let rows = [
             [-1.0, 0.0, -front],
             [-1.0, 0.0, -rear],
@@ -136,8 +137,8 @@ impl Equilibrium {
         softest.map_or(NoEquilibrium::Tips, |k| motion(columns[k]))
     }
 
-    /// Returns true if the path from an accepted state leads to this one. det G_x must keep its sign, and body and wheels must
-    /// move by no more than the limit of a Newton step.
+    /// Returns true if the path from an accepted state leads to this state. For this, det G_x must keep its sign, and the
+    /// motions of body and wheels must not exceed the limit of a Newton step.
     pub(super) fn follows(&self, from: &Equilibrium, car: &Car) -> bool {
         let near = |k: usize| {
             let longest = match k {
@@ -176,7 +177,7 @@ impl CarSolver<'_> {
         let at_rest = at.clone();
         let (mut part, mut step) = (0.0, LONGEST);
         let mut evaluations = at.evaluations;
-        // Smallest part of the load at which the last search failed.
+        // Smallest fraction of the load at which the search failed.
         let mut failed = f64::INFINITY;
         for _ in 0..MOST_STEPS {
             let next = f64::min(part + step, 1.0);
@@ -221,7 +222,7 @@ impl CarSolver<'_> {
 }
 
 impl Case {
-    /// Scales the accelerations and the dynamic pressure of the case by `part`; all else stays.
+    /// Scales the accelerations and the dynamic pressure of the case by `part`. Other inputs stay unchanged.
     fn scaled(&self, part: f64) -> Case {
         Case {
             ax: self.ax * part,

@@ -28,7 +28,7 @@ impl Factors {
         Some(Factors { lu, scales })
     }
 
-    /// Change of the unknowns that changes the residuals by `right`.
+    /// Solves for the change of the unknowns that changes the residuals by `right`.
     pub(super) fn solve(&self, mut right: [f64; UNKNOWNS]) -> [f64; UNKNOWNS] {
         for (residual, scale) in right.iter_mut().zip(self.scales) {
             *residual *= scale;
@@ -56,7 +56,8 @@ impl Factors {
 /// Numbers with derivatives with respect to all unknowns.
 type Wide = Dual<f64, UNKNOWNS>;
 
-/// Extends a number with derivatives with respect to some unknowns (in this order) to derivatives with respect to all unknowns.
+/// Extends a number with derivatives with respect to some unknowns (in this order) to derivatives with respect to all
+/// unknowns.
 fn widened<const N: usize>(narrow: Dual<f64, N>, unknowns: [usize; N]) -> Wide {
     let mut wide = Wide {
         value: narrow.value,
@@ -68,7 +69,8 @@ fn widened<const N: usize>(narrow: Dual<f64, N>, unknowns: [usize; N]) -> Wide {
     wide
 }
 
-/// Unknowns on which the pose of a wheel depends: attitude of the body, its own travel, and for a solid axle the other travel.
+/// Unknowns on which the pose of a wheel depends: attitude of the body, its own travel, and for a solid axle the other
+/// travel.
 fn unknowns_of<const N: usize>(number: usize) -> [usize; N] {
     let all = [
         ROLL,
@@ -102,8 +104,8 @@ fn stance<const N: usize>(
     placed.stance.map(|c| widened(c, unknowns))
 }
 
-/// Residuals and their derivatives with respect to the unknowns. The pose of a wheel depends only on the attitude and on the travels of its
-/// own axle. So most arithmetic carries four or five derivatives.
+/// Residuals and their derivatives with respect to the unknowns. The pose of a wheel depends only on the attitude and on
+/// the travels of its axle. So most of the arithmetic needs only four or five derivatives.
 pub(super) fn tangent<R: WheelParts<f64>>(
     base: &Base<'_, '_, R>,
     parameters: &Parameters<f64>,
@@ -146,7 +148,7 @@ pub(super) fn tangent<R: WheelParts<f64>>(
     )
 }
 
-/// Divides each row of a matrix by its largest entry. Returns that matrix and the factors on its rows.
+/// Divides each row of a matrix by its largest entry. Returns the scaled matrix and the factors of the rows.
 fn scaled(matrix: &Matrix) -> (Matrix, [f64; UNKNOWNS]) {
     let scales = matrix.each(|row| 1.0 / row.iter().fold(0.0_f64, |m, c| m.max(c.abs())));
     let mut scaled = *matrix;

@@ -24,7 +24,7 @@ use nalgebra::DVector;
 /// Target for a result of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarTarget {
-    /// Result with a target.
+    /// Result that has the target.
     pub quantity: CarQuantity,
     /// Index of the case.
     pub case: usize,
@@ -49,20 +49,20 @@ impl CarTarget {
 pub struct CarConstraint {
     /// Name of the constraint.
     pub name: String,
-    /// Result with limits.
+    /// Result that has the limits.
     pub quantity: CarQuantity,
     /// Index of the case.
     pub case: usize,
     /// Lowest and highest value, in the printed unit; infinite without a limit.
     pub between: [f64; 2],
-    /// Difference of the printed value that counts as a violation of 1.
+    /// Difference of the printed value that is equivalent to a violation of 1.
     pub visible: f64,
 }
 
 /// Targets and constraints of one axle on its rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigGoals {
-    /// Targets, constraints and design variables, as in a study of the axle.
+    /// Targets, constraints and design variables, as in a study of the axle alone.
     pub optimise: Optimise,
     /// Indices of these design variables among the car's.
     pub columns: Vec<usize>,
@@ -88,13 +88,13 @@ pub struct CarGoals<'a> {
 pub struct CarRun {
     /// Largest number of iterations per start.
     pub max_iterations: u64,
-    /// Number of starts: the design, then points spread over the ranges.
+    /// Number of starts: the first is the design, the others are spread over the ranges.
     pub starts: usize,
-    /// Seed for the points.
+    /// Seed of the random starts.
     pub seed: u32,
 }
 
-/// Goals as residuals and rows of constraints. Rows of cases come first, then those of the front and the rear rig.
+/// Goals as residuals and rows of constraints. Rows of cases come first, then rows of the front rig and of the rear rig.
 struct Objective<'a> {
     car: &'a Car,
     goals: CarGoals<'a>,
@@ -103,11 +103,11 @@ struct Objective<'a> {
     scale: f64,
 }
 
-/// A requested result of a case, by its use.
+/// Use of a requested result of a case.
 enum Use {
     /// Residual of a target.
     Target(usize),
-    /// Rows of a constraint: its index, then the index of its first row.
+    /// Rows of a constraint: index of the constraint, then index of its first row.
     Constraint(usize, usize),
 }
 
@@ -128,8 +128,8 @@ impl Objective<'_> {
         (first, count)
     }
 
-    /// Index of the constraint that each row belongs to, and the number of constraints. Constraints of cases have the first indices;
-    /// constraints of the front rig and of the rear rig follow.
+    /// Index of the constraint that each row belongs to, and the number of constraints. Constraints of cases have the first
+    /// indices; constraints of the front rig and of the rear rig follow.
     fn constraints_of_rows(&self) -> (Vec<usize>, usize) {
         let (mut equalities, mut others) = (Vec::new(), Vec::new());
         for (number, constraint) in self.goals.constraints.iter().enumerate() {
@@ -340,8 +340,8 @@ impl Constrained for Objective<'_> {
 pub struct CarTuning {
     /// All starts, and the index of the best.
     pub starts: Multistart,
-    /// Indices of constraints that exclude one another, counted over cases, front rig and rear rig. If any one of them were
-    /// removed, the others could be satisfied. Empty if all can be satisfied together.
+    /// Indices of constraints that cannot be satisfied together, counted over cases, front rig and rear rig. If any one of
+    /// these constraints were removed, the others could be satisfied. Empty if all constraints can be satisfied together.
     pub contradiction: Vec<usize>,
 }
 
@@ -381,7 +381,7 @@ impl<'a> Problem<'a> {
         rows.collect()
     }
 
-    /// Residuals and rows. The axles were accepted when the problem was made.
+    /// Residuals and rows. [`Problem::of`] has already checked the axles.
     fn objective(&self) -> Objective<'_> {
         Objective {
             car: self.car,
@@ -392,8 +392,8 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Tunes a car from several starts. At least one of them has a fit, which is the best. It fails if the cases have no solution in
-/// any start, or if a range is empty.
+/// Tunes a car from several starts. The result has a best start. The function fails if no start gives the cases a solution,
+/// or if a range is empty.
 pub fn tune(
     car: &Car,
     goals: CarGoals<'_>,
@@ -467,7 +467,7 @@ fn contradiction(
             rigs: [rig(front, &rigs[0]), rig(rear, &rigs[1])],
             ..*goals
         };
-        // Problems with fewer constraints are accepted like the whole problem.
+        // A problem with fewer constraints is valid if the whole problem is valid.
         Problem::of(problem.car, goals)
             .is_ok_and(|some| is_satisfied_from(starts, bounds, control, || some.objective()))
     })

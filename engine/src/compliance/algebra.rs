@@ -1,4 +1,4 @@
-//! Small matrices, and rotations kept as their differences from the identity.
+//! Small matrices, and rotations stored as their difference from the identity.
 //!
 //! The difference D = R - I keeps all digits of a rotation near the identity. A point at the lever l moves by u + D l (1). A
 //! small rotation w takes D to
@@ -17,8 +17,8 @@
 use crate::mechanism::Pose;
 use crate::number::{Dual, Matrix3, Outlined, Real, SimdReal, Valued, Vector3, outlined};
 
-/// Squared sine below which a power series gives the ratio of angle and sine. The series has a derivative at 0, and its last
-/// term is below 1e-17.
+/// Squared sine below which a power series gives the ratio of angle and sine. The power series is differentiable at 0, and
+/// its last term is below 1e-17.
 const SMALL_SINE_SQUARED: f64 = 1e-3;
 
 /// Cross products v x e_k with the three unit vectors, as columns.
@@ -77,13 +77,13 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    /// Product M v^ of the matrix and the cross-product matrix of a vector.
+    /// Product M v^ of this matrix M and the cross-product matrix of a vector v.
     #[inline(always)]
     pub(super) fn times_cross(&self, v: Vector3<T>) -> Self {
         self.times(&cross_matrix(v))
     }
 
-    /// Product v^ M of the cross-product matrix of a vector and the matrix.
+    /// Product v^ M of the cross-product matrix of a vector v and this matrix M.
     #[inline(always)]
     pub(super) fn crossed_by(&self, v: Vector3<T>) -> Self {
         let [a, b, c] = self.columns;
@@ -100,7 +100,7 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    /// Adds a b' times a factor.
+    /// Adds the outer product a b' times a factor.
     #[inline(always)]
     pub(super) fn add_product(&mut self, a: Vector3<T>, b: Vector3<T>, factor: T) {
         let [x, y, z] = (b * factor).to_array();
@@ -152,7 +152,7 @@ impl<T: Real> Placed<T> {
         self.shift + self.turn.apply(lever)
     }
 
-    /// Present vector from the reference point to a point, from that vector in the design position.
+    /// Rotates a vector from its direction in the design position to its present direction.
     #[inline(always)]
     pub(super) fn lever(&self, lever: Vector3<T>) -> Vector3<T> {
         lever + self.turn.apply(lever)
@@ -175,8 +175,8 @@ impl<T: Real> Placed<T> {
         rotation
     }
 
-    /// Converts the position to the pose of the knuckle. Both points are in the design position: the reference point of this
-    /// body, and the origin of the knuckle.
+    /// Converts the position to the pose of the knuckle. `reference` is the reference point of this body, `origin` the
+    /// origin of the knuckle, both in the design position.
     pub(super) fn as_pose(&self, reference: Vector3<T>, origin: Vector3<T>) -> Pose<T> {
         Pose {
             origin: origin + self.displacement(origin - reference),
@@ -184,7 +184,7 @@ impl<T: Real> Placed<T> {
         }
     }
 
-    /// Converts the position to another kind of number.
+    /// Converts the position to another number type.
     #[inline(always)]
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Placed<U> {
         Placed {
@@ -260,7 +260,7 @@ pub(super) fn angle_by_sine<T: Valued>(squared: T, cosine: T) -> T {
     ratio
 }
 
-/// Series of asin(s)/s.
+/// Power series of asin(s)/s.
 #[inline(always)]
 fn angle_by_small_sine<T: Valued>(squared: T) -> T {
     let coefficients = [
@@ -277,7 +277,7 @@ fn angle_by_small_sine<T: Valued>(squared: T) -> T {
     sum * squared + squared.one()
 }
 
-/// Ratio t/sin t of any angle. It is a piece of its own, because few angles are large.
+/// Ratio t/sin t of any angle. It is compiled as a separate function, because few angles are large.
 struct AngleBySine<T> {
     squared: T,
     cosine: T,
@@ -314,12 +314,12 @@ pub(super) fn second_order<T: Real, const N: usize>(
 mod tests {
     use super::*;
 
-    /// A body keeps its axis and angle through many small rotations, and the logarithm returns them.
+    /// Many small rotations about one axis add up, and the logarithm returns their axis and total angle.
     #[test]
     fn the_logarithm_inverts_turns() {
         for angle in [1e-9, 1e-3, 0.031, 0.032, 0.4, 1.9, 3.0] {
             let axis = Vector3::new(2.0, -1.0, 2.0) * (1.0 / 3.0);
-            // Two rotations by Cayley's vector give the angle.
+            // Two rotations by this Cayley vector give the angle.
             let step = axis * (2.0 * (angle / 4.0_f64).tan());
             let body = Placed::design(0.0)
                 .moved(axis.zero(), step)

@@ -30,7 +30,7 @@ pub(super) struct Built<T> {
     pub(super) places: Places,
 }
 
-/// Parts of an axle to which a wheel's parts connect.
+/// Parts of an axle that connect to the wheel's parts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct OfAxle<'a, T> {
     pub(super) subframe: Option<&'a Subframe<T>>,
@@ -45,7 +45,7 @@ pub(super) struct OfAxle<'a, T> {
 pub(super) struct HalfOfAxle {
     /// Reference point of the body, in the axes of this side.
     pub(super) reference: Vector3<f64>,
-    /// True for the half that has the links in the middle.
+    /// True for the half that contains the links in the middle of the axle.
     pub(super) has_singles: bool,
 }
 
@@ -177,8 +177,8 @@ impl<T: Scalar> Builder<'_, T> {
         Vector3::new(zero, zero, zero.one())
     }
 
-    /// Axes as columns. x is the given axis or `default`. z is the part of the given axis, or of the vertical, that is
-    /// normal to x.
+    /// Axes of a bushing as columns. x is the given x axis or `default`. z is the component of the given z axis, or of the
+    /// vertical, that is normal to x.
     fn axes(&self, number: usize, default: Vector3<T>) -> Matrix3<T> {
         let part = &self.compliance.bushings[number];
         axes_of(
@@ -192,7 +192,7 @@ impl<T: Scalar> Builder<'_, T> {
         bushing(&part.shapes, &part.preload, axes)
     }
 
-    /// Builds the arms with a bushing. Returns the part of each arm in the system.
+    /// Builds the arms with a bushing. Returns the index of each arm's part in the system.
     fn arms(&mut self) -> Vec<Option<usize>> {
         let arms = self.mechanism.arms.clone();
         let hinged = self
@@ -246,7 +246,8 @@ impl<T: Scalar> Builder<'_, T> {
         limbs
     }
 
-    /// Makes an end of a part whose reference point is the joint `outer`. A ball joint also becomes a rigid rod.
+    /// Makes an end of a part whose reference point is the joint `outer`. Without a bushing, the end is a ball joint, and
+    /// the function also adds a rigid rod.
     fn end(&mut self, id: PointId, outer: PointId, bushing: Option<Bushing<T>>) -> End<T> {
         let lever = self.at(id) - self.at(outer);
         if bushing.is_none() {
@@ -277,7 +278,7 @@ impl<T: Scalar> Builder<'_, T> {
                 Constraint::StrutLine { top, lower, upper } => self.strut(top, lower, upper),
                 Constraint::Revolute { first, second } => self.hinge(first, second),
                 Constraint::BallJoint { at } => self.ball_joint(at),
-                // Studies refuse elastic parts at these constraints.
+                // A study cannot have elastic parts at these constraints.
                 Constraint::AxleTravel { .. }
                 | Constraint::Mount { .. }
                 | Constraint::ArmJoint { .. } => {}
@@ -296,7 +297,7 @@ impl<T: Scalar> Builder<'_, T> {
         let slope = rates
             .flat_map(|number| self.compliance.bushings[number].shapes.iter().take(3))
             .fold(along.x.zero(), |sum, shape| sum + shape.slope(along.x));
-        // No force turns the link about its own line, so any stiffness against that rotation is right.
+        // No force rotates the link about its own line, so any stiffness against that rotation gives the same result.
         let spin = along * slope.constant(slope.value().sqrt().max(1.0));
         match (at_inner, at_outer) {
             (None, None) => self.rod(inner, outer, along),
@@ -402,7 +403,7 @@ impl<T: Scalar> Builder<'_, T> {
         }
     }
 
-    /// Builds a ball joint between carrier and body. It is rigid and has no place for a bushing.
+    /// Builds a rigid ball joint between carrier and body. A study cannot put a bushing there.
     fn ball_joint(&mut self, at: PointId) {
         let lever = self.on_carrier(at);
         let (one, zero) = (lever.x.one(), lever.x.zero());
@@ -438,7 +439,7 @@ impl<T: Scalar> Builder<'_, T> {
                     self.system.bushings.push(CarrierBushing { lever, bushing });
                     self.system.holders.bushings.push(self.holder(id));
                 }
-                // If both joints of the arm's axis are rigid, only the first may fix the position along that axis.
+                // If both joints of the arm's axis are rigid, only the first joint fixes the position along that axis.
                 None if numbers == [None, None] && k == 1 => {
                     for direction in normals(along) {
                         let pin = Joint::Pin { lever, direction };
@@ -456,7 +457,7 @@ impl<T: Scalar> Builder<'_, T> {
     }
 }
 
-/// Axes as columns: x along the first direction, z along the part of the second that is normal to it.
+/// Axes as columns: x is along the first direction. z is along the component of the second direction that is normal to x.
 fn axes_of<T: Scalar>(x: Vector3<T>, z: Vector3<T>) -> Matrix3<T> {
     let x = x.normalised();
     let z = z.across(x).normalised();
@@ -472,7 +473,7 @@ fn bushing<T: Scalar>(shapes: &[Shape<T>; 6], preload: &[T; 6], axes: Matrix3<T>
     }
 }
 
-/// Axial stiffness of a link with this vector between its ends.
+/// Axial rate of a link; `along` is the vector between its ends.
 fn rate<T: Scalar>(stiffness: &AxialStiffness<T>, along: Vector3<T>) -> T {
     match stiffness {
         AxialStiffness::Rate(rate) => *rate,

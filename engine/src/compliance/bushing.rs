@@ -1,7 +1,7 @@
 //! Bushing between two bodies.
 //!
-//! Body j moves in the frame of body i, which holds the bushing's axes A (rows). With the bushing's point p_i or p_j on each
-//! body, the rotations R_i and R_j of the bodies and e = p_j - p_i,
+//! Body i holds the bushing's axes A (rows), and body j moves in the frame of body i. The bushing's points are p_i and p_j,
+//! and R_i and R_j are the rotations of the bodies. With e = p_j - p_i,
 //!
 //! ```text
 //! d = A R_i' e,   phi = A log(R_i' R_j)                                                           (1)
@@ -26,7 +26,7 @@ use super::algebra::Logarithm;
 use super::law::Law;
 use crate::number::{Matrix3, Outlined, SimdReal, Valued, Vector3, outlined};
 
-/// Squared angle below which power series give c and its slope.
+/// Squared angle below which power series give c and its derivative.
 const SMALL_ANGLE_SQUARED: f64 = 0.25;
 /// Coefficients |B_2k|/(2k)! of c in powers of t^2, from the highest.
 const SERIES: [f64; 7] = [
@@ -98,7 +98,7 @@ fn small_coefficient<T: Valued>(square: T) -> (T, T) {
     (value, slope + slope)
 }
 
-/// Coefficient of a large angle. It is a piece of its own, because few angles are large.
+/// Coefficient of a large angle. It is compiled as a separate function, because few angles are large.
 struct LargeCoefficient<T>(Logarithm<T>);
 
 impl<T: Valued> Outlined for LargeCoefficient<T> {
@@ -127,7 +127,7 @@ struct TorqueTangent<T> {
     once: Vector3<T>,
     twice: Vector3<T>,
     rates: Vector3<T>,
-    /// 1/2, c, and the derivative of c by t divided by t.
+    /// 1/2, c, and dc/dt divided by t.
     coefficients: [T; 3],
 }
 
@@ -153,7 +153,7 @@ impl<T: Valued> TorqueTangent<T> {
 }
 
 impl<T: Valued> Bushing<T> {
-    /// Deflection and force, from e in the axes of body i and from R_i' R_j - I.
+    /// Deflection and force. `e` is in the axes of body i, and `turn` is R_i' R_j - I.
     #[inline(always)]
     pub(super) fn state(&self, e: Vector3<T>, turn: &Matrix3<T>) -> BushingState<T> {
         let rotation = Logarithm::of(turn);
@@ -191,7 +191,7 @@ impl<T: Valued> Bushing<T> {
         (Vector3::new(x.0, y.0, z.0), Vector3::new(x.1, y.1, z.1))
     }
 
-    /// Forces and tangents. `e` is in the axes of the vehicle. `body` is R_i, and `None` for a body at rest.
+    /// Forces and tangents. `e` is in the axes of the vehicle. `body` is R_i; `None` for a body at rest.
     #[inline(always)]
     pub(super) fn force(
         &self,
@@ -257,7 +257,7 @@ impl<T: Valued> Bushing<T> {
         }
     }
 
-    /// Stiffness at zero deflection and torsion, used to find the forces at the design load.
+    /// Stiffness at zero deflection and zero torsion. The calculation of the forces at the design load uses it.
     pub(super) fn slack(&self) -> BushingForce<T> {
         let like = self.axes.columns[0].x;
         let nothing = Matrix3::null(like);
@@ -305,8 +305,9 @@ mod tests {
         Bushing { axes, laws }
     }
 
-    /// The tangents equal the derivatives of force and moment by small rotations, on both sides of the change of formula. Except
-    /// for a term with the moment, they are symmetric, because the forces have an energy.
+    /// The tangents equal the derivatives of force and moment with respect to small rotations, for angles below and above
+    /// the limit of the power series. The forces have an energy, so the tangents are symmetric except for a term with the
+    /// moment.
     #[test]
     fn tangents_are_derivatives() {
         for angle in [0.0, 0.1, 0.4999, 0.5001, 1.3] {
@@ -332,7 +333,7 @@ mod tests {
                     );
                 }
             }
-            // For the gradient with respect to rotations about fixed axes, N - N' = -M^.
+            // For rotations about fixed axes, N - N' = -M^.
             let (m, n) = (found.moment.map(|c| c.value), found.by_turn);
             let skew = [
                 n.entry(2, 1).value - n.entry(1, 2).value,

@@ -1,8 +1,8 @@
 //! Forces that links, joints, bushings and springs carry in an equilibrium.
 //!
-//! Every part adds its force on the carrier to the sum of `gather.rs`, with the opposite sign. Here the force of each part is
-//! kept separately. So the carrier is in balance under these forces and the loads. A bushed link is a rigid body without load
-//! between its ends; its tension is the part of its force on the carrier along its line.
+//! `gather.rs` sums the forces of all parts on the carrier, with the opposite sign. This module keeps the force of each
+//! part separately. These forces and the loads balance on the carrier. A link with bushings is a rigid body without load
+//! between its ends. Its tension is the component of its force on the carrier along its line.
 
 use super::build::{Built, JointPlace, LimbPlace};
 use super::ground::{Holder, Surroundings};
@@ -16,17 +16,17 @@ use crate::number::Vector3;
 /// Part whose force is in the results.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum MemberPart {
-    /// Tension of a rigid rod, by the number of its joint.
+    /// Tension of a rigid rod, with the index of its joint.
     Rod(usize),
-    /// Tension of a rod with axial stiffness, by its number.
+    /// Tension of a rod with axial stiffness, with its index.
     ElasticRod(usize),
-    /// Tension of a link with bushings, by its number among the parts with inner unknowns.
+    /// Tension of a link with bushings, with its index among the parts with inner unknowns.
     Link(usize),
     /// Component of the force on the wheel carrier at a joint.
     Joint(PointId, Axis),
-    /// Component of a bushing's force, along its own axis.
+    /// Component of a bushing's force along an axis of the bushing.
     Force(usize, Axis),
-    /// Component of a bushing's torque, about its own axis.
+    /// Component of a bushing's torque about an axis of the bushing.
     Torque(usize, Axis),
     /// Tension of the rod between suspension and rocker.
     RockerRod,
@@ -37,7 +37,7 @@ pub(crate) enum MemberPart {
 /// A force in the results.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ElasticMember {
-    /// Part of its column's name after the load's name.
+    /// Suffix of the column's name, after the name of the load.
     pub(crate) name: String,
     pub(crate) part: MemberPart,
     /// True for a part that the axle has only once.
@@ -68,7 +68,7 @@ impl ElasticMember {
         }
     }
 
-    /// Axis of the vehicle along which the force is a component.
+    /// Axis of the vehicle for a force component; `None` for other forces.
     pub(crate) fn axis(&self) -> Option<Axis> {
         match self.part {
             MemberPart::Joint(_, axis) => Some(axis),
@@ -115,7 +115,7 @@ impl CarriedForces {
 
 impl Built<f64> {
     /// All members whose forces are in the results: rods and links, then joints, bushings, and the spring. `bushings` are
-    /// their names, in the order of their readings.
+    /// the names of the bushings, in the order of their readings.
     pub(crate) fn members(&self, mechanism: &Mechanism, bushings: &[String]) -> Vec<ElasticMember> {
         let places = &self.places;
         let mut members = Vec::new();
@@ -185,7 +185,7 @@ impl Built<f64> {
         members
     }
 
-    /// Points at which parts hold the carrier.
+    /// Hardpoints at which parts hold the carrier.
     fn outer_points(&self) -> impl Iterator<Item = PointId> + '_ {
         let places = &self.places;
         let joints = places.joints.iter().map(|place| place.point());
@@ -194,7 +194,7 @@ impl Built<f64> {
         joints.chain(rods).chain(limbs)
     }
 
-    /// Returns true for the outer joint of an arm whose legs are bent by a spring or a drop link.
+    /// Returns true for the outer joint of an arm whose legs carry bending from a spring or a drop link.
     fn is_bent(&self, joint: PointId) -> bool {
         let is_seat = |place: &LimbPlace| *place == LimbPlace::Seat(Some(joint));
         self.places.bar == Some(joint) || self.places.limbs.iter().any(is_seat)

@@ -1,18 +1,18 @@
-//! Characteristics of the wheel in an equilibrium, and their derivatives with respect to wheel travel along it.
+//! Characteristics of the wheel in an equilibrium, and their derivatives with respect to wheel travel.
 //!
-//! The formulas are those of the catalogue. A velocity is the derivative of the equilibrium by wheel travel, with the rack
-//! held and without horizontal loads.
+//! The formulas are those of the catalogue. Velocities are derivatives of the equilibrium with respect to wheel travel,
+//! with the rack held and without horizontal loads.
 
 use super::derivatives::Tangent;
 use super::wheel::{Change, ElasticWheel, Equilibrium};
 use crate::characteristics::{Characteristic, Inputs};
 use crate::number::{Dual, Jet, Scalar};
 
-/// Text that names, for some quantities of the rigid mechanism, the quantity to use in an equilibrium instead.
+/// Advice in messages: quantities that replace some quantities of the rigid mechanism.
 const INSTEAD: &str = "with [compliance] use jacking_by_lateral_force, jacking_by_braking, \
                        compliant_wheel_rate or compliant_ride_rate";
 
-/// Reason why an equilibrium does not have a characteristic, and the alternatives; `None` if it has the characteristic.
+/// Reason why a characteristic is not defined in an equilibrium, and its alternatives; `None` if it is defined.
 pub fn not_of_equilibrium(of: Characteristic) -> Option<[&'static str; 2]> {
     use Characteristic as C;
     match of {
@@ -58,7 +58,7 @@ pub fn not_of_equilibrium(of: Characteristic) -> Option<[&'static str; 2]> {
 }
 
 impl<T: Scalar> ElasticWheel<T> {
-    /// Inputs of the catalogue's formulas along wheel travel: values and first derivatives.
+    /// Inputs of the catalogue's formulas: values and first derivatives with respect to wheel travel.
     pub(super) fn inputs_by_travel(&self, tangent: &Tangent<T>) -> Option<Inputs<Jet<T, 2>>> {
         let state = self.moving_by(tangent, &Change::Travel)?;
         let geometry = self.geometry.map(Jet::constant);
@@ -69,7 +69,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(inputs)
     }
 
-    /// Value of a characteristic, or its derivative with respect to wheel travel, from inputs along travel. `None` if it has no value.
+    /// Value of a characteristic, or its derivative with respect to wheel travel. `None` if it has no value.
     pub(super) fn of_inputs(
         inputs: &Inputs<Jet<T, 2>>,
         of: Characteristic,

@@ -10,13 +10,14 @@ use super::limb::{BESIDE, Beside, Sum, TWIST_BESIDE, joined};
 use super::system::Equations;
 use crate::number::{Each, Matrix3, Scalar, Vector3};
 
-/// Number of further coordinates of a frame besides the carrier's: shift of the rack, twist of the bar, displacement of a
-/// spring's upper end.
+/// Number of coordinates of a frame in addition to the carrier's: shift of the rack, twist of the bar, and three
+/// displacements of a spring's upper end.
 const EXTRA: usize = 5;
 
 impl<T: Scalar> Coupling<T> {
-    /// Adds forces on the subframe and their derivatives with respect to its own motion, by the carrier's motion, and the derivatives of
-    /// the forces on the carrier. The derivatives are blocks of three by three.
+    /// Adds forces on the subframe and 3 x 3 blocks of derivatives. `own` and `by_corner` are the derivatives of these
+    /// forces with respect to motions of the subframe and of the carrier. `corner_by` are the derivatives of the forces on
+    /// the carrier with respect to motions of the subframe.
     #[inline]
     fn add_subframe(
         &mut self,
@@ -37,8 +38,8 @@ impl<T: Scalar> Coupling<T> {
     }
 }
 
-/// Forces of the parts of one holder, in its axes. They depend on the carrier as seen from the holder, and on further
-/// coordinates.
+/// Forces of the parts of one holder, in its axes. They depend on the carrier's pose relative to the holder, and on
+/// [`EXTRA`] further coordinates.
 pub(super) struct InFrame<T> {
     sum: Sum<T>,
     force: [T; EXTRA],
@@ -80,7 +81,7 @@ impl<T: Scalar> InFrame<T> {
     }
 
     pub(super) fn add_beside(&mut self, of: &Beside<T>) {
-        // The twist is the last of the shared unknowns, and has index 1 here.
+        // The twist is the last of the coordinates [`Beside`], but has index 1 here.
         let number = |k: usize| if k == TWIST_BESIDE { 1 } else { 2 + k };
         for k in 0..BESIDE {
             let i = number(k);
@@ -156,7 +157,7 @@ impl<T: Scalar> InFrame<T> {
         found.own = self.own;
         found.by_carrier = self.by_carrier.each_ref().each(turned);
         found.carrier_by = self.carrier_by.each_ref().each(turned);
-        // The displacement of the upper end is also a vector.
+        // Rotate the displacement of the spring's upper end as well, because it is a vector.
         let of = |v: [T; 3]| rotation.apply(Vector3::from(v)).to_array();
         let across = |list: &mut [[T; 6]; EXTRA]| {
             for i in 0..6 {
@@ -196,7 +197,7 @@ impl<T: Scalar> InFrame<T> {
         let [f, m] = halves(&self.sum.force);
         let [[uu, uw], [wu, ww]] = blocks(&self.sum.tangent);
         let (across_f, across_m) = (pose.turning(f), pose.turning(m));
-        // Derivatives of the forces on the carrier by the subframe's motion.
+        // Derivatives of the forces on the carrier with respect to the subframe's motion.
         let mut by = [
             [
                 uu.negated(),
@@ -211,7 +212,7 @@ impl<T: Scalar> InFrame<T> {
                     .plus(&across_m.negated()),
             ],
         ];
-        // Derivatives of the forces on the subframe by the carrier's motion.
+        // Derivatives of the forces on the subframe with respect to the carrier's motion.
         let mut of = [
             [uu.negated(), uw.negated()],
             [

@@ -1,4 +1,5 @@
-//! Elastic parts as a study names them: bushings at hardpoints, links with axial stiffness, and their relaxed position.
+//! Elastic parts of a study: bushings at hardpoints, links with axial stiffness, and the position in which they are
+//! relaxed.
 
 use super::law::Shape;
 use crate::axle::SpringLaw;
@@ -8,7 +9,7 @@ use crate::number::{Each, Scalar, Vector3};
 /// Position in which elastic parts are relaxed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Relaxed {
-    /// All parts are free of force in the design position. The design is no equilibrium under the spring's force.
+    /// All parts have zero force in the design position. Under the spring's force, the design position is no equilibrium.
     Free,
     /// The design position is the equilibrium under the wheel load that matches the spring's force there.
     AtDesignLoad,
@@ -25,7 +26,7 @@ pub struct BushingPart<T = f64> {
     pub preload: [T; 6],
     /// Direction of the bushing's x axis in the design position, in the kernel's frame; `None` for the default.
     pub x_axis: Option<Vector3<T>>,
-    /// Direction that sets the z axis, by its part normal to the x axis; `None` for the vertical.
+    /// Direction whose component normal to the x axis gives the z axis; `None` for the vertical.
     pub z_axis: Option<Vector3<T>>,
 }
 
@@ -42,7 +43,7 @@ pub struct SubframeMount<T = f64> {
     pub preload: [T; 6],
     /// Direction of the mount's x axis; `None` for forward.
     pub x_axis: Option<Vector3<T>>,
-    /// Direction that sets the z axis, by its part normal to the x axis; `None` for the vertical.
+    /// Direction whose component normal to the x axis gives the z axis; `None` for the vertical.
     pub z_axis: Option<Vector3<T>>,
 }
 
@@ -70,7 +71,7 @@ impl<T: Scalar> Subframe<T> {
 }
 
 impl Subframe {
-    /// Converts the subframe to another kind of number.
+    /// Converts the subframe to another number type.
     pub fn map<U: Copy>(&self, f: impl Fn(f64) -> U + Copy) -> Subframe<U> {
         let mount = |mount: &SubframeMount| SubframeMount {
             name: mount.name.clone(),
@@ -98,7 +99,7 @@ pub struct LinkPart<T = f64> {
     pub preload: T,
 }
 
-/// Member that can stretch.
+/// Member that can have axial stiffness.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkMember {
     /// Rod, or leg of an arm, between body or rack and the carrier.
@@ -115,7 +116,7 @@ pub enum LinkMember {
 /// Axial stiffness of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AxialStiffness<T = f64> {
-    /// Force per length. It stays the same if hardpoints move.
+    /// Force per length. It stays constant if hardpoints move.
     Rate(T),
     /// Force per strain. The rate is this number divided by the length.
     PerStrain(T),
@@ -135,7 +136,7 @@ pub struct Compliance<T = f64> {
 }
 
 impl Compliance {
-    /// Parts of a rigid suspension, with this spring.
+    /// Makes the definition of a rigid suspension with this spring.
     pub fn rigid(spring: Option<SpringLaw>) -> Self {
         Compliance {
             relaxed: Relaxed::Free,
@@ -163,7 +164,7 @@ impl Compliance {
         self.bushings.is_empty() && self.links.is_empty()
     }
 
-    /// Converts the parts to another kind of number.
+    /// Converts the parts to another number type.
     pub fn map<U: Copy>(&self, f: impl Fn(f64) -> U + Copy) -> Compliance<U> {
         let bushing = |part: &BushingPart| BushingPart {
             point: part.point,
@@ -195,14 +196,14 @@ impl<T> Compliance<T> {
         self.bushings.iter().position(|part| part.point == point)
     }
 
-    /// The part that makes a member elastic. `None` for a rigid member.
+    /// Elastic part of a member; `None` for a rigid member.
     pub(super) fn link(&self, member: LinkMember) -> Option<&LinkPart<T>> {
         self.links.iter().find(|part| part.member == member)
     }
 }
 
-/// The hardpoints that may have a bushing, in the order of the mechanism's points. For a solid axle: those of the left half, and
-/// those that exist only once.
+/// Hardpoints that may have a bushing, in the order of the mechanism's points. For a solid axle, these are the hardpoints
+/// of the left half and the hardpoints that exist only once.
 pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
     let mut points = Vec::new();
     for constraint in &mechanism.constraints {
@@ -225,8 +226,8 @@ pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
     points
 }
 
-/// The members that may have axial stiffness, with their names. For a solid axle: those of the left half, and those that exist
-/// only once.
+/// Members that may have axial stiffness, with their names. For a solid axle, these are the members of the left half and
+/// the members that exist only once.
 pub fn link_members(mechanism: &Mechanism) -> Vec<(String, LinkMember)> {
     let mut members = Vec::new();
     for constraint in &mechanism.constraints {

@@ -1,4 +1,4 @@
-//! Changes of an equilibrium with loads, travel and rack, and with the design.
+//! Derivatives of an equilibrium with respect to loads, travel, rack and design.
 //!
 //! With the equations of balance G(x, p), the unknowns x, an input p and an output y,
 //!
@@ -6,10 +6,10 @@
 //! x_p = -G_x^-1 G_p,   y_p = y_x.x_p + y_p                                                        (1)
 //! ```
 //!
-//! One Newton step from a state in balance, in numbers that carry derivatives, is (1). In the state after this step, the
-//! equations carry the derivatives of the tangent. So values and derivatives with respect to the design come from the same formulas, for
-//! rates along a load and all figures of a test. On a [`Tape`](crate::number::Tape), one backward pass gives the derivatives
-//! of a figure by all inputs. It is the adjoint of the equations, of the preloads and of the rates.
+//! In numbers that carry derivatives, one Newton step from a state in balance computes (1). In the state after this step,
+//! the equations carry the derivatives of the tangent. So the same formulas give the values of test results and their
+//! derivatives with respect to the design. On a [`Tape`](crate::number::Tape), one backward pass gives the derivatives of a
+//! result with respect to all inputs. This pass is the adjoint of the equations, the preloads and the rates.
 
 use super::loads::WheelLoads;
 use super::reading::WheelFigures;
@@ -29,8 +29,8 @@ pub struct Tangent<T: Valued = f64> {
 }
 
 impl<T: Scalar> ElasticWheel<T> {
-    /// Adds derivatives to an equilibrium of the same design in plain numbers. `task` gives the loads and their derivatives.
-    /// `None` if the tangent is singular.
+    /// Adds derivatives to an equilibrium of the same design. `task` has the loads with their derivatives. `None` if the
+    /// tangent is singular.
     pub(super) fn carried(&self, at: &State<f64>, task: &Task<T>) -> Option<Equilibrium<T>> {
         let system = &self.built.system;
         let like = system.like();
@@ -76,8 +76,8 @@ impl<T: Scalar> ElasticWheel<T> {
             }
             Change::Travel => right[equations.size - 1] = system.like().one(),
             Change::Rack => {
-                // These equations carry the derivative with respect to the rack. In balance, the eliminated unknowns contribute only the
-                // derivative of their residual.
+                // These equations carry the derivative with respect to the rack. In balance, eliminated unknowns contribute
+                // only through the derivative of their residual.
                 let dual = self.built.system_over(Dual::<T, 1>::constant);
                 let mut moving = task.map(Dual::constant);
                 moving.rack.partials[0] = system.like().one();
@@ -103,7 +103,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(geometry.figures(&moving, self.constants).map(|c| c[1]))
     }
 
-    /// State and its rate as an input changes, with the parts needed to read wheels.
+    /// State and its rate as an input changes, without the unknowns that readings of the wheel do not need.
     pub(super) fn moving_by(
         &self,
         tangent: &Tangent<T>,
@@ -113,7 +113,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(self.moving(&tangent.state, &rate))
     }
 
-    /// Computes the same derivatives as `figures_along`, with the tangent of an equilibrium.
+    /// Computes the tangent in an equilibrium, then the same derivatives as `figures_along`.
     pub fn figures_by(
         &self,
         at: &Equilibrium<T>,
@@ -136,7 +136,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some([Vector3::new(x, y, z) + turn.cross(lever), turn])
     }
 
-    /// State with a given rate, with the parts needed to read wheels.
+    /// State with a given rate, without the unknowns that readings of the wheel do not need.
     pub(super) fn moving(&self, state: &State<T>, rate: &Step<T>) -> State<Jet<T, 2>> {
         let mut moving = state.map(Jet::constant);
         let [x, y, z, a, b, c] = rate.carrier.each(|c| Jet([c.zero(), c]));
@@ -151,7 +151,7 @@ impl<T: Scalar> ElasticWheel<T> {
         moving
     }
 
-    /// Same equilibrium, with another quantity held.
+    /// Converts an equilibrium to a state and a task with another quantity held.
     pub(super) fn held_as(&self, from: &Equilibrium<T>, held: HeldQuantity) -> (State<T>, Task<T>) {
         self.built
             .system
@@ -160,7 +160,7 @@ impl<T: Scalar> ElasticWheel<T> {
 }
 
 impl<T: Valued> System<T> {
-    /// This state, with another quantity held.
+    /// Converts a state and its task to another held quantity.
     #[inline(always)]
     pub(super) fn held_as(
         &self,

@@ -1,9 +1,9 @@
-//! Ends of equilibrium: the travel, rack displacement or load at which a part of the suspension gives way.
+//! Ends of equilibrium: the travel, rack displacement or load beyond which the search finds no stable equilibrium.
 //!
-//! The search increases a value outward from a known equilibrium, in steps of at most a twentieth of its size. Each state starts
-//! Newton's method for the next one. A step without a stable equilibrium is halved, and the step after a success is doubled. The
-//! search ends when the step is 1e-10 of the value. The last state has an equilibrium, and the search found no larger value with
-//! one.
+//! The search increases a value from a known equilibrium, in steps of at most a twentieth of the value. Newton's method
+//! starts each state from the previous state. After a step without a stable equilibrium, the search halves the step. After
+//! a success, it doubles the step. The search ends when the step is 1e-10 of the value. Its last state is an equilibrium,
+//! and it found no equilibrium at a larger value.
 //!
 //! At such an end the tangent is singular: a motion has no stiffness. With the tangent K and the motion x that inverse
 //! iteration finds, a part gives way if
@@ -12,10 +12,10 @@
 //! |K^-1 x| at the end  >  100 |K^-1 x| at the start                                               (1)
 //! ```
 //!
-//! At a fold, K^-1 grows with the inverse square root of the remaining distance: at 1e-10, by about 1e5. Torque laws of
-//! large rotations and side forces that follow the wheel have no energy, so K is not symmetric. Then a state can lose its
-//! stability (`solve.rs`) while K stays regular. If neither applies, Newton's method has failed for another reason, and the
-//! end is unknown.
+//! At a fold, K^-1 grows with the inverse square root of the remaining distance. At a distance of 1e-10, the factor is
+//! about 1e5. Torque laws of large rotations and side forces that follow the wheel have no energy, so K is not symmetric.
+//! So a state can lose its stability (`solve.rs`) while K stays regular. If neither condition holds, Newton's method has
+//! failed for another reason, and the end is unknown.
 
 use super::fault::{Motion, NoEquilibrium};
 use super::loads::WheelLoads;
@@ -33,7 +33,7 @@ const LARGEST_LOAD: f64 = 1e6;
 const LARGEST_MOMENT: f64 = 1e5;
 /// Travel or rack displacement (mm) at which the search ends.
 const LONGEST_TRAVEL: f64 = 1000.0;
-/// Usual values, the smallest references for steps: mm, N, N m.
+/// Typical values, in mm, N and N m. Steps are relative to the present value, but at least to the typical value.
 const USUAL_TRAVEL: f64 = 20.0;
 const USUAL_LOAD: f64 = 1000.0;
 const USUAL_MOMENT: f64 = 100.0;
@@ -41,9 +41,9 @@ const USUAL_MOMENT: f64 = 100.0;
 const LARGEST_STEP: f64 = 0.05;
 /// Step at which the search has found an end, as a fraction of the value.
 const RESOLUTION: f64 = 1e-10;
-/// Largest number of steps in one direction. Without failures, 140 steps reach a thousand times the usual value.
+/// Largest number of steps in one direction. Without failures, 140 steps reach a thousand times the typical value.
 const MOST_TRIES: usize = 4000;
-/// Size of a negative force (N) that exceeds rounding error.
+/// A force below minus this value (N) counts as negative. Smaller negative forces are rounding errors.
 pub(super) const NEGATIVE: f64 = 1e-6;
 /// Factor in (1).
 const SOFTENING: f64 = 100.0;
@@ -65,7 +65,7 @@ pub enum EndCause {
         /// Direction of the motion.
         motion: Motion,
     },
-    /// The force that drives the motion reaches [`LARGEST_FORCE`]: rigid parts are at full stretch or in contact.
+    /// The force that drives the motion reaches [`LARGEST_FORCE`]: rigid parts are fully extended or in contact.
     Force(DrivingForce),
     /// The search reached its largest value. Equilibria may exist beyond it.
     SearchEnds,
@@ -112,14 +112,14 @@ pub struct EquilibriumEnd {
     pub value: f64,
     /// Cause of the end.
     pub cause: EndCause,
-    /// First value of each event before the end. Events that already hold at 0 are left out.
+    /// First value of each event before the end. The list omits events that already hold at 0.
     pub events: Vec<(Event, f64)>,
 }
 
 /// Range of values for a search.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
-    /// Usual value, the smallest reference for steps.
+    /// Typical value, the smallest reference for steps.
     usual: f64,
     /// Value at which the search ends; negative in the negative direction.
     farthest: f64,
@@ -218,14 +218,14 @@ fn followed<S: Copy>(
     }
 }
 
-/// Elastic suspension whose equilibria can be followed.
+/// Elastic suspension whose equilibria the search can follow.
 pub(super) trait Followable {
     /// State with all displacements.
     type State: Copy;
     /// Loads, heights and rack of an equilibrium.
     type Task;
-    /// Finds the stable equilibrium of a task from a neighbouring state. A failure at one wheel of an axle comes with the
-    /// wheel's index.
+    /// Finds the stable equilibrium of a task from a neighbouring state. For a failure at one wheel of an axle, the error
+    /// contains the index of the wheel.
     fn settle(
         &self,
         from: &Self::State,
@@ -241,10 +241,10 @@ pub(super) trait Followable {
         state: &Self::State,
         task: &Self::Task,
     ) -> Option<(f64, (String, Motion))>;
-    /// Name and free motion of an eliminated part.
+    /// Name of an eliminated part, and its motion without stiffness.
     fn limb(&self, side: Option<usize>, limb: usize) -> (String, Motion);
 
-    /// Both ends of the equilibria from `start`, the state at value 0.
+    /// Ends of the equilibria in both directions from `start`, the state at value 0.
     fn ends(
         &self,
         start: &Self::State,
@@ -388,7 +388,7 @@ impl Followable for ElasticWheel {
     }
 }
 
-/// Makes an equilibrium of a state that is in balance.
+/// Makes an equilibrium from a state in balance.
 fn equilibrium(state: &State<f64>, task: &Task<f64>) -> Equilibrium {
     Equilibrium {
         solution: Solution {

@@ -14,7 +14,7 @@ pub enum ElasticFault {
         /// Free direction.
         motion: Motion,
     },
-    /// Forces at the design load cannot be found: a motion has no stiffness except in torsion.
+    /// Forces at the design load cannot be computed, because only torsion gives a motion its stiffness.
     NoBalance {
         /// Name of the part.
         part: String,
@@ -50,12 +50,12 @@ pub enum Motion {
     Shift(Axis),
 }
 
-/// Reason for the absence of an equilibrium.
+/// Reason why a state has no equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoEquilibrium {
-    /// Fraction of the change that was reached, 0 to 1.
+    /// Fraction of the change that the solver reached, 0 to 1.
     pub share: f64,
-    /// True if no fraction was reached because the equilibrium that was found is not stable.
+    /// True if the solver reached no fraction because the equilibrium that it found is not stable.
     pub is_unstable: bool,
     /// Part that gives way, and its motion.
     pub softest: Option<(String, Motion)>,

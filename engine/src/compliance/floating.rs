@@ -1,4 +1,4 @@
-//! Links with a bushing at the carrier. They have six inner unknowns, or three with a ball joint at the body.
+//! Links with a bushing at the carrier. A link has six inner unknowns, or three with a ball joint at the body.
 
 #![expect(
     clippy::needless_range_loop,
@@ -25,7 +25,7 @@ pub(super) struct Floating<T> {
     pub(super) outer: Bushing<T>,
     /// Vector from the carrier's reference point to the outer end.
     pub(super) joint: Vector3<T>,
-    /// Direction of the link's line, with the root of a stiffness as its length, as in [`Swinging::spin`].
+    /// Vector along the link's line. Its length is the root of a stiffness, as in [`Swinging::spin`].
     pub(super) spin: Vector3<T>,
 }
 
@@ -52,7 +52,7 @@ impl<T: Valued> Floating<T> {
         (e, turn)
     }
 
-    /// States of the bushings, the inner one first.
+    /// States of the bushings, first the inner bushing.
     pub(super) fn bushing_states(
         &self,
         at: &Conditions<T>,
@@ -98,14 +98,15 @@ impl<T: Valued> Floating<T> {
         let (e, turn) = self.at_carrier(at, &own);
         let rotation = at.carrier.rotation();
         let outer = at.force(&self.outer, e, &turn, Some(&rotation));
-        // Tangents by the displacement of the outer point p, the carrier's shift u and rotation q, and the link's rotation
-        // w.
+        // Tangents with respect to the displacement of the outer point p, the carrier's shift u and rotation q, and the
+        // link's rotation w.
         let arm = own.lever(self.along);
         let lever = at.carrier.lever(self.joint) + e;
         let (f, k, n) = (outer.force, outer.by_shift, outer.by_turn);
         let f_q = cross_matrix(f).negated().plus(&k.times_cross(lever));
         let m_q = cross_matrix(outer.moment).negated().plus(&n.negated());
-        // The outer bushing exerts the force f at p and a torque on the link. The link's unknowns are its shift v and rotation w.
+        // The outer bushing exerts the force f at p and a torque on the link. The link's unknowns are its shift v and
+        // rotation w.
         let k_arm = k.times_cross(arm).negated();
         let mut own_rows = [[Matrix3::null(like); 2]; 2];
         own_rows[0] = [k, k_arm];
@@ -167,7 +168,7 @@ impl<T: Valued> Floating<T> {
     }
 }
 
-/// Blocks of a link's equations by its own shift and rotation, and by the carrier's.
+/// Blocks of a link's equations, with respect to the shift and rotation of the link and of the carrier.
 struct LinkBlocks<T: Valued> {
     own: [[Matrix3<T>; 2]; 2],
     forces: [Vector3<T>; 2],
@@ -175,7 +176,7 @@ struct LinkBlocks<T: Valued> {
     carrier_by_link: [[Matrix3<T>; 2]; 2],
     /// Length of the link.
     length: T::Plain,
-    /// True as in [`Conditions::is_correction`].
+    /// Same flag as [`Conditions::is_correction`].
     is_correction: bool,
 }
 
@@ -233,7 +234,7 @@ impl<T: Valued> LinkBlocks<T> {
     }
 }
 
-/// Entries of four blocks by rows.
+/// Entries of four blocks, row by row.
 #[inline(always)]
 fn by_rows<T: Valued>(blocks: &[[Matrix3<T>; 2]; 2]) -> [[T; 6]; 6] {
     let mut rows = [[blocks[0][0].columns[0].x; 6]; 6];

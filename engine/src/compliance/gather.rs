@@ -11,17 +11,18 @@ use crate::number::Valued;
 pub(super) struct Gathered<T> {
     /// Sums for body, subframe and rack, each in the axes of the body that holds the parts.
     pub(super) sums: [Sum<T>; 3],
-    /// Gap of each rigid joint and its row by the carrier's motion, in the axes of the joint's holder.
+    /// Gap of each rigid joint, and the derivatives of the gap with respect to the carrier's motion, in the axes of the
+    /// joint's holder.
     pub(super) joints: [(T, [T; 6]); MOST_JOINTS],
-    /// Parts that also move with coordinates other than the carrier's: index of the part, holder, forces. A bar on a rigid part
-    /// has the index [`MOST_LIMBS`].
+    /// Parts that also depend on coordinates other than the carrier's: index of the part, holder, forces. A bar on a rigid
+    /// part has the index [`MOST_LIMBS`].
     pub(super) beside: Vec<(usize, Holder, Beside<T>)>,
 }
 
 impl<T: Valued> System<T> {
-    /// Sums forces and tangents of elastic parts and joints, each as seen from the body that holds it. With `is_apart`, body,
-    /// subframe and rack have separate sums. Otherwise the first sum contains all of them. The responses of parts are written to
-    /// `equations`.
+    /// Sums forces and tangents of elastic parts and joints, each relative to the body that holds it. With `is_apart`,
+    /// body, subframe and rack have separate sums. Otherwise the first sum contains all parts. The function writes the
+    /// responses of parts to `equations`.
     #[inline(always)]
     pub(super) fn gather(
         &self,

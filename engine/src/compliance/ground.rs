@@ -1,8 +1,8 @@
 //! Bodies that hold the inner ends of a wheel's parts: body, subframe and rack.
 //!
-//! The energy of parts on the subframe depends only on the carrier's pose as seen from the subframe. So these parts are evaluated
-//! in the subframe's axes, with the formulas for a body at rest. With the carrier's reference point O, that of the subframe S, r
-//! = O - S, the subframe's rotation R, and the force f and moment m on the carrier,
+//! The energy of parts on the subframe depends only on the carrier's pose relative to the subframe. So the program
+//! evaluates these parts in the subframe's axes, with the formulas for a body at rest. Let O and S be the reference points
+//! of carrier and subframe. With r = O - S, the subframe's rotation R, and the force f and moment m on the carrier,
 //!
 //! ```text
 //! du' = R'(du - ds - w_s x r),   dw' = R'(dw - w_s)                                               (1)
@@ -10,8 +10,9 @@
 //! d(R f) = R df' + w_s x f                                                                        (3)
 //! ```
 //!
-//! As seen from the subframe, a point P of the body, at p = P - S, moves by dp' = R'(-ds + p x w_s) (4). The rack shifts
-//! along y in the axes of its holder. For parts on the rack, this is the opposite shift of the carrier (5).
+//! Relative to the subframe, a point P of the body, at p = P - S, moves by dp' = R'(-ds + p x w_s) (4). The rack shifts
+//! along y in the axes of its holder. For parts on the rack, this shift is equivalent to the opposite shift of the carrier
+//! (5).
 
 use super::algebra::{Placed, cross_matrix};
 use super::bushing::BushingState;
@@ -74,8 +75,8 @@ pub(super) struct SubframePart<T> {
     pub(super) to_carrier: Vector3<T>,
     /// Mounts at the body, with levers from the subframe's reference point.
     pub(super) mounts: Vec<CarrierBushing<T>>,
-    /// Vector from the subframe's reference point to the spring's upper end at the body. `None` unless the spring acts on an arm
-    /// of the subframe.
+    /// Vector from the subframe's reference point to the spring's upper end at the body. `None` unless the spring acts on
+    /// an arm of the subframe.
     pub(super) upper: Option<Vector3<T>>,
 }
 
@@ -98,7 +99,7 @@ impl<T: Valued> Surroundings<T> {
         }
     }
 
-    /// The same positions in the axes of the other wheel.
+    /// Converts the positions to the axes of the other wheel.
     pub(super) fn mirrored(&self) -> Self {
         let Placed { shift, turn } = &self.subframe;
         let [a, b, c] = turn.columns;
@@ -122,7 +123,7 @@ impl<T: Valued> Surroundings<T> {
 /// Signs of the shared unknowns in the axes of the other wheel.
 pub(super) const MIRROR: [f64; SHARED] = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0];
 
-/// Conditions for a wheel's parts, as seen from the body and from the subframe.
+/// Conditions for a wheel's parts, relative to the body and to the subframe.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frames<T> {
     pub(super) body: Conditions<T>,
@@ -130,7 +131,7 @@ pub(super) struct Frames<T> {
 }
 
 impl<T: Valued> Frames<T> {
-    /// These conditions, for the step that [`Conditions::is_correction`] describes.
+    /// Sets [`Conditions::is_correction`] for both frames.
     #[inline(always)]
     pub(super) fn for_correction(mut self) -> Self {
         self.body.is_correction = true;
@@ -154,7 +155,8 @@ pub(super) struct Coupling<T> {
     pub(super) own: [[T; SHARED]; SHARED],
     pub(super) by_corner: [[T; MOST]; SHARED],
     pub(super) corner_by: [[T; SHARED]; MOST],
-    /// Parts with inner unknowns that also move with coordinates other than the carrier's, with their responses.
+    /// Responses of parts with inner unknowns that also depend on coordinates other than the carrier's, with the index of
+    /// each part.
     pub(super) beside: Vec<(usize, [[T; BESIDE]; 6])>,
 }
 
@@ -247,7 +249,7 @@ impl<T: Scalar> System<T> {
         coupling
     }
 
-    /// Step of the carrier and of the coordinates of [`Beside`], as seen from a part with inner unknowns.
+    /// Step of the carrier and of the coordinates of [`Beside`], relative to the holder of a part with inner unknowns.
     pub(super) fn seen_step(
         &self,
         limb: usize,
@@ -267,7 +269,7 @@ impl<T: Scalar> System<T> {
         )
     }
 
-    /// Step of the carrier and of the coordinates of [`Beside`], as seen from a holder.
+    /// Step of the carrier and of the coordinates of [`Beside`], relative to a holder.
     pub(super) fn seen_by(
         &self,
         holder: Holder,
@@ -320,12 +322,13 @@ pub(super) struct Pose<T> {
     pub(super) lever: Vector3<T>,
     /// Vector p of the spring's upper end.
     pub(super) upper: Option<Vector3<T>>,
-    /// True as in [`Conditions::balance_only`]: forces do not rotate with the subframe, and their levers stay constant.
+    /// Same flag as [`Conditions::balance_only`]. If it is true, forces do not rotate with the subframe, and their levers
+    /// stay constant.
     balance_only: bool,
 }
 
 impl<T: Valued> Pose<T> {
-    /// Cross-product matrix of a force, which gives its change by a rotation or by its lever.
+    /// Cross-product matrix of a force. It gives the change of the force with a rotation, or of its moment with the lever.
     pub(super) fn turning(&self, force: Vector3<T>) -> Matrix3<T> {
         if self.balance_only {
             Matrix3::null(force.x)
@@ -336,7 +339,7 @@ impl<T: Valued> Pose<T> {
 }
 
 impl<T: Valued> SubframePart<T> {
-    /// Conditions as seen from the subframe.
+    /// Conditions relative to the subframe.
     fn seen(&self, body: &Conditions<T>, subframe: &Placed<T>) -> Conditions<T> {
         let back = subframe.turn.transposed();
         let unturned = |v: Vector3<T>| v + back.apply(v);

@@ -1,5 +1,5 @@
-//! Inputs of an elastic suspension, and a copy of the suspension that records chosen inputs on the tape of reverse
-//! differentiation.
+//! Inputs of an elastic suspension, and a copy of the suspension on a tape for reverse differentiation with respect to
+//! chosen inputs.
 
 use super::definition::{AxialStiffness, Compliance};
 use super::fault::ElasticFault;
@@ -10,12 +10,12 @@ use crate::axle::Law;
 use crate::model::{Axis, PointId, Side, Suspension};
 use crate::number::{Tape, Tracked, Vector3};
 
-/// Input by which equilibria and figures have derivatives, in the kernel's frame of a left wheel.
+/// Input for derivatives of equilibria and test results, in the kernel's frame of a left wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Parameter {
-    /// Coordinate of a hardpoint. Axes, lengths and forces at the design load follow.
+    /// Coordinate of a hardpoint. Axes, lengths and forces at the design load change with it.
     Point(PointId, Axis),
-    /// Rate of a bushing along or about an axis, 0 to 5. For a curve, a factor on its forces.
+    /// Rate of a bushing along (0 to 2) or about (3 to 5) an axis. For a force curve, the factor on its forces.
     Stiffness(usize, usize),
     /// Cubic term of a bushing.
     Cubic(usize, usize),
@@ -23,31 +23,31 @@ pub enum Parameter {
     Preload(usize, usize),
     /// Component of the direction of a bushing's x axis.
     AxisX(usize, Axis),
-    /// Component of the direction that sets a bushing's z axis.
+    /// Component of the direction that gives a bushing's z axis.
     AxisZ(usize, Axis),
     /// Stiffness of a link: force per length or per strain, as the study gives it.
     Link(usize),
     /// Constant tension of a link.
     LinkPreload(usize),
-    /// The rate of a linear spring.
+    /// Rate of a linear spring.
     SpringRate,
-    /// The force of a linear spring in the design position.
+    /// Force of a linear spring in the design position.
     SpringForce,
-    /// The stiffness between commanded rack and rack, without that of the column.
+    /// Stiffness between commanded rack and rack, without the column.
     RackRate,
-    /// The stiffness of the steering column.
+    /// Stiffness of the steering column.
     ColumnRate,
-    /// The rate of the anti-roll bar.
+    /// Rate of the anti-roll bar.
     BarRate,
     /// Wheel travel, if the height is held.
     Travel,
     /// Displacement of the rack along the kernel's +y.
     Rack,
-    /// A component of the force at the contact point.
+    /// Component of the force at the contact point.
     Contact(Axis),
     /// Side force at the contact point.
     Side,
-    /// A component of the force at the wheel centre.
+    /// Component of the force at the wheel centre.
     Centre(Axis),
     /// Component of the moment on the wheel.
     Moment(Axis),
@@ -58,7 +58,7 @@ pub enum Parameter {
 pub struct AxleParameter {
     /// Input of a wheel, or of a part that both wheels share.
     pub parameter: Parameter,
-    /// Wheel that changes; `None` for both.
+    /// Wheel that changes; `None` for both wheels.
     pub side: Option<Side>,
 }
 
@@ -72,7 +72,7 @@ impl From<Parameter> for AxleParameter {
 }
 
 impl AxleParameter {
-    /// Parts of the wheels that change.
+    /// Selects the wheels that change.
     pub(super) fn of_sides<'w, W>(
         &self,
         wheels: &'w mut [W; 2],
@@ -85,17 +85,17 @@ impl AxleParameter {
 }
 
 impl Compliance {
-    /// Sets the number of a parameter, such as the rate of a bushing, a link or a linear spring, or the tension of a link. For a bushing's curve the rate
-    /// is the factor of its forces. A parameter that these parts do not have changes nothing. The right half of a solid axle does
-    /// not have the parts that the axle has once.
+    /// Sets the number of a parameter, such as the rate of a bushing, a link or a linear spring, or the tension of a link.
+    /// For a force curve of a bushing, the rate is the factor on its forces. A parameter that these parts do not have has
+    /// no effect. The right half of a solid axle lacks the parts that the axle has only once.
     pub fn set_rate(&mut self, parameter: Parameter, value: f64) {
         if let Some(number) = law_of(self, parameter) {
             *number = value;
         }
     }
 
-    /// Changes the number of a parameter, by a fraction of itself if `is_relative` is true. Returns false if the new number is
-    /// not above 0.
+    /// Changes the value of a parameter by `change`, or by the fraction `change` if `is_relative` is true. Returns false if
+    /// the new value is not above 0.
     pub(crate) fn change_rate(
         &mut self,
         parameter: Parameter,
@@ -111,17 +111,18 @@ impl Compliance {
 pub struct OnTape<'t> {
     /// Suspension over these numbers.
     pub wheel: ElasticWheel<Tracked<'t>>,
-    /// Inputs among loads, travel and rack, each as an added 0.
+    /// Inputs among loads, travel and rack. Each is an offset with value 0.
     added: Vec<(Parameter, Tracked<'t>)>,
 }
 
-/// Changes a rate, by a fraction of itself if `is_relative` is true. Returns false if the new rate is not above 0.
+/// Changes a rate by `change`, or by the fraction `change` if `is_relative` is true. Returns false if the new rate is not
+/// above 0.
 pub(super) fn scatter_rate(rate: &mut f64, change: f64, is_relative: bool) -> bool {
     *rate += if is_relative { *rate * change } else { change };
     *rate > 0.0
 }
 
-/// Number of a parameter in the laws of bushings, links and spring; `None` if the parts do not have it.
+/// Value of a parameter in the laws of bushings, links and spring; `None` if the parts do not have the parameter.
 pub(super) fn law_of<T>(parts: &mut Compliance<T>, parameter: Parameter) -> Option<&mut T> {
     match parameter {
         Parameter::Stiffness(bushing, axis) => {
@@ -165,8 +166,8 @@ pub(super) fn law_of<T>(parts: &mut Compliance<T>, parameter: Parameter) -> Opti
 }
 
 impl<'t> OnTape<'t> {
-    /// Makes the suspension with these inputs, which are the first numbers on the tape, in this order. Inputs that the
-    /// suspension does not have change nothing.
+    /// Makes the suspension with these inputs. They are the first numbers on the tape, in this order. Inputs that the
+    /// suspension does not have have no effect.
     pub fn new(
         suspension: &Suspension,
         design: &[Vector3<f64>],
@@ -202,8 +203,7 @@ impl<'t> OnTape<'t> {
         })
     }
 
-    /// Adds derivatives with respect to the inputs to an equilibrium of the suspension in plain numbers. The height or all loads stay
-    /// held.
+    /// Adds derivatives with respect to the inputs to an equilibrium of the suspension. The height or all loads stay held.
     pub fn carried(&self, at: &Equilibrium) -> Option<Equilibrium<Tracked<'t>>> {
         let mut task = at.solution.task.map(Tracked::constant);
         for (parameter, added) in &self.added {
@@ -224,8 +224,8 @@ impl<'t> OnTape<'t> {
         self.wheel.carried(&at.solution.state, &task)
     }
 
-    /// Equilibrium under loads in addition to those of a station, with derivatives with respect to the inputs. The wheel keeps the height or
-    /// the load of its station. That value can depend on the inputs.
+    /// Adds derivatives with respect to the inputs to an equilibrium under loads in addition to the loads of a station. The
+    /// wheel keeps the height or the load of its station. This height or load can depend on the inputs.
     pub fn carried_about(
         &self,
         station: &Equilibrium<Tracked<'t>>,
@@ -234,7 +234,7 @@ impl<'t> OnTape<'t> {
     ) -> Option<Equilibrium<Tracked<'t>>> {
         let (_, base) = self.wheel.held_as(station, held);
         let mut task = at.solution.task.map(Tracked::constant);
-        // The value stays the same, and the derivatives are those of the station.
+        // Keep the value of the load, and take its derivatives from the station.
         if let Hold::Load = base.hold {
             let change = task.loads.contact.z.plain() - base.loads.contact.z.plain();
             task.loads.contact.z = base.loads.contact.z + Tracked::constant(change);

@@ -1,12 +1,13 @@
-//! Equilibria of several wheels at a time, one in each SIMD lane.
+//! Equilibria of several wheels at once, one in each SIMD lane.
 //!
-//! Each lane solves the equations of one wheel (`system.rs`) with the convergence check of `solve.rs`. A lane
-//! that has converged keeps its state while others go on. So the bits of a lane depend neither on its neighbours nor on the
-//! number of lanes. Products with sums are rounded once, so lanes and the solver for one wheel differ by rounding errors.
+//! Each lane solves the equations of one wheel (`system.rs`) with the convergence check of `solve.rs`. A lane that has
+//! converged keeps its state while other lanes continue. So the results of a lane are bit-identical for any neighbours and
+//! any number of lanes. Lanes round a sum with a product only once, so they differ from the solver for one wheel by
+//! rounding errors.
 //!
-//! Lanes attempt the whole change at once. Where this fails, a travel is attempted in two, four and eight equal parts. A lane
-//! that would need smaller steps, or whose equilibrium is not stable, has no result. The solver for one wheel then starts anew
-//! and decides.
+//! Lanes first try the whole change in one step. If a travel fails, they try it in two, four and eight equal steps. A lane
+//! that needs smaller steps, or whose equilibrium is not stable, has no result. Then the solver for one wheel starts again
+//! from the beginning.
 
 #![expect(
     clippy::needless_range_loop,
@@ -23,7 +24,8 @@ use crate::number::{MOST_LANES, SimdReal, Vector3, outlined};
 use crate::threads::checkpoint;
 use std::cell::{Cell, RefCell};
 
-/// Numbers of equal parts of a travel, if it fails as a whole. All are powers of two, so that the last part ends at the travel.
+/// Numbers of equal steps of a travel, if one step fails. They are powers of two, so that the last step ends exactly at the
+/// travel.
 const PARTS: [usize; 3] = [2, 4, 8];
 
 /// Working memory that collects the numbers of several wheels.
@@ -40,7 +42,7 @@ impl LaneMemory {
         self.next.set(0);
     }
 
-    /// Index of the next number. Its memory exists afterwards.
+    /// Returns the index of the next number, and allocates its memory if necessary.
     fn advance(&self) -> usize {
         let number = self.next.get();
         self.next.set(number + 1);
@@ -70,10 +72,10 @@ pub(crate) struct WheelsInLanes<B> {
     system: System<B>,
     start: State<B>,
     bounds: Bounds,
-    /// Number of wheels. Lanes beyond repeat the last wheel.
+    /// Number of wheels. Further lanes repeat the last wheel.
     count: usize,
-    /// True if the design position is an equilibrium. If not, the solver for one wheel holds it by external forces while it
-    /// approaches an equilibrium in parts.
+    /// True if the design position is an equilibrium. If not, the solver for one wheel reduces external holding forces step
+    /// by step.
     starts_in_balance: bool,
 }
 
@@ -82,7 +84,7 @@ pub(crate) struct WheelsInLanes<B> {
 pub(crate) struct EquilibriaInLanes<B> {
     state: State<B>,
     task: Task<B>,
-    /// Number of Newton steps in each lane; `None` without a result.
+    /// Number of Newton steps in each lane; `None` for a lane without a result.
     steps: [Option<usize>; MOST_LANES],
     /// Number of parts with inner unknowns.
     limbs: usize,
@@ -161,7 +163,7 @@ impl<B: SimdReal> WheelsInLanes<B> {
         found
     }
 
-    /// Equilibria at the end of a change in equal parts. `task` gives the task at a fraction of the change.
+    /// Equilibria at the end of a change in equal steps. `task` gives the task at a fraction of the change.
     #[inline(always)]
     fn in_parts(
         &self,
@@ -214,7 +216,7 @@ impl<B: SimdReal> WheelsInLanes<B> {
         )
     }
 
-    /// Newton's method in the lanes that are open.
+    /// Newton's method in the open lanes.
     #[inline(always)]
     fn solved(
         &self,
@@ -284,7 +286,7 @@ impl<B: SimdReal> WheelsInLanes<B> {
     }
 }
 
-/// Lanes among the settled ones whose equations belong to a stable state, by the check of `solve.rs`.
+/// Selects the settled lanes whose equations belong to a stable state, by the check of `solve.rs`.
 #[inline(always)]
 fn stable_lanes<B: SimdReal>(
     equations: &Equations<B>,
@@ -324,7 +326,7 @@ fn is_stable_lane(entries: &[[[f64; MOST_LANES]; 6]], bounds: Bounds, lane: usiz
 }
 
 impl<B: SimdReal> EquilibriaInLanes<B> {
-    /// Takes the equilibria that others have.
+    /// Copies the equilibria that `others` has and `self` lacks.
     #[inline(always)]
     fn take(&mut self, others: &Self) {
         let mut is_taken = [0.0; MOST_LANES];
@@ -339,8 +341,8 @@ impl<B: SimdReal> EquilibriaInLanes<B> {
         self.state = State::choose(taken, &others.state, &self.state);
     }
 
-    /// Writes the equilibria of the first wheels, one after the other; `None` without a result. The list has an entry for
-    /// each of these wheels.
+    /// Writes the equilibria of the first wheels, one after the other; `None` without a result. `to` has an entry for each
+    /// of these wheels.
     #[inline(always)]
     pub(crate) fn write(&self, to: &mut [Option<Equilibrium>]) {
         let numbers = outlined!(
@@ -362,7 +364,7 @@ impl<B: SimdReal> EquilibriaInLanes<B> {
     }
 }
 
-/// Equilibrium in a lane, from the numbers in the order of `visit`.
+/// Equilibrium in a lane, from the numbers in the order of [`visit`].
 fn in_lane<B>(
     numbers: &[[f64; MOST_LANES]; NUMBERS],
     lane: usize,
@@ -384,10 +386,10 @@ fn in_lane<B>(
     }
 }
 
-/// Largest count of numbers that `visit` visits.
+/// Largest number of values that [`visit`] visits.
 const NUMBERS: usize = 12 + 15 * MOST_LIMBS + MOST_JOINTS + 1 + 11 + 2;
 
-/// Visits the numbers of an equilibrium of a system with this many parts with inner unknowns.
+/// Visits all numbers of an equilibrium. `limbs` is the number of parts with inner unknowns.
 #[inline(always)]
 fn visit<T>(state: &mut State<T>, task: &mut Task<T>, limbs: usize, mut f: impl FnMut(&mut T)) {
     visit_placed(&mut state.carrier, &mut f);

@@ -4,8 +4,8 @@
 //! f = shape(d + d0) - shape(d0) + f0 + offset                                                     (1)
 //! ```
 //!
-//! The force f0 and the deflection d0, with shape(d0) = f0, are those at the design load. Both are 0 unless the design
-//! position is the equilibrium there. The offset is a constant preload, as in Adams. The shape is
+//! f0 and d0, with shape(d0) = f0, are force and deflection at the design load. Both are 0 unless the design position is
+//! the equilibrium at the design load. The offset is a constant preload, as in Adams. The shape is
 //!
 //! ```text
 //! k d + c d^3,   or a curve through points                                                        (2)
@@ -14,7 +14,7 @@
 use crate::axle::ForceCurve;
 use crate::number::{Jet, Scalar, Valued};
 
-/// Largest number of Newton steps to invert a law. A monotone cubic takes a few; bisection is the safeguard.
+/// Largest number of Newton steps to invert a law. A monotone cubic needs only a few steps; bisection is the safeguard.
 const MOST_STEPS: usize = 200;
 
 /// Force as a function of deflection.
@@ -37,14 +37,14 @@ pub enum Shape<T = f64> {
 }
 
 impl Shape {
-    /// Slope at zero deflection, before any force at a design load.
+    /// Slope at zero deflection, without a preload.
     pub fn initial_rate(&self) -> f64 {
         self.slope(0.0)
     }
 }
 
 impl<T: Copy> Shape<T> {
-    /// Converts the shape to another kind of number.
+    /// Converts the shape to another number type.
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U) -> Shape<U> {
         match self {
             Shape::Cubic { rate, cubic } => Shape::Cubic {
@@ -144,7 +144,7 @@ impl<T: Valued> Law<T> {
         }
     }
 
-    /// Converts the law to another kind of number. `shape` is its converted shape.
+    /// Converts the law to another number type. `shape` is its converted shape.
     pub(super) fn with<U>(&self, shape: Shape<U>, f: impl Fn(T) -> U) -> Law<U> {
         Law {
             shape,
@@ -192,7 +192,7 @@ impl<T: Scalar> Law<T> {
         deflection.is_some()
     }
 
-    /// Deflection d0, from the unloaded part to the design position.
+    /// Deflection d0 of the design position from the unloaded position.
     #[cfg(test)]
     fn preload_deflection(&self) -> T {
         self.deflection
@@ -215,7 +215,7 @@ impl<T: Scalar> Law<T> {
 mod tests {
     use super::*;
 
-    /// At the design load the law has the force that was set. Elsewhere it equals the unloaded law.
+    /// At the design load, the law has the given force. Elsewhere it equals the unloaded law, shifted by d0.
     #[test]
     fn a_preloaded_law_is_the_unloaded_one_moved() {
         let cubic = Shape::Cubic {

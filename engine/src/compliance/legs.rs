@@ -1,8 +1,8 @@
-//! Seats of springs and drop links of anti-roll bars on arms with rigid or stretching legs.
+//! Seats of springs and drop links of anti-roll bars on arms with rigid or elastic legs.
 //!
 //! The seat is fixed in the frame of the arm's axis e and outer joint. Let r be the unit vector from the axis to the joint,
 //! n = e x r, and l the joint's distance from the axis. Let b and c be the seat's distances along r and n. A force F at the
-//! seat acts at the joint as
+//! seat is equivalent to this force at the joint:
 //!
 //! ```text
 //! n p/l,   p = F.(b n - c r);   tangent -(p/l^2)(r n' + n r') - (F.(b r + c n)/l^2) n n'          (1)
@@ -18,7 +18,7 @@ use super::limb::{Beside, Conditions, Evaluated, Followers, LimbState, Sum, TWIS
 use super::point::{BarSeat, PointForce, Seat, SeatForce, Stretched};
 use crate::number::{Matrix3, Real, Valued, Vector3, outlined};
 
-/// Point of an arm with rigid or stretching legs.
+/// Point of an arm with rigid or elastic legs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LegPoint<T> {
     /// Vector from the carrier's reference point to the outer joint.
@@ -31,14 +31,14 @@ pub(super) struct LegPoint<T> {
     pub(super) place: [T; 2],
 }
 
-/// Seat of a spring on an arm with rigid or stretching legs.
+/// Seat of a spring on an arm with rigid or elastic legs.
 #[derive(Clone, Debug)]
 pub(super) struct LegSeat<T> {
     pub(super) leg: LegPoint<T>,
     pub(super) seat: Seat<T>,
 }
 
-/// Frame of an arm with legs: r, n/l, the vector b n - c r from the joint's line to the point, and the displacement of the point.
+/// Frame of an arm with legs: r, n/l, the vector b n - c r, and the displacement of the point.
 struct LegFrame<T> {
     radial: Vector3<T>,
     normal: Vector3<T>,
@@ -82,7 +82,7 @@ impl<T: Valued> LegPoint<T> {
         let moved = carrier.displacement(self.joint).across(self.axis);
         let line = Stretched::of(self.radius, moved);
         let before = self.radius.normalised();
-        // This form of r - r0, from the displacement, keeps all digits.
+        // Computing r - r0 from the displacement keeps all digits.
         let change = (moved - before * line.stretch) * line.inverse_length;
         let turned = self.axis.cross(change);
         let (radial, normal) = (line.direction, self.axis.cross(line.direction));
@@ -113,7 +113,7 @@ impl<T: Valued> LegPoint<T> {
 }
 
 impl<T: Valued> LegSeat<T> {
-    /// Displacement of the seat, relative to the upper end if that is on another body.
+    /// Displacement of the seat, relative to the spring's upper end if that end is on another body.
     #[inline(always)]
     pub(super) fn displacement(&self, at: &Conditions<T>) -> Vector3<T> {
         let moved = self.leg.displacement(&at.carrier);

@@ -1,15 +1,15 @@
 //! Parts between body and wheel carrier with their own degrees of freedom, which are eliminated from the equations.
 //!
-//! Each part has inner unknowns y besides the displacement x of its outer support. That support is the joint of an arm, or
-//! the whole carrier. With the derivatives f and m of the energy by x and y,
+//! Each part has inner unknowns y, in addition to the displacement x of its outer support. The support is the joint of an
+//! arm, or the whole carrier. With the derivatives f and m of the energy with respect to x and y,
 //!
 //! ```text
 //! dy = -(m_y^-1 m + m_y^-1 m_x dx)                                                                (1)
 //! f_x - f_y m_y^-1 m_x,   f - f_y m_y^-1 m                                                        (2)
 //! ```
 //!
-//! is the full Newton step, without an inner loop. A force F acts on a body at the lever r = R (P - O), and K is its tangent
-//! by the point. Its effect on the body is
+//! is the full Newton step, without an inner loop. A force F acts on a body at the lever r = R (P - O), and K is its
+//! derivative with respect to the point's position. The effect of F on the body is
 //!
 //! ```text
 //! force F, moment r x F;   tangents K, -K r^, r^ K, -r^ K r^ + F^ r^                              (3)
@@ -62,7 +62,7 @@ impl<T: Valued> Sum<T> {
         }
     }
 
-    /// Adds a torque and its tangent by small rotations.
+    /// Adds a torque and its tangent with respect to small rotations.
     #[inline(always)]
     pub(super) fn add_moment(&mut self, moment: Vector3<T>, by_turn: &Matrix3<T>) {
         self.add_force(moment.zero(), moment);
@@ -82,7 +82,7 @@ impl<T: Valued> Sum<T> {
         );
     }
 
-    /// Adds tangents of force and moment by the carrier's shift and rotation.
+    /// Adds tangents of force and moment with respect to the carrier's shift and rotation.
     #[inline(always)]
     pub(super) fn add_blocks(&mut self, blocks: [[&Matrix3<T>; 2]; 2]) {
         let [[a, b], [c, d]] = blocks;
@@ -93,7 +93,7 @@ impl<T: Valued> Sum<T> {
     }
 }
 
-/// Conditions under which parts are evaluated, as seen from the body that holds them.
+/// Conditions for the evaluation of parts, relative to the body that holds them.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Conditions<T> {
     pub(super) carrier: Placed<T>,
@@ -102,11 +102,11 @@ pub(super) struct Conditions<T> {
     pub(super) upper: Vector3<T>,
     /// Twist of the anti-roll bar's middle.
     pub(super) twist: T,
-    /// True for the search of the forces at the design load. Then elements contribute their slope but no force, and springs
-    /// their force but no slope. Torsion is left out.
+    /// True while the program computes the forces at the design load. Then elements contribute stiffness but no force,
+    /// springs contribute force but no stiffness, and torsion is ignored.
     pub(super) balance_only: bool,
-    /// True for the Newton step that adds derivatives to an equilibrium in plain numbers. The forces out of balance are zero
-    /// there, so derivatives of the tangents have no effect, and tangents are constants.
+    /// True for the Newton step that adds derivatives to an equilibrium. Its unbalanced forces are zero, so derivatives of
+    /// the tangents have no effect, and tangents can be constants.
     pub(super) is_correction: bool,
 }
 
@@ -141,16 +141,16 @@ pub(super) const BESIDE: usize = 4;
 /// Index of the twist among these coordinates.
 pub(super) const TWIST_BESIDE: usize = 3;
 
-/// Forces of a part on coordinates other than the carrier's, with inner unknowns eliminated. The coordinates are the
+/// Forces of a part on coordinates other than the carrier's, after elimination of inner unknowns. These coordinates are the
 /// displacement of a spring's upper end on another body, and the twist of the anti-roll bar's middle.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beside<T> {
-    /// Derivatives of the energy by these coordinates.
+    /// Derivatives of the energy with respect to these coordinates.
     pub(super) force: [T; BESIDE],
     pub(super) own: [[T; BESIDE]; BESIDE],
-    /// Tangent by the carrier's shift and rotation.
+    /// Tangent with respect to the carrier's shift and rotation.
     pub(super) by_carrier: [[T; 6]; BESIDE],
-    /// Tangent of the carrier's force and moment by these coordinates.
+    /// Tangent of the carrier's force and moment with respect to these coordinates.
     pub(super) carrier_by: [[T; BESIDE]; 6],
     /// Response of the inner unknowns: dy = -(rest + by dx + inner_by de).
     pub(super) inner_by: [[T; BESIDE]; 6],
@@ -169,7 +169,8 @@ impl<T: Valued> Beside<T> {
     }
 
     /// Sets the tangents between one coordinate and a point of the carrier at this lever. `by` is the derivative of the
-    /// coordinate's force by the point's displacement. `at` is the derivative of the force at the point by the coordinate.
+    /// coordinate's force with respect to the point's displacement. `at` is the derivative of the force at the point with
+    /// respect to the coordinate.
     pub(super) fn couple(&mut self, k: usize, lever: Vector3<T>, by: Vector3<T>, at: Vector3<T>) {
         self.by_carrier[k] = joined(by, lever.cross(by));
         for (row, entry) in self.carrier_by.iter_mut().zip(joined(at, lever.cross(at))) {
@@ -178,7 +179,7 @@ impl<T: Valued> Beside<T> {
     }
 }
 
-/// Joins two vectors to one of six components.
+/// Joins two vectors to an array of six numbers.
 #[inline(always)]
 pub(super) fn joined<T: Copy>(first: Vector3<T>, second: Vector3<T>) -> [T; 6] {
     let (f, s) = (first, second);
@@ -188,7 +189,7 @@ pub(super) fn joined<T: Copy>(first: Vector3<T>, second: Vector3<T>) -> [T; 6] {
 /// State of the inner unknowns of a part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LimbState<T> {
-    /// Position of the part. Links with a bushing at each end use its shift.
+    /// Position of the part. Only links with a bushing at each end use the shift.
     pub(super) placed: Placed<T>,
     /// Components of the force in a ball joint at the body.
     pub(super) pivot: [T; 2],
@@ -224,7 +225,7 @@ pub(super) struct Followers<T> {
     /// Lever of the point whose displacement is x; `None` if x is the carrier's shift and rotation.
     pub(super) joint: Option<Vector3<T>>,
     /// Response of the rocker's rotation to the displacement of the seat: lever of the seat from the joint, derivative, and
-    /// rest.
+    /// constant term.
     pub(super) slide: Option<(Vector3<T>, Vector3<T>, T)>,
 }
 
@@ -255,7 +256,8 @@ impl<T: Valued> Followers<T> {
         }
     }
 
-    /// Makes the response of a rocker whose seat moves with a joint. `slide` has its derivative with respect to the seat and the rest.
+    /// Makes the response of a rocker whose seat moves with a joint. `slide` has the derivative with respect to the seat,
+    /// and the constant term.
     pub(super) fn of_joint(joint: Vector3<T>, slide: Option<(Vector3<T>, T)>) -> Self {
         let slide = slide.map(|(by, rest)| (joint.zero(), by, rest));
         Followers {
@@ -273,8 +275,8 @@ impl<T: Valued> Followers<T> {
         }
     }
 
-    /// Step of the inner unknowns after a step of the carrier. With `is_rate` it is the rate along a motion in balance,
-    /// which has no rest. `beside` has the responses to the coordinates of [`Beside`], and their step.
+    /// Step of the inner unknowns after a step of the carrier. With `is_rate`, the result is the rate along a motion in
+    /// balance, without the constant term. `beside` has the responses to the coordinates of [`Beside`], and their step.
     #[inline(always)]
     pub(super) fn step(
         &self,
@@ -329,8 +331,8 @@ pub(super) struct Evaluated<T: Valued> {
     pub(super) inner: [T; 7],
     /// Lanes in which the inner unknowns are stable by themselves.
     pub(super) is_stable: MaskOf<T>,
-    /// Ratio of the smallest and the largest pivot of the inner equations, 0 if a motion has no stiffness. Rotations compare with
-    /// shifts at the part's length.
+    /// Ratio of the smallest and the largest pivot of the inner equations, 0 if a motion has no stiffness. The part's
+    /// length converts rotations to shifts for this comparison.
     pub(super) least_pivot: T::Plain,
 }
 
@@ -341,7 +343,7 @@ pub(super) struct Eliminated<T: Valued, const N: usize, const C: usize> {
     pub(super) least_pivot: T::Plain,
 }
 
-/// Entry of a tangent. It is a constant in a correction (see [`Conditions::is_correction`]).
+/// Returns an entry of a tangent, as a constant in a correction (see [`Conditions::is_correction`]).
 #[inline(always)]
 pub(super) fn tangent_of<T: Valued>(entry: T, is_correction: bool) -> T {
     if is_correction {
@@ -351,8 +353,8 @@ pub(super) fn tangent_of<T: Valued>(entry: T, is_correction: bool) -> T {
     }
 }
 
-/// Solves the inner equations. The square of `units`, which are lengths, divides the pivots. `None` if a direction has no
-/// stiffness in any lane.
+/// Solves the inner equations. The function divides the pivots by the squares of the lengths `units`. `None` if a direction
+/// has no stiffness in any lane.
 #[inline(always)]
 pub(super) fn eliminated<T: Valued, const N: usize, const C: usize>(
     own: [[T; N]; N],
@@ -370,7 +372,7 @@ pub(super) fn eliminated<T: Valued, const N: usize, const C: usize>(
     })
 }
 
-/// Piece that solves the inner equations.
+/// Work that solves the inner equations, compiled as a separate function.
 struct Elimination<T: Valued, const N: usize, const C: usize> {
     own: [[T; N]; N],
     force: [T; N],
@@ -416,8 +418,8 @@ impl<T: Valued, const N: usize, const C: usize> Outlined for Elimination<T, N, C
     }
 }
 
-/// Lanes in which the symmetric part of a matrix is positive definite. All pivots of LDL' must exceed this fraction of the
-/// largest pivot before them.
+/// Lanes in which the symmetric part of a matrix is positive definite. Each pivot of LDL' must exceed the fraction
+/// `least_share` of the largest earlier pivot.
 #[inline(always)]
 pub(super) fn is_positive<T: Valued, const N: usize>(
     matrix: &[[T; N]; N],
@@ -429,7 +431,7 @@ pub(super) fn is_positive<T: Valued, const N: usize>(
     })
 }
 
-/// Piece that checks whether a matrix is positive definite.
+/// Work that tests a matrix for positive definiteness, compiled as a separate function.
 struct Definiteness<'m, T, const N: usize> {
     matrix: &'m [[T; N]; N],
     least_share: f64,

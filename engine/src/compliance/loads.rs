@@ -1,8 +1,8 @@
 //! Loads on the wheel, with fixed directions. The wheel is locked to the carrier.
 //!
 //! W is the wheel centre, C the lowest point of the disc, and T the level heading of the wheel. Forces act at C, at C -
-//! trail T and at W, and a moment acts on the carrier. C and T follow the spin axis, so a force at C or C - trail T has a
-//! tangent. For side forces this tangent is not symmetric: they take energy from a wheel that moves around a loop.
+//! trail T and at W, and a moment acts on the carrier. C and T depend on the spin axis, so a force at C or C - trail T has
+//! a tangent. For side forces this tangent is not symmetric, because their work along a closed path is not zero.
 
 use super::algebra::Placed;
 use super::limb::Sum;
@@ -40,7 +40,7 @@ impl<T: Real> WheelLoads<T> {
         }
     }
 
-    /// Converts the load to another kind of number.
+    /// Converts the load to another number type.
     #[inline(always)]
     pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> WheelLoads<U> {
         WheelLoads {
@@ -52,7 +52,7 @@ impl<T: Real> WheelLoads<T> {
         }
     }
 
-    /// Load at a fraction `share` between this load and another. The trail is that of the other load.
+    /// Load at a fraction `share` of the way from this load to `to`. The trail is that of `to`.
     pub(super) fn towards(&self, to: &Self, share: T) -> Self {
         let from = self;
         let between = |a: Vector3<T>, b: Vector3<T>| a + (b - a) * share;
@@ -104,7 +104,7 @@ impl<T: Valued> LoadWrench<T> {
     }
 }
 
-/// Vector that turns with the carrier, with its derivatives by a small rotation.
+/// Vector that rotates with the carrier, with its derivatives with respect to a small rotation.
 #[inline(always)]
 fn following<T: Real>(turn: Vector3<Dual<T, 3>>, v: Vector3<T>) -> Vector3<Dual<T, 3>> {
     let v = v.map(Dual::constant);

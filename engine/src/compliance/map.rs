@@ -1,4 +1,4 @@
-//! Conversion of the system to another kind of number, which gives derivatives in a state.
+//! Conversion of the system to another number type, for derivatives in a state.
 
 use super::bushing::Bushing;
 use super::floating::Floating;
@@ -167,7 +167,7 @@ impl<T: Valued> Joint<T> {
 }
 
 impl<T: Valued> System<T> {
-    /// Converts the system to another kind of number.
+    /// Converts the system to another number type.
     pub(super) fn map<U: Valued>(&self, f: impl Fn(T) -> U + Copy) -> System<U> {
         let bushing = |part: &CarrierBushing<T>| CarrierBushing {
             lever: part.lever.map(f),
@@ -196,7 +196,7 @@ impl<T: Valued> System<T> {
 }
 
 impl<T: Copy> WheelFigures<T> {
-    /// Converts the figures to another kind of number.
+    /// Converts the angles and positions to another number type.
     pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> WheelFigures<U> {
         WheelFigures {
             toe: f(self.toe),

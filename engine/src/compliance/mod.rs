@@ -1,11 +1,11 @@
-//! Elasto-kinematics of a wheel: equilibrium with bushings and elastic links, and its change with loads.
+//! Elasto-kinematics of a wheel: equilibrium with bushings and elastic links, and its derivatives with respect to loads.
 //!
 //! Elastic suspensions have these bodies: the wheel carrier, arms on bushings, links with bushings, the mount of a strut,
 //! and the rocker of a spring. All other parts are rigid. The state has the displacements of the bodies from the design
-//! position, and deflections follow from these displacements (`algebra.rs`), never from coordinates. Parts between body and
-//! carrier are eliminated one by one (`limb.rs`, `swinging.rs`, `floating.rs`, `parts.rs`). A system of at most twelve
-//! equations remains (`system.rs`), and Newton's method increases the loads (`solve.rs`). Elements work over any number
-//! type, so the same code gives derivatives with respect to loads, travel, rack and design.
+//! position. Deflections are computed from these displacements (`algebra.rs`), not as differences of coordinates. The
+//! program eliminates the parts between body and carrier one by one (`limb.rs`, `swinging.rs`, `floating.rs`, `parts.rs`).
+//! A system of at most twelve equations remains (`system.rs`), and Newton's method increases the loads (`solve.rs`).
+//! Elements work with any number type, so the same code gives derivatives with respect to loads, travel, rack and design.
 
 mod algebra;
 mod axle;

@@ -1,8 +1,8 @@
 //! Parts at the carrier itself: the top mount of a strut, the seat of a spring, rigid rods and joints.
 //!
-//! **Top mount.** The strut's line is fixed in the carrier, along the unit vector a. At the lever l, the carrier has a point
-//! that is at `strut_top` in the design position. The mount's point is on the line, at the distance t from that point. It
-//! moves by
+//! **Top mount.** The strut's line is fixed in the carrier, along the unit vector a. The carrier's point at the lever l is
+//! at `strut_top` in the design position. The mount's point is on the line, at the distance t from that point. The mount's
+//! point moves by
 //!
 //! ```text
 //! d = u + D l + a t,   dd = du + w x r + a dt,   r = R l + a t                                    (1)
@@ -122,8 +122,8 @@ impl<T: Valued> Mount<T> {
                 *column = *column + Vector3::from(second) * torque;
             }
         }
-        // The second derivative is by the rotation vector. For small rotations about fixed axes, half of the moment must be
-        // subtracted.
+        // The second derivative is with respect to the rotation vector. For small rotations about fixed axes, subtract half
+        // of the moment.
         let half = moment * moment.x.constant(-0.5);
         sum.add_moment(moment, &by_turn.plus(&cross_matrix(half)));
     }
@@ -298,7 +298,7 @@ pub(super) enum Joint<T> {
         /// Vector from the carrier's reference point to `strut_top`.
         top: Vector3<T>,
     },
-    /// Point of the carrier that is fixed along one direction of the body.
+    /// Point of the carrier that is fixed in one direction of the body.
     Pin {
         /// Vector from the carrier's reference point to the point.
         lever: Vector3<T>,

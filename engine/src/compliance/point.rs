@@ -1,26 +1,26 @@
 //! Forces between two points: rods, springs, and the seat of a spring on a suspension part.
 //!
-//! With the vector v from the fixed to the moving point, l = |v|, u = v/l and the pull T(l), the energy changes by T u.dp.
-//! Its second derivative is
+//! With the vector v from the fixed to the moving point, l = |v|, u = v/l and the tension T(l), the energy changes by T
+//! u.dp. Its second derivative is
 //!
 //! ```text
 //! T' u u' + T/l (I - u u')                                                                        (1)
 //! ```
 //!
-//! The stretch of a rod is l - L = (2 v0.d + d.d)/(l + L), with the relative displacement d of its ends (2). This form keeps
-//! all digits.
+//! The change of a rod's length is l - L = (2 v0.d + d.d)/(l + L), with the relative displacement d of its ends (2). This
+//! form keeps all digits.
 //!
-//! A rod with axial stiffness turns a rocker by theta about the rocker's axis. The balance of moments about this axis is a scalar
-//! equation, which eliminates theta. With the moment g,
+//! A rod with axial stiffness turns a rocker by theta about the rocker's axis. The balance of moments about this axis is a
+//! scalar equation, which eliminates theta. With the moment g,
 //!
 //! ```text
 //! K - k k'/g',   F - k g/g',   dtheta = -(g + k.dp)/g'                                            (3)
 //! ```
 //!
-//! With a rigid rod, theta is a function of the rod's outer end, and so is the length of the spring: see `rod_turn.rs`.
+//! With a rigid rod, theta and the length of the spring are functions of the rod's outer end: see `rod_turn.rs`.
 //!
-//! An anti-roll bar of the rate k acts between levers at the angles b_l and b_r. It equals two bars of the rate 2 k, joined in
-//! the middle, where the twist is t:
+//! An anti-roll bar of the rate k acts between levers at the angles b_l and b_r. It is equivalent to two bars of the rate 2
+//! k that meet in the middle, where the twist is t:
 //!
 //! ```text
 //! k (b_l - b_r)^2/2 = min over t of k (b_l - t)^2 + k (b_r - t)^2                                 (4)
@@ -34,7 +34,8 @@ use crate::axle::SpringLaw;
 use crate::mechanism::Turn;
 use crate::number::{MaskOf, Matrix3, SimdReal, Valued, Vector3, outlined};
 
-/// Force at a moving point, the derivative of an energy by the point's position, with its tangent.
+/// Force at a moving point, with its tangent. The force is the derivative of an energy with respect to the point's
+/// position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PointForce<T> {
     /// Derivative of the energy.
@@ -58,8 +59,8 @@ impl<T: Valued> PointForce<T> {
         }
     }
 
-    /// Removes the part of the tangent by which the moment changes with the lever. It is not needed for the forces at the design
-    /// load.
+    /// If `balance_only` is true, removes the change of the moment with the lever from the tangent. The forces at the
+    /// design load do not need it.
     #[inline(always)]
     pub(super) fn leverless_if(mut self, balance_only: bool) -> Self {
         if balance_only {
@@ -77,8 +78,8 @@ impl<T: Valued> PointForce<T> {
         }
     }
 
-    /// Tangents of force and moment on a body by its shift and rotation, with the point at this lever. Equation (3) of
-    /// `limb.rs`.
+    /// Tangents of force and moment on a body with respect to its shift and rotation, by equation (3) of `limb.rs`. The
+    /// force acts at this lever.
     #[inline(always)]
     pub(super) fn tangents(&self, lever: Vector3<T>) -> [[Matrix3<T>; 2]; 2] {
         let across = cross_matrix(lever);
@@ -90,7 +91,7 @@ impl<T: Valued> PointForce<T> {
         ]
     }
 
-    /// Pull along the unit vector from the fixed point, by equation (1).
+    /// Force of a tension along the unit vector `u` from the fixed point, by equation (1).
     #[inline(always)]
     pub(super) fn along(u: Vector3<T>, pull: T, rate: T, inverse_length: T) -> Self {
         let across = pull * inverse_length;
@@ -101,7 +102,7 @@ impl<T: Valued> PointForce<T> {
     }
 }
 
-/// Stretch, present length and direction of the line between two points, by equation (2).
+/// Change of length, present length and direction of the line between two points, by equation (2).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretched<T> {
     pub(super) stretch: T,
@@ -148,7 +149,7 @@ pub(super) struct Seat<T> {
     /// Law of the spring.
     pub(super) law: SpringLaw<T>,
     pub(super) rocker: Option<RockerSeat<T>>,
-    /// True if the upper end is on another body than the arm's axis.
+    /// True if the upper end and the arm's axis are on different bodies.
     pub(super) is_across: bool,
 }
 
@@ -162,7 +163,7 @@ pub(super) struct BarSeat<T> {
     /// Two points of the lever's axis; `inner` is the drop link's inner end.
     pub(super) axis: [Vector3<T>; 2],
     pub(super) inner: Vector3<T>,
-    /// Rate of half the bar: torque per angle between lever and middle.
+    /// Rate of half the bar: torque per angle between the lever and the bar's middle.
     pub(super) rate: T,
 }
 
@@ -170,9 +171,9 @@ pub(super) struct BarSeat<T> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BarForce<T> {
     pub(super) point: PointForce<T>,
-    /// Derivative of the force by the twist of the middle.
+    /// Derivative of the force with respect to the twist of the middle.
     pub(super) by_twist: Vector3<T>,
-    /// Derivative of the energy by the twist.
+    /// Derivative of the energy with respect to the twist.
     pub(super) torque: T,
     /// Angle of the lever.
     pub(super) angle: T,
@@ -227,12 +228,12 @@ pub(super) struct SeatForce<T: Valued> {
     pub(super) slide: Option<Slide<T>>,
     /// Unbalanced moment about the rocker's axis.
     pub(super) moment: T,
-    /// False if the rocker is unstable by itself.
+    /// False if the rocker alone is unstable.
     pub(super) is_stable: MaskOf<T>,
 }
 
 impl<T: Valued> SeatForce<T> {
-    /// Force without a rocker on an elastic rod.
+    /// Makes the force at a seat without a rocker on an elastic rod.
     #[inline(always)]
     fn plain(point: PointForce<T>) -> Self {
         let like = point.force.x;
@@ -256,8 +257,8 @@ pub(super) struct SeatState<T> {
 }
 
 impl<T: Valued> RockerSeat<T> {
-    /// Displacement of a point of the rocker at the rotation theta, with its first and second derivative with respect to theta. `half` is
-    /// tan(theta/2).
+    /// Displacement of a point of the rocker at the rotation theta, with its first and second derivative with respect to
+    /// theta. `half` is tan(theta/2).
     #[inline(always)]
     fn turned(&self, point: Vector3<T>, half: T) -> [Vector3<T>; 3] {
         let [first, second] = self.axis;
@@ -283,9 +284,9 @@ impl<T: Valued> Seat<T> {
         (lower - self.upper).norm()
     }
 
-    /// Force for a displacement of the point. For the forces at the design load, `balance_only` leaves out the terms that
-    /// depend on deflection. `slide` is tan(theta/2) of a rocker with an elastic rod. `held` is an external moment about its
-    /// axis.
+    /// Force for a displacement of the point. For the forces at the design load, `balance_only` omits the terms that depend
+    /// on deflection. `slide` is tan(theta/2) of a rocker with an elastic rod. `held` is an external moment about the
+    /// rocker's axis.
     #[inline(always)]
     pub(super) fn force(
         &self,
@@ -419,7 +420,7 @@ impl<T: Valued> Seat<T> {
         }
     }
 
-    /// Vector from the spring's upper to its lower end on a rocker.
+    /// Vector from the spring's upper end to its lower end on a rocker.
     #[inline(always)]
     fn spring_vector(&self, rocker: &RockerSeat<T>, slide: T) -> Vector3<T> {
         rocker.spring - self.upper + rocker.turned(rocker.spring, slide)[0]
@@ -435,8 +436,8 @@ impl<T: Valued> Seat<T> {
         (length, force, rate)
     }
 
-    /// Adds the tension of the rod at the design load to its constant tension. It follows from a small shift of the rod's outer end
-    /// and a small rotation of the rocker.
+    /// Adds the tension of the rod at the design load to its constant tension. It is computed from a small shift of the
+    /// rod's outer end and a small rotation of the rocker.
     pub(super) fn preload_rod(&mut self, moved: Vector3<T>, slide: T) {
         let point = self.point;
         let Some(rocker) = &mut self.rocker else {

@@ -1,15 +1,17 @@
-//! Forces in bushings and links in the design position, if that is the equilibrium at the design load.
+//! Forces in bushings and links in the design position, if the design position is the equilibrium at the design load.
 //!
-//! Torques are zero there. Many sets of forces f0 balance every body under the spring's force and a vertical force F at the
-//! contact point. The set with the smallest sum f0.K^-1 f0/2 is used, where K are the slopes of the laws at zero deflection.
-//! With the arms B of the forces, C of rigid joints and q of F, and the spring's forces r,
+//! Torques are zero in this position. Many sets of forces f0 balance every body under the spring's force and a vertical
+//! force F at the contact point. The program uses the set with the smallest sum f0.K^-1 f0/2, where K contains the slopes
+//! of the laws at zero deflection. B, C and q are the lever arms of these forces, of the rigid joints and of F. With the
+//! spring's forces r,
 //!
 //! ```text
 //! f0 = K B' v,   B K B' v + C' l - q F = -r,   C v = 0,   q.v = 0                                 (1)
 //! ```
 //!
-//! So v is the velocity of the parts without torsion and at constant height of the contact point. The same elimination as
-//! for an equilibrium solves it. No force affects the spin of a link about its line, so that spin is held.
+//! v is the velocity of the parts without torsional stiffness, at constant height of the contact point. The same
+//! elimination as for an equilibrium solves these equations. No force affects the spin of a link about its line, so an
+//! artificial stiffness holds this spin.
 
 use super::build::{Built, BushingPlace, LinkPlace};
 use super::ground::{Frames, Holder, SHARED, Surroundings};
@@ -32,7 +34,7 @@ pub(super) enum NoPreload {
     },
 }
 
-/// Small step from the design position, as seen from the holders of a wheel's parts.
+/// Small step from the design position, relative to the holders of a wheel's parts.
 pub(super) struct SeenStep<'s, T> {
     pub(super) step: &'s Step<T>,
     pub(super) around: &'s Surroundings<T>,
@@ -67,8 +69,8 @@ impl<T: Scalar> Built<T> {
         })
     }
 
-    /// Adds the vertical force as an unknown, and the equation that holds the contact point. Returns an error if a part can move
-    /// without resistance. With `bounds`, also returns one if the carrier can.
+    /// Adds the vertical force as an unknown, and the equation that holds the contact point. Returns an error if a part can
+    /// move without resistance. With `bounds`, also returns an error if the carrier can.
     pub(super) fn border_for_preload(
         &self,
         equations: &mut Equations<T>,
@@ -196,7 +198,7 @@ impl<T: Scalar> Built<T> {
         }
     }
 
-    /// Step of the carrier as seen from a holder.
+    /// Step of the carrier relative to a holder.
     fn carrier_seen(&self, holder: Holder, on_rack: bool, seen: &SeenStep<'_, T>) -> [T; 6] {
         let carrier = &seen.step.carrier;
         let found = self.system.seen_by(
@@ -220,7 +222,7 @@ impl<T: Scalar> Built<T> {
                     let rod = &mut self.system.rods[number];
                     if let Some([rate, tension]) = &mut rod.elastic {
                         let moved = shifted(&carrier, rod.joint);
-                        // The rod already has its constant tension.
+                        // The tension already contains the constant part of the definition.
                         *tension = *tension + *rate * rod.along.normalised().dot(moved);
                     }
                 }

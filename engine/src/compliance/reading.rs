@@ -1,12 +1,14 @@
 //! Angles and positions of the wheel in an equilibrium. The formulas are those of the catalogue of characteristics.
 //!
-//! The spin is the rotation of the carrier's design heading h, along the wheel:
+//! The spin is the rotation of the carrier about the spin axis. With the direction h of the carrier that was the wheel's
+//! heading in the design position,
 //!
 //! ```text
 //! spin = atan2(h.u, h.T),   u = T x a                                                             (1)
 //! ```
 //!
-//! with the level heading T of the wheel and its spin axis a. It is positive if the nose rises, as for growing caster.
+//! where T is the level heading of the wheel and a its spin axis. The spin is positive if the front of the carrier rises,
+//! as for increasing caster.
 
 use super::build::Built;
 use super::loads::WheelPart;
@@ -28,16 +30,17 @@ pub(super) struct WheelGeometry<T> {
 /// Points of the steering axis, as vectors from the carrier's reference point.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum SteeringJoints<T> {
-    /// No joints give a steering axis.
+    /// The joints do not give a steering axis.
     None,
     /// Two joints of the carrier.
     Joints([Vector3<T>; 2]),
-    /// Joint of the carrier and mount of a strut. The mount is a point of the body, or of the strut's line if the mount is
-    /// elastic.
+    /// Joint of the carrier and mount of a strut. The mount is fixed to the body. An elastic mount moves on the strut's
+    /// line.
     Strut {
         lower: Vector3<T>,
         top: Vector3<T>,
-        /// Index of the part with the mount among the parts with inner unknowns, and direction of the strut.
+        /// Index of the elastic mount among the parts with inner unknowns, and direction of the strut. `None` for a rigid
+        /// mount.
         mount: Option<(usize, Vector3<T>)>,
     },
 }
@@ -57,7 +60,7 @@ pub struct WheelFigures<T = f64> {
     pub centre: Vector3<T>,
     /// Position of the contact point.
     pub contact: Vector3<T>,
-    /// Vertical force at the contact point that holds the height; 0 if the load is held.
+    /// Vertical force at the contact point that holds the height; 0 if the wheel load is held.
     pub vertical: T,
 }
 
@@ -87,7 +90,7 @@ impl<T: Real> WheelGeometry<T> {
 }
 
 impl<T: Scalar> WheelGeometry<T> {
-    /// The points of a design.
+    /// Collects the points of a design.
     pub(super) fn of(mechanism: &Mechanism, design: &[Vector3<T>], built: &Built<T>) -> Self {
         let (origin, system) = (built.reference, &built.system);
         let mount = system
@@ -184,5 +187,5 @@ impl<T: Scalar> WheelGeometry<T> {
     }
 }
 
-/// Vector that is not known.
+/// Unknown vector.
 const NOTHING: Vector3<f64> = Vector3::new(f64::NAN, f64::NAN, f64::NAN);

@@ -14,7 +14,7 @@ use super::wheel::{BushingReading, ElasticWheel, Equilibrium, SpringReading};
 use crate::mechanism::Pose;
 use crate::number::{Each, Scalar, Valued, Vector3};
 
-/// Rotation of a bushing above which its law is doubtful, radians.
+/// Rotation of a bushing above which its law is not reliable, radians.
 const LARGEST_ROTATION: f64 = std::f64::consts::FRAC_PI_3;
 
 impl<T: Scalar> Built<T> {
@@ -52,7 +52,7 @@ impl<T: Scalar> Built<T> {
                 };
                 let found = self.system.mount(&frames, state)?;
                 let ([x, y], [a, b]) = (found.tilt, found.tilt_torque);
-                // The force of the law acts on the moving body, as in `BushingState`.
+                // Force and torque of the law act on the body that holds the mount, as in `BushingState`.
                 let state = BushingState {
                     deflection: found.deflection,
                     rotation: Vector3::new(x, y, x.zero()),
@@ -114,7 +114,8 @@ impl<T: Scalar> Built<T> {
         })
     }
 
-    /// Force that holds the rack, along +y of its holder. It is the derivative of the energy by the rack's displacement.
+    /// Force that holds the rack, along +y of its holder. It is the derivative of the energy with respect to the rack's
+    /// displacement.
     pub(super) fn rack_force(&self, state: &State<T>, around: &Surroundings<T>) -> T {
         let frames = self.system.frames(&state.carrier, around, false);
         let at = *frames.of(self.system.holders.rack);
@@ -153,15 +154,15 @@ impl<T: Scalar> Built<T> {
         force
     }
 
-    /// Converts the system to another kind of number.
+    /// Converts the system to another number type.
     pub(super) fn system_over<U: Scalar>(&self, f: impl Fn(T) -> U + Copy) -> System<U> {
         self.system.map(f)
     }
 }
 
 impl System<f64> {
-    /// Tension of the rod between suspension and rocker. A rigid rod carries the whole force of its seat, along its line. That
-    /// line stays within a right angle of its design direction.
+    /// Tension of the rod between suspension and rocker. A rigid rod carries the whole force of its seat, along its line.
+    /// The angle between this line and its design direction stays below 90 degrees.
     pub(super) fn rocker_rod(&self, frames: &Frames<f64>, state: &State<f64>) -> Option<f64> {
         let limbs = self.limbs.iter().zip(&self.holders.limbs);
         let (seat, moved, slide) = limbs.zip(&state.limbs).find_map(|((limb, holder), own)| {
@@ -180,7 +181,7 @@ impl System<f64> {
             }
         })?;
         let rocker = seat.rocker.as_ref()?;
-        // The derivative of the energy is the opposite of the force on the rod's outer end.
+        // The derivative of the energy is minus the force on the rod's outer end.
         let force = -seat.force(moved, slide, 0.0, false).point.force;
         let inward = rocker.inner - seat.point;
         Some(force.norm().copysign(force.dot(inward)))
@@ -294,7 +295,7 @@ impl<T: Valued> Limb<T> {
         }
     }
 
-    /// Rotation of a part in a step, without that of a link about its own line.
+    /// Rotation of a part in a step, without the rotation of a link about its own line.
     #[inline(always)]
     pub(super) fn turn_across(&self, step: &LimbStep<T>) -> Vector3<T> {
         let turn = self.turn_vector(step);

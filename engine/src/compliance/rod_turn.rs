@@ -1,7 +1,7 @@
 //! Rotation of a rocker or lever by a rigid rod, with exact derivatives.
 //!
-//! The rod has its outer end at p and its inner end at q(theta) on the rocker. Its length stays, so with r = q - p, the
-//! derivatives a = dq/dtheta and b = d2q/dtheta2, and s = r.a,
+//! The rod has its outer end at p and its inner end at q(theta) on the rocker. Its length is constant, so with r = q - p,
+//! the derivatives a = dq/dtheta and b = d2q/dtheta2, and s = r.a,
 //!
 //! ```text
 //! g = dtheta/dp = r/s,   d2theta/dp2 = -(I - a g' - g a' + (a.a + r.b) g g')/s                     (1)
@@ -29,7 +29,7 @@ pub(super) struct RodTurn<T> {
 }
 
 impl<T: Valued> RodTurn<T> {
-    /// Rotation about an axis through two points. The rod's outer end moves from `outer` to `now`.
+    /// Computes the rotation about an axis through two points. The rod's outer end moves from `outer` to `now`.
     #[inline(always)]
     pub(super) fn of(
         [first, second]: [Vector3<T>; 2],
@@ -46,7 +46,8 @@ impl<T: Valued> RodTurn<T> {
             by: nothing.columns[0],
             second: nothing,
         };
-        // Here the angle is positive about the axis. In results, the sign depends on whether the rod pushes or pulls.
+        // This angle is positive about the axis. The sign of the angle in results depends on the type of rod: pushrod or
+        // pullrod.
         let [end, along, bend] = found.moved_about(inner);
         let rod = end - now;
         let inverse = now.x.one() / rod.dot(along);
@@ -62,7 +63,7 @@ impl<T: Valued> RodTurn<T> {
         found
     }
 
-    /// Angle, positive if the rod has pushed.
+    /// Angle, positive in the direction in which the rod pushes.
     #[inline(always)]
     pub(super) fn angle(&self) -> T {
         self.turn.angle(Rod::DropLink)
@@ -83,7 +84,8 @@ impl<T: Valued> RodTurn<T> {
         [now, along * self.turn.sense(Rod::DropLink), bend]
     }
 
-    /// Derivatives with respect to the rod's outer end of a value with these first and second derivatives with respect to the angle. Equation (2).
+    /// Derivatives of a value with respect to the rod's outer end, by equation (2). `first` and `second` are its
+    /// derivatives with respect to the angle.
     #[inline(always)]
     pub(super) fn chained(&self, first: T, second: T) -> (Vector3<T>, Matrix3<T>) {
         let columns = self.second.columns.each(|column| column * first);
@@ -99,8 +101,8 @@ mod tests {
     use super::*;
     use crate::number::Dual;
 
-    /// Nested derivative numbers give the same first and second derivatives: of the angle, and of the distance of a point on
-    /// the rocker from a fixed point.
+    /// Nested derivative numbers give the same first and second derivatives. The test compares the angle, and the distance
+    /// between a point on the rocker and a fixed point.
     #[test]
     fn derivatives_agree_with_nested_numbers() {
         let mut seed = 0.3_f64;

@@ -1,20 +1,20 @@
 //! Equilibrium by Newton's method, with a gradual increase of the loads.
 //!
 //! Between two equilibria, loads, wheel travel and rack change together along a straight line. The first attempt takes the
-//! whole change. A fraction of it is halved if
+//! whole change. The solver halves a fraction of the change if
 //!
 //! - the first correction exceeds 60 mm or 0.3 rad: the linear prediction is not reliable,
-//! - a correction exceeds 0.8 of the previous one: the method does not contract,
+//! - a correction exceeds 0.8 of the previous correction: the method does not contract,
 //! - the result is not stable.
 //!
 //! Corrections s converge as s_(k+1) <= C s_k^2, since the tangents are exact. C is the largest s_(k+1) / s_k^2 so far (P.
-//! Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2004, section 2.1, estimates contraction in this way). The next
-//! correction is omitted if this estimate is far below the limit for the last correction. In 1,300 equilibria, the omitted
-//! corrections were below 0.13 of that limit.
+//! Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2004, section 2.1, estimates contraction in this way). The
+//! solver omits the next correction if this estimate is far below the limit for the last correction. In 1,300 equilibria,
+//! the omitted corrections were below 0.13 of that limit.
 //!
 //! A state is stable if the symmetric part of the tangent is positive definite on the free motions. Rigid joints and the
-//! held height restrict these motions. This is checked first in every eliminated part, then in the remaining equations of
-//! the carrier. The fraction that is reached is accurate to 1e-6.
+//! held height restrict these motions. The solver checks this first in every eliminated part, then in the remaining
+//! equations of the carrier. The fraction of the change that a failed solution reaches is accurate to 1e-6.
 
 use super::limb::is_positive;
 use super::system::{Equations, Held, Hold, Singular, State, Step, System, Task};
@@ -22,26 +22,28 @@ use crate::linear::square::MOST;
 use crate::number::{Each, Scalar, Valued, array_of, larger};
 use crate::threads::checkpoint;
 
-/// Lever, mm, by which a rotation is converted to a movement for comparison with a shift.
+/// Lever, mm, that converts a rotation to a displacement for comparison with a shift.
 const TURN_LEVER: f64 = 300.0;
 /// Largest first correction in shift, mm.
 const LONGEST_SHIFT: f64 = 60.0;
 /// Largest first correction in rotation, radians.
 const LARGEST_TURN: f64 = 0.3;
-/// Largest ratio of a correction to the previous one.
+/// Largest ratio of a correction to the previous correction.
 const CONTRACTION: f64 = 0.8;
 /// Largest last correction in shift, mm.
 const LAST_SHIFT: f64 = 1e-11;
 /// Largest last correction in rotation, radians.
 const LAST_TURN: f64 = 1e-13;
-/// Correction, mm, below which a lack of contraction means rounding error, because Newton's method would otherwise converge
-/// quadratically. Near the limit of a wheel's capacity, rounded forces move the wheel further than the last correction.
+/// Correction, mm, below which a lack of contraction is due to rounding error. Without rounding, Newton's method converges
+/// quadratically there. Near the largest load that a wheel carries, rounding errors of forces move the wheel further than
+/// the last correction.
 const ROUNDING: f64 = 1e-8;
-/// Ratio by which an estimated correction must be below the last correction of an equilibrium.
+/// The solver omits an estimated correction that is smaller than the limit for the last correction, divided by this ratio.
 const FORESEEN: f64 = 100.0;
-/// Smallest fraction by which the loads are increased.
+/// Smallest fraction of the change in one step.
 const LEAST_SHARE: f64 = 1e-6;
-/// Largest number of Newton steps for one fraction. Contraction by 0.8 takes 60 mm to 1e-11 mm in that number.
+/// Largest number of Newton steps for one fraction. With a contraction of 0.8, this number of steps reduces 60 mm to 1e-11
+/// mm.
 const MOST_STEPS: usize = 140;
 
 /// Reason why there is no equilibrium at a fraction of the change.
@@ -51,7 +53,7 @@ pub(super) enum Obstacle {
     Singular(Singular),
     /// Newton's method does not converge.
     Diverges,
-    /// The state is not stable. The field is the first unstable part, and `None` for the carrier.
+    /// The state is not stable. The field is the index of the first unstable part; `None` for the carrier.
     Unstable(Option<usize>),
 }
 
@@ -64,13 +66,13 @@ pub(super) struct Solution<T> {
     pub(super) steps: usize,
 }
 
-/// Result of a search for an equilibrium that was not reached.
+/// Result of a solution that did not reach its equilibrium.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stuck {
-    /// Fraction of the change that was reached.
+    /// Fraction of the change that the solver reached.
     pub(super) share: f64,
     pub(super) obstacle: Obstacle,
-    /// Last equilibrium on the path, with its task; `None` if no fraction was reached.
+    /// Last equilibrium on the path, with its task; `None` if the solver reached no fraction.
     pub(super) last: Option<(State<f64>, Task<f64>)>,
 }
 
@@ -82,7 +84,7 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// Lever, in the study's length unit, by which a rotation is converted to a movement.
+    /// Lever, in the study's length unit, that converts a rotation to a displacement.
     pub(super) fn lever(&self) -> f64 {
         TURN_LEVER * self.millimetre
     }
@@ -102,7 +104,7 @@ impl Bounds {
 }
 
 impl Equations<f64> {
-    /// Refuses a state that is not stable.
+    /// Checks the stability of a state.
     pub(super) fn check_stable(&self, bounds: Bounds) -> Result<(), Obstacle> {
         if self.unstable.is_some() {
             return Err(Obstacle::Unstable(self.unstable));
@@ -116,7 +118,7 @@ impl Equations<f64> {
 }
 
 impl<T: Valued> System<T> {
-    /// Newton step in a state. It forms the equations of this state in the memory of the earlier ones.
+    /// Newton step in a state. The equations of this state overwrite those of the earlier state.
     #[inline(always)]
     pub(super) fn newton_step(
         &self,
@@ -163,7 +165,7 @@ impl System<f64> {
         }
     }
 
-    /// Solves from one equilibrium, or from a pose that `held` holds, to another.
+    /// Solves for an equilibrium, from another equilibrium or from a pose that the forces `held` hold.
     #[inline]
     pub(super) fn solve(
         &self,
@@ -205,7 +207,7 @@ impl System<f64> {
 pub(super) struct Unraised<S> {
     pub(super) share: f64,
     pub(super) obstacle: Obstacle,
-    /// State at this fraction; `None` if no fraction was reached.
+    /// State at this fraction; `None` if the solver reached no fraction.
     pub(super) last: Option<S>,
 }
 
@@ -257,17 +259,17 @@ pub(super) fn raised<S: Copy>(
 pub(super) struct Judge {
     bounds: Bounds,
     before: f64,
-    /// Largest ratio of a correction to the square of the previous one.
+    /// Largest ratio of a correction to the square of the previous correction.
     quotient: f64,
     steps: usize,
 }
 
-/// Result of the check on a correction.
+/// Result of the check of a correction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
     /// The state after the correction is final.
     Settled,
-    /// Another correction is needed.
+    /// The solver needs another correction.
     GoesOn,
 }
 
@@ -326,8 +328,8 @@ pub(super) fn between(from: &Task<f64>, to: &Task<f64>, share: f64) -> Task<f64>
     }
 }
 
-/// Returns true if the carrier's tangent has a positive definite symmetric part on the motions that keep all rows at zero.
-/// Its pivots must exceed this fraction of the largest.
+/// Returns true if the symmetric part of the carrier's tangent is positive definite on the motions that keep all rows at
+/// zero. Its pivots must exceed this fraction of the largest pivot.
 pub(super) fn is_definite<T: Scalar>(
     equations: &Equations<T>,
     bounds: Bounds,
@@ -383,8 +385,8 @@ pub(super) fn is_definite_on(
     is_positive_on(projected, free, least_share)
 }
 
-/// Returns true if the first `free` rows and columns of a matrix are positive definite. The pivots must exceed this fraction of
-/// the largest. Copies of the largest diagonal entry fill the rest of the matrix.
+/// Returns true if the first `free` rows and columns of a matrix are positive definite. The pivots must exceed this
+/// fraction of the largest pivot. Copies of the largest diagonal entry fill the rest of the matrix.
 pub(super) fn is_positive_on<const N: usize>(
     mut matrix: [[f64; N]; N],
     free: usize,
@@ -397,7 +399,7 @@ pub(super) fn is_positive_on<const N: usize>(
     is_positive(&matrix, least_share)
 }
 
-/// Basis of the motions that keep all rows at zero, and their number. `None` if the rows depend on each other.
+/// Basis of the motions that keep all rows at zero, and their number. `None` if the rows are linearly dependent.
 fn null_space(rows: &mut [[f64; 6]]) -> Option<([[f64; 6]; 6], usize)> {
     let mut pivots = [6; 6];
     let mut is_pivot = [false; 6];

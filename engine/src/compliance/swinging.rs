@@ -1,4 +1,4 @@
-//! Arms on bushings, and links with a ball joint at the carrier: parts that swing about their outer joint.
+//! Arms on bushings, and links with a ball joint at the carrier: parts that rotate about their outer joint.
 
 #![expect(
     clippy::needless_range_loop,
@@ -38,8 +38,9 @@ pub(super) struct Swinging<T> {
     pub(super) seat: Option<(Vector3<T>, Seat<T>)>,
     /// Drop link of an anti-roll bar, with its lever from the outer joint.
     pub(super) bar: Option<(Vector3<T>, BarSeat<T>)>,
-    /// Direction of a link's line, with the root of a stiffness as its length; `None` for an arm. Only torsion holds a link
-    /// about its line, so the search for the forces at the design load adds this stiffness there.
+    /// Vector along a link's line, with the root of a stiffness as its length; `None` for an arm. Only torsional stiffness
+    /// holds a link about its line. The calculation of the forces at the design load ignores torsion, so it adds this
+    /// stiffness.
     pub(super) spin: Option<Vector3<T>>,
 }
 
@@ -78,7 +79,7 @@ impl<T: Valued> Swinging<T> {
         at.carrier.displacement(self.joint) + state.placed.turn.apply(lever)
     }
 
-    /// Displacement of the spring's seat, relative to the upper end if that is on another body.
+    /// Displacement of the spring's seat, relative to the spring's upper end if that end is on another body.
     #[inline(always)]
     pub(super) fn seat_displacement(
         &self,
@@ -94,7 +95,7 @@ impl<T: Valued> Swinging<T> {
         }
     }
 
-    /// Returns true if the arm moves with coordinates of [`Beside`].
+    /// Returns true if the arm depends on coordinates of [`Beside`].
     pub(super) fn has_beside(&self) -> bool {
         self.bar.is_some() || self.seat.as_ref().is_some_and(|(_, seat)| seat.is_across)
     }
@@ -223,15 +224,15 @@ impl<T: Valued> Swinging<T> {
     }
 }
 
-/// Forces on a part about its joint, with their tangents by the joint's displacement and the part's rotation.
+/// Forces on a part about its joint, with their tangents with respect to the joint's displacement and the part's rotation.
 struct OwnSum<T> {
-    /// Force at the joint, with its tangent by the joint's displacement.
+    /// Force at the joint, with its tangent with respect to the joint's displacement.
     at_joint: PointForce<T>,
     joint_by_turn: Matrix3<T>,
     moment: Vector3<T>,
     moment_by_joint: Matrix3<T>,
     by_turn: Matrix3<T>,
-    /// True as in [`Conditions::is_correction`].
+    /// Same flag as [`Conditions::is_correction`].
     is_correction: bool,
 }
 
@@ -239,12 +240,12 @@ struct OwnSum<T> {
 struct Pivot<T> {
     lever: Vector3<T>,
     normals: [Vector3<T>; 2],
-    /// Gap of the joint along the normals.
+    /// Gap of the joint along each normal.
     open: [T; 2],
 }
 
-/// Inner equations of a part: matrix, residuals, their tangents by the joint's displacement, and tangents of the joint's
-/// force.
+/// Inner equations of a part: matrix, residuals, tangents of the residuals with respect to the joint's displacement, and
+/// tangents of the joint's force.
 type InnerEquations<T, const N: usize> = ([[T; N]; N], [T; N], [[T; 3]; N], [[T; N]; 3]);
 
 /// Stability of the inner equations.
@@ -268,7 +269,7 @@ impl<T: Valued> OwnSum<T> {
         }
     }
 
-    /// Adds a force at a point of the part, by equation (3) of `limb.rs`. The joint's displacement is the shift there.
+    /// Adds a force at a point of the part, by equation (3) of `limb.rs` with the joint's displacement as shift.
     #[inline(always)]
     fn add(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
         outlined!(
@@ -328,8 +329,7 @@ impl<T: Valued> OwnSum<T> {
         })
     }
 
-    /// Equations of the three rotations and of two forces in a ball joint. The results are the matrix, the residuals, their
-    /// tangents by the joint's displacement, and tangents of the joint's force.
+    /// Forms the equations of the three rotations and of two forces in a ball joint.
     #[inline(always)]
     fn with_pivot(&self, pivot: &Pivot<T>) -> InnerEquations<T, 5> {
         let zero = self.moment.x.zero();
@@ -413,8 +413,8 @@ impl<T: Valued> OwnSum<T> {
     }
 }
 
-/// Forces of an arm on coordinates of [`Beside`], before its rotations are eliminated. The tangents of the arm's own forces
-/// by these coordinates are the transposes.
+/// Forces of an arm on coordinates of [`Beside`], before its rotations are eliminated. The tangents of the arm's forces
+/// with respect to these coordinates are the transposes.
 struct OwnBeside<T> {
     force: [T; BESIDE],
     own: [[T; BESIDE]; BESIDE],
@@ -521,7 +521,7 @@ impl<T: Valued> OwnBeside<T> {
     }
 }
 
-/// Entries of a matrix by rows.
+/// Entries of a matrix, row by row.
 #[inline(always)]
 fn entries<T: Valued>(matrix: &Matrix3<T>) -> [[T; 3]; 3] {
     let [a, b, c] = matrix.columns;

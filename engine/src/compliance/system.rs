@@ -1,9 +1,9 @@
 //! Elastic suspension of one design, and its equations.
 //!
 //! Unknowns are the shift and rotation of the carrier, and a force for each rigid joint. If the height of the wheel centre
-//! is held, the vertical force at the contact point is unknown as well. The parts between body and carrier are eliminated
-//! first (`limb.rs`). Let A be the sum of their tangents, C the rows of the rigid joints and h the row of the height. Let q
-//! be the wrench of a vertical force at the contact point. A Newton step solves
+//! is held, the vertical force at the contact point is unknown as well. The program first eliminates the parts between body
+//! and carrier (`limb.rs`). Let A be the sum of their tangents, C the rows of the rigid joints and h the row of the height.
+//! Let q be the wrench of a vertical force at the contact point. A Newton step solves
 //!
 //! ```text
 //! | A  C' -q | | du, w |     | forces out of balance |
@@ -35,7 +35,7 @@ pub(super) use state::{State, Step};
 
 /// Largest number of parts with inner unknowns: five links and a spring's seat.
 pub(super) const MOST_LIMBS: usize = 6;
-/// Fraction of the largest pivot below which a pivot counts as no stiffness.
+/// A pivot below this fraction of the largest pivot means that a motion has no stiffness.
 pub(super) const LOOSE: f64 = 1e-9;
 /// Largest number of rigid joints.
 pub(super) const MOST_JOINTS: usize = 5;
@@ -81,7 +81,7 @@ pub(super) struct System<T> {
 pub(super) enum Hold<T> {
     /// Height of the wheel centre above its design position.
     Height(T),
-    /// All given loads, with the vertical load.
+    /// All given loads, including the vertical load.
     Load,
 }
 
@@ -94,7 +94,7 @@ pub(super) struct Task<T> {
 }
 
 impl<T: Copy> Hold<T> {
-    /// Converts the held height to another kind of number.
+    /// Converts the held height to another number type.
     #[inline(always)]
     pub(super) fn map<U>(self, f: impl Fn(T) -> U) -> Hold<U> {
         match self {
@@ -115,7 +115,7 @@ impl<T: Valued> Task<T> {
     }
 }
 
-/// External forces that hold a pose without equilibrium while it is brought into balance.
+/// External forces that hold a pose which is no equilibrium. The solver reduces them step by step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Held<T> {
     pub(super) carrier: [T; 6],
@@ -123,7 +123,7 @@ pub(super) struct Held<T> {
 }
 
 impl<T: Valued> Held<T> {
-    /// Fraction of these forces.
+    /// Returns a fraction of these forces.
     pub(super) fn share(&self, share: T) -> Self {
         Held {
             carrier: self.carrier.each(|c| c * share),
@@ -144,7 +144,7 @@ impl<T: Valued> Limb<T> {
         match self {
             Limb::Swinging(arm) => arm.evaluate(at, state, held, sum, beside),
             Limb::Floating(link) => link.evaluate(at, state, held, sum),
-            // Not compiled for lanes, which refuse such systems (`fits_lanes`).
+            // Lanes do not support such systems (`fits_lanes`), so this code is not compiled for them.
             Limb::Mount(_) if T::IN_REGISTERS => None,
             Limb::Mount(mount) => mount.evaluate(at, state, held, sum),
             Limb::LegSeat(seat) => Some(seat.evaluate(at, state, held, sum, beside)),
@@ -152,7 +152,7 @@ impl<T: Valued> Limb<T> {
         }
     }
 
-    /// Returns true if the part moves with coordinates of [`Beside`].
+    /// Returns true if the part depends on coordinates of [`Beside`].
     pub(super) fn has_beside(&self) -> bool {
         match self {
             Limb::Swinging(arm) => arm.has_beside(),
@@ -191,7 +191,7 @@ impl<T: Valued> Limb<T> {
             }
             Limb::LegSeat(_) | Limb::CarrierSeat(_) => {}
         }
-        // Formula for tan of half a sum of angles.
+        // Formula for the tangent of half a sum of angles.
         let half = step.slide * a.constant(0.5);
         next.slide = (state.slide + half) / (a.one() - state.slide * half);
         next
@@ -199,7 +199,7 @@ impl<T: Valued> Limb<T> {
 }
 
 impl<T: Valued> System<T> {
-    /// Returns true if the system can be solved in lanes: one wheel without the elastic mount of a strut.
+    /// Returns true if lanes can solve the system: one wheel without the elastic mount of a strut.
     pub(super) fn fits_lanes(&self) -> bool {
         let is_mount = |limb: &Limb<T>| matches!(limb, Limb::Mount(_));
         self.subframe.is_none() && self.bar.is_none() && !self.limbs.iter().any(is_mount)
@@ -223,8 +223,7 @@ impl<T: Valued> System<T> {
         self.equations_in(&frames, state, task, held)
     }
 
-    /// Forms the equations for the step that adds derivatives to an equilibrium in plain numbers. Their tangents are
-    /// constants.
+    /// Forms the equations for the step that adds derivatives to an equilibrium. Their tangents are constants.
     pub(super) fn correction(
         &self,
         state: &State<T>,
@@ -374,8 +373,9 @@ impl<T: Valued> System<T> {
         next
     }
 
-    /// Largest translation and largest rotation of a step. Forces of ball joints do not count. Neither does the rotation of a
-    /// link about its own line: it moves nothing, and is inaccurate where torsion is soft.
+    /// Largest translation and largest rotation of a step. The sizes exclude forces of ball joints and the rotation of a
+    /// link about its own line. This rotation moves no point of the suspension, and is inaccurate if the torsional
+    /// stiffness is low.
     #[inline(always)]
     pub(super) fn size_of(&self, step: &Step<T>) -> [T::Plain; 2] {
         outlined!(
@@ -407,7 +407,7 @@ impl<T: Valued> System<T> {
     }
 }
 
-/// Largest of a size and the magnitudes of numbers.
+/// Largest of the value `known` and the magnitudes of the numbers.
 #[inline(always)]
 fn largest_of<T: Valued, const N: usize>(known: T::Plain, numbers: [T; N]) -> T::Plain {
     let mut largest = known;

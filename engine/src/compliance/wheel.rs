@@ -1,4 +1,4 @@
-//! Elastic wheel: its equilibria, and their changes.
+//! Elastic wheel, its equilibria, and their derivatives.
 
 use super::build::{Built, OfAxle};
 use super::definition::{Compliance, Relaxed};
@@ -16,7 +16,7 @@ use crate::number::{Scalar, Valued, Vector3, array_of, larger};
 
 /// Number of inverse iterations that find the softest motion.
 const SOFT_STEPS: usize = 8;
-/// Ratio of wheel load to spring force below which the spring has no leverage.
+/// Ratio of wheel load to spring force. Below this limit, the spring has no leverage.
 const LEAST_LEVERAGE: f64 = 1e-6;
 
 /// Quantity that stays fixed while a load changes.
@@ -62,8 +62,8 @@ impl<T: Scalar> Equilibrium<T> {
     }
 }
 
-/// State of a bushing in its axes, in the form for a left wheel. Force and torque act on the moving body: the arm, the link,
-/// or the mount of a strut.
+/// State of a bushing in its axes, as for a left wheel. Force and torque act on the moving body: the arm, the link, or the
+/// mount of a strut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BushingReading<T = f64> {
     /// Deflection along x, y and z.
@@ -170,7 +170,7 @@ impl<T: Scalar> ElasticWheel<T> {
         }
     }
 
-    /// Refuses a spring that does not support the wheel in the design position.
+    /// Checks that the spring supports the wheel in the design position.
     pub(super) fn check_leverage(&self, around: &Surroundings<T>) -> Result<(), ElasticFault> {
         let spring = self.built.spring_reading(&self.start, around);
         let force = spring.as_ref().map_or(0.0, |spring| spring.force.value());
@@ -183,7 +183,7 @@ impl<T: Scalar> ElasticWheel<T> {
         }
     }
 
-    /// Refuses a design if a motion has no stiffness while the height is held.
+    /// Checks that every motion has a stiffness while the height is held.
     fn check_held(&self) -> Result<(), ElasticFault> {
         let equations = self
             .built
@@ -201,7 +201,7 @@ impl<T: Scalar> ElasticWheel<T> {
         }
     }
 
-    /// Axis of the vehicle nearest to a link's line, about which only torsion holds the link.
+    /// Rotation about the vehicle's axis nearest to a link's line. Only torsional stiffness resists this rotation.
     pub(super) fn spin_of(&self, limb: usize) -> Motion {
         let along = match &self.built.system.limbs[limb] {
             Limb::Swinging(arm) => arm.ends[0].lever,
@@ -226,7 +226,7 @@ impl<T: Scalar> ElasticWheel<T> {
 
 impl ElasticWheel {
     /// Largest unbalanced force in a state, on the carrier or a part of the suspension. A moment counts as its force at a
-    /// lever of 300 mm. Infinite if the state has no equations.
+    /// lever of 300 mm. Infinite if the equations cannot be formed.
     pub fn out_of_balance(&self, at: &Equilibrium) -> f64 {
         let Solution { state, task, .. } = &at.solution;
         let equations = self.built.system.equations(state, task, None);
@@ -261,7 +261,7 @@ impl ElasticWheel {
         self.relaxed == Relaxed::AtDesignLoad && !self.has_offset
     }
 
-    /// Equilibrium with the wheel centre at a height, without horizontal loads.
+    /// Finds the equilibrium with the wheel centre at a height, without horizontal loads.
     pub fn at(&self, travel: f64, rack: f64) -> Result<Equilibrium, NoEquilibrium> {
         let (from, to) = (level_task(0.0, 0.0), level_task(travel, rack));
         let held = if self.starts_in_balance() {
@@ -289,7 +289,8 @@ impl ElasticWheel {
             .map_err(|stuck| self.explained(&stuck))
     }
 
-    /// Equilibrium under other loads, from a known equilibrium. The height or the wheel load of the known equilibrium is held.
+    /// Finds the equilibrium under other loads, from a known equilibrium. The height or the wheel load of the known
+    /// equilibrium stays held.
     pub fn loaded(
         &self,
         from: &Equilibrium,
@@ -301,7 +302,7 @@ impl ElasticWheel {
         to.loads = loads.plus(&task.loads, 0.0);
         to.loads.trail = loads.trail;
         if let Hold::Load = to.hold {
-            // Loads add to the held wheel load.
+            // The vertical load adds to the held wheel load.
             to.loads.contact.z += task.loads.contact.z;
         }
         let mut start = task;
@@ -309,8 +310,8 @@ impl ElasticWheel {
         self.solved(&state, &start, &to, None)
     }
 
-    /// Equilibrium under loads in addition to those of a station, from a neighbouring equilibrium. The station's height or
-    /// wheel load is held.
+    /// Finds the equilibrium under loads in addition to the loads of a station, from a neighbouring equilibrium. The
+    /// station's height or wheel load stays held.
     pub fn loaded_about(
         &self,
         station: &Equilibrium,
@@ -345,8 +346,8 @@ impl ElasticWheel {
         }
     }
 
-    /// Finds the motion with the least stiffness by inverse iteration on the tangent. The first result is its displacement
-    /// per unit force.
+    /// Finds the motion with the least stiffness by inverse iteration on the tangent. Returns its displacement per unit
+    /// force, its part and its direction.
     pub(super) fn softest(
         &self,
         state: &State<f64>,

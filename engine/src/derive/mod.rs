@@ -1,7 +1,7 @@
-//! Derivatives of a pose: by the drive (power series), by the rack, and by every hardpoint coordinate.
+//! Derivatives of a pose with respect to the drive (power series), the rack and every hardpoint coordinate.
 //!
-//! [`DesignSeries`] turns a pose into power series along the motion. [`Linearised`] gives the adjoint, with which the
-//! gradient of any output costs one back-substitution.
+//! [`DesignSeries`] expands a pose into power series along the motion. [`Linearised`] has the adjoint of the closure
+//! equations. With it, the gradient of any output costs one back-substitution.
 
 mod motion;
 pub(crate) mod rates;

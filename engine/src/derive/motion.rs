@@ -1,4 +1,4 @@
-//! A design as power series. Poses along the motion are evaluated with it.
+//! A design as power series, for poses along the motion.
 
 use super::rates::{angular_velocity, pose_series};
 use super::sensitivity::Linearised;
@@ -12,10 +12,10 @@ use crate::model::{Drive, Mechanism, PointId, SteeringAxis};
 use crate::number::Jet;
 use crate::number::Vector3;
 
-/// A point of the motion: kind and value of the drive, and rack displacement.
+/// A point of the motion: type and value of the drive, and rack displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MotionPoint<T> {
-    /// The kind of drive.
+    /// Type of drive.
     pub drive: Drive,
     /// Value of the drive: a length or an angle in radians.
     pub value: T,
@@ -35,7 +35,7 @@ impl MotionPoint<f64> {
         }
     }
 
-    /// This point with the drive as the variable of a power series. The rack does not move.
+    /// Returns this point with the drive as the variable of a power series. The rack does not move.
     pub fn along_drive<const N: usize>(&self) -> MotionPoint<Jet<f64, N>> {
         MotionPoint {
             drive: self.drive,
@@ -70,14 +70,14 @@ impl<const N: usize> MotionPoint<Jet<f64, N>> {
 /// A configuration along the motion, and the factors of its Jacobian if they were computed.
 pub(crate) type Factorised<'a, const N: usize> = (Configuration<'a, Jet<f64, N>>, Option<Lu6<f64>>);
 
-/// A design over power series with `N` coefficients, and its closure equations.
+/// A design as power series with `N` coefficients, and its closure equations.
 #[derive(Clone, Debug)]
 pub struct DesignSeries<const N: usize> {
     design: Vec<Vector3<Jet<f64, N>>>,
     closure: Closure<Jet<f64, N>>,
     /// Series for an instantaneous steering axis; `None` if the axis is not instantaneous or not requested.
     steered: Option<Steered<N>>,
-    /// Equations that depend on a point for which sensitivities are computed.
+    /// Equations that depend on the points of [`DesignSeries::with_sensitivities_to`].
     rows: RowSet,
 }
 
@@ -103,7 +103,7 @@ impl<const N: usize> DesignSeries<N> {
         self
     }
 
-    /// Leaves out the steering axis if it is not `wanted`, unless the positions of two joints suffice for it.
+    /// Omits the instantaneous steering axis if it is not `wanted`. A steering axis through two joints stays available.
     pub fn with_steering_axis(mut self, wanted: bool) -> Self {
         if !wanted {
             self.steered = None;
@@ -121,7 +121,7 @@ impl<const N: usize> DesignSeries<N> {
         self.steered.is_some()
     }
 
-    /// Replaces the design by another one of the same mechanism, without allocation.
+    /// Replaces the design with another design of the same mechanism, without allocation.
     pub fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<f64>]) {
         self.prepare_points(design);
         self.prepare_equations(mechanism);
@@ -140,7 +140,7 @@ impl<const N: usize> DesignSeries<N> {
         }
     }
 
-    /// Replaces the design by one whose points move along the series: `(point number, rate)`.
+    /// Replaces the design with a design whose points move along the series. Each entry is `(point number, rate)`.
     pub(crate) fn prepare_moving(
         &mut self,
         mechanism: &Mechanism,
@@ -165,7 +165,7 @@ impl<const N: usize> DesignSeries<N> {
     }
 
     /// Configuration in a solved pose, as a series along `motion`, from the factors of its Jacobian. The factors may be
-    /// missing if they are not needed ([`DesignSeries::takes_factors`]).
+    /// `None` unless [`DesignSeries::takes_factors`] is true.
     pub(crate) fn configuration<'a>(
         &'a self,
         mechanism: &'a Mechanism,
@@ -251,7 +251,7 @@ impl<const N: usize> DesignSeries<N> {
 }
 
 impl<const N: usize> Configuration<'_, Jet<f64, N>> {
-    /// Angular velocity of the knuckle along the series. Its highest coefficient is unknown and must not be used.
+    /// Angular velocity of the knuckle along the series. Its highest coefficient is unknown. Do not use it.
     pub fn angular_velocity(&self) -> Vector3<Jet<f64, N>> {
         angular_velocity(&self.pose)
     }

@@ -1,9 +1,9 @@
 //! Derivatives of the pose along the motion, of any order.
 //!
-//! F(x(s), s) = 0 is solved in truncated power series in e, the increment of s. If the coefficients of x below e^k are right,
-//! the lowest nonzero coefficient of the residual is F_k, that of e^k. The correction J0 dx_k = -F_k removes it, with the one
-//! Jacobian J0 of the pose. So each order costs one residual and one back-substitution. The code needs no formula for
-//! velocities or accelerations.
+//! The code solves F(x(s), s) = 0 in truncated power series in e, the increment of s. If the coefficients of x below e^k
+//! are right, the lowest nonzero coefficient of the residual is F_k, the coefficient of e^k. The correction J0 dx_k = -F_k
+//! removes it. J0 is the Jacobian of the pose, the same for all orders. So each order costs one residual and one
+//! back-substitution. The code needs no formula for velocities or accelerations.
 
 use crate::linear::lu::Lu6;
 use crate::mechanism::{Closure, Driver};
@@ -12,8 +12,8 @@ use crate::model::Mechanism;
 use crate::number::Jet;
 use crate::number::{Each, Vector3};
 
-/// Pose as a power series in e, from the pose itself and its factorised Jacobian. `driver` and `rack` are series that describe
-/// the motion. For derivatives with respect to the drive, `driver` is the value of the drive plus e.
+/// Pose as a power series in e, from the pose itself and its factorised Jacobian. `driver` and `rack` are series that
+/// describe the motion. For derivatives with respect to the drive, the series `driver` is the drive value plus e.
 pub(crate) fn pose_series<const N: usize>(
     mechanism: &Mechanism,
     design: &[Vector3<Jet<f64, N>>],
@@ -42,8 +42,8 @@ pub(crate) fn pose_series<const N: usize>(
     series
 }
 
-/// Angular velocity w of the knuckle along the series, with R' R^T = (w x). It is half the sum of R e_i x R' e_i. Its
-/// highest coefficient is unknown and must not be used.
+/// Angular velocity w of the knuckle along the series, with R' R^T = (w x). w is half the sum of R e_i x R' e_i. Its
+/// highest coefficient is unknown. Do not use it.
 pub(crate) fn angular_velocity<const N: usize>(pose: &Pose<Jet<f64, N>>) -> Vector3<Jet<f64, N>> {
     let [a, b, c] = pose
         .rotation

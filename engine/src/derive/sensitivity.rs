@@ -6,11 +6,11 @@
 //! dy/dp = y_p - mu . F_p,   J^T mu = y_x
 //! ```
 //!
-//! y_x is a wrench on the knuckle, and mu are the forces with which the six constraints balance it. So one output costs one
-//! back-substitution, whatever the number of hardpoints. The design moves with the hardpoint: lengths and the shape of the
-//! knuckle are computed again, while the drive value stays.
+//! y_x is a wrench on the knuckle, and mu are the forces with which the six constraints balance this wrench. So one output
+//! costs one back-substitution for any number of hardpoints. The design changes with the hardpoint: lengths and the shape
+//! of the knuckle are computed again, while the drive value stays constant.
 //!
-//! On power series in the drive, the same code gives d/ds(dy/dp). This equals d/dp(dy/ds), the sensitivity of rates and
+//! With power series in the drive, the same code gives d/ds(dy/dp). This equals d/dp(dy/ds), the sensitivity of rates and
 //! curvatures.
 
 use super::steering::{Steered, screw_axis, screw_axis_gradient};
@@ -26,7 +26,7 @@ use crate::number::Jet;
 use crate::number::Real;
 use crate::number::{Each, Vector3};
 
-/// Collects the derivatives of an output by the hardpoints.
+/// Collects the derivatives of an output with respect to the hardpoints.
 pub trait Gradient<T> {
     /// Adds a derivative with respect to a hardpoint.
     fn add(&mut self, id: PointId, by: Vector3<T>);
@@ -39,7 +39,7 @@ impl<T: Real> Gradient<T> for [Vector3<T>] {
     }
 }
 
-/// Gradient of an output by the hardpoints, collected together with its wrench.
+/// Collector for the gradient of an output with respect to the hardpoints, and for its wrench.
 struct Adjoint<'a, T, G: ?Sized> {
     wrench: Wrench<T>,
     gradient: &'a mut G,
@@ -56,7 +56,7 @@ impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for Adjoint<'_, T, G> {
     }
 }
 
-/// A gradient with respect to the hardpoints only, without a wrench.
+/// Collector for a gradient with respect to the hardpoints, without a wrench.
 pub(crate) struct HardpointGradient<'a, G: ?Sized>(pub &'a mut G);
 
 impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for HardpointGradient<'_, G> {
@@ -68,7 +68,8 @@ impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for HardpointGradient<'_, G> {
     }
 }
 
-/// A configuration prepared for adjoints: its Jacobian along the motion and the factors of its constant part.
+/// A configuration prepared for adjoints, with its Jacobian along the motion and the factors of the Jacobian's constant
+/// part.
 pub struct Linearised<'a, const N: usize> {
     /// Configuration as a series.
     pub at: Configuration<'a, Jet<f64, N>>,
@@ -118,8 +119,9 @@ impl<'a, const N: usize> Linearised<'a, N> {
         &self.lu
     }
 
-    /// Adds the gradient of an output by every hardpoint coordinate to `gradient`. `seed` is called once. Through the
-    /// methods of [`Seeds`] it gives the derivatives of the output by the configuration.
+    /// Adds the gradient of an output with respect to every hardpoint coordinate to `gradient`. The function calls `seed`
+    /// once. `seed` gives the derivatives of the output with respect to the configuration, through the methods of
+    /// [`Seeds`].
     #[inline]
     pub fn gradient(
         &self,
@@ -174,13 +176,14 @@ pub struct Seeds<'s, 'a, T, G: ?Sized = [Vector3<T>]> {
 }
 
 impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
-    /// Starts an output of a configuration. Its derivatives with respect to hardpoints at fixed pose are added to `gradient`.
+    /// Starts an output of a configuration. `gradient` collects its derivatives with respect to hardpoints at fixed pose.
     #[inline(always)]
     pub fn new(at: &'s Configuration<'a, T>, gradient: &'s mut G) -> Self {
         Seeds::continuing(at, Wrench::zero(at.rack), gradient)
     }
 
-    /// Starts another output, whose derivatives are added to earlier ones. Their derivative with respect to the pose is `wrench`.
+    /// Starts another output and adds its derivatives to earlier derivatives. `wrench` is the earlier derivative with
+    /// respect to the pose.
     #[inline(always)]
     pub fn continuing(
         at: &'s Configuration<'a, T>,
@@ -200,8 +203,8 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         self.adjoint.wrench
     }
 
-    /// Adds the derivatives with respect to a point of the steering axis and by its direction, as [`Configuration::steering_axis`]
-    /// returns them.
+    /// Adds the derivatives with respect to the point and the direction of the steering axis from
+    /// [`Configuration::steering_axis`].
     #[inline(always)]
     pub fn steering_axis(&mut self, by_point: Vector3<T>, by_direction: Vector3<T>) {
         match (self.at.mechanism.steering_axis, &self.at.steering) {
@@ -242,7 +245,8 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         self.adjoint.hardpoint(id, gradient);
     }
 
-    /// Adds the derivative with respect to the rotation of the mechanism's knuckle. For a steered axle, this is the rotation of the axle.
+    /// Adds the derivative with respect to the rotation of the mechanism's knuckle. For a steered axle, this is the
+    /// rotation of the axle.
     #[inline(always)]
     pub fn turn(&mut self, moment: Vector3<T>) {
         self.adjoint.wrench(moment.zero(), moment);
@@ -254,7 +258,8 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         self.at.push_carrier_turn(moment, &mut self.adjoint);
     }
 
-    /// Adds the derivative by the unit spin axis a = R a0, a0 along wheel centre - inner point.
+    /// Adds the derivative with respect to the unit spin axis a = R a0. The design axis a0 is along (wheel centre - inner
+    /// point).
     #[inline(always)]
     pub fn spin_axis(&mut self, gradient: Vector3<T>) {
         let designed = DesignedSpinAxis::of(self.at.mechanism, self.at.design);
@@ -268,7 +273,8 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         self.moved_spin_axis(&designed, now, gradient);
     }
 
-    /// Adds the derivative by the unit spin axis. `designed` is the axis in the design position, `now` the axis in the pose.
+    /// Adds the derivative with respect to the unit spin axis. `designed` is the axis in the design position, `now` the
+    /// axis in the pose.
     #[inline(always)]
     pub fn moved_spin_axis(
         &mut self,
@@ -281,7 +287,7 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
         self.by_designed_spin_axis(designed, in_knuckle);
     }
 
-    /// Adds the derivative by the unit spin axis in the design position.
+    /// Adds the derivative with respect to the unit spin axis in the design position.
     #[inline(always)]
     pub fn designed_spin_axis(&mut self, gradient: Vector3<T>) {
         let designed = DesignedSpinAxis::of(self.at.mechanism, self.at.design);
@@ -304,7 +310,7 @@ impl<'s, 'a, T: Real, G: Gradient<T> + ?Sized> Seeds<'s, 'a, T, G> {
 pub struct DesignedSpinAxis<T> {
     /// Unit vector, positive outboard.
     pub direction: Vector3<T>,
-    /// Inverse of the distance between the wheel centre and the point that gives the direction. 0 if angles give the
+    /// Inverse of the distance between the wheel centre and the point that gives the direction. 0 if static angles give the
     /// direction.
     pub inverse_length: T,
 }
@@ -333,7 +339,7 @@ impl<T: Real> DesignedSpinAxis<T> {
 
 impl<T: Real> Configuration<'_, T> {
     /// Returns a point of the steering axis, and an upward vector of any length along it. `None` if the wheel is not
-    /// steered, or if no requested quantity reads the axis.
+    /// steered, or if no requested quantity needs the axis.
     #[inline(always)]
     pub fn steering_axis(&self) -> Option<(Vector3<T>, Vector3<T>)> {
         match self.mechanism.steering_axis? {

@@ -1,7 +1,7 @@
 //! The instantaneous steering axis: the screw axis of the knuckle when the rack moves and the drive does not.
 //!
-//! With F(x, r) = 0 the closure equations at rack displacement r and t = x_r the twist of the knuckle (velocity v of its
-//! origin o, angular velocity w) per unit of rack displacement,
+//! Let F(x, r) = 0 be the closure equations at rack displacement r. Let t = x_r be the twist of the knuckle per unit of
+//! rack displacement: velocity v of its origin o and angular velocity w. Then
 //!
 //! ```text
 //! J t = -F_r,   axis: point o + (w x v)/w.w, direction w
@@ -14,10 +14,10 @@
 //! ```
 //!
 //! J t + F_r is the derivative of F along the motion x + e t, r + e. So the last term is the coefficient of e in the
-//! differential of l . F, computed on series in e. The result is a wrench with force f + e f' and moment m + e m'. A
+//! differential of l . F, computed with series in e. This gives a wrench with force f + e f' and moment m + e m'. A
 //! rotation d(rotation) of the pose rotates the moved pose by d(rotation) + e w x d(rotation). The coefficient of e is
-//! therefore f' . d(origin) + (m' + m x w) . d(rotation). It is added to y_x, and the usual adjoint does the rest. With
-//! series in the drive, all results are series.
+//! therefore f' . d(origin) + (m' + m x w) . d(rotation). The code adds it to y_x and then uses the adjoint of
+//! `sensitivity.rs`. With series in the drive, all results are series.
 
 use crate::linear::lu::{Lu6, Vector6};
 use crate::mechanism::RowSet;
@@ -30,7 +30,7 @@ use crate::number::{Each, Jet, Real, Vector3, outlined};
 /// A series in the drive with its first derivative along the steering motion.
 type Along<const N: usize> = Jet<Jet<f64, N>, 2>;
 
-/// A design and its closure equations as series along the steering motion.
+/// A design and its closure equations as Taylor series along the steering motion.
 #[derive(Clone, Debug)]
 pub(crate) struct Steered<const N: usize> {
     design: Vec<Vector3<Along<N>>>,
@@ -44,7 +44,7 @@ impl<const N: usize> Steered<N> {
         Steered { design, closure }
     }
 
-    /// Replaces the design by another one of the same mechanism, without allocation.
+    /// Replaces the design with another design of the same mechanism, without allocation.
     pub(crate) fn prepare(&mut self, mechanism: &Mechanism, design: &[Vector3<Jet<f64, N>>]) {
         for (design_series, point) in self.design.iter_mut().zip(design) {
             *design_series = point.map(Jet::constant);
@@ -92,7 +92,7 @@ impl<const N: usize> Steered<N> {
     }
 }
 
-/// Collects a wrench along the steering motion, and the slope of a gradient with respect to the hardpoints.
+/// Collector for a wrench along the steering motion, and for the rate of a gradient with respect to the hardpoints.
 struct Slope<'a, const N: usize> {
     wrench: Wrench<Along<N>>,
     gradient: &'a mut [Vector3<Jet<f64, N>>],
@@ -134,8 +134,8 @@ pub(crate) fn screw_axis<T: Real>(
     (point, upward)
 }
 
-/// Derivative of `by_point . point + by_direction . direction` of the screw axis by the twist. With p the point relative to
-/// the origin and w the angular velocity, p w.w = w x shift.
+/// Derivative of `by_point . point + by_direction . direction` of the screw axis with respect to the twist. With the point
+/// p relative to the origin and the angular velocity w, p w.w = w x shift.
 #[inline(always)]
 pub(crate) fn screw_axis_gradient<T: Real>(
     twist: &Twist<T>,

@@ -1,6 +1,6 @@
-//! Gaussian elimination with partial pivoting, for all right-hand sides of a matrix at once and in every lane.
+//! Gaussian elimination with partial pivoting, in every lane, for all right-hand sides of a matrix at once.
 //!
-//! Each lane has its own pivots. A lane with a pivot of zero gets numbers that are not finite.
+//! Each lane has its own pivots. A zero pivot gives results that are not finite in its lane.
 
 #![expect(
     clippy::needless_range_loop,
@@ -9,8 +9,8 @@
 
 use crate::number::{MaskOf, SimdReal, Valued};
 
-/// Replaces the first `size` rows of B and c by the solutions of A X = B and A x = c. Afterwards the diagonal of `a` has the
-/// pivots. Returns the lanes in which every pivot is finite and not zero.
+/// Replaces the first `size` rows of B and c with the solutions of A X = B and A x = c. Afterwards the diagonal of `a`
+/// contains the pivots. Returns the lanes in which every pivot is finite and not zero.
 #[inline(always)]
 pub(crate) fn eliminate<T: Valued, const N: usize, const C: usize>(
     a: &mut [[T; N]; N],

@@ -1,5 +1,6 @@
-//! LU factorisation with partial pivoting. It serves the six closure equations, the same equations bordered by a tangent,
-//! the twelve equations of a certificate, and the fifteen of Attia's paper.
+//! LU factorisation with partial pivoting. The program uses it for the six closure equations, with or without a tangent as
+//! additional row and column. It also solves the twelve equations of a certificate and the fifteen equations of Attia's
+//! paper.
 
 use crate::number::{Each, Jet, Scalar, array_of};
 
@@ -8,7 +9,7 @@ pub(crate) type Vector6<T> = [T; 6];
 /// Six rows of six numbers.
 pub(crate) type Matrix6<T> = [[T; 6]; 6];
 
-/// Factors of a row-permuted matrix: unit lower and upper triangle in one.
+/// Factors of a row-permuted matrix: unit lower triangle and upper triangle in one array.
 #[derive(Clone, Copy, Debug)]
 pub struct Lu<T, const N: usize> {
     factors: [[T; N]; N],
@@ -21,8 +22,8 @@ pub struct Lu<T, const N: usize> {
 pub type Lu6<T> = Lu<T, 6>;
 
 impl<T: Scalar> Lu6<T> {
-    /// Factorises a closure Jacobian. Its last three columns (moments) are lengths, so the determinant is divided by
-    /// `size`^3 to be dimensionless. It is +-1 for six orthogonal unit lines, and 0 at a singularity.
+    /// Factorises a closure Jacobian. Its last three columns (moments) are lengths, so the function divides the determinant
+    /// by `size`^3. The determinant is +-1 for six orthogonal unit lines, and 0 at a singularity.
     #[inline]
     pub fn new(jacobian: Matrix6<T>, size: f64) -> Option<Self> {
         Lu::of(jacobian, size.powi(-3))
@@ -30,7 +31,8 @@ impl<T: Scalar> Lu6<T> {
 }
 
 impl<T: Scalar, const N: usize> Lu<T, N> {
-    /// Factorises a matrix. `None` if a pivot is zero or NaN. The stored determinant is the one of the matrix, multiplied by `unit`.
+    /// Factorises a matrix. `None` if a pivot is zero or NaN. The stored determinant is the determinant of the matrix,
+    /// multiplied by `unit`.
     #[inline]
     pub fn of(mut a: [[T; N]; N], unit: f64) -> Option<Self> {
         let mut order: [usize; N] = array_of(|i| i);
@@ -65,7 +67,7 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
         })
     }
 
-    /// Determinant of the matrix. Its sign cannot change along a path without passing a singularity.
+    /// Determinant of the matrix. On a path without singularities, its sign does not change.
     pub fn determinant(&self) -> f64 {
         self.determinant
     }
@@ -115,8 +117,8 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
         x
     }
 
-    /// Solves A x = b for a matrix and a right-hand side that are series along the drive. `self` holds the factors of the
-    /// constant part of `matrix`.
+    /// Solves A x = b for a matrix and a right-hand side that are Taylor series in the drive. `self` holds the factors of
+    /// the constant part of `matrix`.
     pub(crate) fn solve_series<const M: usize>(
         &self,
         matrix: &[[Jet<T, M>; N]; N],
@@ -126,7 +128,7 @@ impl<T: Scalar, const N: usize> Lu<T, N> {
         coefficient_by_coefficient(b, entry, |right| self.solve(right))
     }
 
-    /// Solves A^T x = b for a matrix and a right-hand side that are series along the drive, like [`Lu::solve_series`].
+    /// Solves A^T x = b for a matrix and a right-hand side that are Taylor series in the drive, like [`Lu::solve_series`].
     #[inline]
     pub(crate) fn solve_transposed_series<const M: usize>(
         &self,
@@ -229,8 +231,8 @@ mod tests {
         [0.5, 1.0, 4.0, -1.0, -2.0, 5.0],
     ];
 
-    /// Backward stability: the residual is of the order of eps |A| |x|, whatever the condition number. With partial
-    /// pivoting, entries grow by at most 2^5.
+    /// Backward stability: the residual is of the order of eps |A| |x| for any condition number. With partial pivoting,
+    /// entries grow by at most 2^5.
     const BOUND: f64 = 36.0 * 32.0 * f64::EPSILON;
 
     #[test]
@@ -249,8 +251,8 @@ mod tests {
         }
     }
 
-    /// Solves fifteen equations, as many as in Attia's paper, in an order that forces pivoting. The product with the
-    /// solution gives the right-hand side within a few roundings.
+    /// Fifteen equations, the number in Attia's paper. The matrix times the solution equals the right-hand side within a
+    /// few rounding errors.
     #[test]
     fn fifteen_equations_are_solved_both_ways() {
         let mut seed = 0.3_f64;

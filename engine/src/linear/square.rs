@@ -5,7 +5,7 @@ use crate::number::{Scalar, array_of};
 /// Largest number of rows.
 pub(crate) const MOST: usize = 12;
 
-/// Factors of a row-permuted matrix of `size` rows: unit lower and upper triangle in one.
+/// Factors of a row-permuted matrix of `size` rows: unit lower triangle and upper triangle in one array.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SquareLu<T> {
     factors: [[T; MOST]; MOST],
@@ -76,7 +76,7 @@ impl<T: Scalar> SquareLu<T> {
 mod tests {
     use super::*;
 
-    /// The product with the solution gives the right-hand side within a few roundings, in an order that forces pivoting.
+    /// The matrix times the solution equals the right-hand side within a few rounding errors.
     #[test]
     fn the_solution_satisfies_the_equations() {
         let mut seed = 0.3_f64;

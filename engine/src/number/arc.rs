@@ -1,9 +1,10 @@
-//! Arc sine and arc tangent with elementary arithmetic. They have the same bits in all lanes and on every platform, at a
-//! fraction of the cost of a mathematical library.
+//! Arc sine and arc tangent with elementary arithmetic. Their results are bit-identical in all lanes and on every platform,
+//! and take a fraction of the time of a mathematical library.
 //!
 //! atan t = t + t u P(u) for |t| <= tan(pi/8), asin x = x + x u Q(u) for |x| <= 1/2, with u the square of the argument. P
-//! and Q interpolate at Chebyshev points (sixty-digit arithmetic, then rounded to doubles). Their relative errors are 8e-18
-//! and 5e-18, so the only significant error is the rounding of two sums. For other arguments:
+//! and Q interpolate at Chebyshev points. Their coefficients were computed with sixty digits, then rounded to doubles.
+//! Their relative errors are 8e-18 and 5e-18, so the only significant error is the rounding of two sums. For other
+//! arguments:
 //!
 //! ```text
 //! atan t = pi/4 + atan (t-1)/(t+1)            tan(pi/8) < t <= 1
@@ -46,12 +47,11 @@ const ASIN: [f64; 13] = [
 
 /// tan(pi/8).
 const TAN_EIGHTH: f64 = 0.41421356237309503;
-/// Differences between pi/2 and pi/4 and their nearest doubles.
+/// Difference between pi/2 and its nearest double. The next constant is the difference for pi/4.
 const FRAC_PI_2_REST: f64 = 6.123233995736766e-17;
 const FRAC_PI_4_REST: f64 = 0.5 * FRAC_PI_2_REST;
 
-/// Odd polynomial x + x u (c0 + c1 u + ...), u = x^2. Even and odd coefficients are summed separately, which halves the
-/// latency.
+/// Odd polynomial x + x u (c0 + c1 u + ...), u = x^2. Separate sums of even and odd coefficients halve the latency.
 #[inline(always)]
 fn odd<B: SimdReal, const N: usize>(x: B, coefficients: &[f64; N]) -> B {
     let u = x * x;
@@ -86,7 +86,7 @@ pub(super) fn asin<B: SimdReal>(x: B) -> B {
     x.outlined(AnyArc(x))
 }
 
-/// Piece for the arc sine of any argument. It is used less often than the form for small arguments.
+/// Arc sine of any argument, as a separate function. Small arguments, which are more frequent, do not need it.
 struct AnyArc<B>(B);
 
 impl<B: SimdReal> Outlined for AnyArc<B> {
@@ -114,7 +114,7 @@ pub(super) fn atan2<B: SimdReal>(y: B, x: B) -> B {
     x.outlined(AnyAngle { y, x })
 }
 
-/// Piece for the angle of any vector. It is larger than the form for small angles, and used less often.
+/// Angle of any vector, as a separate function. Small angles, which are more frequent, do not need it.
 struct AnyAngle<B> {
     y: B,
     x: B,
@@ -159,7 +159,7 @@ mod tests {
     use super::*;
     use crate::number::{SimdTask, Width, run_one};
 
-    /// Difference in units of the last place from the platform's library, which is itself accurate to one unit.
+    /// Difference from the platform's library, in units of the last place. The library itself is accurate to one unit.
     fn apart(computed: f64, library: f64) -> f64 {
         let unit = library.abs().next_up() - library.abs();
         (computed - library).abs() / unit
@@ -224,7 +224,7 @@ mod tests {
         }
     }
 
-    /// The numbers in other lanes decide which branch runs, but do not change a lane's bits.
+    /// The numbers in other lanes select the branch, but do not change the bits of a lane.
     #[test]
     fn every_width_yields_the_same_bits() {
         let within = arguments().filter(|x| x.abs() <= 1.0);

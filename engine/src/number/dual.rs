@@ -8,7 +8,7 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 pub struct Dual<T, const N: usize> {
     /// The value.
     pub value: T,
-    /// Derivatives of the value by each input.
+    /// Derivatives of the value with respect to each input.
     pub partials: [T; N],
 }
 
@@ -46,7 +46,7 @@ impl<T: Real, const N: usize> Dual<T, N> {
 }
 
 impl<T: Real> Dual<T, 3> {
-    /// Makes the components of a vector the inputs.
+    /// Makes three inputs from the components of a vector.
     #[inline(always)]
     pub fn inputs(at: Vector3<T>) -> Vector3<Self> {
         Vector3::new(
@@ -58,7 +58,7 @@ impl<T: Real> Dual<T, 3> {
 }
 
 impl<T: Real, const N: usize> Dual<T, N> {
-    /// True if arithmetic is done in function calls.
+    /// True if arithmetic uses function calls.
     const IS_LONG: bool = N > 4 && !T::IN_REGISTERS;
 
     #[inline]
@@ -147,8 +147,8 @@ impl<T: Real, const N: usize> Dual<T, N> {
     }
 }
 
-/// Runs an operation inline, or for large numbers in a separate function. For numbers in registers that function is compiled
-/// for their instruction set.
+/// Runs an operation inline, or for large numbers in a separate function. For numbers in registers, this function is
+/// compiled for their instruction set.
 macro_rules! perform {
     ($operation:ident($number:ident $(, $other:ident)?) if $is_large:expr) => {
         match $is_large {

@@ -1,11 +1,11 @@
 //! Intervals that contain the exact result: arithmetic rounded outward.
 //!
 //! IEEE 754 rounds to the nearest number, so the exact result of +, -, x, / and the square root lies between the neighbours
-//! of the computed one. A sum is not widened if its rounding error is zero. That error is itself a double and can be
-//! computed (D. E. Knuth, *The Art of Computer Programming* 2, 4.2.2). Sine, cosine and the inverse functions come from the
-//! platform. Their error is assumed to be at most two units in the last place.
+//! of the computed result. The code does not widen a sum whose rounding error is zero. This rounding error is itself a
+//! double, so the code can compute it (D. E. Knuth, *The Art of Computer Programming* 2, 4.2.2). Sine, cosine and the
+//! inverse functions come from the platform. The code assumes that their error is at most two units in the last place.
 //!
-//! A result that is NaN or unbounded becomes the whole line, from which nothing can be proved.
+//! A result that is NaN or unbounded becomes the whole line, which certifies nothing.
 
 use super::{Real, Scalar};
 use std::ops::{Add, Div, Mul, Neg, Sub};
@@ -42,13 +42,13 @@ impl Interval {
         }
     }
 
-    /// Smallest interval that contains both.
+    /// Smallest interval that contains both intervals.
     #[inline]
     pub fn hull(self, other: Self) -> Self {
         Interval::bounds(self.low.min(other.low), self.high.max(other.high))
     }
 
-    /// Intersection of the two intervals. It must not be empty, which holds if both enclose the same number.
+    /// Intersection of the two intervals. It must not be empty. If both intervals enclose the same number, it is not empty.
     #[inline]
     pub fn meet(self, other: Self) -> Self {
         Interval::bounds(self.low.max(other.low), self.high.min(other.high))
@@ -101,7 +101,8 @@ impl Interval {
         Interval::bounds(low.next_down(), high.next_up())
     }
 
-    /// Sine and cosine: those of the middle, widened by half the width. Both have slopes between -1 and 1.
+    /// Sine and cosine: the values at the middle, widened by half the width. This is valid because both slopes are between
+    /// -1 and 1.
     pub fn sin_cos(self) -> (Self, Self) {
         let middle = self.middle();
         let reach = (Interval::point(self.high) - Interval::point(middle))
@@ -119,7 +120,7 @@ fn trusted(value: f64) -> Interval {
     Interval::bounds(value.next_down().next_down(), value.next_up().next_up())
 }
 
-/// Interval between the smallest and the largest result at the corners, widened by their rounding.
+/// Interval between the smallest and the largest result at the corners, widened by their rounding errors.
 #[inline]
 fn around(corners: [f64; 4]) -> Interval {
     if corners.iter().any(|c| c.is_nan()) {
@@ -130,7 +131,7 @@ fn around(corners: [f64; 4]) -> Interval {
     Interval::bounds(low.next_down(), high.next_up())
 }
 
-/// Exact rounding error of a sum, provided that nothing overflows.
+/// Exact rounding error of a sum, if no number overflows.
 #[inline]
 fn sum_error(a: f64, b: f64, sum: f64) -> f64 {
     let part = sum - a;
@@ -181,7 +182,8 @@ impl Sub for Interval {
 
 impl Mul for Interval {
     type Output = Self;
-    // A separate function, like division. If both were inlined, a closed form would be a single function of 160 kB.
+    // Multiplication and division are separate functions. If both were inlined, a closed form would be a single function of
+    // 160 kB.
     #[inline(never)]
     fn mul(self, other: Self) -> Self {
         let is_zero = |i: Interval| i.low == 0.0 && i.high == 0.0;
@@ -256,8 +258,8 @@ impl Real for Interval {
         }
         trusted(self.low.asin()).hull(trusted(self.high.asin()))
     }
-    /// Angle, from its values at the corners. On a rectangle without the origin and the negative x-axis it is monotonic
-    /// along every side.
+    /// Angle, from its values at the corners. If the rectangle excludes the origin and the negative x-axis, the angle is
+    /// monotonic along every side.
     fn atan2(self, x: Self) -> Self {
         if !(x.low > 0.0 || self.low > 0.0 || self.high < 0.0) {
             return Interval::WHOLE;
@@ -274,7 +276,7 @@ impl Real for Interval {
     }
     #[inline]
     fn scaled(self, factor: f64) -> Self {
-        // Halving and doubling are exact except near underflow, where the product is widened.
+        // Halving and doubling are exact except near underflow. There the code widens the product.
         if factor == 0.5 && self.low.abs().min(self.high.abs()) > f64::MIN_POSITIVE * 2.0 {
             return Interval {
                 low: 0.5 * self.low,
@@ -301,8 +303,8 @@ impl Scalar for Interval {
 mod tests {
     use super::*;
 
-    /// 1/3, 0.1 + 0.2 and sqrt(2) are not doubles. Their intervals contain them and are at most two doubles wide. Integers
-    /// check this; 0.1 and 0.2 here are the nearest doubles.
+    /// 1/3, 0.1 + 0.2 and sqrt(2) are not doubles. The interval of 0.1 + 0.2 ends at two neighbouring doubles. Products of
+    /// the other intervals contain 1 and 2.
     #[test]
     fn inexact_results_lie_inside() {
         let one = Interval::point(1.0);

@@ -1,9 +1,9 @@
 //! Truncated Taylor series: a value with its derivatives with respect to one variable, the drive.
 //!
 //! `Jet([c0, c1, c2])` means `c0 + c1 e + c2 e^2 + O(e^3)`; the k-th derivative is `k! c_k`. The recurrences are the usual
-//! ones for power series (A. Griewank, A. Walther, *Evaluating Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and 13.2). The
-//! code uses plain loops, because `array::map` and `from_fn` cost the compiler ten times as much. Products of the shortest
-//! series are the most frequent, so these are written out.
+//! recurrences for power series (A. Griewank, A. Walther, *Evaluating Derivatives*, 2nd ed., SIAM 2008, tables 13.1 and
+//! 13.2). The code uses plain loops, because `array::map` and `from_fn` take ten times longer to compile. Products of the
+//! shortest series are the most frequent, so the code contains them without loops.
 
 #![allow(
     clippy::needless_range_loop,
@@ -37,7 +37,7 @@ impl<T: Real, const N: usize> Jet<T, N> {
         series
     }
 
-    /// Derivative of this order.
+    /// Derivative of the given order.
     #[inline(always)]
     pub fn derivative(&self, order: usize) -> T {
         const FACTORIAL: [f64; 6] = [1.0, 1.0, 2.0, 6.0, 24.0, 120.0];
@@ -54,7 +54,7 @@ impl<T: Real, const N: usize> Jet<T, N> {
         Jet(rate)
     }
 
-    /// Series with the derivative `rate` and the constant `value`.
+    /// Series with the derivative `rate` and the constant term `value`.
     #[inline(always)]
     fn integrated(value: T, rate: Self) -> Self {
         let mut series = [value; N];
@@ -71,7 +71,7 @@ impl<const N: usize> Jet<f64, N> {
         let rate = self.differentiated();
         let (s, c) = self.0[0].sin_cos();
         let (mut sine, mut cosine) = (Jet::constant(s), Jet::constant(c));
-        // Each of the two series follows from the integral of the other, so every pass makes one more coefficient correct.
+        // Each of the two series is an integral with the other series, so every pass makes one more coefficient correct.
         for _ in 1..N {
             (sine, cosine) = (
                 Jet::integrated(s, cosine * rate),
@@ -90,7 +90,7 @@ impl<T, const N: usize> Index<usize> for Jet<T, N> {
     }
 }
 
-/// Adds or subtracts coefficient by coefficient. Numbers in registers are added inline.
+/// Adds or subtracts coefficient by coefficient. For numbers in registers, the code is inline.
 macro_rules! by_coefficients {
     ($trait:ident, $method:ident, $operation:ident, $operator:tt) => {
         impl<T: Real, const N: usize> Jet<T, N> {
@@ -156,14 +156,14 @@ impl<T: Real, const N: usize> Mul for Jet<T, N> {
     }
 }
 
-/// Associated constants are used, because with a comparison of `N` in a function the compiler would have to compile both
-/// branches.
+/// These associated constants select branches. With a comparison of `N` in a function, the compiler would have to compile
+/// both branches.
 impl<T: Real, const N: usize> Jet<T, N> {
     const IS_SINGLE: bool = N == 1;
     const IS_PAIR: bool = N == 2;
     const IS_LONG: bool = N > 2;
-    /// True if angle functions are called instead of inlined. For series in registers, inlining lets the compiler drop the
-    /// value if only the slope is used.
+    /// True if angle functions are called instead of inlined. For series in registers, inlining lets the compiler omit the
+    /// value if the caller uses only the slope.
     const ANGLES_IN_CALLS: bool = T::IS_LARGE && (T::IS_NESTED || !T::IN_REGISTERS);
     /// True if products, quotients and roots are function calls (see [`call_outlined`]).
     const LARGE: bool = (size_of::<Self>() > 16 || T::IS_LARGE) && !T::IN_REGISTERS;
@@ -358,7 +358,7 @@ impl<T: Scalar, const N: usize> Scalar for Jet<T, N> {
 mod tests {
     use super::*;
 
-    /// Identities as power series: sin^2 + cos^2 = 1, atan2(sin, cos) = x and asin(sin) = x.
+    /// Identities hold for all coefficients of the power series: sin^2 + cos^2 = 1, atan2(sin, cos) = x and asin(sin) = x.
     #[test]
     fn elementary_functions_invert_each_other() {
         let x = Jet([0.7, 1.0, -0.4, 0.3]);

@@ -3,12 +3,13 @@
 //! The program chooses the instruction set at run time ([`Width`]): AVX-512 or AVX2 if the processor has it.
 //! Each operation works on two registers, because one chain of dependent operations leaves the processor idle.
 //!
-//! [`Real::plus_product`] and [`Real::minus_product`] round once. Everything else is the IEEE operation. So every width
-//! yields the same bits. (Plain numbers use the mathematical library's fused product and sum: the same bits, slowly.)
+//! [`Real::plus_product`] and [`Real::minus_product`] round once. All other operations are IEEE operations. So results are
+//! bit-identical for every width. (Plain numbers use the fused product and sum of the mathematical library, with the same
+//! bits but more slowly.)
 //!
 //! Code that runs on [`Lanes`] must be inlined into the one function that is compiled for the instruction set. Mark it
-//! `#[inline(always)]`, and use no closure that the compiler might leave as a call. [`Real::outlined`] turns a large piece
-//! into a separate function.
+//! `#[inline(always)]`, and avoid closures that the compiler might not inline. [`Real::outlined`] makes a separate function
+//! from a large piece of code.
 
 use super::registers::{Plain, Registers, Single};
 #[cfg(target_arch = "x86_64")]
@@ -173,12 +174,13 @@ logic!(BitAnd, bitand, and, other);
 logic!(BitOr, bitor, or, other);
 logic!(Not, not, not);
 
-/// Number of values that are processed at a time.
+/// Number of values that one operation processes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Width {
-    /// One value, with the instructions that every processor has. x86-64 does without: there, a processor that lacks AVX2
-    /// solves each design alone, which is faster and saves a third of the code in lanes. With `--cfg hardpoint_portable`, x86-64
-    /// has this width, too, and the tests check that it gives the bits of the other widths.
+    /// One value, with instructions that every processor has. On x86-64 this width is not compiled: without AVX2, the
+    /// program solves each design alone. This is faster, and saves a third of the code for lanes. With `--cfg
+    /// hardpoint_portable`, x86-64 has this width, too. Tests then check that its results are bit-identical to those of the
+    /// other widths.
     Portable,
     /// AVX2: registers of four values.
     Avx2,
@@ -216,12 +218,12 @@ impl Width {
         }
     }
 
-    /// Widest available width. `None` if designs are solved alone on this processor.
+    /// Widest available width. `None` if this processor solves each design alone.
     pub fn widest() -> Option<Width> {
         Width::available().next_back()
     }
 
-    /// Number of values that tasks of this width process at a time.
+    /// Number of values that tasks of this width process at once.
     pub fn lanes(self) -> usize {
         struct Count;
         impl SimdTask for Count {
@@ -248,9 +250,9 @@ impl Width {
         self.run_in_avx2_lanes(task)
     }
 
-    /// Runs a task in lanes of this width, but in AVX2 lanes instead of AVX-512 lanes. The bits are the same. For tasks that
-    /// take long to compile and gain little from wider registers. Such a task must count with its own lanes, not with
-    /// [`Width::lanes`].
+    /// Runs a task in lanes of this width, but uses AVX2 instead of AVX-512 lanes. The results are bit-identical. Use it
+    /// for tasks that take long to compile and gain little from wider registers. Such a task must use the number of lanes
+    /// of its number type, not [`Width::lanes`].
     ///
     /// # Panics
     /// If the width is not available.
@@ -267,8 +269,8 @@ impl Width {
         panic!("the processor has no lanes of width {}", self.name());
     }
 
-    /// Runs a task in AVX2 lanes. Returns the task if the processor lacks these instructions. The task is compiled for this
-    /// width only, for tasks that take long to compile.
+    /// Runs a task in AVX2 lanes. Returns the task if the processor lacks these instructions. The compiler compiles the
+    /// task only for this width. Use it for tasks that take long to compile.
     pub fn run_in_avx2<T: SimdTask>(task: T) -> Result<T::Output, T> {
         #[cfg(target_arch = "x86_64")]
         if let Some(simd) = Avx2::detect() {
@@ -278,13 +280,13 @@ impl Width {
     }
 }
 
-/// Runs a short task in AVX2 lanes, or on one value at a time on other processors. Both yield the same bits.
+/// Runs a short task in AVX2 lanes, or on one value at a time on other processors. Both give bit-identical results.
 pub(crate) fn run_short<T: SimdTask>(task: T) -> T::Output {
     Width::run_in_avx2(task).unwrap_or_else(|task| task.run(Single(Plain).splat(0.0)))
 }
 
-/// Runs a task on one value at a time. A processor with fused products and sums uses them. The task gives the same bits as in
-/// lanes. AVX-512 has no advantage for one value, so no code is compiled for it here.
+/// Runs a task on one value at a time. A processor with fused products and sums uses them. The results are bit-identical to
+/// those in lanes. AVX-512 has no advantage for one value, so the task is not compiled for it.
 pub(crate) fn run_one<T: SimdTask>(task: T) -> T::Output {
     #[cfg(target_arch = "x86_64")]
     if let Some(simd) = Avx2::detect() {

@@ -1,9 +1,10 @@
-//! Number types of the formulas: plain `f64`, Taylor series in the drive ([`Jet`]), first derivatives by a few inputs
-//! ([`Dual`]), SIMD registers ([`Lanes`]).
+//! Number types of the formulas: plain `f64`, Taylor series ([`Jet`]), first derivatives with respect to a few inputs
+//! ([`Dual`]), and SIMD registers ([`Lanes`]).
 //!
-//! Every formula of the crate is written once, generic over [`Real`]. The number type decides the result: a value, its
-//! derivatives with respect to wheel travel, its gradient, or the same for many designs. Number types nest: a `Dual<Jet<f64, 3>, 4>`
-//! contains the gradient of a value, together with the gradient's own first and second derivative with respect to the drive.
+//! The crate contains every formula once, generic over [`Real`]. The number type determines the result: a value, its
+//! derivatives with respect to wheel travel, its gradient, or these results for many designs. Number types nest: a
+//! `Dual<Jet<f64, 3>, 4>` contains the gradient of a value, together with the gradient's own first and second derivative
+//! with respect to the drive.
 
 mod arc;
 mod dual;
@@ -42,17 +43,17 @@ pub trait Real:
     + Div<Output = Self>
     + Neg<Output = Self>
 {
-    /// True if the number lives in SIMD registers. All of its arithmetic must then be inlined into the function that is
-    /// compiled for them.
+    /// True if the number lives in SIMD registers. All of its arithmetic must then be inlined into the function for these
+    /// registers.
     const IN_REGISTERS: bool = false;
-    /// True if the number is larger than a plain number. Types that consist of several such numbers do their arithmetic in
-    /// function calls.
+    /// True if the number is larger than a plain number. Types that consist of several such numbers use function calls for
+    /// their arithmetic.
     const IS_LARGE: bool = size_of::<Self>() > 8;
-    /// True if the number contains derivatives of derivatives. Its arithmetic is then done in function calls (see
+    /// True if the number contains derivatives of derivatives. Its arithmetic then uses function calls (see
     /// `call_outlined`).
     const IS_NESTED: bool = false;
-    /// True if two divisions may be replaced by one division and some products. False for intervals, because a divisor that
-    /// contains zero would then also spoil the other quotient.
+    /// True if one division and some products may replace two divisions. False for intervals, because a divisor that
+    /// contains zero would also make the other quotient unbounded.
     const SHARES_DIVISIONS: bool = true;
 
     /// The constant `value`, with the type and size of `self` (all derivatives zero).
@@ -63,7 +64,7 @@ pub trait Real:
     fn asin(self) -> Self;
     /// Angle of the vector (`x`, `self`) from the x-axis, in (-pi, pi].
     fn atan2(self, x: Self) -> Self;
-    /// The constant 1 or -1, whichever has the sign of the value.
+    /// The constant 1 or -1, with the sign of the value.
     fn sign(self) -> Self;
 
     /// Sum `self` + `a` `b`, rounded once in SIMD lanes.
@@ -95,15 +96,15 @@ pub trait Real:
         piece.work_outlined()
     }
 
-    /// Runs a piece of work like [`Real::outlined`], for the first of several numbers. (If the caller indexed the numbers,
-    /// the compiler would add code that drops the piece when the index is out of range.)
+    /// Runs a piece of work like [`Real::outlined`], for the number type of a slice. (With an index instead of a slice, the
+    /// compiler would add code that drops the piece if the index is out of range.)
     #[inline(always)]
     fn outlined_as<P: Outlined>(_: &[Self], piece: P) -> P::Output {
         piece.work_outlined()
     }
 
-    /// Returns the number, given that it also equals the argument. An interval is reduced to the intersection of both; other
-    /// number types do not change.
+    /// Returns the number. The caller knows that it equals the argument. For intervals, the result is the intersection of
+    /// both; other number types do not change.
     #[inline(always)]
     fn intersected_with(self, _: Self) -> Self {
         self
@@ -146,18 +147,18 @@ pub trait Outlined: Sized {
     fn work_outlined(self) -> Self::Output {
         self.work()
     }
-    /// Runs a small piece, compiled for no particular instruction set. The compiler first optimises it once, and then
-    /// inlines the result.
+    /// Runs a small piece, compiled for no particular instruction set. The compiler optimises it once, and then inlines the
+    /// result.
     #[inline]
     fn work_small(self) -> Self::Output {
         self.work()
     }
 }
 
-/// Runs an operation on large numbers in a separate function. Inlined arithmetic of long series and of derivatives of series
-/// would take minutes to compile. The function is compiled for no particular instruction set; numbers in registers have
-/// [`Real::outlined`] instead. (With `outlined`, products of series were a quarter slower, because it copies their operands
-/// once more.)
+/// Runs an operation on large numbers in a separate function. Inlined arithmetic of long series and of derivatives of
+/// series would take minutes to compile. The function is compiled for no particular instruction set; numbers in registers
+/// use [`Real::outlined`] instead. (With `outlined`, products of series were a quarter slower, because it copies their
+/// operands once more.)
 #[inline(never)]
 pub(crate) fn call_outlined<A, R>(operands: A, operation: impl Fn(A) -> R) -> R {
     operation(operands)
@@ -193,8 +194,9 @@ pub(crate) fn array_of<T: Copy, const N: usize>(mut entry: impl FnMut(usize) -> 
 }
 
 /// Compiles a block as a separate function with [`Real::outlined`], for a number of the type named first: `outlined!([T:
-/// Real] like; a: Vector3<T> = left, b: &'p Vector3<T> = right => T { a.dot(*b) })`. References live for `'p`. The length of
-/// a series may follow the types, as in `[T: Real; N]`. With `small` in front, the block is a small piece.
+/// Real] like; a: Vector3<T> = left, b: &'p Vector3<T> = right => T { a.dot(*b) })`. References have the lifetime `'p`. The
+/// length of a series may follow the types, as in `[T: Real; N]`. With `small` in front, the block becomes a small piece
+/// ([`Outlined::IS_SMALL`]).
 macro_rules! outlined {
     (small $($piece:tt)*) => { $crate::number::outlined!(@ true $($piece)*) };
     ([$($parameter:tt)*] $($piece:tt)*) => { $crate::number::outlined!(@ false [$($parameter)*] $($piece)*) };
@@ -220,7 +222,7 @@ macro_rules! outlined {
 }
 pub(crate) use outlined;
 
-/// A real number of one lane, possibly with derivatives, whose value can be compared.
+/// A real number of one lane, possibly with derivatives. Formulas can compare its value.
 pub trait Scalar: Valued<Plain = f64> {
     /// The value without its derivatives.
     fn value(self) -> f64;

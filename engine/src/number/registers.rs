@@ -1,19 +1,20 @@
-//! Operations of each instruction set, on a pair of registers at a time. One chain of dependent operations leaves a
-//! processor idle most of the time. A second, independent chain fills the gaps.
+//! Operations of each instruction set on a pair of registers. With one chain of dependent operations, a processor is idle
+//! most of the time. A second, independent chain fills the gaps.
 //!
-//! [`Single`] works on one number at a time with the instructions of a set. It serves chains of dependent steps, for which
+//! [`Single`] works on one number at a time with the instructions of a set. Chains of dependent steps use it, because
 //! registers filled with copies of one number would be slower.
 //!
-//! The code is written separately for each set ([`super::x86`]), not generically. A product is then two instructions. A generic
-//! function would consist of nested calls, which would take the compiler longer than all the arithmetic built on it.
+//! The code is written separately for each set ([`super::x86`]), not generically. A product then takes two instructions. A
+//! generic function would consist of nested calls. Compiling these calls would take longer than compiling all the
+//! arithmetic that uses them.
 
 use super::lanes::{LaneMask, Lanes};
 use std::fmt::Debug;
 
-/// An instruction set: registers for one bundle of numbers, and operations on them. Operations take whole bundles, not their
-/// registers. So a bundle reaches the operation without a copy, which the compiler would have to remove again.
+/// An instruction set: registers for one bundle of numbers, and operations on them. Operations take whole bundles, not
+/// their registers. So the call does not copy a bundle, and the compiler need not remove such copies.
 pub trait Registers: Copy + Debug {
-    /// Number of numbers in a bundle.
+    /// Count of numbers in a bundle.
     const LANES: usize;
     /// Registers of a bundle.
     type Numbers: Copy + Debug;
@@ -87,7 +88,7 @@ impl Instructions for Plain {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Single<S>(pub(super) S);
 
-/// Two registers, or their masks. Aligned so that no register in memory crosses the border of a cache line.
+/// Two registers, or their masks. The alignment keeps each register in memory within one cache line.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub(super) struct Pair<R>(pub(super) R, pub(super) R);

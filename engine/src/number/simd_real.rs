@@ -6,12 +6,12 @@ use std::ops::{BitAnd, BitOr, Not};
 /// Largest number of lanes. No processor has more.
 pub const MOST_LANES: usize = 16;
 
-/// One or more independent numbers that go through the same operations at the same time.
+/// One or more independent numbers that undergo the same operations at the same time.
 ///
-/// Every operation is the IEEE operation, lane by lane. A lane's bits depend neither on its neighbours nor on the number of
-/// lanes. Code that depends on the values must use [`SimdReal::select`].
+/// Every operation is the IEEE operation, lane by lane. So a lane's result is bit-identical for any neighbours and any
+/// number of lanes. Code that depends on the values must use [`SimdReal::select`].
 pub trait SimdReal: Local + Valued<Plain = Self> {
-    /// Number of numbers in the bundle.
+    /// Count of numbers in the bundle.
     const LANES: usize;
     /// A truth value for each lane.
     type Mask: Copy
@@ -37,7 +37,7 @@ pub trait SimdReal: Local + Valued<Plain = Self> {
     fn copysign(self, other: Self) -> Self;
     /// Lanes in which `self` is less than `other`; false for NaN.
     fn less(self, other: Self) -> Self::Mask;
-    /// The mask that is set in every lane.
+    /// Mask that is set in every lane.
     #[inline(always)]
     fn everywhere(self) -> Self::Mask {
         self.zero().less(self.one())

@@ -1,11 +1,12 @@
 //! Numbers that record their operations, for gradients with respect to many inputs at once.
 //!
-//! Every operation records its operands and its derivatives with respect to them. One backward pass over this record gives the
-//! derivatives of a result by all inputs, for a few times the cost of the result (A. Griewank, A. Walther, *Evaluating
-//! Derivatives*, 2nd ed., SIAM 2008, chapter 3). [`super::Dual`] is the better choice for a few inputs.
+//! Every operation records its operands and its derivatives with respect to them. One backward pass over this record gives
+//! the derivatives of a result with respect to all inputs, for a few times the cost of the result (A. Griewank, A. Walther,
+//! *Evaluating Derivatives*, 2nd ed., SIAM 2008, chapter 3). [`super::Dual`] is the better choice for a few inputs.
 //!
-//! The record belongs to the thread, and a number knows its place in it. Such a number fits in two registers. With a reference
-//! to its record it would be passed through memory, which takes a tenth longer for a sheet of tests with derivatives.
+//! The record belongs to the thread, and a number contains only its index in the record. So the number fits in two
+//! registers. If it contained a reference to its record, it would be passed through memory. Rig tests with derivatives
+//! would take a tenth longer.
 
 use super::{Real, Scalar, array_of};
 use std::cell::RefCell;
@@ -21,16 +22,16 @@ thread_local! {
     static RECORD: RefCell<Record> = const { RefCell::new(Record::empty()) };
 }
 
-/// A computation in numbers that are recorded. It uses the record of its thread, whose memory it leaves to the next tape.
+/// A computation with recorded numbers. It uses the record of its thread; the next tape reuses the memory.
 ///
-/// Only the numbers of the thread's newest tape take part in operations. A tape that is dropped takes its numbers off the record.
+/// Operations may only use numbers of the thread's newest tape. Dropping a tape removes its numbers from the record.
 #[derive(Debug)]
 pub struct Tape {
-    /// Place of the first number on the record.
+    /// Index of the first number on the record.
     first: usize,
-    /// Count of older tapes of the thread, and place of the first number of the last of them.
+    /// Count of older tapes of the thread, and index of the first number of the last older tape.
     older: (usize, usize),
-    /// A tape stays in its thread.
+    /// Marker that keeps a tape in its thread.
     of_thread: PhantomData<*const ()>,
 }
 
@@ -40,19 +41,19 @@ struct Record {
     adjoints: Adjoints,
     /// Count of tapes.
     tapes: usize,
-    /// Place of the first number of the newest tape.
+    /// Index of the first number of the newest tape.
     newest: usize,
 }
 
-/// Record of a number: up to two operands, and the derivatives with respect to them. Indices have four bytes, because a long computation
-/// writes and reads many records.
+/// Record of a number: up to two operands, and the derivatives with respect to them. Indices have only four bytes, because
+/// a long computation writes and reads many records.
 #[derive(Clone, Copy, Debug, Default)]
 struct Node {
     operands: [u32; 2],
     slopes: [f64; 2],
 }
 
-/// Derivatives of some results by each number. All are zero between two passes.
+/// Derivatives of some results with respect to each number. All are zero between two passes.
 #[derive(Debug)]
 struct Adjoints {
     of: Vec<[f64; AT_ONCE]>,
@@ -75,7 +76,8 @@ impl Adjoints {
         &mut self.of[number]
     }
 
-    /// Adds the derivatives with respect to a number to those by its operands. A zero derivative adds nothing, even if a slope is NaN.
+    /// Propagates the derivatives with respect to a number to its operands. A zero derivative adds nothing, even if a slope
+    /// is NaN.
     #[inline(always)]
     fn pass_on(&mut self, number: usize, node: &Node) {
         let weights = self.of[number];
@@ -96,8 +98,8 @@ impl Adjoints {
         }
     }
 
-    /// Processes all marked numbers below `end`, from last to first. Only the derivatives with respect to the inputs, which have no operands,
-    /// remain.
+    /// Processes all marked numbers below `end`, from last to first. Only the derivatives with respect to the inputs
+    /// remain, because inputs have no operands.
     fn pass_back(&mut self, end: usize, inputs: &Range<usize>, nodes: &[Node]) {
         for word in (inputs.start / 64..end.div_ceil(64)).rev() {
             // Operands have lower indices than their results, often in the same word.
@@ -159,8 +161,8 @@ impl Record {
         self.note(value, Node { operands, slopes })
     }
 
-    /// Derivatives of numbers by the inputs. Numbers that are near each other share a backward pass, because they depend on the
-    /// same numbers.
+    /// Derivatives of numbers with respect to the inputs. Numbers that are near each other on the record share a backward
+    /// pass, because they depend on the same numbers.
     fn pass_back(&mut self, numbers: &[usize], inputs: &Range<usize>) -> Vec<[f64; AT_ONCE]> {
         let Record {
             nodes, adjoints, ..
@@ -179,8 +181,8 @@ impl Record {
         found
     }
 
-    /// Follows a number back through operations with one operand. Returns the number where they start, and the derivative with respect to it.
-    /// In this way, numbers that differ only by a factor share their derivatives.
+    /// Follows a number back through operations with one operand. Returns the number where these operations start, and the
+    /// derivative with respect to it. So numbers that differ only by a factor share a backward pass.
     fn origin_of(&self, number: usize, inputs: &Range<usize>) -> (usize, f64) {
         let (mut number, mut factor) = (number, 1.0);
         while number >= inputs.end {
@@ -198,7 +200,7 @@ impl Record {
 }
 
 impl Tape {
-    /// Makes an empty tape, which is the thread's newest.
+    /// Makes an empty tape, which becomes the thread's newest tape.
     #[expect(
         clippy::new_without_default,
         reason = "a tape changes its thread's record"
@@ -215,17 +217,17 @@ impl Tape {
         })
     }
 
-    /// Removes all entries but the first `length`. The numbers that they record must not be used any more.
+    /// Removes all entries but the first `length`. Do not use the numbers of removed entries afterwards.
     pub fn truncate(&self, length: usize) {
         RECORD.with_borrow_mut(|record| record.nodes.truncate(self.first + length));
     }
 
-    /// Adds an input. If all inputs are made first, their indices start from 0 in order.
+    /// Adds an input. If all inputs come first on the tape, their indices count from 0.
     pub fn input(&self, value: f64) -> Tracked<'_> {
         RECORD.with_borrow_mut(|record| record.note(value, Node::default()))
     }
 
-    /// Number of entries on the tape, which is the index of the next one.
+    /// Number of entries on the tape, which is the index of the next entry.
     pub fn len(&self) -> usize {
         RECORD.with_borrow(|record| record.nodes.len() - self.first)
     }
@@ -235,8 +237,9 @@ impl Tape {
         self.len() == 0
     }
 
-    /// Derivatives of results by the first `inputs` numbers of the tape. `receive` gets the index of each result and its
-    /// derivatives. Several results share a backward pass; each has the same bits as it would have alone.
+    /// Computes the derivatives of results with respect to the first `inputs` numbers of the tape. `receive` gets the index
+    /// of each result and its derivatives. Several results share a backward pass; the derivatives are bit-identical to
+    /// those of separate passes.
     ///
     /// # Panics
     /// If the tape has fewer numbers than `inputs`.
@@ -284,7 +287,7 @@ impl Drop for Tape {
     fn drop(&mut self) {
         RECORD.with_borrow_mut(|record| {
             record.tapes -= 1;
-            // Tapes that are dropped in another order leave their numbers to the last.
+            // If tapes are dropped in another order, the last tape removes the remaining numbers.
             let (first, newest) = match (record.tapes, self.older) {
                 (0, _) => (0, 0),
                 (tapes, (older, newest)) if tapes == older => (self.first, newest),
@@ -300,7 +303,7 @@ impl Drop for Tape {
 #[derive(Clone, Copy, Debug)]
 pub struct Tracked<'t> {
     value: f64,
-    /// Place on the record, from 1. `None` for a constant.
+    /// Index on the record, from 1. `None` for a constant.
     place: Option<NonZeroU32>,
     of_tape: PhantomData<&'t Tape>,
 }
@@ -324,7 +327,7 @@ impl<'t> Tracked<'t> {
     #[inline(never)]
     fn of_one(self, value: f64, slope: f64) -> Self {
         match self.place {
-            // A number that does not change with its operand needs no record.
+            // A result that does not change with its operand needs no record.
             Some(place) if slope != 0.0 => {
                 RECORD.with_borrow_mut(|record| record.note_result(value, [place; 2], [slope, 0.0]))
             }

@@ -1,13 +1,13 @@
-//! Numbers of one or several lanes, with or without derivatives, whose plain values can be compared.
+//! Numbers of one or several lanes, with or without derivatives. Formulas can compare their plain values.
 
 use super::{Dual, Interval, Jet, Lanes, Real, SimdReal, Tracked, registers::Registers};
 use std::fmt::Debug;
 
 /// A number with a plain value in each lane.
 ///
-/// Formulas that depend on a comparison are written over this trait. Plain numbers and numbers with derivatives have one
-/// lane, so a formula may branch on [`SimdReal::all`] and skip the branch that no lane needs. [`Valued::choose`] selects
-/// lane by lane where lanes differ.
+/// Formulas that depend on a comparison use this trait. Plain numbers and numbers with derivatives have one lane, so a
+/// formula may branch on [`SimdReal::all`] and skip the branch that no lane needs. If lanes differ, [`Valued::choose`]
+/// selects lane by lane.
 pub trait Valued: Real {
     /// Type of the value without its derivatives.
     type Plain: SimdReal + Debug;
@@ -35,7 +35,8 @@ pub trait Valued: Real {
 /// Truth value for each lane of a number.
 pub type MaskOf<T> = <<T as Valued>::Plain as SimdReal>::Mask;
 
-/// The larger of two numbers of at least 0; NaN if either is NaN, so that no size with NaN counts as small.
+/// Larger of two numbers that are not negative. If a number is NaN, the result is NaN, so that a size with NaN never counts
+/// as small.
 #[inline(always)]
 #[expect(
     clippy::eq_op,

@@ -1,7 +1,7 @@
 //! Vectors and rotations over any [`Real`].
 //!
-//! nalgebra's vectors require more of their scalar than a derivative number or a bundle of SIMD lanes can offer. So the kernel
-//! has its own vectors. The public interface uses plain `[f64; 3]`.
+//! nalgebra's vectors require scalar operations that derivative numbers and SIMD lanes do not have. So the kernel has its
+//! own vectors. The public interface uses plain `[f64; 3]`.
 
 use super::{Jet, Real, call_outlined, outlined};
 use std::ops::{Add, Mul, Neg, Sub};
@@ -25,8 +25,8 @@ impl<T> Vector3<T> {
     }
 }
 
-/// Types that implement `Copy` need no destructor. Without this bound, most of the compiled code of a function would drop its
-/// arguments if a call unwinds.
+/// Types that implement `Copy` need no destructor. Without this bound, most of the compiled code of a function would be
+/// destructor calls for the case that a call unwinds.
 impl<T: Copy> Vector3<T> {
     /// Applies `f` to each component.
     #[inline(always)]
@@ -59,19 +59,19 @@ impl<T> From<[T; 3]> for Vector3<T> {
 }
 
 impl<T: Real> Vector3<T> {
-    /// True if sums are function calls. This holds for nested numbers, except for those in a few registers, whose sum is shorter
-    /// than a call.
+    /// True if sums are function calls. This applies to nested numbers outside SIMD registers; in registers, a sum is
+    /// shorter than a call.
     const ADDS_IN_CALLS: bool = T::IS_NESTED && !T::IN_REGISTERS;
-    /// True if products are small pieces. This holds for nested numbers, and for numbers in registers. The compiler then
-    /// optimises each operation once instead of at each use.
+    /// True if products are small pieces ([`super::Outlined::IS_SMALL`]). This applies to nested numbers and to numbers in
+    /// registers. The compiler then optimises each operation once instead of at each use.
     const IN_PIECES: bool = T::IS_NESTED || T::IN_REGISTERS;
-    /// True for derivative numbers outside registers. Their operations are functions that the compiler optimises once and then
-    /// inlines where that is worth it.
+    /// True for derivative numbers outside registers. Their operations are functions that the compiler optimises once and
+    /// then inlines where inlining is faster.
     const IN_FUNCTIONS: bool = T::IS_LARGE && !T::IN_REGISTERS;
 }
 
-/// The arithmetic itself. Code in SIMD registers must be inlined, and closures are not inlined reliably. So such code uses
-/// these functions directly; only nested derivatives call them.
+/// Arithmetic without function calls. Code in SIMD registers must be inlined, and the compiler does not inline closures
+/// reliably. So such code uses these functions directly; only nested derivatives call them.
 impl<T: Real> Vector3<T> {
     #[inline(always)]
     fn dot_inline(self, other: Self) -> T {
@@ -119,7 +119,7 @@ impl<T: Real> Vector3<T> {
     }
 }
 
-/// The same operations for derivative numbers outside registers.
+/// Operations for derivative numbers outside registers.
 impl<T: Real> Vector3<T> {
     #[inline]
     fn dot_called(self, other: Self) -> T {
@@ -201,7 +201,7 @@ impl<T: Real> Vector3<T> {
         }
     }
 
-    /// Series of the vector, from its derivative.
+    /// Series of the vector and its derivative.
     #[inline(always)]
     pub fn with_rate(self, rate: Self) -> Vector3<Jet<T, 2>> {
         Vector3::new(
@@ -241,7 +241,7 @@ impl<T: Real> Vector3<T> {
         }
     }
 
-    /// A constant vector, with the number type of this one.
+    /// A constant vector, with the number type of this vector.
     #[inline(always)]
     pub fn constant(self, value: Vector3<f64>) -> Self {
         Vector3::new(
@@ -313,7 +313,7 @@ impl<T: Real> Mul<T> for Vector3<T> {
     }
 }
 
-/// A 3x3 matrix, stored by columns. Nearly always a rotation.
+/// A 3x3 matrix, stored by columns. Nearly all matrices are rotations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Matrix3<T> {
     /// Images of the three unit vectors.
@@ -415,8 +415,8 @@ impl<T: Real> Matrix3<T> {
         Vector3::new(a.dot_inline(v), b.dot_inline(v), c.dot_inline(v))
     }
 
-    /// This rotation followed by the one with Rodrigues vector `rodrigues` = tan(angle/2) times the
-    /// axis (Cayley's form: rational, and exactly orthogonal for every kind of number).
+    /// This rotation followed by the rotation with Rodrigues vector `rodrigues` = tan(angle/2) times the axis (Cayley's
+    /// form: rational, and exactly orthogonal for every number type).
     #[inline(always)]
     pub fn turned(&self, rodrigues: Vector3<T>) -> Self {
         if T::IN_REGISTERS {
@@ -435,7 +435,7 @@ impl<T: Real> Matrix3<T> {
     fn turned_inline(&self, rodrigues: Vector3<T>) -> Self {
         let one = rodrigues.x.one();
         let factor = (one + one) / (one + rodrigues.norm_squared());
-        // No closure, because the compiler might leave it as a call, which would not be compiled for lanes.
+        // The loop uses no closure, because the compiler might not inline it. The call would not be compiled for lanes.
         let mut columns = self.columns;
         for column in &mut columns {
             let across = rodrigues.cross(*column);

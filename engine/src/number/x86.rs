@@ -1,13 +1,14 @@
-//! AVX2 and AVX-512 of x86 processors: functions compiled for them, and their registers of numbers. Only this file
-//! contains code that some processors cannot run, and only this file contains `unsafe`.
+//! AVX2 and AVX-512 of x86 processors: functions compiled for these sets, and registers of numbers. Only this file contains
+//! code that some processors cannot run, and only this file contains `unsafe`.
 //!
-//! Each set has a token ([`Avx512`], [`Avx2`]). Only `detect` makes tokens, and it asks the processor first. Whoever holds
-//! a token therefore runs on a processor with these instructions. Every `unsafe` here rests on this argument, because
-//! pieces of work and operations on registers require the token. Loads and stores go through pointers into slices whose
+//! Each set has a token ([`Avx512`], [`Avx2`]). Only `detect` makes tokens, after it has checked the processor. So code
+//! that has a token runs on a processor with these instructions. Every `unsafe` in this file relies on this argument,
+//! because pieces of work and operations on registers require the token. Loads and stores use pointers into slices whose
 //! length has been checked.
 //!
-//! Each piece is compiled as a method of its own type, in the module of that type. A changed formula therefore compiles
-//! only the lanes of that formula. Operations on registers are inlined into the piece; each becomes one instruction.
+//! Each piece is compiled as a method of its own type, in the module of that type. So a changed formula recompiles only the
+//! lanes of that formula. The compiler inlines operations on registers into the piece; each operation becomes one
+//! instruction.
 
 #![allow(
     unsafe_code,
@@ -63,7 +64,7 @@ macro_rules! instruction_set {
         impl Instructions for $set {
             #[inline(always)]
             fn compiled<P: Outlined>(self, piece: P) -> P::Output {
-                // SAFETY: the token proves that the processor has the instructions.
+                // SAFETY: the token guarantees that the processor has the instructions.
                 unsafe {
                     match P::IS_SMALL {
                         true => $compiled::small(piece),
@@ -95,7 +96,7 @@ macro_rules! registers {
     $(
         fn $operation:ident($first:ident: $first_kind:ident $(, $operand:ident: $kind:ident)*) -> $result:ident $body:block
     )*}) => {
-        // SAFETY of every call: the token proves that the processor has the instructions.
+        // SAFETY of every call: the token guarantees that the processor has the instructions.
         impl Registers for $set {
             const LANES: usize = 2 * $width;
             type Numbers = Pair<$register>;

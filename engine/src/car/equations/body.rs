@@ -134,7 +134,7 @@ pub(super) fn bar_torque<T: Local>(
     }
 }
 
-/// Share of a wheel in a force of its axle: by load, or given for the left wheel.
+/// Share of a wheel in a force of its axle: in proportion to the load, or from the given share of the left wheel.
 #[inline(always)]
 fn share<T: Local>(
     held: &Held<'_>,
@@ -216,7 +216,7 @@ pub(super) fn air<T: Local>(
         let Some(force) = force else { continue };
         points[number] = force.point;
         let mut area = zero.constant(force.area[0]);
-        // Without ride heights, the coefficients that multiply them are zero.
+        // If the car has no ride-height points, the coefficients of the ride heights are zero.
         if force.area[1..].iter().any(|factor| *factor != 0.0) {
             let powers = [front, rear, front.squared(), front * rear, rear.squared()];
             for (power, factor) in powers.into_iter().zip(&force.area[1..]) {

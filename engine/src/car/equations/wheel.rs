@@ -21,7 +21,7 @@ pub(super) struct Forces<T> {
     pub share: T,
     /// Torque of the bar on its lever, positive in the sense of the lever's angle.
     pub bar: T,
-    /// Derivative, by the wheel's own travel, of the energy of the springs between the rockers.
+    /// Derivative of the energy of the springs between the rockers with respect to the wheel's own travel.
     pub rocker: T,
 }
 
@@ -40,7 +40,7 @@ impl<T: Copy> Forces<T> {
     }
 }
 
-/// Work on a wheel per unit of one travel of its axle. The forces of the tyre and the torque of the bar are units.
+/// Work on a wheel per unit of one travel of its axle, for unit tyre forces and a unit bar torque.
 #[derive(Clone, Copy)]
 pub(super) struct Work<T> {
     /// Rise n.C' of the contact point, the work of a unit load.
@@ -68,8 +68,8 @@ enum Contact<T> {
     Elastic(T),
 }
 
-/// A wheel on the ground, with all numbers that multiply its forces. They depend only on the ground and on the travels of
-/// the axle.
+/// A wheel on the ground, with all factors of its forces. These factors depend only on the ground and on the travels of the
+/// axle.
 #[derive(Clone, Copy)]
 pub(in crate::car) struct Stance<T> {
     contact: Contact<T>,
@@ -103,7 +103,7 @@ impl<T: Copy> Work<T> {
 }
 
 impl<T: Local> Work<T> {
-    /// Parts of the work that the wheel load balances: elastic, geometric, longitudinal, unsprung.
+    /// Components of the work that the wheel load balances: elastic, geometric, longitudinal, unsprung.
     #[inline(always)]
     fn parts(&self, forces: &Forces<T>, is_own: bool) -> [T; 4] {
         let springs = self.spring + forces.bar * self.bar;
@@ -128,7 +128,7 @@ impl<T: Local> Work<T> {
 }
 
 impl<T: Copy> Stance<T> {
-    /// Converts all numbers to another kind.
+    /// Converts all numbers to another number type.
     pub(in crate::car) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Stance<U> {
         Stance {
             contact: match self.contact {
@@ -177,7 +177,7 @@ pub(super) fn travel_residuals<T: Local>(
     residuals
 }
 
-/// Parts (9) of the loads of an axle. Those of a solid axle come from two simultaneous equations.
+/// Components (9) of the wheel loads of an axle. For a solid axle, they come from two simultaneous equations.
 #[inline(always)]
 pub(super) fn load_parts<T: Local>(
     [left, right]: [&Stance<T>; 2],
@@ -209,7 +209,7 @@ pub(super) fn load_parts<T: Local>(
 /// Tyre on the ground, by (2).
 #[derive(Clone, Copy)]
 struct Tread<T> {
-    /// Length s of the upward normal's part across the spin axis.
+    /// Length s of the upward normal's component perpendicular to the spin axis.
     tilt: T,
     /// Height of the wheel centre over the ground.
     height: T,
@@ -285,8 +285,8 @@ impl<T: Local> Tread<T> {
         rates.centre + rates.turn.cross(self.lever)
     }
 
-    /// Velocity of the point at which the longitudinal force acts. If the body carries the reaction to the torque, rotation about
-    /// the spin axis does not count.
+    /// Velocity of the point at which the longitudinal force acts. If the body carries the reaction to the torque, this
+    /// velocity excludes rotation about the spin axis.
     #[inline(always)]
     fn pushed(&self, rates: &WheelRates<T>, spin: Vector3<T>, by_carrier: bool) -> Vector3<T> {
         if by_carrier {
@@ -345,7 +345,7 @@ fn spring_force<T: Local>(
         + parameters.axle(axle, AxleParameter::SpringRate) * shortened
 }
 
-/// A wheel on the ground without its forces: (2), and the factors of the forces in (4) to (8).
+/// A wheel on the ground without forces: its position by (2), and the factors of the forces in (4) to (8).
 #[derive(Clone, Copy)]
 pub(in crate::car) struct Placed<T> {
     corner: Corner<T>,
@@ -437,7 +437,7 @@ impl<T: Local> Placed<T> {
         }
     }
 
-    /// State of the wheel under forces.
+    /// Computes the state of the wheel under forces.
     pub(super) fn under(
         &self,
         held: &Held<'_>,

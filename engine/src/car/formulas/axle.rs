@@ -15,7 +15,7 @@ fn both<T: Scalar>(
     [0, 1].each(|side| of(state, WheelPlace(2 * axle + side)))
 }
 
-/// Half of the right wheel's part less the left wheel's.
+/// Half of the difference between the right and the left wheel's load component.
 fn transfer<T: Scalar>(
     state: &Balance<T>,
     axle: usize,
@@ -64,8 +64,8 @@ pub(in crate::car) fn mean_steer<T: Scalar>(state: &Balance<T>, axle: usize) -> 
     (left + right).scaled(0.5)
 }
 
-/// Velocities of the axle's points at both contact points of a solid axle, and the angular velocity of the axle. Here the left wheel
-/// rises and the right wheel falls. The wheels of a steered axle are on knuckles, which turn against it.
+/// Velocities of a solid axle's points at both contact points, and its angular velocity, while the left wheel rises and the
+/// right wheel falls. The knuckles of a steered axle rotate relative to the axle.
 fn by_difference<T: Scalar>(
     state: &Balance<T>,
     axle: usize,
@@ -106,7 +106,7 @@ fn loads_by<T: Scalar>(state: &Balance<T>, axle: usize, forces: [Vector3<T>; 2])
     }
 }
 
-/// Height at which a lateral force causes no roll. `forces` are the parts of a unit force at the two contact points.
+/// Height at which a lateral force causes no roll. `forces` are the shares of a unit force at the two contact points.
 fn height_of_transfer<T: Scalar>(state: &Balance<T>, axle: usize, forces: [Vector3<T>; 2]) -> T {
     let [left, right] = loads_by(state, axle, forces);
     track(state, axle).scaled(0.5) * (right - left)
@@ -191,7 +191,7 @@ pub(in crate::car) fn pitch_steer_gradient<T: Scalar>(solved: &Solved<'_, T>, ax
     mean_steer(&solved.by_ax, axle)[1]
 }
 
-/// Load gained by both wheels per rise of the ground.
+/// Increase of both wheel loads per rise of the ground.
 pub(in crate::car) fn ride_rate<T: Scalar>(solved: &Solved<'_, T>, axle: usize) -> T {
     load(&solved.by_heave, axle)[1]
 }

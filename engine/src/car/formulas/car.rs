@@ -28,8 +28,8 @@ pub(in crate::car) fn energy<T: Scalar>(state: &Balance<T>) -> T {
     state.energy
 }
 
-/// Load that each wheel gains or loses per warp of the ground. The ground rises under one diagonal pair of wheels and
-/// falls under the other.
+/// Change of each wheel load per warp of the ground. The ground rises under one diagonal pair of wheels and falls under the
+/// other.
 pub(in crate::car) fn warp_stiffness<T: Scalar>(solved: &Solved<'_, T>) -> T {
     let [a, b, c, d] = loads(&solved.by_warp).each(|load| load[1]);
     (a - b - c + d).scaled(0.25)
@@ -163,7 +163,7 @@ pub(in crate::car) fn drag<T: Scalar>(state: &Balance<T>) -> T {
     state.air[2]
 }
 
-/// Longitudinal parts of an axle's loads, in percent of the load that the tyres' longitudinal forces transfer.
+/// Longitudinal components of an axle's wheel loads, in percent of the load transfer by the tyres' longitudinal forces.
 pub(in crate::car) fn anti<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
     let push = |wheel: &WheelState<T>| {
         let force = wheel.across * wheel.side_force + wheel.heading * wheel.longitudinal_force;
@@ -225,8 +225,8 @@ pub(in crate::car) fn heave_frequency<T: Scalar>(solved: &Solved<'_, T>) -> T {
     frequency(heave_rate(solved).scaled(per_metre) / solved.now.sprung.0)
 }
 
-/// Squared angular frequencies of the sprung mass in heave and pitch on massless wheels. They are the roots w of det(K -
-/// w M) = 0, with M for the height of G and the pitch angle.
+/// Squared angular frequencies of the sprung mass in heave and pitch on massless wheels. They are the roots w of det(K - w
+/// M) = 0. K and M belong to the height of G and the pitch angle.
 fn body_frequency<T: Scalar>(solved: &Solved<'_, T>, sign: f64) -> T {
     // The residuals are the vertical force and the moment about -e at the mean contact point of the design position.
     // They depend on gamma and theta.

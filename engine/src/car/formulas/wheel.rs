@@ -48,7 +48,7 @@ pub(in crate::car) fn share<T: Scalar>(state: &Balance<T>, place: WheelPlace) ->
 pub(in crate::car) fn friction_demand<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
     let wheel = of(state, place);
     let squared = wheel.side_force.squared() + wheel.longitudinal_force.squared();
-    // The square root has no finite slope at zero.
+    // The derivative of the square root is infinite at zero.
     if squared.value() == 0.0 {
         squared
     } else {
@@ -142,14 +142,14 @@ fn beyond<T: Scalar>(number: T, end: Option<f64>) -> T {
     }
 }
 
-/// Load gained per unit of side force, which acts inboard along the ground.
+/// Increase of the wheel load per unit of side force. The force acts inboard along the ground.
 pub(in crate::car) fn jacking<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
     let wheel = of(state, place);
     let rate = wheel.contact_rate;
     rate.dot(state.road.left).scaled(wheel.corner.sign) / rate.dot(state.road.up)
 }
 
-/// Load gained per unit of side force, which acts inboard across the wheel.
+/// Increase of the wheel load per unit of side force. The force acts inboard across the wheel.
 pub(in crate::car) fn side_force_jacking<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
     let wheel = of(state, place);
     let rate = wheel.contact_rate;

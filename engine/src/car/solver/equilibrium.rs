@@ -17,10 +17,10 @@ pub struct Equilibrium {
     /// Rack displacement of each axle.
     pub racks: [f64; 2],
     /// Pose of both wheels of each axle; `None` if the wheels come from their curves, which agree with poses up to rounding
-    /// error. [`CarSolver::poses`](super::CarSolver::poses) solves those poses.
+    /// error. In this case, [`CarSolver::poses`](super::CarSolver::poses) solves the poses.
     pub(in crate::car) placed: Option<Box<[AxlePose; 2]>>,
-    /// Factors of the tangent, from a step before the last one. The tangent changes negligibly from there to the equilibrium. `None`
-    /// for a state that was solved in lanes, between two states whose tangents are known.
+    /// Factors of the tangent at one of the last steps. From there to the equilibrium, the tangent changes negligibly.
+    /// `None` for a state from lanes whose tangent was not computed.
     pub(in crate::car) factors: Option<Box<Factors>>,
 }
 

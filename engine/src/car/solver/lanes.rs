@@ -1,15 +1,15 @@
 //! Steps towards equilibrium of several cases side by side, one in each lane.
 //!
-//! J approximates the inverse of the tangent G_x. After a step s from x, and with the residuals r at x + s, the next step is that of
-//! Broyden's method (C. G. Broyden, Math. Comp. 19, 1965). With u = J r and the inner product of the unknowns relative to their
-//! sizes,
+//! J approximates the inverse of the tangent G_x. After a step s from x, Broyden's method (C. G. Broyden, Math. Comp.
+//! 19, 1965) gives the next step from the residuals r at x + s. The inner product divides the unknowns by their sizes. With
+//! u = J r,
 //!
 //! ```text
 //! J' = J - u (s^T J)/(s.s + s.u)            J' maps the change of the residuals along s onto s                    (1)
 //! s' = -J' r = -u (s.s)/(s.s + s.u)                                                                               (2)
 //! ```
 //!
-//! The first step is s = -J r. So a step needs the residuals once, no tangent and no factors.
+//! The first step is s = -J r. So a step evaluates the residuals once and needs neither a tangent nor its factors.
 
 #![allow(
     clippy::needless_range_loop,
@@ -26,7 +26,7 @@ use crate::number::{SimdReal, SimdTask, Vector3, array_of};
 /// A number of each lane.
 pub(super) type Numbers = [f64; CURVE_LANES];
 
-/// Accelerations and speed, which differ from lane to lane.
+/// Accelerations and speed, the parameters that differ between lanes.
 pub(super) const OF_CASE: [BodyParameter; 4] = [
     BodyParameter::Ax,
     BodyParameter::Ay,
@@ -44,9 +44,9 @@ pub(super) struct Lanes {
     pub(super) inverse: [[Numbers; UNKNOWNS]; UNKNOWNS],
     /// Inverse sizes of the unknowns.
     pub(super) scales: [Numbers; UNKNOWNS],
-    /// Largest part of the last step, relative to the sizes of the unknowns. NaN if the step is not finite.
+    /// Largest component of the last step, relative to the sizes of the unknowns. NaN if the step is not finite.
     pub(super) longest: Numbers,
-    /// Parts of the wheel loads before the last step.
+    /// Components of the wheel loads before the last step.
     pub(super) parts: [[Numbers; 4]; 4],
     /// 1 in lanes that take steps, else 0.
     pub(super) active: Numbers,
@@ -99,7 +99,7 @@ fn placed<B: SimdReal>(
     Placed::of(&shared.held, parameters, number, corner, ground, load)
 }
 
-/// Residuals of the equations, and the parts of the wheel loads.
+/// Residuals of the equations, and the components of the wheel loads.
 #[inline(always)]
 fn evaluate<B: SimdReal>(
     shared: &Shared<'_>,
@@ -164,7 +164,7 @@ impl SimdTask for Step<'_> {
         let scales: [B; UNKNOWNS] = array_of(|k| like.load(&lanes.scales[k]));
         let mut factor = like.constant(-1.0);
         if !is_first {
-            // The last step, in the metric of the sizes.
+            // The last step, with unknowns divided by their sizes.
             let mut along = [like.zero(); UNKNOWNS];
             let (mut square, mut product) = (like.zero(), like.zero());
             for k in 0..UNKNOWNS {
@@ -199,7 +199,7 @@ impl SimdTask for Step<'_> {
             step.store(&mut lanes.step[k]);
             B::select(active, x[k] + step, x[k]).store(&mut lanes.x[k]);
         }
-        // The product is NaN if any part is not finite.
+        // The product is NaN if any component is not finite.
         (longest + sum.scaled(0.0)).store(&mut lanes.longest);
     }
 }

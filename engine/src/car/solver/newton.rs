@@ -1,7 +1,8 @@
 //! Newton's method for one set of wheels in contact.
 //!
-//! Factors of a tangent serve for several steps. With the unknowns x and the steps s, both relative to the sizes of the unknowns,
-//! let L bound the relative change of the tangent G_x per step. With the factors at y, a step s from x leaves the error
+//! Several steps use the factors of one tangent. Let x be the unknowns and s the steps, both divided by the sizes of the
+//! unknowns. Let L bound the relative change of the tangent G_x per step. With the factors at y, a step s from x leaves the
+//! error
 //!
 //! ```text
 //! e <= L (|x - y| + |s|) |s|                                                                                    (1)
@@ -20,17 +21,17 @@ use super::start::Start;
 use super::{CarSolver, LONGEST_TRAVEL, LONGEST_TURN};
 use crate::number::{Each, array_of};
 
-/// A new tangent is computed unless each step is at most this fraction of the previous one.
+/// Largest ratio of a step to the previous step without a new tangent.
 const CONTRACTION: f64 = 0.1;
 /// After a step below this limit, relative to the sizes of the unknowns, the next step uses the same tangent.
 const NEAR: f64 = 2e-3;
-/// After a step between half of [`NEAR`] and this limit, the next step still uses the tangent of a neighbouring state. After a
-/// shorter step the solver computes a new tangent, close to the solution.
+/// After a step between half of [`NEAR`] and this limit, the next step still uses the tangent of a neighbouring state.
+/// After a shorter step, the solver computes a new tangent close to the solution.
 const BESIDE: f64 = 2e-2;
 /// A step below this limit, relative to the sizes of the unknowns, is rounding error.
 pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// Interval of steps. Newton's method gives up if, on average, more than one step per interval has a new tangent and is still
-/// longer than the shortest step so far.
+/// Interval in steps. Newton's method gives up if, on average, more than one step per interval is longer than the shortest
+/// step so far despite a new tangent.
 const MOST_LONGER: usize = 5;
 /// Smallest value of L in (1): relative change of the tangent per size of the unknowns.
 const CURVATURE: f64 = 100.0;
@@ -42,7 +43,7 @@ struct Linear {
 }
 
 impl<'a> CarSolver<'a> {
-    /// Reads the wheels at these travels. `is_exact` demands poses.
+    /// Reads the wheels at these travels. `is_exact` requires poses instead of curves.
     fn wheels(
         &mut self,
         travels: [f64; 4],
@@ -55,9 +56,9 @@ impl<'a> CarSolver<'a> {
         Ok(Wheels::Exact(Box::new(self.read(travels, racks)?)))
     }
 
-    /// Newton's method for one set of wheels in contact. It keeps the factors of a tangent, at first those of the start, while
-    /// each step is at most a tenth of the previous one. The wheels come from their curves until the last step, which reads
-    /// poses. If the state may be near, the last step uses the curves as well.
+    /// Newton's method for one set of wheels in contact. It keeps the factors of a tangent, at first the factors of the
+    /// start, while each step is at most a tenth of the previous step. Wheels come from their curves until the last step,
+    /// which reads poses. With `may_be_near`, the last step uses the curves as well.
     pub(super) fn newton(
         &mut self,
         case: &Case,
@@ -155,7 +156,7 @@ struct Iteration {
     /// Number of steps with a fresh tangent that were longer than the shortest step so far.
     longer: usize,
     curvature: Curvature,
-    /// Factors for the next step. `None` if it needs a tangent.
+    /// Factors for the next step. `None` if it needs a new tangent.
     linear: Option<Linear>,
 }
 
@@ -187,7 +188,7 @@ impl Iteration {
         }
     }
 
-    /// Computes a step. `None` if the factors of another tangent fail here, so that a tangent is needed.
+    /// Computes a step. `None` if the factors of an earlier tangent fail, so that a new tangent is needed.
     fn step(
         &mut self,
         wheels: &Wheels<'_>,
@@ -231,8 +232,8 @@ impl Iteration {
         is_still || step.longest <= ROUNDING || error <= ROUNDING
     }
 
-    /// Takes a step, and keeps its factors if they serve for the next one. If the tangent is too far away or convergence is
-    /// too slow, it stays, and the next step gets a tangent.
+    /// Takes a step, and keeps its factors if the next step can use them. If the tangent was computed too far away, or if
+    /// convergence is too slow, the iteration stays at its point. The next step then gets a new tangent.
     fn advance(&mut self, step: Step, is_end: bool) {
         let longest = step.longest;
         if !step.is_fresh && (is_end || longest > CONTRACTION * self.smallest) {
@@ -267,7 +268,7 @@ impl Iteration {
 /// Bound L of (1) on the relative change of the tangent.
 #[derive(Default)]
 struct Curvature {
-    /// Largest L that (1) gave for the steps so far.
+    /// Largest L from (1) for the steps so far.
     shown: f64,
     /// Denominator of (1) for the last step; 0 before the first one.
     last: f64,
@@ -304,7 +305,7 @@ struct Sizes {
 
 impl Sizes {
     /// Point halfway back to `reached`, the last point at which the wheels had poses. `None` without such a point, or if it
-    /// is no distance away.
+    /// is the present point.
     fn half_way_back(
         &self,
         x: &[f64; UNKNOWNS],

@@ -33,7 +33,7 @@ impl Default for OnCurves {
 }
 
 impl OnCurves {
-    /// Inputs from which nearby states are evaluated.
+    /// Inputs for the evaluation of nearby states.
     #[inline]
     pub(in crate::car) fn base<'h>(&self, held: Held<'h>) -> Base<'h, '_, CurveWheel> {
         Base {
@@ -104,7 +104,7 @@ impl Readings<'_> {
         [a, b, c, d]
     }
 
-    /// Returns the inputs from which nearby states are evaluated.
+    /// Returns the inputs for the evaluation of nearby states.
     #[inline]
     pub(in crate::car) fn base<'h>(&self, held: Held<'h>) -> Base<'h, '_, Reading<f64>> {
         let [front, rear] = &self.placed;
@@ -130,14 +130,14 @@ pub(in crate::car) struct Base<'h, 'r, R> {
     pub readings: [&'r R; 4],
     /// Travels of the readings.
     pub travels: [f64; 4],
-    /// Racks of both axles in the readings, if these include the dependence on the racks.
+    /// Racks of both axles in the readings; `None` if the readings do not include the dependence on the racks.
     pub racks: Option<[f64; 2]>,
     /// Type of the wheel carriers of each axle.
     pub carriers: [Carriers; 2],
 }
 
 impl<R> Base<'_, '_, R> {
-    /// Computes a state with its forces. `lift` converts the wheels' numbers to numbers of this kind.
+    /// Computes a state with its forces. `lift` converts the wheels' numbers to this number type.
     pub(in crate::car) fn balance<T: Scalar, U: Real>(
         &self,
         parameters: &Parameters<T>,

@@ -1,15 +1,16 @@
-//! Solves several rows of cases side by side. In a row, each case starts from its neighbour.
+//! Solver for several rows of cases side by side. In a row, each case starts from its neighbour.
 //!
-//! The first state of a row is solved alone. Then each row takes a lane ([`super::lanes`]). A state starts where the polynomial through
-//! the last states of its row leads, with the inverse tangent of the last ones. So the numbers of a row do not depend on other rows. A
-//! row leaves its lane, and its case is solved alone, if
+//! The first state of a row is solved alone. Then each row takes a lane ([`super::lanes`]). The start of a state is
+//! extrapolated by a polynomial through the last states of its row. Its first inverse tangent is that of the last states.
+//! So the results of a row do not depend on other rows. In these cases a row leaves its lane, and the solver solves its
+//! case alone:
 //!
 //! - a wheel has no curve, or a step is not finite or too long,
 //! - the iteration does not converge,
 //! - the set of wheels in contact would change, or the case has other settings than its block.
 //!
-//! One state in [`VERIFIED`] gets its exact tangent. It must be stable in the same sense as a state that is solved alone
-//! ([`super::super::stability`]). Otherwise all states since the last one with a tangent are solved again, alone.
+//! One state in [`VERIFIED`] gets its exact tangent. This state must meet the condition of stability in
+//! [`super::super::stability`]. Otherwise the solver solves all states since the last state with a tangent again, alone.
 
 use super::super::equations::{Held, LOADS, TRAVELS, UNKNOWNS, masses, static_loads};
 use super::super::parameters::Parameters;
@@ -21,13 +22,13 @@ use super::{CarSolver, Equilibrium, LONGEST_TRAVEL, LONGEST_TURN};
 use crate::axle::{CURVE_LANES, CurveLanes, CurveWheel};
 use crate::number::{Vector3, Width, array_of};
 
-/// Number of states from one with an exact tangent to the next.
+/// Number of states from one exact tangent to the next.
 const VERIFIED: usize = 8;
 /// Largest number of steps.
 const MOST_STEPS: usize = 10;
 /// Largest first step, relative to the sizes of the unknowns.
 const LONGEST: f64 = 0.1;
-/// Steps that no longer become shorter are rounding errors if one of them was below this limit.
+/// If steps no longer become shorter and one of them was below this limit, only rounding error remains.
 const STILL: f64 = 1e-12;
 /// Number of earlier states that the start of a state extrapolates.
 const POINTS: usize = 3;
@@ -37,26 +38,26 @@ const POINTS: usize = 3;
 pub struct RowState {
     /// Equilibrium. Lanes and [`CarSolver::solve`] may differ by rounding errors.
     pub found: Equilibrium,
-    /// Parts of each wheel load: elastic, geometric, longitudinal, unsprung.
+    /// Components of each wheel load: elastic, geometric, longitudinal, unsprung.
     pub parts: [[f64; 4]; 4],
-    /// True if it was solved in a lane.
+    /// True if the state was solved in a lane.
     pub is_from_lane: bool,
 }
 
 /// Result for a case of a row.
 pub type RowResult = Result<RowState, NoEquilibrium>;
 
-/// A state from a lane that no tangent has confirmed yet: its unknowns, and the parts of the wheel loads.
+/// A state from a lane that no tangent has confirmed yet: its unknowns, and the components of the wheel loads.
 type Pending = ([f64; UNKNOWNS], [[f64; 4]; 4]);
 
-/// A row of cases on its way.
+/// A row of cases during its solution.
 struct Row<'c> {
     cases: &'c [Case],
     /// Index of the next case.
     next: usize,
     /// Last state with a tangent.
     at: Option<Equilibrium>,
-    /// States since then.
+    /// States since `at`, in order.
     pending: Vec<Pending>,
     /// Unknowns of the last states, the latest first, and their number.
     points: [[f64; UNKNOWNS]; POINTS],
@@ -97,7 +98,7 @@ impl<'c> Row<'c> {
         self.known = (self.known + 1).min(POINTS);
     }
 
-    /// Start of the next state, by the polynomial through the last ones.
+    /// Start of the next state, extrapolated by the polynomial through the last states.
     fn start(&self) -> [f64; UNKNOWNS] {
         let [a, b, c] = &self.points;
         array_of(|k| match self.known {
@@ -108,8 +109,8 @@ impl<'c> Row<'c> {
     }
 }
 
-/// Returns true if a step leaves only rounding error. Ten times the square of the step, divided by the shortest step before it, bounds
-/// the next step, because each step of the method shrinks more than the one before.
+/// Returns true if a step leaves only rounding error. Convergence accelerates. So ten times the squared step, divided by
+/// the shortest step before it, bounds the next step.
 fn is_last(step: f64, shortest: f64) -> bool {
     let next = 10.0 * step / shortest * step;
     let is_still = step >= shortest && shortest <= STILL;
@@ -124,7 +125,7 @@ fn fits(case: &Case, other: &Case) -> bool {
 }
 
 impl Block<'_> {
-    /// Gives a row its lane, with the inverse tangent of a state.
+    /// Assigns a lane to a row, with the inverse tangent of a state.
     fn enter(&mut self, lane: usize, factors: &Factors) {
         for (rows, row) in self.lanes.inverse.iter_mut().zip(factors.inverse()) {
             for (numbers, number) in rows.iter_mut().zip(row) {
@@ -154,8 +155,8 @@ impl Block<'_> {
 }
 
 impl<'a> CarSolver<'a> {
-    /// Finds the states of rows of cases, several rows side by side. `take` gets the index of a row, that of a case in the row, and the
-    /// state. The cases of a row come in their order.
+    /// Finds the states of rows of cases, several rows side by side. `take` receives the index of a row, the index of a
+    /// case in the row, and the state. The cases of a row come in their order.
     pub fn solve_rows(
         &mut self,
         rows: &[&[Case]],
@@ -170,7 +171,8 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Splits rows into blocks that [`CarSolver::solve_rows`] solves side by side. Results of a row do not depend on other rows.
+    /// Splits rows into blocks that [`CarSolver::solve_rows`] solves side by side. Results of a row do not depend on other
+    /// rows.
     pub fn blocks_of<'r, 'c>(rows: &'r [&'c [Case]]) -> impl Iterator<Item = &'r [&'c [Case]]> {
         let alike = |a: &&[Case], b: &&[Case]| match (a.first(), b.first()) {
             (Some(a), Some(b)) => fits(a, b),
@@ -193,7 +195,7 @@ impl<'a> CarSolver<'a> {
                 self.in_lanes(block, &mut rows);
             }
             for (number, row) in rows.iter_mut().enumerate() {
-                // A row that has left its lane is behind.
+                // A row that has left its lane is behind the others. Solve its case alone.
                 if row.next <= column && row.case().is_some() {
                     self.confirm(&mut block, (number, row), take);
                     self.alone(&mut block, (number, row), take);
@@ -207,7 +209,7 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Solves the next case of every row that has a lane. Rows whose case stays unsolved lose their lane.
+    /// Solves the next case of every row that has a lane. Rows whose case stays unsolved leave their lane.
     fn in_lanes(&mut self, block: &mut Block<'_>, rows: &mut [Row<'_>]) {
         block.lanes.active = [0.0; CURVE_LANES];
         let mut smallest = [f64::INFINITY; CURVE_LANES];
@@ -306,8 +308,8 @@ impl<'a> CarSolver<'a> {
         x[LOADS..LOADS + 4].iter().all(|load| *load >= 0.0) && (0..LOADS).all(is_near)
     }
 
-    /// Confirms the states of a row that came from its lane, by the tangent in the last one. If it is not stable, all of them are
-    /// solved again, alone.
+    /// Confirms the states of a row that came from its lane, by the tangent in the last state. If this state is not stable,
+    /// the solver solves all these states again, alone.
     fn confirm<'c>(
         &mut self,
         block: &mut Option<Block<'c>>,
@@ -406,8 +408,8 @@ impl<'a> CarSolver<'a> {
         take(self, place, found);
     }
 
-    /// State of a case with these unknowns and all wheels on the ground, with its tangent. `None` if a wheel has no curve there, or if
-    /// the tangent is singular.
+    /// State of a case with these unknowns and all wheels on the ground, with its tangent. `None` if a wheel has no curve
+    /// there, or if the tangent is singular.
     fn with_tangent(&mut self, case: &Case, x: [f64; UNKNOWNS]) -> Option<Equilibrium> {
         let travels = array_of(|k| x[TRAVELS + k]);
         let near = self.near(travels, case.racks)?;
@@ -428,7 +430,7 @@ impl<'a> CarSolver<'a> {
         })
     }
 
-    /// Inputs of a block whose cases are like this one. `None` if its wheels have no curves, or without AVX2.
+    /// Inputs of a block whose cases share the settings of this case. `None` if its wheels have no curves, or without AVX2.
     fn block<'c>(&mut self, case: &'c Case, found: &Equilibrium) -> Option<Block<'c>> {
         if !Width::Avx2.is_available() {
             return None;

@@ -4,10 +4,10 @@ use super::super::equations::UNKNOWNS;
 use super::super::tangent::Factors;
 use super::equilibrium::Equilibrium;
 
-/// Largest number of Newton steps from a start that is not itself a state in equilibrium. Steps back count as well.
+/// Largest number of Newton steps from a start that is not itself a state in equilibrium. The count includes steps back.
 const MOST_STEPS: usize = 60;
-/// Largest number of Newton steps from a neighbouring state. If these do not suffice, a start nearer to the case takes less time
-/// than further steps.
+/// Largest number of Newton steps from a neighbouring state. If they do not suffice, a start nearer to the case takes less
+/// time than further steps.
 const MOST_STEPS_BESIDE: usize = 20;
 
 /// Start of Newton's method: unknowns, lifted wheels and factors of a tangent.
@@ -34,7 +34,7 @@ impl<'f> Start<'f> {
         }
     }
 
-    /// Starts from a state that was found.
+    /// Starts from a solved state.
     pub(in crate::car) fn at(found: &'f Equilibrium) -> Self {
         Start {
             unknowns: found.unknowns,

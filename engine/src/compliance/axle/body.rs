@@ -1,4 +1,4 @@
-//! A body that carries both wheels: its place, its motion, and its links without springs.
+//! A body that carries both wheels: its pose, its motion, and its links without springs.
 
 use super::derivatives::{AxleChange, AxleTangent};
 use super::{AxleEquilibrium, ElasticAxle};
@@ -7,19 +7,19 @@ use crate::compliance::system::{Limb, State};
 use crate::model::{Side, mirrored};
 use crate::number::{Each, Jet, Matrix3, Scalar, Vector3};
 
-/// Place of a solid axle, in the left wheel's axes.
+/// Pose of a solid axle, in the left wheel's axes.
 #[derive(Clone, Copy, Debug)]
 pub struct AxlePlace<T> {
     /// Displacement of the middle of both wheel centres from the design position.
     pub middle: Vector3<T>,
-    /// Direction of its x axis, which is forward in the design position.
+    /// Direction of the axle's x axis, which is forward in the design position.
     pub forward: Vector3<T>,
-    /// Direction of its y axis, which is to the left in the design position.
+    /// Direction of the axle's y axis, which is to the left in the design position.
     pub line: Vector3<T>,
 }
 
 impl<T: Scalar> AxlePlace<T> {
-    /// Computes the place of a body from the positions that its two sides have for it, with the lever of each wheel centre.
+    /// Computes the pose of a body from its positions in the axes of both sides, each with the lever of its wheel centre.
     fn of([left, right]: [(&Placed<T>, Vector3<T>); 2]) -> Self {
         let shift = |(placed, lever): (&Placed<T>, Vector3<T>)| placed.displacement(lever);
         let sum = shift(left) + mirrored(shift(right));
@@ -32,7 +32,8 @@ impl<T: Scalar> AxlePlace<T> {
         }
     }
 
-    /// This place with the directions that count from a position from which the design position is turned by `home`.
+    /// Returns the pose relative to another reference position. `home` is the rotation from that position to the design
+    /// position.
     pub(crate) fn counted_from(&self, home: &Matrix3<f64>) -> Self {
         let axes = [self.forward, self.line, self.forward.cross(self.line)];
         let turned = |column: Vector3<f64>| {
@@ -55,7 +56,7 @@ impl<T: Scalar> ElasticAxle<T> {
         self.shared.is_joined
     }
 
-    /// Place of a body that carries both wheels; `None` for independently suspended wheels.
+    /// Pose of a body that carries both wheels; `None` for independently suspended wheels.
     pub fn place(&self, at: &AxleEquilibrium<T>) -> Option<AxlePlace<T>> {
         let side = |side: usize| {
             let centre = self.wheels[side].built.system.wheel.centre;
@@ -64,7 +65,7 @@ impl<T: Scalar> ElasticAxle<T> {
         self.is_joined().then(|| AxlePlace::of([side(0), side(1)]))
     }
 
-    /// Place of a body along a change of an input: values and first derivatives.
+    /// Pose of a body as an input changes: values and first derivatives.
     pub(crate) fn place_along(
         &self,
         tangent: &AxleTangent<T>,
@@ -82,9 +83,10 @@ impl<T: Scalar> ElasticAxle<T> {
             .then(|| AxlePlace::of([(&left.0, left.1), (&right.0, right.1)]))
     }
 
-    /// Height of the roll centre, and its distance to the left of the middle of both contact points. With v the velocity of the
-    /// body at that middle and w its angular velocity along equal opposite travels, the centre of the motion in front view is
-    /// v.y/w.x above the middle, and -v.z/w.x to its left. `None` for independently suspended wheels.
+    /// Height of the roll centre above the middle of both contact points, and its distance to the left of that middle. For
+    /// equal opposite travels, let v be the velocity of the body at the middle and w its angular velocity. In front view,
+    /// the centre of this motion is v.y/w.x above the middle and -v.z/w.x to its left. `None` for independently suspended
+    /// wheels.
     pub fn roll_centre(&self, at: &AxleEquilibrium<T>, tangent: &AxleTangent<T>) -> Option<[T; 2]> {
         if !self.is_joined() {
             return None;
@@ -101,8 +103,8 @@ impl<T: Scalar> ElasticAxle<T> {
         Some([velocity.y / turn.x, -(velocity.z / turn.x)])
     }
 
-    /// This axle without its springs and its anti-roll bar, held only by its links. Their forces at the design load are released.
-    /// `None` for independently suspended wheels.
+    /// Returns this axle held only by its links, without springs and anti-roll bar. The links have no forces from the
+    /// design load. `None` for independently suspended wheels.
     pub fn on_its_links(&self) -> Option<Self> {
         if !self.is_joined() {
             return None;
@@ -113,7 +115,7 @@ impl<T: Scalar> ElasticAxle<T> {
         for wheel in &mut axle.wheels {
             let system = &mut wheel.built.system;
             system.bar = None;
-            // The spring's seat is the last of the parts.
+            // The spring's seat is the last part.
             if let Some(Limb::CarrierSeat(_)) = system.limbs.last() {
                 system.limbs.pop();
                 system.holders.limbs.pop();
@@ -125,8 +127,8 @@ impl<T: Scalar> ElasticAxle<T> {
         Some(axle)
     }
 
-    /// An equilibrium of [`ElasticAxle::on_its_links`] in plain numbers, with the derivatives of these numbers. Both
-    /// travels are those of `held`.
+    /// Adds derivatives to an equilibrium of [`ElasticAxle::on_its_links`]. Its travels equal those of the equilibrium
+    /// `held`.
     pub(in crate::compliance) fn carried_on_links(
         &self,
         at: &AxleEquilibrium,

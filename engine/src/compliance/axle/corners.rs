@@ -1,14 +1,14 @@
 //! Equations of both wheels while the shared bodies are held.
 //!
-//! Independently suspended wheels have a matrix each. A solid axle is one body with both wheels. Each side describes it in its
-//! own axes, by a reference point that both sides have in common, and has the parts of its half. With M the signs of a
-//! mirror, A and r the tangent and the forces of the carrier,
+//! Each independently suspended wheel has its own matrix. A solid axle is one body with both wheels. Each side contains the
+//! elastic parts of its half, in its own axes. Both sides use the same reference point. With the tangent A and the forces r
+//! of the carrier, and the signs M of the reflection,
 //!
 //! ```text
 //! A = A_l + M A_r M,   r = r_l + M r_r,   x_r = M x_l                                             (1)
 //! ```
 //!
-//! Rows of rigid links and of both heights are added to this block. So the axle has six unknowns and two travel rows.
+//! The rows of rigid links and of both heights follow this block. So the axle has six unknowns and two rows for travels.
 
 #![expect(
     clippy::needless_range_loop,
@@ -26,7 +26,7 @@ use crate::number::{Each, Scalar, Valued};
 /// Equations of both wheels, factorised.
 #[derive(Clone, Debug)]
 pub(super) enum Corners<T: Valued> {
-    /// Two independently suspended wheels.
+    /// Factors of two independently suspended wheels.
     Apart([SquareLu<T>; 2]),
     /// One body that carries both wheels.
     Joined(Box<Joined<T>>),
@@ -40,7 +40,7 @@ pub(super) struct Joined<T: Valued> {
     factors: SquareLu<T>,
 }
 
-/// Row of the joined equations for each row of a side.
+/// Row of the joint equations for each row of a side.
 #[derive(Clone, Copy, Debug)]
 struct Places {
     rows: [[usize; MOST]; 2],
@@ -49,7 +49,7 @@ struct Places {
 }
 
 impl Places {
-    /// Rows of two systems of these sizes; `None` for more rows than a matrix has.
+    /// Assigns the rows of two systems of these sizes; `None` if there are more than [`MOST`] rows.
     fn of(sizes: [usize; 2]) -> Option<Self> {
         let size = sizes[0] + sizes[1] - 6;
         let mut rows = [[0; MOST]; 2];
@@ -65,7 +65,7 @@ impl Places {
         (size <= MOST).then_some(Places { rows, sizes, size })
     }
 
-    /// Rows of a side: own number, joined number and sign.
+    /// Rows of a side: index in the side's equations, index in the joint equations, and sign.
     fn of_side(&self, side: usize) -> impl Iterator<Item = (usize, usize, f64)> {
         let rows = self.rows[side];
         let sign = move |i: usize| if i < 6 { sign(side, i) } else { 1.0 };
@@ -94,7 +94,7 @@ impl Places {
 }
 
 impl<T: Scalar> Corners<T> {
-    /// Independently suspended wheels.
+    /// Factorises the equations of independently suspended wheels.
     pub(super) fn apart(sides: &[SideEquations<T>; 2]) -> Result<Self, AxleSingular> {
         let factors = |side: usize| {
             let found = sides[side].equations.factors();
@@ -103,8 +103,8 @@ impl<T: Scalar> Corners<T> {
         Ok(Corners::Apart([factors(0)?, factors(1)?]))
     }
 
-    /// One body that carries both wheels, by equation (1). `sides` receive the forces of the body at the left side, and none at
-    /// the right side. With `bounds`, every motion must have a stiffness.
+    /// Combines both sides of a body that carries both wheels, by equation (1). In `sides`, the left side then has all
+    /// forces on the body, and the right side has zero forces. With `bounds`, every motion must have a stiffness.
     pub(super) fn joined(
         sides: &mut [SideEquations<T>; 2],
         bounds: Option<Bounds>,
@@ -143,7 +143,7 @@ impl<T: Scalar> Corners<T> {
         })))
     }
 
-    /// Solves the tangents of both wheels for these forces.
+    /// Solves the equations of both wheels for these forces.
     pub(super) fn solve(&self, parts: &[[T; MOST]; 2]) -> [[T; MOST]; 2] {
         match self {
             Corners::Apart(factors) => [0, 1].each(|side: usize| factors[side].solve(&parts[side])),
@@ -156,7 +156,7 @@ impl<T: Scalar> Corners<T> {
 }
 
 impl Corners<f64> {
-    /// Refuses wheels that are not stable while the shared bodies are held. The error comes with the side that is the reason.
+    /// Checks the stability of both wheels while the shared bodies are held. The error contains the unstable side.
     pub(super) fn check_stable(
         &self,
         sides: &[SideEquations<f64>; 2],
@@ -166,7 +166,7 @@ impl Corners<f64> {
             let own = &of.equations;
             let stable = match self {
                 Corners::Apart(_) => own.check_stable(bounds),
-                // The tangent of one side alone may be indefinite.
+                // The matrix of one side alone may be indefinite.
                 Corners::Joined(_) => match own.unstable {
                     Some(_) => Err(Obstacle::Unstable(own.unstable)),
                     None => Ok(()),
@@ -183,8 +183,8 @@ impl Corners<f64> {
         }
     }
 
-    /// Returns true if the symmetric `matrix` of shared unknowns stays positive definite when the wheels follow their motion.
-    /// `columns` are the forces on both wheels by each of these unknowns.
+    /// Returns true if the symmetric `matrix` of the shared unknowns stays positive definite while the wheels move freely.
+    /// `columns` are the derivatives of the forces on both wheels with respect to these unknowns.
     pub(super) fn keep_definite<const N: usize>(
         &self,
         sides: &[SideEquations<f64>; 2],
@@ -219,7 +219,7 @@ impl Corners<f64> {
     }
 }
 
-/// Symmetric part of the tangent. The additional rows are its rows and its columns.
+/// Symmetric part of the tangent. The rows of rigid joints and heights also become columns.
 fn symmetric(equations: &Equations<f64>) -> [[f64; MOST]; MOST] {
     let mut symmetric = [[0.0; MOST]; MOST];
     for i in 0..6 {

@@ -17,20 +17,20 @@ pub struct SteeringColumn<T = f64> {
 /// Elastic parts of an axle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleCompliance<T = f64> {
-    /// Parts of the left and the right wheel, each in the form for a left wheel.
+    /// Elastic parts of the left and the right wheel, each in the axes of a left wheel.
     pub wheels: [Compliance<T>; 2],
     /// Subframe; `None` if the body holds all inner ends.
     pub subframe: Option<Subframe<T>>,
-    /// Stiffness between commanded rack and rack, without the column: force per length. `None` for a rigid one.
+    /// Stiffness between commanded rack and rack, without the column: force per length. `None` if it is rigid.
     pub rack_rate: Option<T>,
-    /// The steering column, in series with the rack. `None` for a rigid one.
+    /// Steering column, in series with the rack. `None` for a rigid column.
     pub column: Option<SteeringColumn<T>>,
-    /// Rate of the anti-roll bar: torque per angle between its levers. `None` without it.
+    /// Rate of the anti-roll bar: torque per angle between its levers. `None` without a bar.
     pub bar_rate: Option<T>,
 }
 
 impl AxleCompliance {
-    /// Converts the parts to another kind of number.
+    /// Converts the parts to another number type.
     pub fn map<U: Copy>(&self, f: impl Fn(f64) -> U + Copy) -> AxleCompliance<U> {
         AxleCompliance {
             wheels: self.wheels.each_ref().map(|wheel| wheel.map(f)),
@@ -55,7 +55,8 @@ impl AxleCompliance {
         self.rack_rate.is_some() || self.column.is_some()
     }
 
-    /// Sets the rate of a bushing, link, spring, rack, column or anti-roll bar; of a bushing's curve, the factor of its forces.
+    /// Sets the rate of a bushing, link, spring, rack, column or anti-roll bar. If a bushing has a force curve, the
+    /// function sets the factor on its forces.
     pub fn set_rate(&mut self, of: AxleParameter, value: f64) {
         match self.shared_number(of.parameter) {
             Some(number) => *number = value,
@@ -65,8 +66,8 @@ impl AxleCompliance {
         }
     }
 
-    /// Changes the rate of a part, by a fraction of itself if `is_relative` is true. Returns false if the new rate is not above
-    /// 0.
+    /// Changes the rate of a part by `change`, or by the fraction `change` if `is_relative` is true. Returns false if the
+    /// new rate is not above 0.
     pub(crate) fn change_rate(
         &mut self,
         of: AxleParameter,
@@ -81,8 +82,8 @@ impl AxleCompliance {
         }
     }
 
-    /// Returns true if the axle has the part of this parameter once. Both wheels share the part, or it is a link or a bushing in the
-    /// middle of a solid axle, which belongs to the left half.
+    /// Returns true if the axle has the part of this parameter only once. Both wheels share such a part, or it is a link or
+    /// bushing in the middle of a solid axle. The left half contains the parts in the middle.
     pub fn is_shared(&self, parameter: Parameter) -> bool {
         let [left, right] = &self.wheels;
         let is_in_the_middle = match parameter {
@@ -124,7 +125,7 @@ impl AxleCompliance {
 }
 
 impl<T> AxleCompliance<T> {
-    /// Value of a parameter of the parts that both wheels share. Mounts of the subframe have numbers after those of one
+    /// Value of a parameter of the parts that both wheels share. The indices of subframe mounts follow the indices of one
     /// wheel's bushings.
     pub(super) fn shared_number(&mut self, parameter: Parameter) -> Option<&mut T> {
         let (number, axis) = match parameter {

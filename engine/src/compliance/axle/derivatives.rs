@@ -16,7 +16,7 @@ use crate::number::{Each, Jet, Scalar, Valued, Vector3};
 pub enum AxleChange<T = f64> {
     /// Loads on both wheels, in the kernel's frame of each side.
     Loads([WheelLoads<T>; 2]),
-    /// Travels of both wheels, if their heights are held.
+    /// Travels of both wheels. Their heights must be held.
     Travels([T; 2]),
     /// Commanded displacement of the rack along the left wheel's +y.
     Rack,
@@ -41,7 +41,7 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// Adds derivatives to an equilibrium of the same design in plain numbers.
+    /// Adds derivatives to an equilibrium of the same design.
     pub(super) fn carried(
         &self,
         at: &AxleState<f64>,
@@ -70,7 +70,7 @@ impl<T: Scalar> ElasticAxle<T> {
         let equations = &tangent.equations;
         let mut wheels = [[zero; MOST]; 2];
         let mut shared = [zero; SHARED];
-        // A rack without elasticity follows its command exactly.
+        // A rigid rack follows its command exactly.
         let mut moved = false;
         match change {
             AxleChange::Loads(loads) => {

@@ -9,14 +9,14 @@ use crate::compliance::solve::Obstacle;
 use crate::compliance::wheel::HeldQuantity;
 use crate::model::Side;
 
-/// Motion of an axle whose ends are searched for.
+/// Motion of an axle whose ends the search finds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxleWay {
     /// Travel of one wheel, with the other wheel at the design height.
     Travel(Side),
     /// Equal travels of both wheels.
     Heave,
-    /// Travel of the left wheel less that of the right wheel, at zero mean travel.
+    /// Left travel minus right travel, at zero mean travel.
     TravelDifference,
     /// Displacement of the rack along the left wheel's +y, at the design heights.
     Rack,

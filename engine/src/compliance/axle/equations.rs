@@ -1,13 +1,14 @@
 //! Equations of both wheels and of the bodies that they share.
 //!
-//! Each wheel has the equations of `system.rs` (matrix A_c, residual r_c) with the shared unknowns q held. With B_c =
-//! dr_c/dq, C_c = ds/dx_c of the forces s on the shared bodies and D = ds/dq, a Newton step solves
+//! Each wheel has the equations of `system.rs` (matrix A_c, residual r_c) with the shared unknowns q held. Let s be the
+//! forces on the shared bodies. With B_c = dr_c/dq, C_c = ds/dx_c and D = ds/dq, a Newton step solves
 //!
 //! ```text
 //! (D - sum C_c A_c^-1 B_c) dq = -(s - sum C_c A_c^-1 r_c),   dx_c = -A_c^-1 (r_c + B_c dq)        (1)
 //! ```
 //!
-//! The right wheel is the mirror image of a left wheel, with the signs [`MIRROR`] of the shared unknowns.
+//! The right wheel is described as the mirror image of a left wheel. [`MIRROR`] has the signs of the shared unknowns for
+//! it.
 
 use super::super::floating::Floating;
 use super::super::ground::{Coupling, Frames, MIRROR, RACK, SHARED, Surroundings, TWIST};
@@ -51,7 +52,7 @@ impl<T: Scalar> AxleState<T> {
         }
     }
 
-    /// Positions of the shared bodies as seen from the wheel of a side.
+    /// Positions of the shared bodies in the axes of the wheel of a side.
     pub(in super::super) fn around(&self, side: usize) -> Surroundings<T> {
         match side {
             0 => self.around,
@@ -75,14 +76,14 @@ pub(in super::super) struct AxleStep<T> {
     pub(in super::super) shared: [T; SHARED],
 }
 
-/// External forces that hold a pose without equilibrium.
+/// External forces that hold a pose which is no equilibrium.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct AxleHeld<T> {
     pub(in super::super) wheels: [Held<T>; 2],
     pub(in super::super) shared: [T; SHARED],
 }
 
-/// Reason why no step exists: a part of one wheel, or a shared part.
+/// Location of a singularity, for which no step exists: one wheel, or a shared body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum AxleSingular {
     Wheel(usize, Singular),
@@ -100,14 +101,14 @@ pub(in super::super) struct SideEquations<T: Valued> {
     around: Surroundings<T>,
 }
 
-/// Equations in a state, solved as far as equation (1) needs them.
+/// Equations in a state, with the factors for equation (1).
 #[derive(Clone, Debug)]
 pub(in super::super) struct AxleEquations<T: Valued> {
     pub(in super::super) sides: [SideEquations<T>; 2],
     corners: Corners<T>,
     /// A_c^-1 B_c of both wheels, for each shared unknown that moves.
     responses: Vec<[[T; MOST]; 2]>,
-    /// Numbers of the shared unknowns that move.
+    /// Indices of the shared unknowns that move.
     active: Vec<usize>,
     /// Forces on the shared bodies, in the left wheel's axes.
     pub(in super::super) force: [T; SHARED],
@@ -115,25 +116,25 @@ pub(in super::super) struct AxleEquations<T: Valued> {
     factors: Option<SquareLu<T>>,
 }
 
-/// Purpose for which the equations are formed.
+/// Purpose of the equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum Purpose {
     /// An equilibrium under loads.
     Balance,
-    /// Forces at the design load. Elements contribute their slope but no force.
+    /// Forces at the design load. Elements contribute their stiffness but no force.
     Preload,
-    /// The step that adds derivatives to an equilibrium in plain numbers. Tangents are constants.
+    /// The step that adds derivatives to an equilibrium. Tangents are constants.
     Correction,
 }
 
 impl<T: Scalar> SideEquations<T> {
-    /// Tangent of the wheel's forces by a shared unknown in the left wheel's axes.
+    /// Derivatives of the wheel's forces with respect to a shared unknown in the left wheel's axes.
     pub(in super::super) fn by_shared(&self, side: usize, shared: usize) -> [T; MOST] {
         let mirror = sign(side, shared);
         array_of(|i| self.coupling.corner_by[i][shared].scaled(mirror))
     }
 
-    /// Tangent of a shared force by another shared unknown, in the left wheel's axes.
+    /// Derivative of the shared force `i` with respect to the shared unknown `j`, in the left wheel's axes.
     fn own(&self, side: usize, i: usize, j: usize) -> T {
         self.coupling.own[i][j].scaled(sign(side, i) * sign(side, j))
     }
@@ -165,12 +166,12 @@ impl<T: Scalar> SharedParts<T> {
             active.extend(0..RACK);
         }
         active.extend(self.rack.is_some().then_some(RACK));
-        // Without force, the bar does not hold the body.
+        // In a preload calculation, the bar has no stiffness, so its twist stays fixed.
         active.extend((self.has_bar && purpose != Purpose::Preload).then_some(TWIST));
         active
     }
 
-    /// Forms the equations in a state.
+    /// Computes the equations in a state.
     pub(in super::super) fn equations(
         &self,
         wheels: &[ElasticWheel<T>; 2],
@@ -280,7 +281,7 @@ impl<T: Scalar> SharedParts<T> {
                 coupling.fix_tangents();
             }
             Purpose::Preload => {
-                // A body that carries both wheels has the stiffness of both sides.
+                // The stiffness check of a body that carries both wheels needs both sides together.
                 let bounds = (!self.is_joined).then_some(wheel.bounds);
                 let bordered = wheel.built.border_for_preload(&mut equations, bounds);
                 bordered.map_err(|why| match why {
@@ -298,7 +299,7 @@ impl<T: Scalar> SharedParts<T> {
     }
 }
 
-/// Lever that converts a shared unknown to a movement; 1 if it is a movement.
+/// Lever that converts a shared rotation to a displacement; 1 for displacements.
 pub(super) fn lever_of(shared: usize, bounds: Bounds) -> f64 {
     if (3..RACK).contains(&shared) || shared == TWIST {
         bounds.lever()
@@ -307,8 +308,8 @@ pub(super) fn lever_of(shared: usize, bounds: Bounds) -> f64 {
     }
 }
 
-/// Returns true if the matrix of equation (1) is positive definite on the shared unknowns that move, with rotations as movements
-/// at the end of a lever. With [`LOOSE`], rounding alone holds no body.
+/// Returns true if the matrix of equation (1) is positive definite on the shared unknowns that move. Rotations count as
+/// displacements at the end of a lever. The limit [`LOOSE`] excludes stiffness that is only rounding error.
 fn holds<T: Scalar>(matrix: &[[T; MOST]; MOST], active: &[usize], bounds: Bounds) -> bool {
     let scale = |shared: usize| 1.0 / lever_of(shared, bounds);
     let mut scaled = [[0.0; SHARED]; SHARED];
@@ -321,7 +322,7 @@ fn holds<T: Scalar>(matrix: &[[T; MOST]; MOST], active: &[usize], bounds: Bounds
 }
 
 impl<T: Scalar> AxleEquations<T> {
-    /// Solves the tangent for these forces, by equation (1).
+    /// Solves for the displacements under these forces, by equation (1).
     pub(in super::super) fn solve(
         &self,
         wheels: &[[T; MOST]; 2],
@@ -351,7 +352,7 @@ impl<T: Scalar> AxleEquations<T> {
         (found, moved)
     }
 
-    /// Tangent of a shared force by a shared unknown.
+    /// Derivative of the shared force `i` with respect to the shared unknown `j`.
     pub(in super::super) fn own(&self, i: usize, j: usize) -> T {
         self.own[i][j]
     }
@@ -362,14 +363,14 @@ impl<T: Scalar> AxleEquations<T> {
         (wheels, self.force.each(|c| -c))
     }
 
-    /// Takes a Newton step.
+    /// Computes a Newton step.
     pub(in super::super) fn newton_step(&self, axle: &[ElasticWheel<T>; 2]) -> AxleStep<T> {
         let (wheels, shared) = self.residuals();
         let (wheels, shared) = self.solve(&wheels, &shared);
         self.step(axle, &wheels, &shared, false)
     }
 
-    /// Computes all unknowns from those of equation (1).
+    /// Computes all unknowns from the unknowns of equation (1).
     pub(in super::super) fn step(
         &self,
         axle: &[ElasticWheel<T>; 2],
@@ -438,7 +439,7 @@ impl<T: Scalar> AxleState<T> {
 }
 
 impl<T: Scalar> AxleStep<T> {
-    /// Largest shift and largest rotation.
+    /// Largest shift and largest rotation of the step.
     pub(in super::super) fn sizes(&self, axle: &[ElasticWheel<T>; 2]) -> [f64; 2] {
         let shared = self.shared.each_ref().each(|c| c.value().abs());
         let shift = shared[..3].iter().copied().fold(shared[RACK], larger);
@@ -453,8 +454,8 @@ impl<T: Scalar> AxleStep<T> {
 }
 
 impl AxleEquations<f64> {
-    /// Refuses a state that is not stable. Each wheel must be stable with the shared bodies held, and these bodies with the
-    /// wheels free to follow.
+    /// Checks the stability of a state. Each wheel must be stable with the shared bodies held. The shared bodies must be
+    /// stable with the wheels free to move.
     pub(in super::super) fn check_stable(
         &self,
         bounds: Bounds,

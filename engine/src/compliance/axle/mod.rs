@@ -115,7 +115,7 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
-    /// Computes the forces at the design load.
+    /// Computes the forces of the elastic parts at the design load.
     fn preload(&mut self) -> Result<(), AxleFault> {
         let state = self.start();
         let task = self.level([0.0; 2], 0.0);
@@ -162,7 +162,7 @@ impl<T: Scalar> ElasticAxle<T> {
                 };
             }
             AxleSingular::Carrier => AXLE,
-            // Without force, the bar holds nothing and is left out.
+            // In a preload calculation, the bar has no stiffness, so it is not the cause.
             AxleSingular::Shared => match (self.shared.has_subframe, self.shared.rack.is_some()) {
                 (true, false) => "the subframe",
                 (false, true) => "the rack",
@@ -177,7 +177,7 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
-    /// Refuses a design if a motion has no stiffness while the heights are held.
+    /// Checks that every motion has a stiffness while the heights are held.
     fn check_held(&self) -> Result<(), AxleFault> {
         let state = self.start();
         let task = self.level([0.0; 2], 0.0);
@@ -281,7 +281,7 @@ impl<T: Scalar> ElasticAxle<T> {
         at.state.wheels[side as usize].vertical + loads.contact.z
     }
 
-    /// State of each bushing of a side, in the order of the definition, then of the subframe's mounts.
+    /// State of each bushing of a side, in the order of the definition, followed by the subframe's mounts.
     pub fn bushings(&self, at: &AxleEquilibrium<T>, side: Side) -> Vec<BushingReading<T>> {
         let around = at.state.around(side as usize);
         let built = &self.wheels[side as usize].built;
@@ -312,7 +312,7 @@ impl<T: Scalar> ElasticAxle<T> {
         of(0) - of(1)
     }
 
-    /// Torque of the anti-roll bar: its rate times the left lever's angle less the right lever's.
+    /// Torque of the anti-roll bar: its rate times the difference of the lever angles, left minus right.
     pub fn bar_torque(&self, at: &AxleEquilibrium<T>) -> Option<T> {
         let angle = |side: usize| {
             let around = at.state.around(side);
@@ -353,7 +353,7 @@ fn common_reference(suspensions: [&Suspension; 2]) -> Option<Vector3<f64>> {
 }
 
 impl<T: Scalar> ElasticAxle<T> {
-    /// This equilibrium, with another quantity held.
+    /// Converts this equilibrium to a task with another quantity held.
     fn held_as(&self, at: &AxleEquilibrium<T>, held: HeldQuantity) -> (AxleState<T>, AxleTask<T>) {
         let (mut state, mut task) = (at.state, at.task);
         for (side, wheel) in self.wheels.iter().enumerate() {

@@ -17,7 +17,7 @@ use crate::number::{Each, Vector3, array_of, larger};
 const SOFT_STEPS: usize = 8;
 
 impl ElasticAxle {
-    /// Equilibrium with the wheel centres at these heights, without horizontal loads.
+    /// Finds the equilibrium with the wheel centres at these heights, without horizontal loads.
     pub fn at(&self, travels: [f64; 2], rack: f64) -> Result<AxleEquilibrium, NoEquilibrium> {
         let (from, to) = (self.level([0.0; 2], 0.0), self.level(travels, rack));
         let has_offset = self.wheels.iter().any(|wheel| wheel.has_offset);
@@ -46,8 +46,8 @@ impl ElasticAxle {
         self.solved(&self.start(), &from, &to, held.as_ref())
     }
 
-    /// Equilibrium under loads in addition to those of a station, from a neighbouring equilibrium. Loads are in the kernel's
-    /// frame of each side. The station's heights or wheel loads are held.
+    /// Finds the equilibrium under loads in addition to the loads of a station, from a neighbouring equilibrium. Loads are
+    /// in the kernel's frame of each side. The station's heights or wheel loads stay held.
     pub fn loaded_about(
         &self,
         station: &AxleEquilibrium,
@@ -99,7 +99,7 @@ impl ElasticAxle {
         }
     }
 
-    /// Newton's method from a state. A failure at one wheel comes with the index of its side.
+    /// Newton's method from a state. For a failure at one wheel, the error contains the index of its side.
     pub(super) fn newton(
         &self,
         start: &AxleState<f64>,
@@ -162,15 +162,15 @@ impl ElasticAxle {
         }
     }
 
-    /// Name of an eliminated part of a wheel, with its motion that has no stiffness.
+    /// Name of an eliminated part of a wheel, and the motion of this part that has no stiffness.
     pub(super) fn limb_of(&self, side: usize, limb: usize) -> (String, Motion) {
         let wheel = &self.wheels[side];
         let name = of_side(side, &wheel.built.names[limb]);
         (name, wheel.spin_of(limb))
     }
 
-    /// Finds the motion with the least stiffness by inverse iteration on the tangent. The first result is its displacement
-    /// per unit force.
+    /// Finds the motion with the least stiffness by inverse iteration on the tangent. Returns its displacement per unit
+    /// force, its part and its direction.
     pub(super) fn softest(
         &self,
         state: &AxleState<f64>,
@@ -205,7 +205,7 @@ impl ElasticAxle {
         Some((softness, self.largest_motion(&step?)))
     }
 
-    /// Largest motion of a step, with the name of its part.
+    /// Largest motion of a step, and the name of the part that moves.
     fn largest_motion(&self, step: &AxleStep<f64>) -> (String, Motion) {
         let lever = self.wheels[0].bounds.lever();
         let mut found = (-1.0, String::new(), Motion::Turn(Axis::X));
@@ -250,8 +250,8 @@ impl ElasticAxle {
         (found.1, found.2)
     }
 
-    /// Largest unbalanced force in a state. A moment counts as its force at a lever of 300 mm. Infinite if the state has no
-    /// equations.
+    /// Largest unbalanced force in a state. A moment counts as its force at a lever of 300 mm. Infinite if the equations
+    /// cannot be formed.
     pub fn out_of_balance(&self, at: &AxleEquilibrium) -> f64 {
         let found =
             self.shared

@@ -1,4 +1,4 @@
-//! Elastic axle over numbers on a tape, which also holds some of its inputs.
+//! Elastic axle over numbers on a tape. The tape records chosen inputs of the axle.
 
 use super::equations::AxleTask;
 use super::{AxleCompliance, AxleEquilibrium, ElasticAxle};
@@ -17,8 +17,8 @@ pub struct AxleOnTape<'t> {
 }
 
 impl<'t> AxleOnTape<'t> {
-    /// Makes the axle with these inputs, which are the first numbers on the tape, in this order. Inputs that the axle does
-    /// not have change nothing.
+    /// Makes the axle with these inputs. They are the first numbers on the tape, in this order. Inputs that the axle does
+    /// not have have no effect.
     pub fn new(
         suspensions: [&Suspension; 2],
         designs: [&[Vector3<f64>]; 2],
@@ -65,7 +65,7 @@ impl<'t> AxleOnTape<'t> {
         })
     }
 
-    /// Adds derivatives with respect to the inputs to an equilibrium of the axle in plain numbers. The same quantities stay held.
+    /// Adds derivatives with respect to the inputs to an equilibrium of the axle. The same quantities stay held.
     pub fn carried(&self, at: &AxleEquilibrium) -> Option<AxleEquilibrium<Tracked<'t>>> {
         self.axle.carried(&at.state, &on_tape(at, at.task.rack))
     }
@@ -81,8 +81,8 @@ fn on_tape<'t>(at: &AxleEquilibrium, rack: f64) -> AxleTask<Tracked<'t>> {
 }
 
 impl<'t> ElasticAxle<Tracked<'t>> {
-    /// Equilibrium under loads in addition to those of a station, with derivatives with respect to the inputs. The station's heights or
-    /// wheel loads are held, and these can change with the inputs.
+    /// Adds derivatives with respect to the inputs to an equilibrium under loads in addition to the loads of a station. The
+    /// station's heights or wheel loads stay held. Their values can depend on the inputs.
     pub(in crate::compliance) fn carried_about(
         &self,
         station: &AxleEquilibrium<Tracked<'t>>,

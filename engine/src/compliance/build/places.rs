@@ -1,4 +1,4 @@
-//! Places of the study's parts in a system, and points of the system's parts.
+//! Locations of the study's parts in a system, and hardpoints of the system's parts.
 
 use crate::model::{PointId, Rod};
 
@@ -68,7 +68,7 @@ pub(in crate::compliance) enum JointPlace {
         /// End at the carrier.
         outer: PointId,
     },
-    /// Ball joint of an arm or link at the body. It keeps the distance to the outer end.
+    /// Ball joint of an arm or link at the body. It keeps the distance to the outer end constant.
     Pivot(PointId),
     /// Mount on the line of a strut.
     Line(PointId),
@@ -93,7 +93,7 @@ pub(in crate::compliance) struct Places {
     /// Inner and outer end of each rod with axial stiffness.
     pub(in crate::compliance) rods: Vec<[PointId; 2]>,
     pub(in crate::compliance) joints: Vec<JointPlace>,
-    /// Outer joint of the rigid arm that carries the drop link.
+    /// Outer joint of the rigid arm that carries the drop link, if an arm carries it.
     pub(in crate::compliance) bar: Option<PointId>,
     /// Rod between suspension and rocker, if the spring is on a rocker.
     pub(in crate::compliance) rocker_rod: Option<Rod>,

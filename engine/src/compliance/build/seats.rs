@@ -12,7 +12,7 @@ use crate::model::{Arm, Body, PointId};
 use crate::number::{Scalar, Vector3};
 
 impl<T: Scalar> Builder<'_, T> {
-    /// Adds the spring, if it has a law, to the part that carries its seat.
+    /// Adds the spring to the part that carries its seat, if the spring has a law.
     pub(super) fn spring(&mut self, arms: &[Option<usize>]) {
         let (Some(spring), Some(law)) = (self.mechanism.spring, &self.compliance.spring) else {
             return;
@@ -146,7 +146,7 @@ impl<T: Scalar> Builder<'_, T> {
         self.system.bar = Some(BarPart { foot, seat });
     }
 
-    /// Adds the wheel's side of the subframe. Returns the locations of its mounts.
+    /// Adds the side of the subframe at this wheel. Returns the locations of its mounts.
     pub(super) fn subframe(&mut self) -> Vec<BushingPlace> {
         let Some(subframe) = self.of_axle.subframe else {
             return Vec::new();

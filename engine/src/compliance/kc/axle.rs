@@ -1,6 +1,6 @@
 //! Rig tests of both wheels of an axle.
 //!
-//! A wheel's figure is per unit of the load on that wheel, with the sign for a single wheel. A figure of the axle is per
+//! A result of a wheel is per unit of the load on that wheel, with the sign for a single wheel. A result of the axle is per
 //! unit of a force to the vehicle's left at each wheel. Steer is positive to the left. With track t, wheel loads F and
 //! contact points C, roll angle and roll moment are
 //!
@@ -52,10 +52,10 @@ pub struct AxleKcRun<'a> {
     axle: ElasticAxle,
 }
 
-/// Conditions of a station's solution: bar connected, rack locked.
+/// Conditions of a test: bar connected, rack locked.
 pub(crate) type Conditions = (bool, bool);
 
-/// State of a station under some conditions.
+/// State of a station under the conditions of a test.
 pub(crate) struct Here<T: Valued = f64> {
     pub(crate) axle: ElasticAxle<T>,
     pub(crate) at: AxleEquilibrium<T>,
@@ -64,7 +64,7 @@ pub(crate) struct Here<T: Valued = f64> {
     links: Option<(ElasticAxle<T>, AxleEquilibrium<T>)>,
 }
 
-/// Figure of a test, in numbers that can carry derivatives.
+/// Test result, in numbers that can carry derivatives.
 #[derive(Clone, Copy)]
 pub(crate) struct AxleFigure<T> {
     pub(crate) quantity: &'static str,
@@ -115,7 +115,7 @@ impl<T: Scalar> Here<T> {
     }
 }
 
-/// Roll angle and roll moment along opposite travels. Equation (1).
+/// Derivatives of roll angle and roll moment for opposite travels, by equation (1).
 fn roll<T: Scalar>(
     (axle, at): (&ElasticAxle<T>, &AxleEquilibrium<T>),
     by: &[WheelFigures<T>; 2],
@@ -154,7 +154,7 @@ impl<'a> AxleKcRun<'a> {
         })
     }
 
-    /// Hardpoints of the left and the right wheel.
+    /// Hardpoints of the left and of the right wheel.
     fn designs(&self) -> [&[Vector3<f64>]; 2] {
         [&self.designs[0], &self.designs[1]]
     }
@@ -182,7 +182,7 @@ impl<'a> AxleKcRun<'a> {
         parts
     }
 
-    /// Elastic model of the axle, with its bar and its own steering.
+    /// Elastic model of the axle, with its bar and its steering.
     pub(crate) fn axle(&self) -> &ElasticAxle {
         &self.axle
     }
@@ -200,8 +200,8 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// Runs the tests at all stations with tests. A station gives the travels of the left and right wheel, and the rack
-    /// displacement along the study's +y.
+    /// Runs the tests at all stations that have tests. A station gives the travels of the left and right wheel, and the
+    /// rack displacement along the study's +y.
     pub fn run(&self, stations: &[([f64; 2], f64)], tests: &[KcTest]) -> Vec<KcStation> {
         let distance =
             |([left, right], rack): &([f64; 2], f64)| left.abs() + right.abs() + rack.abs();
@@ -212,7 +212,7 @@ impl<'a> AxleKcRun<'a> {
         found
     }
 
-    /// Sign of the study's +y along the kernel's +y.
+    /// Sign that converts a displacement along the study's +y to the kernel's +y.
     pub(super) fn along(&self) -> f64 {
         self.vehicle.suspensions[0].frame.sign(Axis::Y)
     }
@@ -231,7 +231,7 @@ impl<'a> AxleKcRun<'a> {
             softest: None,
         })?;
         let at = axle.at(travels, rack)?;
-        // Only the roll test has a figure of the links alone.
+        // Only the roll test has a result of the links alone.
         let rolls = tests.into_iter().any(|test| test.load == TestLoad::Roll);
         let alone = rolls.then(|| axle.on_its_links()).flatten();
         let links = alone.and_then(|links| {
@@ -286,7 +286,7 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// Inputs for the figures of a wheel. The axes are those of the left wheel, since a rack is common to both.
+    /// Inputs for the results of a wheel. The axes are those of the left wheel, because both wheels share the rack.
     fn sheet(&self, side: Side, has_axis: bool) -> Sheet<'_> {
         Sheet {
             suspension: self.vehicle.suspensions[0],
@@ -338,7 +338,7 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// Figures of a test with their units. Those of the wheels come first.
+    /// Results of a test with their units, first those of the wheels.
     pub fn quantities(&self, test: &KcTest) -> Vec<(&'static str, Unit, KcSubject)> {
         let mut here = Here::of(self.axle.clone(), self.axle.unsolved());
         let figures = self.figures(&mut here, test, None).into_iter();

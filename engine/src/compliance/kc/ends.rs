@@ -6,7 +6,7 @@ use crate::compliance::ends::{EquilibriumEnd, Way};
 use crate::model::LengthUnit;
 
 impl KcTest {
-    /// Both directions of the load.
+    /// Ranges of the search in both directions of the load.
     pub(super) fn ways(&self, length: LengthUnit) -> [Way; 2] {
         match self.load {
             TestLoad::Aligning => Way::of_moment(length),
@@ -16,8 +16,8 @@ impl KcTest {
 }
 
 impl KcRun<'_> {
-    /// Smallest and largest load of a test that the wheel carries. Tests of motions have no load. For their ends, see
-    /// [`crate::compliance::ElasticWheel::travel_ends`] and `rack_ends`.
+    /// Smallest and largest load of a test that the wheel carries. Tests of motions have no load. For the ends of motions,
+    /// see [`crate::compliance::ElasticWheel::travel_ends`] and `rack_ends`.
     pub fn load_ends(&self, test: &KcTest) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
         let at = self.wheel.at(0.0, 0.0)?;
         let (unit, _) = test.unit_load(&self.suspension.vehicle);

@@ -1,5 +1,5 @@
-//! Figures of a test, from derivatives or secants by its load or motion. The figures are in program units. The formulas work over
-//! any number type, so the same formulas give their derivatives with respect to the design.
+//! Results of a test, from derivatives or secants with respect to its load or motion. They are in program units. The
+//! formulas work with any number type, so they also give derivatives with respect to the design.
 
 use super::test::{KcTest, TestLoad};
 use crate::ask::Unit;
@@ -7,10 +7,10 @@ use crate::compliance::{HeldQuantity, WheelFigures};
 use crate::model::{Axis, Side, Suspension};
 use crate::number::Scalar;
 
-/// Displacement per force, in mm/kN, below which the reciprocal gives no stiffness.
+/// Displacement per force, in mm/kN. Below this limit, the reciprocal counts as no stiffness.
 const LEAST_COMPLIANCE: f64 = 1e-9;
 
-/// Figure of a test, with its name.
+/// Test result with its name.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Figure<T> {
     pub(super) quantity: &'static str,
@@ -18,7 +18,7 @@ pub(super) struct Figure<T> {
     pub(super) value: Option<T>,
 }
 
-/// Inputs of the figures apart from the state.
+/// Inputs of the test results, except the state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheet<'a> {
     pub(super) suspension: &'a Suspension,
@@ -32,18 +32,18 @@ pub(super) struct Sheet<'a> {
     pub(super) side: Side,
 }
 
-/// Values of a state from which the figures of a test follow.
+/// Values of a state from which test results are computed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Read<T> {
     /// Derivatives or secants per newton, per newton times length, or per length.
     pub(super) by: Option<WheelFigures<T>>,
-    /// Wheel rate at the contact point, for the ride rate by heave: force per length.
+    /// Wheel rate at the contact point, for the ride rate of a heave test: force per length.
     pub(super) wheel_rate: Option<T>,
     /// Force on the rack along the kernel's +y; `None` without a spring to load the rack.
     pub(super) rack_force: Option<T>,
 }
 
-/// Names of the angles by a load. Caster is left out without a steering axis.
+/// Names of the angles per load. Results without a steering axis omit caster.
 type AngleNames = [&'static str; 4];
 
 const LATERAL: AngleNames = [
@@ -66,7 +66,7 @@ const TRACTION: AngleNames = [
 ];
 
 impl Sheet<'_> {
-    /// Computes the figures of a test.
+    /// Computes the results of a test.
     pub(super) fn figures<T: Scalar>(&self, test: &KcTest, read: &Read<T>) -> Vec<Figure<T>> {
         match test.load {
             TestLoad::Heave => self.by_heave(read),
@@ -118,7 +118,7 @@ impl Sheet<'_> {
         found
     }
 
-    /// Figures that are derivatives with respect to the roll angle. `read` already contains these derivatives.
+    /// Results that are derivatives with respect to the roll angle. `read` already contains these derivatives.
     fn by_roll<T: Scalar>(&self, read: &Read<T>) -> Vec<Figure<T>> {
         let to_left = self.left_sign();
         let steer = read.by.map(|by| by.toe.scaled(to_left));
@@ -150,7 +150,7 @@ impl Sheet<'_> {
             let caster = caster.map(|[caster, _]| caster.scaled(along));
             found.push(figure("caster_by_rack", Unit::AnglePerLength, caster));
         }
-        // Without a spring, nothing loads the rack.
+        // Without a spring, the rack has no load.
         if let Some(force) = read.rack_force {
             found.push(figure("rack_force", Unit::Force, Some(force.scaled(along))));
         }
@@ -239,7 +239,7 @@ impl Sheet<'_> {
         moving.map(|d| d.one() / d)
     }
 
-    /// Rate of wheel and tyre in series.
+    /// Ride rate: wheel rate and tyre rate in series.
     fn ride_rate<T: Scalar>(&self, rate: Option<T>) -> Option<T> {
         let rate = rate?;
         let tyre = rate.constant(self.tyre_rate?);

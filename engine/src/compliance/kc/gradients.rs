@@ -1,4 +1,5 @@
-//! Figures and wheel angles at a station with their derivatives with respect to the design, for tuning and sensitivities.
+//! Test results and wheel angles at a station, and their derivatives with respect to the design, for tuning and
+//! sensitivities.
 
 use super::figures::{Figure, Read, Sheet};
 use super::test::{KcTest, TestLoad};
@@ -11,31 +12,31 @@ use crate::compliance::{
 use crate::model::Axis;
 use crate::number::{Each, Jet, Scalar, Tape, Tracked, Valued};
 
-/// Value that a station can give.
+/// Value of a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KcValue {
-    /// Figure of a test.
+    /// Result of a test.
     Figure {
-        /// Test of the figure.
+        /// Test that gives the result.
         test: KcTest,
-        /// Name of the figure.
+        /// Name of the result.
         quantity: &'static str,
         /// True for the secant over the window, false for the derivative at the station.
         is_secant: bool,
     },
     /// Characteristic of the wheel in the equilibrium.
     Wheel(Characteristic),
-    /// Derivative of a characteristic by wheel travel along the equilibrium.
+    /// Derivative of a characteristic with respect to wheel travel, in equilibrium.
     WheelRate(Characteristic),
 }
 
-/// Reader for the values of one state. It forms each tangent once.
+/// Reader for the values of one state. It computes each tangent once.
 pub(super) struct Station<'s, T: Valued> {
     pub(super) wheel: &'s ElasticWheel<T>,
     pub(super) sheet: Sheet<'s>,
     pub(super) at: Equilibrium<T>,
     tangents: [Option<Option<Tangent<T>>>; 2],
-    /// Inputs of characteristics along wheel travel, once computed.
+    /// Inputs of characteristics along wheel travel; `None` until they are computed.
     by_travel: Option<Option<Inputs<Jet<T, 2>>>>,
 }
 
@@ -118,7 +119,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         wheel.figures_along(self.tangent(test.held)?, &change)
     }
 
-    /// Reads the values from which the figures of a test follow. `by` has the derivatives or secants.
+    /// Reads the values from which test results are computed. `by` has the derivatives or secants.
     fn read(&mut self, test: &KcTest, by: Option<WheelFigures<T>>) -> Read<T> {
         let needs_rate = test.load == TestLoad::Heave && self.sheet.tyre_rate.is_some();
         let has_spring = test.load == TestLoad::Steering && self.wheel.spring(&self.at).is_some();
@@ -129,14 +130,14 @@ impl<'s, T: Scalar> Station<'s, T> {
         }
     }
 
-    /// Figures of a test at the station.
+    /// Results of a test at the station.
     pub(super) fn figures(&mut self, test: &KcTest) -> Vec<Figure<T>> {
         let by = self.by(test);
         let read = self.read(test, by);
         self.sheet.figures(test, &read)
     }
 
-    /// Figures of a test, from secants.
+    /// Results of a test, from secants.
     pub(super) fn secants(&mut self, test: &KcTest, by: Option<WheelFigures<T>>) -> Vec<Figure<T>> {
         let read = self.read(test, by);
         self.sheet.figures(test, &read)
@@ -157,7 +158,7 @@ impl<'s, T: Scalar> Station<'s, T> {
 /// Value at a station, with its derivatives with respect to some inputs.
 #[derive(Clone, Copy, Debug)]
 pub struct KcGradient<'g> {
-    /// Index of the value among the requested ones.
+    /// Index of the value among the requested values.
     pub number: usize,
     /// Value at the station; `None` if it does not exist.
     pub value: Option<f64>,
@@ -166,8 +167,8 @@ pub struct KcGradient<'g> {
 }
 
 impl KcRun<'_> {
-    /// Values at a station with their derivatives with respect to inputs. The station has a travel, and a rack displacement along the
-    /// study's +y.
+    /// Values at a station with their derivatives with respect to inputs. The station has a travel, and a rack displacement
+    /// along the study's +y.
     pub fn gradients(
         &self,
         [travel, rack]: [f64; 2],
@@ -220,8 +221,8 @@ impl KcRun<'_> {
         Ok(self.values_at(&at, wanted, |_, _| None))
     }
 
-    /// Values in an equilibrium without horizontal loads. `known` gives equilibria at the ends of a test's window, if they are
-    /// known: for its negative (0) and its positive end (1).
+    /// Values in an equilibrium without horizontal loads. `known` gives the equilibrium at the negative end (0) or the
+    /// positive end (1) of a test's window, if it is already known.
     pub(crate) fn values_at(
         &self,
         at: &Equilibrium,
@@ -232,7 +233,7 @@ impl KcRun<'_> {
         station.values(wanted, |test| self.window_secant(at, test, &known))
     }
 
-    /// Loads that the ends of a test's window add to the loads of the station.
+    /// Loads at the ends of a test's window, in addition to the loads of the station.
     pub(crate) fn window_loads(&self, test: &KcTest) -> [WheelLoads; 2] {
         let (unit, _) = test.unit_load(&self.suspension.vehicle);
         [-1.0, 1.0].each(|sign: f64| end_loads(&unit, sign * test.window))

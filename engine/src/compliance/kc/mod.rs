@@ -1,8 +1,9 @@
 //! Tests of a kinematics and compliance rig on one wheel, and on both wheels of an axle (`axle.rs`).
 //!
 //! At a station (travel, rack) the wheel is in equilibrium without horizontal loads, with its height held. From this state,
-//! a test changes a load, or travel or rack, and its figures are derivatives by this change. A window gives secants, and
-//! levels are the equilibria between the ends of the window. All figures are those of a left wheel in ISO 8855 axes.
+//! a test changes a load, the travel or the rack. Its results are derivatives with respect to this change. The window of a
+//! test gives secants, and its levels are equilibria between the ends of the window. All results are those of a left wheel
+//! in ISO 8855 axes.
 
 mod axle;
 mod ends;
@@ -31,10 +32,10 @@ use crate::number::{Each, Scalar, Vector3, array_of};
 use figures::{Read, Sheet};
 use gradients::Station;
 
-/// Figure of a test.
+/// Test result.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KcFigure {
-    /// Name of the figure.
+    /// Name of the result.
     pub quantity: &'static str,
     /// Unit of value and secant.
     pub unit: Unit,
@@ -42,11 +43,11 @@ pub struct KcFigure {
     pub value: Option<f64>,
     /// Secant over the window.
     pub secant: Option<f64>,
-    /// Part of the axle to which the figure belongs.
+    /// Wheel or axle to which the result belongs.
     pub of: KcSubject,
 }
 
-/// Part to which a figure belongs.
+/// Wheel or axle to which a result belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum KcSubject {
     /// Single wheel of a study.
@@ -62,7 +63,7 @@ pub enum KcSubject {
 pub struct KcState {
     /// State of the wheel; for an axle, of the left and the right wheel.
     pub wheels: Vec<KcWheelState>,
-    /// Values of the axle as a whole; `None` for a single wheel.
+    /// Values of the whole axle; `None` for a single wheel.
     pub axle: Option<KcAxleState>,
 }
 
@@ -95,11 +96,11 @@ pub struct KcWheelState {
 /// Level of a test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KcLevel {
-    /// Number of the level: 0 without load, negative on the negative side.
+    /// Number of the level: 0 without load, negative for negative loads.
     pub level: i64,
     /// Load at this level.
     pub load: f64,
-    /// Equilibrium, or the reason for its absence.
+    /// Equilibrium, or the reason why it does not exist.
     pub state: Result<KcState, NoEquilibrium>,
 }
 
@@ -110,7 +111,7 @@ pub struct KcOutcome {
     pub test: KcTest,
     /// Point where the load acts.
     pub place: TestPlace,
-    /// Figures of the test.
+    /// Results of the test.
     pub figures: Vec<KcFigure>,
     /// Levels, from the lowest load to the highest; empty without levels.
     pub levels: Vec<KcLevel>,
@@ -127,13 +128,13 @@ pub struct KcStation {
     pub rack: f64,
     /// Outcomes of the tests, or the reason for no equilibrium.
     pub outcomes: Result<Vec<KcOutcome>, NoEquilibrium>,
-    /// Tests of the station with the points of their loads. They are present without an equilibrium as well.
+    /// Tests of the station with the points of their loads. The list is also present without an equilibrium.
     pub tests: Vec<(KcTest, TestPlace)>,
     /// Compliance matrix of the wheel centre, in the study's axes; `None` if the wheel load cannot be held. Rows are
-    /// displacements x, y, z, then rotations; columns are forces, then moments there. For an axle, the left wheel comes
-    /// first, with the anti-roll bar and the steering of the first test.
+    /// displacements x, y, z, then rotations; columns are forces, then moments. For an axle, the left wheel comes first,
+    /// with the anti-roll bar and the steering of the first test.
     pub matrix: Option<Vec<Vec<f64>>>,
-    /// Distance of both wheel centres across the vehicle, for an axle whose first test has an equilibrium.
+    /// Lateral distance between the wheel centres, for an axle whose first test has an equilibrium.
     pub centre_distance: Option<f64>,
 }
 
@@ -188,7 +189,7 @@ impl<'a> KcRun<'a> {
         &self.wheel
     }
 
-    /// Runs the tests at all stations with tests, in the order of the stations.
+    /// Runs the tests at all stations that have tests, in the order of the stations.
     pub fn run(&self, travels: &[f64], racks: &[f64], tests: &[KcTest]) -> Vec<KcStation> {
         let stations = travels
             .iter()
@@ -256,7 +257,7 @@ impl<'a> KcRun<'a> {
         }
     }
 
-    /// Equilibria from the lowest load to the highest. Each starts from its neighbour on the side of zero load.
+    /// Equilibria from the lowest load to the highest. Each equilibrium starts from its neighbour closer to zero load.
     fn levels(&self, at: &Equilibrium, test: &KcTest, load: &WheelLoads) -> Vec<KcLevel> {
         let next = |from: &Equilibrium, force: f64| {
             let loads = end_loads(load, force);
@@ -299,7 +300,7 @@ impl<'a> KcRun<'a> {
     }
 }
 
-/// Stations with tests, each with its tests.
+/// Stations that have tests, each with its tests.
 fn at_stations<S: Copy>(
     stations: &[S],
     distance: impl Fn(&S) -> f64,
@@ -343,7 +344,7 @@ fn unit_at_centre(component: usize) -> WheelLoads {
     load
 }
 
-/// Figures of a study's test, with their units.
+/// Results of a study's test, with their units.
 pub fn quantities(
     suspension: &Suspension,
     compliance: &Compliance,
@@ -369,7 +370,8 @@ pub fn quantities(
         .collect()
 }
 
-/// Levels of a test from the lowest load to the highest. `next` finds the equilibrium under a load from a neighbour.
+/// Levels of a test from the lowest load to the highest. `next` finds the equilibrium under a load, from a neighbouring
+/// equilibrium.
 fn levels<E: Copy>(
     at: &E,
     test: &KcTest,
@@ -381,7 +383,7 @@ fn levels<E: Copy>(
     let mut sides = [Vec::new(), Vec::new()];
     for (sign, side) in [-1, 1].into_iter().zip(&mut sides) {
         let mut before = Ok(*at);
-        // Sum of the levels reached, with the fraction of the level that failed.
+        // Number of levels that the search reached, including the fraction of the level that failed.
         let mut reached = 0.0;
         for step in 1..=count {
             let level = sign * step;
@@ -406,7 +408,7 @@ fn levels<E: Copy>(
     low
 }
 
-/// Loads of an end: a multiple of a unit load.
+/// Loads at an end of a window: a multiple of a unit load.
 fn end_loads(unit: &WheelLoads, factor: f64) -> WheelLoads {
     let mut loads = WheelLoads::none(0.0).plus(unit, factor);
     loads.trail = unit.trail;
@@ -426,7 +428,7 @@ fn secant(levels: &[KcLevel], wheel: usize) -> Option<WheelFigures> {
     Some(quotient(&a, &b, inverse))
 }
 
-/// Difference of two states, times a factor.
+/// Difference of two states, multiplied by a factor.
 fn quotient<T: Scalar>(a: &WheelFigures<T>, b: &WheelFigures<T>, factor: T) -> WheelFigures<T> {
     let of = |a: T, b: T| (b - a) * factor;
     let steering = match (a.steering, b.steering) {

@@ -1,9 +1,9 @@
-//! Names of the figures of tests.
+//! Names of test results.
 
 use super::TestLoad;
 
-/// Names of all figures with the load of their test, without the additions of [`crate::axle::TestFigure::stem`]. Tests with two
-/// different loads may have the same figure.
+/// Names of all test results for each load, without the additions of [`crate::axle::TestFigure::stem`]. Tests with
+/// different loads may have results of the same name.
 const FIGURES: &[(TestLoad, &[&str])] = &[
     (
         TestLoad::Heave,
@@ -86,7 +86,7 @@ const FIGURES: &[(TestLoad, &[&str])] = &[
     ),
 ];
 
-/// Figures that describe the whole axle. The figures of a roll test do so, too, and are not repeated here.
+/// Results that describe the whole axle. All results of a roll test also do so, but are not in this list.
 const OF_AXLES: [&str; 4] = [
     "axle_steer_by_lateral_force",
     "understeer_by_lateral_force",
@@ -94,7 +94,7 @@ const OF_AXLES: [&str; 4] = [
     "understeer_by_aligning_moment",
 ];
 
-/// Names of all figures, each once.
+/// Names of all test results, each once.
 pub fn figure_names() -> Vec<&'static str> {
     let mut names = Vec::new();
     for name in FIGURES.iter().flat_map(|(_, names)| *names) {
@@ -105,13 +105,13 @@ pub fn figure_names() -> Vec<&'static str> {
     names
 }
 
-/// Names of the figures of tests with this load.
+/// Names of the results of tests with this load.
 pub fn figures_by(load: TestLoad) -> &'static [&'static str] {
     let found = FIGURES.iter().find(|(own, _)| *own == load);
     found.map_or(&[], |(_, names)| names)
 }
 
-/// Loads of the tests that have this figure.
+/// Loads of the tests that have this result.
 pub fn loads_of_figure(figure: &str) -> impl Iterator<Item = TestLoad> {
     let with = FIGURES
         .iter()
@@ -119,12 +119,12 @@ pub fn loads_of_figure(figure: &str) -> impl Iterator<Item = TestLoad> {
     with.map(|(load, _)| *load)
 }
 
-/// Returns true for a figure that needs both wheels of an axle.
+/// Returns true for a result that needs both wheels of an axle.
 pub fn is_figure_of_axles(figure: &str) -> bool {
     OF_AXLES.contains(&figure) || figures_by(TestLoad::Roll).contains(&figure)
 }
 
-/// Additions to the name of a figure, and the keys of the test that cause them.
+/// Additions to the name of a result, and the keys of the test that cause them.
 const ADDITIONS: [(&str, &str); 7] = [
     ("_wheel_height", "hold = \"wheel_height\""),
     ("_wheel_load", "hold = \"wheel_load\""),
@@ -135,8 +135,8 @@ const ADDITIONS: [(&str, &str); 7] = [
     ("_locked_rack", "steering = \"locked_rack\""),
 ];
 
-/// Splits the name of a figure in a study: the figure, and the keys of its test beside the load. `None` if no test gives such a
-/// name.
+/// Splits the name of a test result in a study into the result and the keys of its test, without the load. `None` if no
+/// test has a result of this name.
 pub fn figure_and_keys(name: &str) -> Option<(&'static str, Vec<String>)> {
     let loads = FIGURES.iter().map(|(load, _)| format!("_{}", load.name()));
     let mut without_load = loads.filter_map(|end| name.strip_suffix(&end));
@@ -169,16 +169,17 @@ fn figure_and_additions(name: &str) -> Option<(&'static str, Vec<String>)> {
     Some((figure, keys))
 }
 
-/// Beginnings of the names of figures whose sign follows the study's y axis: they are by a displacement of the rack, or forces along it.
+/// Prefixes of the names of results whose sign follows the study's y axis: derivatives with respect to the rack
+/// displacement, and forces along the rack.
 const ALONG_Y: [&str; 3] = ["steer_by_rack", "caster_by_rack", "rack_force"];
 
-/// Returns true for a figure that changes its sign if the study's y axis points to the other side.
+/// Returns true for a result that changes its sign if the study's y axis points to the other side.
 pub fn follows_y_axis(figure: &str) -> bool {
     ALONG_Y.iter().any(|start| figure.starts_with(start))
 }
 
-/// Beginnings and parts of the names of figures, each with the meaning of a positive value. The first one that a name contains
-/// counts.
+/// Prefixes and fragments of the names of results, each with the meaning of a positive value. The first entry that a name
+/// contains applies.
 const SIGNS: &[(&str, &str)] = &[
     ("toe_by", "toe-in"),
     ("camber_by", "top outboard"),
@@ -199,7 +200,7 @@ const SIGNS: &[(&str, &str)] = &[
     ("rate", "load grows as the contact point rises"),
 ];
 
-/// Meaning of a positive value of a figure. The name may have a side before it and the test's trail after it.
+/// Meaning of a positive value of a test result. The name may start with a side and end with the test's trail.
 pub fn sign_of_figure(name: &str) -> &'static str {
     let mut signs = SIGNS.iter();
     let own = signs.find(|(part, _)| name.contains(part));

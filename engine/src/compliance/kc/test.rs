@@ -56,11 +56,11 @@ impl TestLoad {
 pub enum TestPlace {
     /// No point, because the test is a motion.
     Nowhere,
-    /// Contact point, or a point behind it by the trail.
+    /// Contact point, or a point at the trail's distance behind it.
     ContactPoint,
     /// Wheel centre.
     WheelCentre,
-    /// No point, since the load is a moment.
+    /// No point, because the load is a moment.
     Moment,
 }
 
@@ -89,7 +89,7 @@ impl TestMode {
     }
 }
 
-/// Trail of the second lateral test of studies that name no tests, mm.
+/// Trail of the second default lateral test, mm.
 const DEFAULT_TRAIL: f64 = 30.0;
 
 /// One rig test.
@@ -116,13 +116,13 @@ pub struct KcTest {
 }
 
 impl KcTest {
-    /// True if the test has levels of a load. Motions have none.
+    /// Returns true if the test has levels. Tests of motions have no levels.
     pub(super) fn has_levels(&self) -> bool {
         !self.load.is_motion() && self.levels > 0
     }
 
-    /// Part of the names of figures for the trail, such as `_trail_30`; empty without a trail. It has six digits, so rounding in a
-    /// conversion of units does not change it.
+    /// Suffix of result names for the trail, such as `_trail_30`; empty without a trail. It has six digits, so rounding in
+    /// unit conversions does not change it.
     pub fn trail_suffix(&self) -> String {
         match self.trail {
             0.0 => String::new(),
@@ -151,8 +151,8 @@ impl KcTest {
         }
     }
 
-    /// Tests of a study that names none: motions, and loads if parts are elastic. Without elastic parts, only loads with
-    /// jacking remain.
+    /// Default tests of a study: motions, and loads if the study has elastic parts. Without elastic parts, only loads that
+    /// cause jacking remain.
     pub fn defaults(is_rigid: bool, has_spring: bool, length: LengthUnit) -> Vec<KcTest> {
         let test = |load| KcTest::new(load, length);
         let mut tests = vec![
@@ -174,7 +174,7 @@ impl KcTest {
         tests
     }
 
-    /// Tests of an axle that names none: motions, and loads on both wheels, parallel and opposed.
+    /// Default tests of an axle: motions, and loads on both wheels, parallel and opposed.
     pub fn defaults_of_axle(
         is_rigid: bool,
         has_spring: bool,
@@ -207,7 +207,7 @@ impl KcTest {
         tests
     }
 
-    /// Conditions of an axle: bar connected, rack locked.
+    /// Conditions of the test on an axle: bar connected, rack locked.
     pub fn conditions(&self) -> (bool, bool) {
         (self.has_bar, self.locks_rack)
     }
@@ -264,7 +264,7 @@ impl KcTest {
     /// Input that the test changes, per unit.
     pub(super) fn change(&self, vehicle: &VehicleFigures) -> Change {
         match self.load {
-            // A single wheel has no roll, and studies refuse that test.
+            // A study of a single wheel cannot have a roll test.
             TestLoad::Heave | TestLoad::Roll => Change::Travel,
             TestLoad::Steering => Change::Rack,
             _ => Change::Load(self.unit_load(vehicle).0),

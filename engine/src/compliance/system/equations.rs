@@ -21,11 +21,11 @@ pub(in crate::compliance) struct Equations<T: Valued> {
     pub(in crate::compliance) followers: [Followers<T>; MOST_LIMBS],
     /// Unbalanced forces on inner unknowns.
     pub(in crate::compliance) inner: [[T; 7]; MOST_LIMBS],
-    /// First part that is unstable by itself, in any lane.
+    /// First part that alone is unstable, in any lane.
     pub(in crate::compliance) unstable: Option<usize>,
-    /// Lanes in which every part is stable by itself.
+    /// Lanes in which every part alone is stable.
     pub(in crate::compliance) is_stable: MaskOf<T>,
-    /// First part with a motion without stiffness, in any lane.
+    /// First part that has a motion without stiffness, in any lane.
     pub(in crate::compliance) loose: Option<usize>,
     joints: usize,
 }
@@ -40,8 +40,7 @@ pub(in crate::compliance) enum Singular {
 }
 
 impl<T: Valued> Equations<T> {
-    /// Makes equations for this many rigid joints, without forces and rows. External forces that hold the carrier are
-    /// included.
+    /// Makes equations for this number of rigid joints. They contain only the external forces that hold the carrier.
     #[inline(always)]
     pub(in crate::compliance) fn empty(like: T, joints: usize, held: Option<&Held<T>>) -> Self {
         let zero = like.zero();
@@ -60,7 +59,7 @@ impl<T: Valued> Equations<T> {
         equations
     }
 
-    /// Prepares the same equations for another state.
+    /// Resets the equations for another state.
     #[inline(always)]
     pub(super) fn clear(&mut self) {
         let zero = self.residual[0].zero();
@@ -136,8 +135,8 @@ impl<T: Valued> Equations<T> {
         )
     }
 
-    /// Computes all unknowns from those of equation (1). With `is_rate`, they are rates along a motion in which forces stay in
-    /// balance.
+    /// Computes all unknowns from the unknowns of equation (1). With `is_rate`, they are rates along a motion in which
+    /// forces stay in balance.
     #[inline(always)]
     pub(in crate::compliance) fn step(&self, solution: &[T; MOST], is_rate: bool) -> Step<T> {
         let carrier: [T; 6] = array_of(|i| solution[i]);

@@ -1,4 +1,4 @@
-//! Unknowns of a system, and a step in them.
+//! Unknowns of a system, and a step of the unknowns.
 
 use super::super::algebra::Placed;
 use super::super::limb::{LimbState, LimbStep};

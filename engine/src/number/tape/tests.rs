@@ -24,8 +24,8 @@ fn agrees_with_dual_numbers() {
     });
 }
 
-/// A tape may be used inside another one, and tapes may be dropped in any order. Each starts with its own inputs, and the
-/// last leaves an empty record.
+/// A tape may be used inside another one, and tapes may be dropped in any order. Each tape starts with its own inputs, and
+/// the record is empty after the last tape.
 #[test]
 fn tapes_share_a_record() {
     let gradient = |tape: &Tape, of: Tracked<'_>| {
@@ -51,7 +51,7 @@ fn tapes_share_a_record() {
     assert_eq!(RECORD.with_borrow(|record| record.nodes.len()), 0);
 }
 
-/// Results that share a pass have the same bits as results of separate passes. Some results are constants or inputs, or have
+/// Results that share a pass are bit-identical to results of separate passes. Some results are constants or inputs, or have
 /// undefined slopes.
 #[test]
 fn results_do_not_touch_each_other() {

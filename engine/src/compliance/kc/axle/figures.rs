@@ -1,4 +1,4 @@
-//! Figures of the wheels and of the axle as a whole.
+//! Test results of the wheels and of the whole axle.
 
 use super::super::figures::Read;
 use super::super::test::{KcTest, TestLoad, TestMode};
@@ -10,7 +10,7 @@ use crate::model::{AxlePosition, Side};
 use crate::number::{Each, Scalar};
 
 impl AxleKcRun<'_> {
-    /// Computes the figures of a test, first those of the wheels.
+    /// Computes the results of a test, first those of the wheels.
     pub(crate) fn figures<T: Scalar>(
         &self,
         here: &mut Here<T>,
@@ -31,7 +31,7 @@ impl AxleKcRun<'_> {
         figures
     }
 
-    /// Derivatives of both wheels by the load or motion, each in the frame of its side.
+    /// Derivatives of both wheels with respect to the load or motion, each in the frame of its side.
     fn derivatives<T: Scalar>(
         &self,
         here: &mut Here<T>,
@@ -59,7 +59,7 @@ impl AxleKcRun<'_> {
         secants: Option<[WheelFigures<T>; 2]>,
     ) -> Vec<AxleFigure<T>> {
         let one = here.axle.travel(&here.at, Side::Left).one();
-        // These factors convert derivatives to those per unit load on the wheel itself.
+        // These factors convert the derivatives to derivatives per unit load on the wheel itself.
         let units = match test.load {
             TestLoad::Heave | TestLoad::Steering => [one; 2],
             TestLoad::Roll => match &by {
@@ -68,7 +68,7 @@ impl AxleKcRun<'_> {
             },
             _ => test.factors().each(|factor| one.scaled(factor)),
         };
-        // Wheel load per rise of the contact point, as both wheels rise together.
+        // Wheel load per rise of the contact point while both wheels rise together.
         let rates = by.filter(|_| test.load == TestLoad::Heave);
         let rates = rates.map(|by| by.each(|by| by.vertical / by.contact.z));
         let mut found = Vec::new();
@@ -102,7 +102,7 @@ impl AxleKcRun<'_> {
         found
     }
 
-    /// Computes the figures of the axle as a whole.
+    /// Computes the test results of the whole axle.
     fn axle_figures<T: Scalar>(
         &self,
         here: &Here<T>,

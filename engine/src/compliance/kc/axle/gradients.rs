@@ -1,4 +1,4 @@
-//! Derivatives of the figures of an axle by its design.
+//! Derivatives of an axle's test results with respect to its design.
 
 use super::super::{KcTest, quotient};
 use super::{AxleKcRun, Conditions, Here};
@@ -6,13 +6,13 @@ use crate::compliance::{AxleOnTape, AxleParameter, Parameter, WheelFigures};
 use crate::model::Side;
 use crate::number::{Each, Tape, Tracked};
 
-/// Derivatives of a figure, and those of its secant; `None` without a value.
+/// Derivatives of a test result and of its secant; `None` without a value.
 pub type FigureGradients = [Option<Vec<f64>>; 2];
 
 impl AxleKcRun<'_> {
-    /// Derivatives of the figures of tests at a station by inputs, for each test in the order of its outcome. Hardpoints and
-    /// parts of both wheels change together. Tests under the same conditions share the station's equilibrium and its tape.
-    /// The rack displacement is along the study's +y. `None` if the station has no equilibrium.
+    /// Derivatives of test results at a station with respect to inputs, for each test in the order of its outcome.
+    /// Hardpoints and parts of both wheels change together. Tests under the same conditions share the station's equilibrium
+    /// and its tape. The rack displacement is along the study's +y. `None` if the station has no equilibrium.
     pub fn gradients(
         &self,
         travels: [f64; 2],
@@ -61,8 +61,9 @@ impl AxleKcRun<'_> {
         Some(gradients)
     }
 
-    /// Derivatives of the secants of a test by the first `inputs` numbers on the tape. The window's ends leave the tape again:
-    /// a tape with the ends of all tests would not fit into the processor's cache. The station must have its tangents.
+    /// Derivatives of a test's secants with respect to the first `inputs` numbers on the tape. Afterwards the function
+    /// removes the window's ends from the tape, because a tape with the ends of all tests would not fit into the
+    /// processor's cache. The station must have its tangents.
     fn secant_gradients<'t>(
         &self,
         plain: &Here,

@@ -1,7 +1,7 @@
-//! Figures of the links of a solid axle: their tensions, and their contribution to roll stiffness.
+//! Test results of a solid axle's links: their tensions, and their contribution to roll stiffness.
 //!
-//! A solid axle on five links cannot roll without stretching the links. The stiffness from this constraint is that of the axle
-//! without springs and anti-roll bar. It is zero if the links allow roll without stretching.
+//! A solid axle on five links cannot roll without a change of the links' lengths. This contribution is the roll stiffness
+//! without springs and anti-roll bar. It is zero if the links allow roll at constant lengths.
 
 use super::{AxleFigure, AxleKcRun, Here, roll};
 use crate::ask::Unit;
@@ -17,13 +17,14 @@ const TENSIONS: [(&str, &str); 3] = [
 ];
 
 impl AxleKcRun<'_> {
-    /// Tensions of the links that exist on each half.
+    /// Tensions of the links on each half.
     pub(super) fn wheel_tensions<T: Scalar>(&self, here: &Here<T>) -> Vec<AxleFigure<T>> {
         let of_side = |side| self.tensions(here, side).into_iter().filter(is_of_wheel);
         Side::ALL.into_iter().flat_map(of_side).collect()
     }
 
-    /// Figures of the links of the whole axle: tensions of those that exist only once, and the roll stiffness without springs.
+    /// Results of the whole axle's links: tensions of the links that exist only once, and the roll stiffness without
+    /// springs.
     pub(super) fn link_figures<T: Scalar>(&self, here: &Here<T>) -> Vec<AxleFigure<T>> {
         if !here.axle.is_joined() {
             return Vec::new();
@@ -75,7 +76,7 @@ fn is_of_wheel<T>(figure: &AxleFigure<T>) -> bool {
     matches!(figure.of, KcSubject::Wheel(_))
 }
 
-/// Roll moment by roll angle of the axle on its links alone.
+/// Roll moment per roll angle of the axle on its links alone.
 fn roll_stiffness<T: Scalar>(here: &Here<T>) -> Option<T> {
     let (axle, at) = here.links.as_ref()?;
     let one = axle.travel(at, Side::Left).one();

@@ -1,22 +1,23 @@
 //! Forces at the mounts and in the cross member of a twist beam under a load.
 //!
-//! The model is that of `model/twist_beam.rs`. A mount holds its half in x and z. Both mounts move sideways by equal distances in
-//! opposite directions, so the forces on them along y are equal. The far mount M has three rods: to two points of the hinge, and to a
-//! point of the far half. Their pulls, with the tensions t along the unit vectors u towards M, add up to the force of the body
+//! The model is that of `model/twist_beam.rs`. A mount holds its half in x and z. Both mounts move sideways by equal
+//! distances in opposite directions, so the forces on them along y are equal. The far mount M has three rods: to two points
+//! of the hinge, and to a point of the far half. Their pulls, with the tensions t along the unit vectors u towards M, add up
+//! to the force of the body
 //!
 //! ```text
 //! F = sum t u                                                                                    (1)
 //! ```
 //!
-//! on the far half. With A the force of its spring at the place a, or of the support at its wheel centre, the far half is in balance if
-//! it acts on the near half at the shear centre S with
+//! on the far half. With A the force of its spring at the place a, or of the support at its wheel centre, the far half is in
+//! balance if it acts on the near half at the shear centre S with
 //!
 //! ```text
 //! H = F + A,        M_S = (M - S) x F + (a - S) x A                                              (2)
 //! ```
 //!
-//! M_S has no component along the hinge: the torque of the twisted cross member is no reaction to the load. It follows from the position
-//! (`beam_torque`).
+//! M_S has no component along the hinge: the torque of the twisted cross member is no reaction to the load. It follows from
+//! the position (`beam_torque`).
 
 use super::loads::{Balance, Balanced, Reaction};
 use crate::model::{Axis, PointId, Side};

@@ -40,10 +40,10 @@ pub struct Limit {
     pub dependent: Vec<PointId>,
     /// Pose at the fold.
     pub pose: Pose<f64>,
-    /// Derivative of the value by every point of the design.
+    /// Derivative of the value with respect to every point of the design.
     pub gradient: Vec<Vector3<f64>>,
-    /// Derivative of a rack's limit by the drive that is held meanwhile, or of a rigid axle's limit by its other travel. 0 if the
-    /// drive itself moves.
+    /// Derivative of a rack's limit with respect to the drive that is held meanwhile, or of a rigid axle's limit by its
+    /// other travel. 0 if the drive itself moves.
     pub by_drive: f64,
 }
 
@@ -362,7 +362,7 @@ impl Curve<'_> {
         largest.map(|(end, _)| end)
     }
 
-    /// Derivative of the value at a fold by every point of the design.
+    /// Derivative of the value at a fold with respect to every point of the design.
     fn fold_gradient(&self, fold: &CurvePoint) -> Vec<Vector3<f64>> {
         let motion: MotionPoint<f64> = self.motion(fold.value());
         let at = self.configuration(fold);

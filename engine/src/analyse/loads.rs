@@ -15,8 +15,8 @@
 //! A rigid axle has two supports, one at each wheel. The support of the far wheel takes the row of the held travel, which is not
 //! a constraint of the mechanism.
 //!
-//! All of it is generic over the number. On series along a design variable, a force comes with its derivative with respect to that
-//! variable. The factors of the matrix are those of its constant part.
+//! All of it is generic over the number. On series along a design variable, a force comes with its derivative with respect
+//! to that variable. The factors of the matrix are those of its constant part.
 
 mod members;
 

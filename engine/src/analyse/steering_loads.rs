@@ -1,8 +1,8 @@
 //! Tensions of drag link and tie rod under a load.
 //!
 //! The knuckles of a steered axle are rockers. A force on one of them is a wrench on the axle, less the pull of its rod (see
-//! `mechanism/rocker.rs`). With e the kingpin's direction, f a point of it, F the forces at places x and M the couples on the knuckle, and
-//! u the unit vector along the rod from its end n on the knuckle, the tension is
+//! `mechanism/rocker.rs`). With e the kingpin's direction, f a point of it, F the forces at places x and M the couples on
+//! the knuckle, and u the unit vector along the rod from its end n on the knuckle, the tension is
 //!
 //! ```text
 //! k = -e.(sum (x - f) x F + sum M)/(e.(n - f) x u)                                              (1)

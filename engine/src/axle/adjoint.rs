@@ -47,8 +47,8 @@ pub(super) fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usi
     parts.count * N * lines
 }
 
-/// Adds the gradient with respect to every hardpoint of an output to `gradient`. `by` holds the output's derivatives with respect to the numbers of
-/// one line, in the order of [`Reading::on_tape`]. `buffer` has a place for each point.
+/// Adds the gradient with respect to every hardpoint of an output to `gradient`. `by` holds the output's derivatives with
+/// respect to the numbers of one line, in the order of [`Reading::on_tape`]. `buffer` has a place for each point.
 ///
 /// An adjoint pass on series yields the series of S.u_p for any seed series S. The coefficient of e^(N-1-k) of S is the
 /// derivative with respect to the coefficient of e^k. Then the coefficient of e^(N-1) of the result is the required sum.

@@ -16,7 +16,8 @@ use crate::mechanism::NoPose;
 use crate::model::Side;
 use crate::number::{Each, Vector3};
 
-/// Number of terms of the series. Loads contain velocities, and are differentiated with respect to the travel and by the design.
+/// Number of terms of the series. Loads contain velocities, and are differentiated with respect to the travel and with
+/// respect to the design.
 pub(super) const LOAD_TERMS: usize = 3;
 /// Largest number of Newton steps, including steps back.
 const MOST_STEPS: usize = 60;
@@ -83,7 +84,8 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         Err(NoPose::NoLoad)
     }
 
-    /// Adds the gradients of the sum of the wheel loads by the hardpoints of both sides to `into`, times a factor.
+    /// Adds the gradients of the sum of the wheel loads with respect to the hardpoints of both sides to `into`, times a
+    /// factor.
     fn add_load_gradients(
         &mut self,
         placed: &AxlePose,
@@ -100,7 +102,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         })
     }
 
-    /// Derivatives of the mean travel by the hardpoints of both sides, at constant load.
+    /// Derivatives of the mean travel with respect to the hardpoints of both sides, at constant load.
     pub(super) fn heave_by_design(
         &mut self,
         level: f64,

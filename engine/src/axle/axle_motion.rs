@@ -136,8 +136,8 @@ impl AxleMotion {
         wheels.saturating_mul(self.racks.len())
     }
 
-    /// Poses of the stations. Rows are in the order of the study. Combinations are ordered by rack, then heave, then roll angle, which changes fastest. If both travels
-    /// are given, the right one changes fastest.
+    /// Poses of the stations. Rows are in the order of the study. Combinations are ordered by rack, then heave, then roll
+    /// angle, which changes fastest. If both travels are given, the right one changes fastest.
     pub fn placements(&self) -> Vec<Placement> {
         if self.has_rows() {
             let rows = 0..self.stations();

@@ -236,8 +236,9 @@ impl Quantity {
         found
     }
 
-    /// Returns true if an axle of this kind has the quantity. If the wheels of an axle move each other, derivatives with respect to a
-    /// wheel's own travel are not defined. Only a solid axle has an axle line, a pitch angle and an angular velocity.
+    /// Returns true if an axle of this kind has the quantity. If the wheels of an axle move each other, derivatives with
+    /// respect to a wheel's own travel are not defined. Only a solid axle has an axle line, a pitch angle and an angular
+    /// velocity.
     pub fn is_of(self, kind: AxleKind) -> bool {
         use AxleQuantity as A;
         use WheelQuantity as W;

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! In roll f' = n.C_l' + n.C_r', on poses enclosed over the intervals of travel ([`Certifier::over_travels`]). For the
-//! derivative with respect to the roll angle, f' is the track. Sine and cosine of the angle, the design and the radius are enclosed, too.
-//! So the proof concerns the exact axle whose numbers are the given doubles.
+//! derivative with respect to the roll angle, f' is the track. Sine and cosine of the angle, the design and the radius are
+//! enclosed, too. So the proof concerns the exact axle whose numbers are the given doubles.
 
 use super::solver::{AxlePose, Placement};
 use super::{Axle, Ground};

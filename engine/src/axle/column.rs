@@ -20,7 +20,7 @@ pub struct AxleColumn {
     pub of: Of,
     /// The motion by which the column is differentiated; `None` for a value.
     pub by: Option<Motion>,
-    /// True if the derivative is by time, while `by` moves.
+    /// True if the derivative is with respect to time, while `by` moves.
     pub is_by_time: bool,
     /// Order of the derivative; 0 for a value.
     pub order: usize,
@@ -70,7 +70,8 @@ impl AxleColumn {
         }
     }
 
-    /// Quantity or coordinate that the column shows or differentiates. `None` if it has no derivatives with respect to hardpoints.
+    /// Quantity or coordinate that the column shows or differentiates. `None` if it has no derivatives with respect to
+    /// hardpoints.
     pub(super) fn sought(&self) -> Option<Sought> {
         match self.of {
             Of::Quantity(quantity) => Some(Sought::Quantity(quantity)),
@@ -79,9 +80,9 @@ impl AxleColumn {
         }
     }
 
-    /// The column's number in a position, in radians, length units, newtons and seconds, or the reason for its
-    /// absence. `None` for a force, which cannot be read off the position alone. `by_drag_link` are its derivatives with respect to the
-    /// displacement of a steering gear ([`AxleSolver::by_drag_link`](super::AxleSolver)), if it moves with one.
+    /// The column's number in a position, in radians, length units, newtons and seconds, or the reason for its absence.
+    /// `None` for a force, which cannot be read off the position alone. `by_drag_link` are its derivatives with respect to
+    /// the displacement of a steering gear ([`AxleSolver::by_drag_link`](super::AxleSolver)), if it moves with one.
     pub(crate) fn evaluate(
         &self,
         read: &Read,
@@ -180,7 +181,7 @@ impl AxleColumn {
         }
     }
 
-    /// Column for the derivative of this value by the time of a law along a motion.
+    /// Column for the derivative of this value with respect to the time of a law along a motion.
     fn by_time(&self, order: usize, (motion, ..): &ByMotion) -> AxleColumn {
         let unit = per(&self.unit, "s", order);
         let stem = match &self.of {

@@ -99,13 +99,13 @@ pub struct AxleCurves {
 }
 
 impl AxlePlan {
-    /// Highest derivative of a wheel by travel and rack that the plan reads.
+    /// Highest derivative of a wheel with respect to travel and rack that the plan reads.
     pub fn degree(&self) -> usize {
         self.degree_for(!self.sensitivities.is_empty())
     }
 
-    /// Highest derivative of a wheel by travel and rack that the plan reads. `by_design` says whether derivatives with respect to the
-    /// design are computed.
+    /// Highest derivative of a wheel with respect to travel and rack that the plan reads. `by_design` says whether
+    /// derivatives with respect to the design are computed.
     pub(crate) fn degree_for(&self, by_design: bool) -> usize {
         let orders = self.quantities.iter().map(|q| q.rate_order());
         let along = self.derivatives;
@@ -387,7 +387,7 @@ fn gradients<const N: usize>(
     station: usize,
 ) -> Result<Vec<Sensitivity>, NoPose> {
     let mut found = Vec::new();
-    // Derivatives of a rigid axle are by the left half. The right half follows it.
+    // Derivatives of a rigid axle are with respect to the left half. The right half follows it.
     let is_own = axle.right.is_some() && !axle.is_rigid();
     let values = columns.iter().enumerate().filter(|(_, c)| c.by.is_none());
     let sought = values.filter_map(|(column, c)| Some((column, c.sought()?)));

@@ -1,9 +1,10 @@
 //! A wheel as a function of its travels and of one direction of its design.
 //!
-//! With the design d(e) = d_0 + d_1 e + d_2 e^2, each number of a wheel is u(a, b, e). Here a and b are steps of travel and rack, or
-//! of both travels of a rigid axle. Along a line (a, b) = t (p, q) it is a polynomial in t and e. Its coefficients c_ij of t^i e^j
-//! come from power series in s along straight lines (t, e) = s (1, 0), s (0, 1), s (1, 1), s (1, -1), as in module `taylor`. Degree 4
-//! needs one more line, s (2, 1). With A, B and C, the coefficients of s^4 along the last three lines,
+//! With the design d(e) = d_0 + d_1 e + d_2 e^2, each number of a wheel is u(a, b, e). Here a and b are steps of travel and
+//! rack, or of both travels of a rigid axle. Along a line (a, b) = t (p, q) it is a polynomial in t and e. Its coefficients
+//! c_ij of t^i e^j come from power series in s along straight lines (t, e) = s (1, 0), s (0, 1), s (1, 1), s (1, -1), as in
+//! module `taylor`. Degree 4 needs one more line, s (2, 1). With A, B and C, the coefficients of s^4 along the last three
+//! lines,
 //!
 //! ```text
 //! c_22 = (A + B)/2 - c_40 - c_04                                                                                (1)

@@ -12,8 +12,8 @@ use crate::characteristics::{
 use crate::model::Side;
 use crate::number::{Outlined, SimdReal, Vector3, outlined};
 
-/// A wheel read in lanes: its parts and their first derivatives with respect to travel. Derivatives with respect to the rack are available only for
-/// the carrier and, if the axle is rigid, for the axle itself.
+/// A wheel read in lanes: its parts and their first derivatives with respect to travel. Derivatives with respect to the rack
+/// are available only for the carrier and, if the axle is rigid, for the axle itself.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneWheel<'i, B> {
     inputs: &'i Inputs<B>,

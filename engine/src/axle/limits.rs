@@ -166,8 +166,9 @@ impl<const N: usize> AxleSolver<'_, N> {
         AxleEnd { value, side, end }
     }
 
-    /// Finds the rod that is at its toggle, and the side of the knuckle that it turns. On the way to a position, the knuckles turn
-    /// first while the axle rests. So a rod can be at its toggle at rest or in the position. `None` if no rod is.
+    /// Finds the rod that is at its toggle, and the side of the knuckle that it turns. On the way to a position, the
+    /// knuckles turn first while the axle rests. So a rod can be at its toggle at rest or in the position. `None` if no rod
+    /// is.
     fn nearest_toggle(&mut self, placed: &AxlePose) -> Option<(Side, Rod)> {
         self.steer(placed.rack).ok()?;
         let steering = self.axle.left.mechanism.axle_steering()?;

@@ -134,8 +134,8 @@ impl Axle {
         }
     }
 
-    /// Derivative with respect to the displacement of a steered axle's steering gear, from derivatives with respect to every point of both sides: (2) of
-    /// `model/steered_axle.rs`. `None` for other axles.
+    /// Derivative with respect to the displacement of a steered axle's steering gear, from derivatives with respect to every
+    /// point of both sides: (2) of `model/steered_axle.rs`. `None` for other axles.
     pub(crate) fn by_steering_gear(&self, gradients: [&[Vector3<f64>]; 2]) -> Option<f64> {
         let along = |(side, gradient): (Side, &[Vector3<f64>])| {
             let steering = self.suspension(side).mechanism.axle_steering()?;
@@ -241,8 +241,8 @@ impl Axle {
         Some(Side::ALL.map(kept))
     }
 
-    /// Returns true if a set-up adjusts the axle as a whole. Otherwise it adjusts each wheel by itself, or both wheels alike. One body
-    /// carries the wheels, or elastic parts couple wheels that differ.
+    /// Returns true if a set-up adjusts the axle as a whole. Otherwise it adjusts each wheel by itself, or both wheels
+    /// alike. One body carries the wheels, or elastic parts couple wheels that differ.
     pub fn is_set_up_as_a_whole(&self) -> bool {
         let differs = |elastic: &AxleComplianceStudy| {
             let [left, right] = &elastic.parts.wheels;

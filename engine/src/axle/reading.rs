@@ -247,8 +247,8 @@ pub(super) fn zipped<T: Copy, U: Copy>(
 }
 
 impl<const N: usize> Reading<Jet<f64, N>> {
-    /// Makes a wheel whose numbers are series in a variable other than its motion. Its derivatives with respect to travel and rack are
-    /// unknown.
+    /// Makes a wheel whose numbers are series in a variable other than its motion. Its derivatives with respect to travel
+    /// and rack are unknown.
     pub fn without_rates(read: &Snapshot<N>) -> Self {
         let value = |series: Jet<f64, N>| Taylor::through(&[&[series]]);
         Reading::made_of(&read.0, value, |series| series)
@@ -340,20 +340,20 @@ pub trait WheelParts<T: Real>: Copy {
         )
     }
 
-    /// Velocity of the wheel centre and angular velocity of the carrier, by travel.
+    /// Velocity of the wheel centre and angular velocity of the carrier, with respect to travel.
     #[inline(always)]
     fn by_travel(&self) -> [Vector3<T>; 2] {
         self.twist([1, 0])
     }
 
-    /// Velocity of the wheel centre and angular velocity of the carrier by the rack displacement. The height of the wheel
-    /// centre is constant.
+    /// Velocity of the wheel centre and angular velocity of the carrier with respect to the rack displacement. The height of
+    /// the wheel centre is constant.
     #[inline(always)]
     fn by_rack(&self) -> [Vector3<T>; 2] {
         self.twist([0, 1])
     }
 
-    /// Velocity and angular velocity by travel or rack: half the sum of column x rate of column.
+    /// Velocity and angular velocity with respect to travel or rack: half the sum of column x rate of column.
     #[inline(always)]
     fn twist(&self, powers: [usize; 2]) -> [Vector3<T>; 2] {
         outlined!(
@@ -370,8 +370,8 @@ pub trait WheelParts<T: Real>: Copy {
         )
     }
 
-    /// Velocity of the steering axis's point and angular velocity of a steered axle, by travel or rack. With a and b the
-    /// columns along x and y, the angular velocity is a x a' + a (b'.(a x b)).
+    /// Velocity of the steering axis's point and angular velocity of a steered axle, with respect to travel or rack. With a
+    /// and b the columns along x and y, the angular velocity is a x a' + a (b'.(a x b)).
     #[inline(always)]
     fn axle_twist(&self, powers: [usize; 2]) -> [Vector3<T>; 2] {
         outlined!(

@@ -38,11 +38,11 @@ pub struct RockerSprings<T = f64> {
 /// Motion of one wheel's rocker by the wheel's travel, in the frame of its side. Missing parts are NaN.
 #[derive(Clone, Copy, Debug)]
 pub struct RockerMotion<T> {
-    /// End point of the heave spring, and its rate by the wheel's travel.
+    /// End point of the heave spring, and its rate with respect to the wheel's travel.
     pub end: [Vector3<T>; 2],
     /// End point of the heave spring in the design position.
     pub design_end: Vector3<T>,
-    /// Angle of the rocker, and its rate by the wheel's travel.
+    /// Angle of the rocker, and its rate with respect to the wheel's travel.
     pub angle: [T; 2],
 }
 
@@ -59,7 +59,7 @@ pub struct RockerForces<T> {
     pub t_bar: T,
     /// Torque of the heave bar on both rockers, opposite to their angles.
     pub heave_bar: T,
-    /// Rates of the energy by the travels of left and right wheel.
+    /// Rates of the energy with respect to the travels of left and right wheel.
     pub work: [T; 2],
     /// Energy, (1) to (3), relative to the design position.
     pub energy: T,
@@ -116,7 +116,7 @@ impl<T: Real> RockerSprings<T> {
             let along = apart * (length.one() / length);
             let shortened = between(left.design_end, right.design_end).norm() - length;
             let force = law.load + law.rate * shortened;
-            // Rates of the length by both travels. The right wheel's frame is a mirror image.
+            // Rates of the length with respect to both travels. The right wheel's frame is a mirror image.
             let rates = [
                 along.dot(left.end[1]),
                 Vector3::new(-along.x, along.y, -along.z).dot(right.end[1]),

@@ -1,8 +1,8 @@
 //! Positions of an axle as power series in one number e, in which its designs or its steering gear change.
 //!
-//! The poses of both wheels follow from their closure equations, order by order. The travels, or the roll angle, follow from the
-//! condition f = h_l - h_r = 0 on the heights of both contact points. If the roll angle is given, the travels are z +- s(e). If both
-//! travels are given on a plane, the roll angle phi(e) changes:
+//! The poses of both wheels follow from their closure equations, order by order. The travels, or the roll angle, follow from
+//! the condition f = h_l - h_r = 0 on the heights of both contact points. If the roll angle is given, the travels are z +-
+//! s(e). If both travels are given on a plane, the roll angle phi(e) changes:
 //!
 //! ```text
 //! s_k = -f_k/(n.C_l' + n.C_r'),   phi_k = -f_k/track                                           (1)
@@ -10,9 +10,9 @@
 //!
 //! with f_k the coefficient that remains after the lower orders.
 //!
-//! In a solid axle, C_b' is the velocity by the wheel's own share of the difference of travels, and the mean travel is held. In a
-//! steered solid axle, the steering gear displaces the drag link's end. With the displacement s + e and constant designs, the second
-//! coefficients are the halves of the second derivatives with respect to the drag link.
+//! In a solid axle, C_b' is the velocity with respect to the wheel's own share of the difference of travels, and the mean
+//! travel is held. In a steered solid axle, the steering gear displaces the drag link's end. With the displacement s + e and
+//! constant designs, the second coefficients are the halves of the second derivatives with respect to the drag link.
 
 use super::carriers::Carriers;
 use super::reading::{Parts, Reading, Snapshot};
@@ -172,7 +172,7 @@ impl SeriesPosition {
     }
 }
 
-/// First and second derivative of a number by the displacement of a steering gear.
+/// First and second derivative of a number with respect to the displacement of a steering gear.
 pub(crate) type ByGear = [f64; 2];
 
 /// Derivatives of a series.
@@ -196,8 +196,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// Derivatives of these columns by the displacement of a steered axle's steering gear, to second order. The other numbers of the
-    /// station are held. NaN for a quantity of velocities.
+    /// Derivatives of these columns with respect to the displacement of a steered axle's steering gear, to second order. The
+    /// other numbers of the station are held. NaN for a quantity of velocities.
     pub(super) fn second_by_gear<'c>(
         &self,
         axle: &Axle,

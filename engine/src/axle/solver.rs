@@ -65,7 +65,8 @@ pub(super) fn join_results<T>(
     }
 }
 
-/// Callback that receives the index of a requested quantity, and its gradients with respect to the points of the left and right wheel.
+/// Callback that receives the index of a requested quantity, and its gradients with respect to the points of the left and
+/// right wheel.
 pub(super) type ReceiveGradients<'r> = dyn FnMut(usize, [&[Vector3<f64>]; 2]) + 'r;
 
 /// A position that was found.
@@ -198,8 +199,8 @@ impl Read<'_> {
 }
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// Makes a solver for positions in which these quantities are read. `by_rack` requests derivatives with respect to the rack beyond
-    /// those that the quantities need. It fails if a wheel has no solution in the design position.
+    /// Makes a solver for positions in which these quantities are read. `by_rack` requests derivatives with respect to the
+    /// rack beyond those that the quantities need. It fails if a wheel has no solution in the design position.
     pub fn new(
         axle: &'a Axle,
         quantities: &[Quantity],
@@ -303,8 +304,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             .balance(&placed.poses[side as usize], rack, support)
     }
 
-    /// Factors of the Jacobian of each wheel in a position. The steering gear must be at the displacement of this position. `None` if
-    /// a Jacobian is singular.
+    /// Factors of the Jacobian of each wheel in a position. The steering gear must be at the displacement of this position.
+    /// `None` if a Jacobian is singular.
     pub(crate) fn factorised(&self, placed: &AxlePose) -> Option<[Lu6<f64>; 2]> {
         let coordinates = self.coordinates(placed.travels, placed.rack);
         let wheel = |side: Side| {

@@ -159,8 +159,8 @@ impl SpringLaw {
         self.force_over(length, design, |c| length.constant(c))
     }
 
-    /// Energy at a length: integral of the force over the shortening. It counts from the design position, or from the spring's own
-    /// length.
+    /// Energy at a length: integral of the force over the shortening. It counts from the design position, or from the
+    /// spring's own length.
     pub fn energy<T: Scalar>(&self, length: T, design: T) -> T {
         let reference = self.reference(design);
         let shortened = reference - length;

@@ -2,8 +2,8 @@
 //!
 //! An [`AxleState`] holds both wheels as functions of their travels and racks. Along a [`Motion`] the travels, the rack and
 //! the roll angle change at rates that follow from the state itself. [`AxleState::moving`] gives the same state as series
-//! along the motion, and so derivatives of any order. With C' the velocity of the carrier's point at the contact point by
-//! the wheel's own travel, C,r that by the rack, h = n.C, and f = h_l - h_r = 0 on a plane,
+//! along the motion, and so derivatives of any order. With C' the velocity of the carrier's point at the contact point with
+//! respect to the wheel's own travel, C,r that with respect to the rack, h = n.C, and f = h_l - h_r = 0 on a plane,
 //!
 //! ```text
 //! roll        z_l' = -z_r' = -track/F        F = n.C_l' + n.C_r'
@@ -14,8 +14,8 @@
 //! because C is the lowest point: its own motion on the wheel does not change its height.
 //!
 //! Each wheel of a rigid axle moves with both travels. C_b,d and C_b,h are the velocities of the carrier's point at contact
-//! point b by the wheel's own share of the difference (d z_own = -d z_other) and by the mean travel. Then F above contains
-//! C_b,d, and
+//! point b with respect to the wheel's own share of the difference (d z_own = -d z_other) and with respect to the mean
+//! travel. Then F above contains C_b,d, and
 //!
 //! ```text
 //! heave       z_l' = 1 + D,  z_r' = 1 - D        D = -(n.C_l,h - n.C_r,h)/F
@@ -140,25 +140,26 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
         self.reading.centre() + self.contact_lever()
     }
 
-    /// Velocity C' of the carrier's point at C by the wheel's own travel. The wheel does not rotate in its carrier.
+    /// Velocity C' of the carrier's point at C with respect to the wheel's own travel. The wheel does not rotate in its
+    /// carrier.
     #[inline(always)]
     pub fn contact_velocity(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.by_travel())
     }
 
-    /// Velocity of the carrier's point at C by the rack.
+    /// Velocity of the carrier's point at C with respect to the rack.
     #[inline(always)]
     pub fn contact_by_rack(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.by_rack())
     }
 
-    /// Velocity at C by the wheel's own share of the difference of travels, for a rigid axle.
+    /// Velocity at C with respect to the wheel's own share of the difference of travels, for a rigid axle.
     #[inline(always)]
     pub fn contact_by_difference(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.twist(self.carriers.by_difference()))
     }
 
-    /// Velocity at C by the mean travel, for a rigid axle.
+    /// Velocity at C with respect to the mean travel, for a rigid axle.
     #[inline(always)]
     pub fn contact_by_mean(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.twist(self.carriers.by_mean()))
@@ -279,7 +280,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         left.height() - right.height()
     }
 
-    /// Derivatives of the heights of both contact points by the travels of their own wheels.
+    /// Derivatives of the heights of both contact points with respect to the travels of their own wheels.
     #[inline(always)]
     fn rises(&self) -> [T; 2] {
         let [left, right] = self.wheels();

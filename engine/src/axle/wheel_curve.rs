@@ -1,9 +1,9 @@
 //! A wheel of an independent axle as a function of its own travel: piecewise polynomials between poses.
 //!
 //! Newton's method for a car evaluates the same wheels at thousands of travels. A pose takes longer than everything else in
-//! a step. So a wheel is solved only at nodes, one piece apart, with three derivatives with respect to travel. In a piece of length h
-//! from z_0, with t = (z - z_0)/h, each number f is the polynomial of degree 7 with the values and derivatives at both
-//! nodes:
+//! a step. So a wheel is solved only at nodes, one piece apart, with three derivatives with respect to travel. In a piece of
+//! length h from z_0, with t = (z - z_0)/h, each number f is the polynomial of degree 7 with the values and derivatives at
+//! both nodes:
 //!
 //! ```text
 //! p(t) = c_0 + c_1 t + c_2 t^2 + c_3 t^3 + t^4 q(t),     c_k = h^k f^(k)(z_0)/k!                                (1)
@@ -51,8 +51,8 @@ const COLUMNS: usize = 3 * VECTORS.len();
 const NUMBERS: usize = COLUMNS + 9;
 /// Count of all numbers, rounded up to whole bundles of [`LANES`]. The last ones are unused.
 const COUNT: usize = (NUMBERS + SINGLE.len()).next_multiple_of(LANES);
-/// Count of numbers, and of wheels, that are evaluated at a time, on processors with such registers. In wider registers, a part of the last
-/// bundle would be unused.
+/// Count of numbers, and of wheels, that are evaluated at a time, on processors with such registers. In wider registers, a
+/// part of the last bundle would be unused.
 pub(crate) const LANES: usize = 8;
 
 /// All numbers of a wheel for each power of travel. Numbers that are not read are NaN.

@@ -93,7 +93,7 @@ impl Characteristic {
     }
 }
 
-/// Derivative of an angle by the drive, from the rates of its direction. `None` for other characteristics.
+/// Derivative of an angle with respect to the drive, from the rates of its direction. `None` for other characteristics.
 #[inline(always)]
 pub(super) fn by_drive<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<T> {
     let rate = &inputs.rate;

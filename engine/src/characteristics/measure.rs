@@ -2,7 +2,8 @@
 //!
 //! A [`Measure`] has a value in every pose. Geometric measures are formulas of up to six vectors. Each vector is a position
 //! or a direction, in the current pose or in the design position. Each formula is written once, over [`Scalar`]. With
-//! derivative numbers, it gives its derivatives with respect to its vectors. The adjoint turns these into derivatives with respect to the hardpoints.
+//! derivative numbers, it gives its derivatives with respect to its vectors. The adjoint turns these into derivatives with
+//! respect to the hardpoints.
 //!
 //! Values are smooth except at these kinks, where the derivative is that of one side:
 //!
@@ -299,8 +300,8 @@ impl Measure {
         }
     }
 
-    /// Gradients of the shown value, and of its derivatives with respect to the drive up to `highest`, by every hardpoint coordinate.
-    /// `buffer` has a place for each point. `receive` gets every order and point with the gradient.
+    /// Gradients of the shown value, and of its derivatives with respect to the drive up to `highest`, with respect to every
+    /// hardpoint coordinate. `buffer` has a place for each point. `receive` gets every order and point with the gradient.
     ///
     /// The measure's formula f of its vectors v_k gives the seed series df/dv_k. For an angle it is multiplied by
     /// da/dv = 1/sqrt(v (2 - v)).

@@ -1,8 +1,8 @@
 //! Catalogue of wheel characteristics. Each has a name, a unit, a sign, its inputs and one formula.
 //!
 //! The catalogue drives everything that names characteristics: validation of studies, the plan, column names, tables. A
-//! formula is written once, over [`Real`]. With other number types it gives its derivatives with respect to travel and by hardpoint. A
-//! new characteristic is one type in one of the files below and one line in `catalogue!`.
+//! formula is written once, over [`Real`]. With other number types it gives its derivatives with respect to travel and with
+//! respect to hardpoint. A new characteristic is one type in one of the files below and one line in `catalogue!`.
 //!
 //! Everything here is in the kernel's frame: a left wheel, x forward, y left (outboard), z up. Angles are in radians and
 //! lengths in the study's unit. Signs therefore follow [`Info::positive`], for any side and axes of the study.
@@ -177,7 +177,7 @@ fn value_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
     )
 }
 
-/// Derivatives of a formula by all its inputs, slot by slot.
+/// Derivatives of a formula with respect to all its inputs, slot by slot.
 #[inline(never)]
 fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
     let (zero, one) = (inputs.turn.x.zero(), inputs.turn.x.one());

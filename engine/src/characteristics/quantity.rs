@@ -12,14 +12,14 @@ pub enum Quantity {
     Characteristic(Characteristic),
     /// A coordinate of a point.
     Coordinate(PointId, Axis),
-    /// A component of the knuckle's angular velocity by the drive. Its first derivative is the angular
+    /// A component of the knuckle's angular velocity with respect to the drive. Its first derivative is the angular
     /// acceleration.
     AngularVelocity(Axis),
 }
 
 impl Quantity {
-    /// Order of the derivatives with respect to the drive from which the value is computed: 1 for a quantity that contains velocities,
-    /// else 0.
+    /// Order of the derivatives with respect to the drive from which the value is computed: 1 for a quantity that contains
+    /// velocities, else 0.
     #[inline]
     pub fn rate_order(self) -> usize {
         match self {
@@ -55,7 +55,7 @@ impl Quantity {
         matches!(self, Quantity::AngularVelocity(_))
     }
 
-    /// Returns true if the quantity is the derivative of an angle by travel.
+    /// Returns true if the quantity is the derivative of an angle with respect to travel.
     pub fn is_gain(self) -> bool {
         match self {
             Quantity::Characteristic(c) => angle_of_gain(c).is_some(),

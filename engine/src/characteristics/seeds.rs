@@ -22,8 +22,8 @@ impl Slot {
         });
     }
 
-    /// Seeds y(u, u'), which contains velocities, for the series of its derivatives with respect to the hardpoints. `gradient` holds its
-    /// derivatives slot by slot, `turn` is the angular velocity.
+    /// Seeds y(u, u'), which contains velocities, for the series of its derivatives with respect to the hardpoints.
+    /// `gradient` holds its derivatives slot by slot, `turn` is the angular velocity.
     ///
     /// With h and g the derivatives of y by u and u', dy/dp = h.u_p + g.u_p'. An adjoint pass yields the series of S.u_p for
     /// any seed series S. With the coefficients S_i = h_(i-1) + (j+1-i) g_i, its coefficient j+1 is the coefficient j of

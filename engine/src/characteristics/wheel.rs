@@ -189,9 +189,9 @@ impl<T: Copy> DesignWheel<T> {
 pub struct Inputs<T> {
     /// Wheel in the present pose.
     pub now: Wheel<T>,
-    /// Derivatives of `now` by the drive.
+    /// Derivatives of `now` with respect to the drive.
     pub rate: Wheel<T>,
-    /// Angular velocity of the knuckle by the drive.
+    /// Angular velocity of the knuckle with respect to the drive.
     pub turn: Vector3<T>,
     /// Wheel in the design position.
     pub design: DesignWheel<T>,

@@ -66,8 +66,8 @@ impl<const N: usize> WheelReading<N> {
         c.evaluate(&self.inputs)
     }
 
-    /// Derivatives of a quantity, and of its derivatives with respect to the drive up to `highest`, by every hardpoint coordinate.
-    /// `buffer` has a place for each point. `receive` gets every order and point with the gradient.
+    /// Derivatives of a quantity, and of its derivatives with respect to the drive up to `highest`, with respect to every
+    /// hardpoint coordinate. `buffer` has a place for each point. `receive` gets every order and point with the gradient.
     #[inline]
     pub fn gradients(
         &self,
@@ -131,7 +131,8 @@ impl<const N: usize> WheelReading<N> {
     }
 }
 
-/// Passes on the derivatives of gradients with respect to the drive, up to the order `highest`. `buffer` has a gradient for each point.
+/// Passes on the derivatives of gradients with respect to the drive, up to the order `highest`. `buffer` has a gradient for
+/// each point.
 pub(super) fn each_derivative<const N: usize>(
     buffer: &[Vector3<Jet<f64, N>>],
     highest: usize,

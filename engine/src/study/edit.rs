@@ -25,7 +25,8 @@ impl Study {
     }
 
     /// Returns a built suspension ([`crate::assembly`]) as the text of a study. If angles give the spin axis of the study, a
-    /// `spindle_inner` replaces them, because the axis of a build runs through points. The hinge of a twist beam gets its second point.
+    /// `spindle_inner` replaces them, because the axis of a build runs through points. The hinge of a twist beam gets its
+    /// second point.
     pub fn with_built(&self, built: &Suspension) -> String {
         let text = self.with_design(&built.design);
         let mechanism = &built.mechanism;
@@ -55,8 +56,8 @@ impl Study {
         document.to_string()
     }
 
-    /// Returns a built axle as the text of a study, with every hardpoint of the right wheel written out. For a solid axle, these are the
-    /// hardpoints of its right half.
+    /// Returns a built axle as the text of a study, with every hardpoint of the right wheel written out. For a solid axle,
+    /// these are the hardpoints of its right half.
     pub fn with_built_axle(&self, [left, right]: [&Suspension; 2]) -> String {
         let text = self.with_built(left);
         let Ok(mut document) = text.parse::<DocumentMut>() else {

@@ -81,7 +81,8 @@ fn degrees(angle: f64) -> f64 {
 }
 
 impl Motion {
-    /// Rack displacement of the design position: straight ahead if the study moves the rack, else the study's single displacement.
+    /// Rack displacement of the design position: straight ahead if the study moves the rack, else the study's single
+    /// displacement.
     pub fn design_rack(&self) -> f64 {
         if self.rack_moves { 0.0 } else { self.rack[0] }
     }

@@ -23,8 +23,8 @@ pub struct Adjustment {
     pub name: String,
     /// Dimension, and its change in the kernel's frame per unit of the adjustment.
     pub change: (BuildParameter, f64),
-    /// Half of an axle that has the dimension, if the axle is set up as a whole. `None` for both wheels alike, and for a part that exists
-    /// only once.
+    /// Half of an axle that has the dimension, if the axle is set up as a whole. `None` for both wheels alike, and for a
+    /// part that exists only once.
     pub side: Option<Side>,
     /// The same change in the mechanism of a solid axle's other wheel. `None` if that wheel does not have the part.
     pub seen_from_other: Option<(BuildParameter, f64)>,
@@ -127,8 +127,8 @@ pub struct Source {
     pub rate: Option<Rate>,
     /// Distribution of the scatter.
     pub law: Law,
-    /// For an axle: the wheel whose dimensions these are, in the kernel's frame of its side. `None` for a part that both wheels share;
-    /// the left wheel then gives its dimensions.
+    /// For an axle: the wheel whose dimensions these are, in the kernel's frame of its side. `None` for a part that both
+    /// wheels share; the left wheel then gives its dimensions.
     pub side: Option<Side>,
     /// The same dimensions in the mechanism of a solid axle's other wheel. Empty for other vehicles.
     pub seen_from_other: Vec<(BuildParameter, f64)>,

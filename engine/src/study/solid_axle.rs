@@ -145,8 +145,8 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     sound
 }
 
-/// Bushings of an axle on five links whose parts are assembled. The misfit of the parts stretches links, and a bushing gives a link no
-/// axial stiffness there.
+/// Bushings of an axle on five links whose parts are assembled. The misfit of the parts stretches links, and a bushing gives
+/// a link no axial stiffness there.
 fn bushings_of_five_links(file: &File, suspension: &Suspension) -> Refused<'static> {
     let is_assembled = file.tolerance.is_some() || file.setup.is_some();
     let is_refused = is_assembled && suspension.mechanism.has_extra_links();

@@ -253,7 +253,8 @@ impl Rate {
         }
     }
 
-    /// Rate after a change, and its derivative with respect to the change. If the rate is relative, the change is a fraction of it.
+    /// Rate after a change, and its derivative with respect to the change. If the rate is relative, the change is a fraction
+    /// of it.
     pub fn scattered(&self, change: f64) -> [f64; 2] {
         if self.is_relative {
             [self.design * (1.0 + change), self.design]

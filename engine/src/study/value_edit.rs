@@ -157,8 +157,8 @@ fn replace(old: &mut Value, new: &Json) -> Option<()> {
     Some(())
 }
 
-/// Changes, removes or adds an entry of a list. A comment after an entry, on the same line, is removed with it. Comments above the
-/// first entry may belong to the whole list, so they stay.
+/// Changes, removes or adds an entry of a list. A comment after an entry, on the same line, is removed with it. Comments
+/// above the first entry may belong to the whole list, so they stay.
 fn set_entry(list: &mut Array, at: usize, value: Option<&Json>) -> Option<()> {
     match value {
         Some(value) if at < list.len() => replace(list.get_mut(at)?, value),

@@ -66,8 +66,8 @@ fn equations(suspension: &Suspension, drive: Drive, scale: f64, z: [f64; N]) -> 
     all
 }
 
-/// Second derivative of a polynomial of second degree by variables j and l, from its values alone: F(e_j + e_l) - F(e_j) -
-/// F(e_l) + F(0). For j = l this is also F'', since F(2 e) - 2 F(e) + F(0) = F''.
+/// Second derivative of a polynomial of second degree with respect to variables j and l, from its values alone: F(e_j + e_l) -
+/// F(e_j) - F(e_l) + F(0). For j = l this is also F'', since F(2 e) - 2 F(e) + F(0) = F''.
 fn differences(at: &impl Fn([f64; N]) -> [Interval; N], j: usize, l: usize) -> [Interval; N] {
     let unit = |one: bool, other: bool| {
         let mut z = [0.0; N];

@@ -211,7 +211,7 @@ impl Quadratic {
         })
     }
 
-    /// Jacobian J(z) by the pose, and by the travel as the drive.
+    /// Jacobian J(z) with respect to the pose, and with respect to the travel as the drive.
     pub(crate) fn jacobian(&self, z: &Displacement) -> (Jacobian, [Interval; N]) {
         let gradients = self.gradients(z);
         (
@@ -220,7 +220,7 @@ impl Quadratic {
         )
     }
 
-    /// Jacobian J(z) by all variables.
+    /// Jacobian J(z) with respect to all variables.
     fn gradients(&self, z: &Displacement) -> [[Interval; V]; N] {
         let mut gradients = self.linear;
         for b in &self.bends {

@@ -1,4 +1,4 @@
-//! Quantities of an axle in an equilibrium, and their derivatives along its motions and by its design.
+//! Quantities of an axle in an equilibrium, and their derivatives along its motions and with respect to its design.
 //!
 //! With toe t, camber, contact points C and vertical forces F at the wheels, each in the frame of its side,
 //!
@@ -347,8 +347,8 @@ fn by_conditions(wanted: &[AxleRead]) -> Vec<(Conditions, Vec<usize>)> {
 /// An axle with elastic parts, ready for the evaluation of stations.
 pub(crate) struct Equilibria<'a> {
     run: AxleKcRun<'a>,
-    /// Rotation of a solid axle in its design position from the position that its direction counts from; `None` if that is the design
-    /// position.
+    /// Rotation of a solid axle in its design position from the position that its direction counts from; `None` if that is
+    /// the design position.
     home: Option<Matrix3<f64>>,
 }
 
@@ -387,7 +387,8 @@ impl Axle {
 }
 
 impl Equilibria<'_> {
-    /// These equilibria, with the direction of a solid axle counted from a position from which the design position is turned by `home`.
+    /// These equilibria, with the direction of a solid axle counted from a position from which the design position is turned
+    /// by `home`.
     pub(crate) fn counted_from(self, home: Option<Matrix3<f64>>) -> Self {
         Equilibria { home, ..self }
     }
@@ -434,8 +435,8 @@ impl Equilibria<'_> {
         Ok(found)
     }
 
-    /// Values at given travels and a rack displacement towards the kernel's +y, with their derivatives with respect to inputs. `receive` gets
-    /// the index of each existing value, the value and its derivatives.
+    /// Values at given travels and a rack displacement towards the kernel's +y, with their derivatives with respect to
+    /// inputs. `receive` gets the index of each existing value, the value and its derivatives.
     pub(crate) fn gradients(
         &self,
         (travels, rack): ([f64; 2], f64),

@@ -170,8 +170,8 @@ pub(crate) fn roll_stiffness_at_load<T: Scalar, W: WheelParts<T>>(state: &AxleSt
     roll_moment(&rolling)[1] - roll_moment(&derivative_by_heave)[1] * sinking
 }
 
-/// Half the rate of the axle load by heave of the wheel centres, from the springs alone. The rack is fixed. On a plane
-/// ground the roll angle is fixed, too; on pads both travels change equally.
+/// Half the rate of the axle load with respect to heave of the wheel centres, from the springs alone. The rack is fixed. On
+/// a plane ground the roll angle is fixed, too; on pads both travels change equally.
 pub(crate) fn ride_rate_without_tyres<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     axle_load(&state.moving(Motion::Heave))[1].scaled(0.5)
 }

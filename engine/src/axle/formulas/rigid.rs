@@ -48,7 +48,8 @@ struct Work<T> {
     mean: T,
 }
 
-/// Velocities of a point of each wheel in its own frame, by the wheel's own difference and by the mean travel.
+/// Velocities of a point of each wheel in its own frame, with respect to the wheel's own difference and with respect to the
+/// mean travel.
 type Velocities<T> = [[Vector3<T>; 2]; 2];
 
 #[inline(always)]
@@ -123,7 +124,7 @@ fn axle_column<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, i: usize) -> 
     }
 }
 
-/// Angular velocity of the axle about the vehicle's x, by the difference of travels.
+/// Angular velocity of the axle about the vehicle's x, with respect to the difference of travels.
 #[inline(always)]
 fn rolling<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let [_, turn] = state.readings[0].twist(state.carriers.by_difference());

@@ -129,7 +129,7 @@ pub(crate) fn jacking_force_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T
     (right - left).scaled(0.5)
 }
 
-/// Derivative of the kinematic roll centre's height by the roll angle.
+/// Derivative of the kinematic roll centre's height with respect to the roll angle.
 #[inline(always)]
 pub(crate) fn roll_centre_migration_vertical<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -137,7 +137,7 @@ pub(crate) fn roll_centre_migration_vertical<T: Real, W: WheelParts<T>>(
     roll_centre_height(&state.moving(Motion::Roll))[1]
 }
 
-/// Derivative of the kinematic roll centre's lateral position by the roll angle.
+/// Derivative of the kinematic roll centre's lateral position with respect to the roll angle.
 #[inline(always)]
 pub(crate) fn roll_centre_migration_lateral<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -145,7 +145,7 @@ pub(crate) fn roll_centre_migration_lateral<T: Real, W: WheelParts<T>>(
     roll_centre_lateral(&state.moving(Motion::Roll))[1]
 }
 
-/// Derivative of the force-based roll centre height by the roll angle.
+/// Derivative of the force-based roll centre height with respect to the roll angle.
 #[inline(always)]
 pub(crate) fn force_roll_centre_migration<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     force_roll_centre_height(&state.moving(Motion::Roll))[1]
@@ -181,7 +181,7 @@ pub(crate) fn camber_to_road<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>,
     -wheel.reading.spin_axis().dot(wheel.ground.normal()).asin()
 }
 
-/// Derivative of camber by the roll angle.
+/// Derivative of camber with respect to the roll angle.
 #[inline(always)]
 pub(crate) fn roll_camber<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let rolling = state.moving(Motion::Roll);
@@ -189,7 +189,7 @@ pub(crate) fn roll_camber<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, si
     (-a.z.asin())[1]
 }
 
-/// Derivative of camber to the road by the roll angle.
+/// Derivative of camber to the road with respect to the roll angle.
 #[inline(always)]
 pub(crate) fn roll_camber_to_road<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,

@@ -55,13 +55,13 @@ pub(crate) fn total_toe_at_rim<T: Real, W: WheelParts<T>>(state: &AxleState<T, W
     sum.scaled(state.setup.constants.rim_diameter)
 }
 
-/// Derivative of steer by the roll angle.
+/// Derivative of steer with respect to the roll angle.
 #[inline(always)]
 pub(crate) fn roll_steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     steer(&state.moving(Motion::Roll), side)[1]
 }
 
-/// Derivative of mean steer by the roll angle.
+/// Derivative of mean steer with respect to the roll angle.
 #[inline(always)]
 pub(crate) fn axle_roll_steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     mean_steer(&state.moving(Motion::Roll))[1]

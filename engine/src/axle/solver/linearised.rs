@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Both wheels of a position, prepared for gradients of formulas by the hardpoints.
+/// Both wheels of a position, prepared for gradients of formulas with respect to the hardpoints.
 pub(crate) struct LinearisedAxle<'s, const N: usize> {
     /// Linearised wheel along each line, for both wheels.
     pub(super) wheels: [Vec<Linearised<'s, N>>; 2],
@@ -79,7 +79,7 @@ pub(super) fn linearise<'s, const N: usize>(
     })
 }
 
-/// Derivative of a requested number by the mean travel.
+/// Derivative of a requested number with respect to the mean travel.
 pub(super) fn derivative_by_heave<const N: usize>(
     state: &AxleState<'_, f64>,
     linearised: &[Vec<Linearised<'_, N>>; 2],

@@ -119,8 +119,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Computes gradients of quantities in a position by every hardpoint coordinate of each side, in the frame of that side.
-    /// `receive` gets the index of the quantity and both gradients, by point.
+    /// Computes gradients of quantities in a position with respect to every hardpoint coordinate of each side, in the frame
+    /// of that side. `receive` gets the index of the quantity and both gradients, with respect to point.
     ///
     /// A gradient is NaN if its quantity needs terms beyond the `N` of the series.
     pub fn gradients(
@@ -133,8 +133,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.gradients_of(placed, &sought, &mut receive)
     }
 
-    /// Computes gradients of quantities if each point of both sides moves separately. For a rigid axle, the first gradient is by
-    /// all points of the left design. The second one is by all points of the axle as seen from its right wheel.
+    /// Computes gradients of quantities if each point of both sides moves separately. For a rigid axle, the first gradient
+    /// is with respect to all points of the left design. The second one is by all points of the axle as seen from its right
+    /// wheel.
     pub(crate) fn gradients_by_each_point(
         &mut self,
         placed: &AxlePose,
@@ -148,7 +149,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// Derivatives of the mean travel by the points. `None` unless the mean travel follows from a load.
+    /// Derivatives of the mean travel with respect to the points. `None` unless the mean travel follows from a load.
     fn heave_by_points(
         &mut self,
         placed: &AxlePose,
@@ -176,8 +177,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// First and second derivatives of columns by the displacement of a steered axle's steering gear. The second ones are NaN if no
-    /// column reads them. `None` for a column that does not move with the gear. Empty for an axle that no drag link steers.
+    /// First and second derivatives of columns with respect to the displacement of a steered axle's steering gear. The
+    /// second ones are NaN if no column reads them. `None` for a column that does not move with the gear. Empty for an axle
+    /// that no drag link steers.
     pub(crate) fn by_drag_link(
         &mut self,
         placed: &AxlePose,
@@ -221,8 +223,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(found)
     }
 
-    /// The derivatives of quantities and of coordinates of points by the displacement of a steered axle's steering gear: (2) of
-    /// `model/steered_axle.rs`. The other numbers of the station are held.
+    /// The derivatives of quantities and of coordinates of points with respect to the displacement of a steered axle's
+    /// steering gear: (2) of `model/steered_axle.rs`. The other numbers of the station are held.
     fn by_steering_gear(
         &mut self,
         placed: &AxlePose,
@@ -237,8 +239,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(found)
     }
 
-    /// The gradients with respect to every point of both sides, also by points that follow other points. `by_heave` has the derivatives of the
-    /// mean travel by the points, if the mean travel follows from a load.
+    /// The gradients with respect to every point of both sides, also with respect to points that follow other points.
+    /// `by_heave` has the derivatives of the mean travel with respect to the points, if the mean travel follows from a load.
     pub(in crate::axle) fn each_gradient(
         &mut self,
         placed: &AxlePose,

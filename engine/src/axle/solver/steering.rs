@@ -58,9 +58,10 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// Fold at which the axle can no longer follow its steering gear: level at its hardpoints' height, it folds between these two
     /// displacements. `None` if the equations of the axle do not fold there.
     ///
-    /// With T(p, s) the travel at the fold, the design p and the gear at s, T = 0 is the end. The axle takes its held travel first.
-    /// Meanwhile its drive d is that of the axle at rest, the lift l(p, s) by (4) or (5) of `model/steered_axle.rs`. With the gradient
-    /// g of T by the hardpoints, g' its gradient with respect to the drag link's end p' and n the direction of the gear,
+    /// With T(p, s) the travel at the fold, the design p and the gear at s, T = 0 is the end. The axle takes its held travel
+    /// first. Meanwhile its drive d is that of the axle at rest, the lift l(p, s) by (4) or (5) of `model/steered_axle.rs`.
+    /// With the gradient g of T with respect to the hardpoints, g' its gradient with respect to the drag link's end p' and n
+    /// the direction of the gear,
     ///
     /// ```text
     /// ds/dp = -(g + T_d l_p)/(g'.n + T_d l_s)                                                     (1)
@@ -73,7 +74,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         let mechanism = &self.axle.left.mechanism;
         let steering = mechanism.axle_steering()?;
         let design = self.corners[0].solver.design();
-        // Derivatives of the lift by a point, or by the gear as the first of three.
+        // Derivatives of the lift by a point, or with respect to the gear as the first of three.
         let lift_by = |point: Option<usize>| -> [f64; 3] {
             let mut moved: Vec<_> = design.iter().map(|p| p.map(Dual::constant)).collect();
             let gear = match point {

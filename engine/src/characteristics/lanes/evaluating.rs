@@ -18,8 +18,8 @@ impl LaneReader<'_> {
         });
     }
 
-    /// Writes the derivatives of all quantities by the drive, like [`LaneReader::values`], from inputs with rates. NaN for
-    /// quantities that contain velocities, because their derivatives need accelerations.
+    /// Writes the derivatives of all quantities with respect to the drive, like [`LaneReader::values`], from inputs with
+    /// rates. NaN for quantities that contain velocities, because their derivatives need accelerations.
     #[inline(always)]
     pub fn slopes<B: SimdReal>(&self, read: &LaneInputs<B>, to: &mut [f64], stride: usize) {
         let inputs = &read.inputs;
@@ -108,7 +108,7 @@ fn series<B: SimdReal>(inputs: &Inputs<B>, lane: usize) -> Inputs<Jet<f64, 2>> {
 }
 
 impl Characteristic {
-    /// The slope by the drive in one lane, from inputs as series.
+    /// The slope with respect to the drive in one lane, from inputs as series.
     #[inline(never)]
     fn slope(self, inputs: &Inputs<Jet<f64, 2>>) -> f64 {
         if self.info().reads_rates() {

@@ -1,4 +1,4 @@
-//! Gradients of quantities by the hardpoints: seeds of an adjoint in lanes.
+//! Gradients of quantities with respect to the hardpoints: seeds of an adjoint in lanes.
 
 use super::{LaneInputs, LaneReader, LaneWheels};
 use crate::characteristics::gains::{angle_of_gain, by_direction, by_direction_along};
@@ -9,8 +9,8 @@ use crate::model::{Axis, PointId, SteeringAxis};
 use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, Vector3};
 
 impl LaneReader<'_> {
-    /// Returns true if lanes provide the derivatives with respect to the hardpoints. They do not for an instantaneous steering axis, nor
-    /// for quantities that contain velocities of springs and rockers.
+    /// Returns true if lanes provide the derivatives with respect to the hardpoints. They do not for an instantaneous
+    /// steering axis, nor for quantities that contain velocities of springs and rockers.
     pub fn has_gradients(&self) -> bool {
         let instantaneous = self.mechanism.steering_axis == Some(SteeringAxis::Instantaneous);
         let can_be_had = |q: &Quantity| {
@@ -28,8 +28,8 @@ impl LaneReader<'_> {
         self.of_rates[number]
     }
 
-    /// Differentiates a quantity y(u, u') that contains velocities, at a configuration along the travel. The gradient with respect to the
-    /// hardpoints is the derivative with respect to the travel (coefficient 1) of the result of the seeds.
+    /// Differentiates a quantity y(u, u') that contains velocities, at a configuration along the travel. The gradient with
+    /// respect to the hardpoints is the derivative with respect to the travel (coefficient 1) of the result of the seeds.
     ///
     /// With h and g the derivatives of y by u and u', dy/dp = h.u_p + g.u_p' is that coefficient of S.u_p for the seed S = g
     /// + h e, with constant g and h.

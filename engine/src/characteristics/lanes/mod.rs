@@ -57,7 +57,7 @@ pub struct LaneReader<'a> {
 enum EvaluationRule {
     /// The quantity's own formula.
     Formula(Characteristic),
-    /// Slope of this angle by the drive. If the travel is the drive, it is the angle's gain.
+    /// Slope of this angle with respect to the drive. If the travel is the drive, it is the angle's gain.
     Slope(Characteristic),
     /// A coordinate of one of the points.
     Coordinate(usize, Axis),
@@ -70,7 +70,7 @@ enum EvaluationRule {
 pub struct LaneAxle<B> {
     /// Columns of its rotation from the design position along x and y.
     pub columns: [Vector3<B>; 2],
-    /// Angular velocities by the drive and by the held travel.
+    /// Angular velocities with respect to the drive and by the held travel.
     pub turns: [Vector3<B>; 2],
     /// Velocity of the steering axis's point by the held travel.
     pub kingpin_by_held: Vector3<B>,
@@ -84,7 +84,7 @@ pub struct LaneInputs<B> {
     inputs: Inputs<B>,
     /// Positions of the points, and their velocities.
     points: Vec<[Vector3<B>; 2]>,
-    /// Velocity of the wheel centre and angular velocity by the rack, at constant travel.
+    /// Velocity of the wheel centre and angular velocity with respect to the rack, at constant travel.
     by_rack: [Vector3<B>; 2],
     axle: LaneAxle<B>,
     rods: ToggleWatch<B>,
@@ -103,7 +103,7 @@ impl<B> LaneInputs<B> {
         &self.inputs
     }
 
-    /// Velocity of the wheel centre and angular velocity by the rack, at constant travel. NaN if not requested.
+    /// Velocity of the wheel centre and angular velocity with respect to the rack, at constant travel. NaN if not requested.
     #[inline(always)]
     pub fn by_rack(&self) -> &[Vector3<B>; 2] {
         &self.by_rack
@@ -233,16 +233,16 @@ impl<'a> LaneReader<'a> {
         })
     }
 
-    /// If `is_wanted`, the reader also reads the body of a rigid axle. It reads the body's motion only if it reads velocities by
-    /// the rack.
+    /// If `is_wanted`, the reader also reads the body of a rigid axle. It reads the body's motion only if it reads
+    /// velocities with respect to the rack.
     #[must_use]
     pub fn with_axle(mut self, is_wanted: bool) -> Self {
         self.of_axle = is_wanted;
         self
     }
 
-    /// If `is_wanted`, the reader also reads velocities by the rack. It does so only if it reads velocities by the drive and
-    /// the wheel centre.
+    /// If `is_wanted`, the reader also reads velocities with respect to the rack. It does so only if it reads velocities
+    /// with respect to the drive and the wheel centre.
     #[must_use]
     pub fn with_derivatives_by_rack(mut self, is_wanted: bool) -> Self {
         let knows_centre = self.slots.contain_either(Slot::Centre, Slot::CentreRate);

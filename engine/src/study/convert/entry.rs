@@ -87,8 +87,8 @@ fn rate(name: &str) -> Option<Powers> {
     }
 }
 
-/// Sign of a result in the new axes, relative to the old ones. Results of the catalogues do not depend on the axes; some figures of
-/// tests do.
+/// Sign of a result in the new axes, relative to the old ones. Results of the catalogues do not depend on the axes; some
+/// figures of tests do.
 fn sign_of_name(name: &str, conversion: &Conversion) -> f64 {
     if follows_y_axis(name) {
         conversion.sign(Axis::Y)
@@ -127,7 +127,8 @@ impl Facts<'_> {
         }
     }
 
-    /// Conversion of the axes that an entry uses. An entry with an axle uses the axes of the axle, others the axes of the study or the car.
+    /// Conversion of the axes that an entry uses. An entry with an axle uses the axes of the axle, others the axes of the
+    /// study or the car.
     pub(super) fn conversion(&self, table: &dyn TableLike) -> Result<Conversion, Refused> {
         let axles = Facts::axles(table);
         let own = axles.first().map_or(self.ends[0], |end| self.ends[*end]);

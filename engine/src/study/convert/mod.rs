@@ -83,8 +83,8 @@ impl Study {
         }
     }
 
-    /// Returns the text of the same study in other units and axes, with its comments. It needs no file of target curves. `name` is the
-    /// file name in messages. Errors name the keys that cannot be converted.
+    /// Returns the text of the same study in other units and axes, with its comments. It needs no file of target curves.
+    /// `name` is the file name in messages. Errors name the keys that cannot be converted.
     pub fn in_units(&self, name: &str, choice: &UnitChoice) -> Result<String, StudyErrors> {
         let from = self.units();
         let source = source(name, &self.text);
@@ -134,8 +134,8 @@ impl CarStudy {
         [car, front, rear]
     }
 
-    /// Returns the texts of the same car in other units and axes: the car, its front axle and its rear axle. `names` are their file
-    /// names in messages.
+    /// Returns the texts of the same car in other units and axes: the car, its front axle and its rear axle. `names` are
+    /// their file names in messages.
     pub fn in_units(
         &self,
         names: [&str; 3],

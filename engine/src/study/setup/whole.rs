@@ -1,5 +1,5 @@
-//! Set-up of an axle as a whole: adjustments of its halves and of its single parts, and target values of the whole axle. The axle is
-//! solid, or it has elastic parts and wheels that differ.
+//! Set-up of an axle as a whole: adjustments of its halves and of its single parts, and target values of the whole axle. The
+//! axle is solid, or it has elastic parts and wheels that differ.
 
 use super::super::AxleStudy;
 use super::super::axle::{lacks_nothing, quantities};

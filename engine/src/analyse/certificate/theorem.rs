@@ -18,9 +18,10 @@ pub(crate) struct Radii {
     pub uniqueness: f64,
 }
 
-/// Rounding bound: sixteen units of roundoff, doubled for the quotient and the bound's own products.
+/// Bound on rounding errors: sixteen units of roundoff, doubled to include the quotient and the products in the bound.
 pub(crate) const ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// Upward factor for sums of up to two hundred non-negative terms, each rounded a few times. They lose less than this.
+/// Factor that rounds sums upward. The sums have up to two hundred non-negative terms, each rounded a few times, and lose
+/// less than this.
 const UPWARD: f64 = 1.0 + 1e-12;
 
 /// Applies the theorem with the approximate inverse A of the middles. `residual` bounds |A F|.
@@ -95,10 +96,10 @@ fn curvature(inverse: &Square, bends: &[PoseBend]) -> f64 {
     largest((0..N).map(row))
 }
 
-/// Largest of some sums of non-negative terms, rounded up. Underflow is included.
+/// Largest of several sums of non-negative terms, rounded up. The bound includes underflow.
 fn largest(sums: impl Iterator<Item = f64>) -> f64 {
     sums.fold(0.0, |most: f64, sum| {
-        // With this form of the test, NaN becomes infinite.
+        // NaN fails this test and becomes infinite.
         let bound = sum * UPWARD + f64::MIN_POSITIVE;
         if bound <= f64::MAX {
             most.max(bound)

@@ -154,7 +154,7 @@ pub struct TimeLaw {
     pub times: Vec<f64>,
 }
 
-/// Highest derivative with respect to the drive (or with respect to time) in the results.
+/// Highest derivative with respect to the drive (or to time) in the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Order {
     /// Values.

@@ -121,7 +121,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Computes gradients of quantities in a position with respect to every hardpoint coordinate of each side, in the frame
-    /// of that side. `receive` gets the index of the quantity and both gradients, with respect to point.
+    /// of that side. `receive` gets the index of the quantity and both gradients. Each gradient has one entry per point.
     ///
     /// A gradient is NaN if its quantity needs terms beyond the `N` of the series.
     pub fn gradients(

@@ -1,4 +1,4 @@
-//! Subjects of targets and constraints: characteristics, coordinates of points, lengths, members, motions.
+//! Subjects of targets and constraints: characteristics, coordinates of points, lengths, members and motions.
 
 use super::error::Problems;
 use super::members::axis;
@@ -69,7 +69,7 @@ pub(super) fn member(
     choose(text, "member", &options, problems)
 }
 
-/// Two members without a common joint, with their names. `expected` says in an error what may stand there.
+/// Two members without a common joint, with their names. `expected` describes the permitted texts in an error.
 pub(super) fn pair(
     names: &Spanned<Vec<Text>>,
     expected: &str,
@@ -92,7 +92,7 @@ pub(super) fn pair(
     Some((names, [first, second]))
 }
 
-/// A length with its name: that of a member, or the distance between two points.
+/// A length with its name: length of a member, or distance between two points.
 pub(super) fn length(
     written: &Spanned<MemberName>,
     suspension: &Suspension,

@@ -1,4 +1,4 @@
-//! Elastic parts of a study with their names.
+//! Elastic parts of a study, with their names.
 
 use super::{AxleComplianceStudy, ComplianceStudy};
 use crate::compliance::{AxialStiffness, Parameter, Relaxed, Shape};
@@ -40,7 +40,7 @@ pub struct NamedParts<'s> {
     pub relaxed: Relaxed,
 }
 
-/// The only rate of a part.
+/// Rate of a part that has only one rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NamedRate {
     /// Name of the part.
@@ -49,12 +49,12 @@ pub struct NamedRate {
     pub key: [&'static str; 2],
     /// The rate as an input of equilibria.
     pub parameter: Parameter,
-    /// The value.
+    /// Value of the rate.
     pub value: f64,
 }
 
 impl<'s> NamedParts<'s> {
-    /// Parts of a wheel, or else of an axle. `None` if both are missing.
+    /// Parts of a wheel, or otherwise of an axle. `None` if both are missing.
     pub(in super::super) fn of(
         suspension: &'s Suspension,
         of_wheel: Option<&'s ComplianceStudy>,

@@ -1,6 +1,6 @@
 //! Forces at the mounts and in the cross member of a twist beam under a load.
 //!
-//! The model is that of `model/twist_beam.rs`. A mount holds its half in x and z. Both mounts move sideways by equal
+//! `model/twist_beam.rs` describes the model. A mount holds its half in x and z. Both mounts move sideways by equal
 //! distances in opposite directions, so the forces on them along y are equal. The far mount M has three rods: to two points
 //! of the hinge, and to a point of the far half. Their tensions t act along the unit vectors u towards M. Their sum is the
 //! force of the body

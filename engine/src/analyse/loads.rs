@@ -6,9 +6,9 @@
 //! J^T l + w = 0                                                                   (1)
 //! ```
 //!
-//! The row of a rod is the unit force along it, so its multiplier is the force with which the rod pushes the knuckle.
-//! The row of a strut line is a unit force on the knuckle across the strut. The rows of a hinge are unit forces at its
-//! points. The sixth row is the support, which keeps the suspension from moving: the spring or, if a study has none, a
+//! The row of a rod is the unit force along it, so its multiplier is the force with which the rod pushes the knuckle. The
+//! row of a strut line is a unit force on the knuckle across the strut. The rows of a hinge are unit forces at its points.
+//! The sixth row is the support, which keeps the suspension from moving. The support is the spring or, without a spring, a
 //! vertical force at the wheel centre. A spring on a rocker acts through the rod, whose tension follows from the moments
 //! about the rocker's axis.
 //!
@@ -148,7 +148,7 @@ pub enum Reaction<T = f64> {
 pub struct Reactions<T = f64> {
     /// Forces of the constraints, in the order of the mechanism's constraints.
     pub constraints: [Reaction<T>; 5],
-    /// Force of the support: that of the spring, positive in compression, or the upward force at the wheel centre.
+    /// Force of the support: spring force, positive in compression, or upward force at the wheel centre.
     pub support: T,
     /// Force of the support at the far wheel of a rigid axle.
     pub far_support: Option<T>,

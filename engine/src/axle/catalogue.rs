@@ -1,7 +1,7 @@
 //! Catalogue of axle quantities: name, unit, sign, formula, source and function of each.
 //!
 //! In addition, every wheel characteristic of [`crate::characteristics`] is a quantity of either wheel. The exception is
-//! `roll_centre_height`: the axle has a quantity of this name, which replaces that of the wheel.
+//! `roll_centre_height`: the axle's quantity of this name replaces the wheel's quantity.
 
 use super::AxleKind;
 use super::elastic::TestFigure;

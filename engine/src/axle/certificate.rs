@@ -29,9 +29,9 @@ pub struct AxleProof {
     pub travel_error: f64,
     /// Bound on the error of the roll angle, in radians. 0 if it is given.
     pub roll_error: f64,
-    /// Lower bound on the distance to any other pose. Any other pose differs by at least this much in one of these numbers:
-    /// a coordinate of a carrier's origin, an entry of a rotation, the roll angle. The last two are multiplied by the
-    /// mechanism's size.
+    /// Lower bound on the distance to any other pose. Any other pose differs by at least this length in one of these
+    /// numbers: a coordinate of a carrier's origin, an entry of a rotation, the roll angle. The last two are multiplied by
+    /// the mechanism's size.
     pub uniqueness: f64,
 }
 

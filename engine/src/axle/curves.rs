@@ -94,7 +94,7 @@ impl Axle {
 pub struct AxleCurves {
     /// The curves.
     pub curves: Curves,
-    /// Pose of both wheels at each station, or the reason why there is none. Empty with elastic parts.
+    /// Pose of both wheels at each station, or the reason why a station has no pose. Empty with elastic parts.
     pub placed: Vec<Result<AxlePose, NoPose>>,
 }
 

@@ -84,7 +84,7 @@ fn carrier_at<'a>(
     (Configuration::new(mechanism, design, pose, rack), contact)
 }
 
-/// Both wheels in equilibrium at each of these placements. The body is level and each wheel stands on its own pad. The mean
+/// Both wheels in equilibrium at each of these placements. The body is level, and each wheel is on a separate pad. The mean
 /// height of the pads equals the height of the ground in the design position.
 fn equilibrium_frames(
     axle: &Axle,

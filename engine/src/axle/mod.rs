@@ -2,8 +2,8 @@
 //!
 //! An independent axle has two corners at travels z_l and z_r and racks r and -r, each in the kernel's frame of a left
 //! wheel. Each corner is solved like a single wheel, with one difference: its contact point depends on the ground's normal
-//! instead of the vertical. Signs are those of ISO 8855 at both wheels. `steer` and `mean_steer` are positive to the left.
-//! Roll is positive about +x.
+//! instead of the vertical. Both wheels use the signs of ISO 8855. `steer` and `mean_steer` are positive to the left. Roll
+//! is positive about +x.
 
 mod adjoint;
 mod at_load;
@@ -203,8 +203,9 @@ impl Axle {
         }
     }
 
-    /// Returns the axle with other wheels of the same topology at rest. The springs stay the same parts: a spring that
-    /// becomes shorter exerts more force. Springs among the elastic parts keep their force in the design position.
+    /// Returns the axle with other wheels of the same topology at rest. Its springs are the unchanged parts of this axle, so
+    /// a spring that becomes shorter exerts more force. Springs among the elastic parts keep their force in the design
+    /// position.
     pub fn with_wheels(&self, left: Suspension, right: Option<Suspension>) -> Axle {
         let mut changed = self.clone();
         changed.setup.springs = self.kept_springs();
@@ -218,7 +219,7 @@ impl Axle {
         changed
     }
 
-    /// Returns the axle with springs that stay the same parts if the design changes, also among elastic parts.
+    /// Returns the axle with springs that keep their force-length curve if the design changes, also among elastic parts.
     pub fn with_kept_springs(&self) -> Axle {
         let mut kept = self.clone();
         kept.setup.springs = self.kept_springs();
@@ -230,7 +231,7 @@ impl Axle {
         kept
     }
 
-    /// Spring laws of parts that stay the same if the design changes.
+    /// Spring laws of springs that keep their force-length curve if the design changes.
     fn kept_springs(&self) -> Option<[SpringLaw; 2]> {
         let laws = self.setup.springs.as_ref()?;
         let kept = |side: Side| {

@@ -181,7 +181,8 @@ impl SpringLaw {
         spring + touched(&self.bump_stop, shortened) + touched(&self.rebound_stop, -shortened)
     }
 
-    /// Law of the same spring and stops in another design. `length` is the spring's length in the design of this law.
+    /// Law with the same force-length curve for use in another design. `length` is the spring's length in the design of this
+    /// law.
     pub fn kept_from(&self, length: f64) -> SpringLaw {
         let mut kept = self.clone();
         kept.own_length.get_or_insert(length);

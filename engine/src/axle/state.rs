@@ -2,8 +2,8 @@
 //!
 //! An [`AxleState`] holds both wheels as functions of their travels and racks. Along a [`Motion`] the travels, the rack and
 //! the roll angle change at rates that follow from the state itself. [`AxleState::moving`] gives the same state as series
-//! along the motion, and so derivatives of any order. With C' the velocity of the carrier's point at the contact point with
-//! respect to the wheel's own travel, C,r that with respect to the rack, h = n.C, and f = h_l - h_r = 0 on a plane,
+//! along the motion, and so derivatives of any order. C' and C,r are velocities of the carrier's point at the contact point,
+//! with respect to the wheel's own travel and to the rack. With h = n.C and, on a plane, f = h_l - h_r = 0,
 //!
 //! ```text
 //! roll        z_l' = -z_r' = -track/F        F = n.C_l' + n.C_r'
@@ -13,9 +13,9 @@
 //!
 //! because C is the lowest point of the wheel: its displacement along the rim does not change its height to first order.
 //!
-//! Each wheel of a rigid axle moves with both travels. C_b,d and C_b,h are the velocities of the carrier's point at contact
-//! point b with respect to the wheel's own share of the difference (d z_own = -d z_other) and with respect to the mean
-//! travel. Then F above contains C_b,d, and
+//! Each wheel of a rigid axle moves with both travels. C_b,d and C_b,h are velocities of the carrier's point at contact
+//! point b. C_b,d is with respect to the wheel's own share of the difference (d z_own = -d z_other), and C_b,h with respect
+//! to the mean travel. Then F above contains C_b,d, and
 //!
 //! ```text
 //! heave       z_l' = 1 + D,  z_r' = 1 - D        D = -(n.C_l,h - n.C_r,h)/F
@@ -184,25 +184,26 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
         self.ground.normal().dot(self.contact_point())
     }
 
-    /// Derivative of [`WheelState::height`] by the wheel's own travel.
+    /// Derivative of [`WheelState::height`] with respect to the wheel's own travel.
     #[inline(always)]
     pub fn rise(&self) -> T {
         self.ground.normal().dot(self.contact_velocity())
     }
 
-    /// Derivative of [`WheelState::height`] by the wheel's own share of the difference of travels, for a rigid axle.
+    /// Derivative of [`WheelState::height`] with respect to the wheel's own share of the difference of travels, for a rigid
+    /// axle.
     #[inline(always)]
     pub fn rise_by_difference(&self) -> T {
         self.ground.normal().dot(self.contact_by_difference())
     }
 
-    /// Derivative of [`WheelState::height`] by the mean travel, for a rigid axle.
+    /// Derivative of [`WheelState::height`] with respect to the mean travel, for a rigid axle.
     #[inline(always)]
     pub fn rise_by_mean(&self) -> T {
         self.ground.normal().dot(self.contact_by_mean())
     }
 
-    /// Derivative of [`WheelState::height`] by the rack.
+    /// Derivative of [`WheelState::height`] with respect to the rack.
     #[inline(always)]
     fn rise_by_rack(&self) -> T {
         self.ground.normal().dot(self.contact_by_rack())
@@ -293,7 +294,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// Derivative of [`AxleState::mismatch`] by the mean travel of a rigid axle, with constant difference.
+    /// Derivative of [`AxleState::mismatch`] with respect to the mean travel of a rigid axle, with constant difference.
     #[inline(always)]
     fn mismatch_by_mean(&self) -> T {
         let [left, right] = self.wheels();
@@ -434,8 +435,8 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
 }
 
 impl<T: Real> AxleState<'_, T> {
-    /// The state with travels or roll angle corrected to first order, so that both wheels stand on the same ground. For
-    /// numbers with gradients, this adds the gradients of the travels or of the roll angle if these are results. The
+    /// Returns the state with travels or roll angle corrected to first order, so that both wheels stand on the same ground.
+    /// For numbers with gradients, this adds the gradients of the travels or of the roll angle if these are results. The
     /// arguments are the plain values of F and track.
     pub fn settled(&self, [rise, track]: [f64; 2]) -> Self {
         let like = self.like();

@@ -13,9 +13,9 @@
 //! ```
 //!
 //! D_k is the k-th coefficient of f at the second node minus that of the cubic c_0 + c_1 t + c_2 t^2 + c_3 t^3. The error
-//! (4) falls with the eighth power of h, and so does that of the first derivative, which is largest near t = 0.31. At this
-//! t, another pose checks value and derivative of each piece. If they differ by more than rounding, all pieces become half
-//! as long.
+//! (4) and the error of the first derivative fall with the eighth power of h. The error of the first derivative is largest
+//! near t = 0.31. At this t, another pose checks value and derivative of each piece. If they differ by more than rounding,
+//! all pieces become half as long.
 
 use super::reading::{Reading, WheelParts};
 use super::solver::AxleSolver;

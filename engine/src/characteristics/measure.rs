@@ -5,7 +5,7 @@
 //! types that carry derivatives, it also gives the derivatives with respect to its vectors. The adjoint turns these into
 //! derivatives with respect to the hardpoints.
 //!
-//! Values are smooth except at these kinks, where the derivative is that of one side:
+//! Values are smooth except at these kinks, where the derivative belongs to one side:
 //!
 //! - edges and inside of a box or tube that a point must stay away from,
 //! - change of a member's nearest point from its middle to its end,

@@ -229,7 +229,7 @@ fn variables(
         })
         .collect();
     if written.iter().any(|v| v.get_ref().rigid.is_some()) {
-        // With rigid bodies, a point may also have a variable of its own, so repeated moves are allowed.
+        // With rigid bodies, a point may also have a separate variable, so repeated moves are allowed.
         return resolved.into_iter().collect();
     }
     let place = |i: usize| {

@@ -133,7 +133,8 @@ pub(super) fn sweep(
     })
 }
 
-/// Checks that the sweep uses the formulation in the knuckle's pose, and a drive with the same meaning for every design.
+/// Checks that the sweep uses the formulation [`Formulation::KnucklePose`], and a drive with the same meaning for every
+/// design.
 fn check_solver(
     file: &File,
     section: &Spanned<file::Sweep>,

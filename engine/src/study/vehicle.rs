@@ -75,8 +75,8 @@ impl Vehicle {
         }
     }
 
-    /// Motion of a single wheel. Targets and constraints without a motion of their own use it. For an axle it consists only
-    /// of the design position, because a motion of an axle moves both wheels.
+    /// Motion of a single wheel. Targets and constraints that name no motion use it. For an axle it consists only of the
+    /// design position, because a motion of an axle moves both wheels.
     pub fn motion(&self) -> &Motion {
         match self {
             Vehicle::Wheel(own) => &own.motion,
@@ -134,8 +134,8 @@ impl Vehicle {
         self.wheel_mut().design = design;
     }
 
-    /// Returns the vehicle in the form in which builds are assembled: the spin axis of each wheel runs through a point of
-    /// its carrier ([`Assembler::suspension`]), and the right wheel of an axle has independent hardpoints.
+    /// Returns the vehicle in the form in which builds are assembled. The spin axis of each wheel runs through a point of
+    /// its carrier ([`Assembler::suspension`]). The right wheel of an axle has independent hardpoints.
     ///
     /// # Errors
     ///

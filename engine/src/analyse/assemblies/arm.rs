@@ -213,10 +213,10 @@ impl Branch {
         ([upper_square, state.toggle_square()[0]], miss)
     }
 
-    /// Returns the state of the mechanism on a piece, and the radicand in the position of its upper end. There are two
-    /// radicands: this one, and that of the tie-rod end's distance from its plane. Near their zeros, both are small
-    /// differences of large terms. The zeros are double if parallel arms are in line with each other and with the steering
-    /// axis. So both radicands have mean-value forms, which give far narrower intervals than direct evaluation.
+    /// Returns the state of the mechanism on a piece, and the radicand in the position of its upper end. A second radicand
+    /// gives the tie-rod end's distance from its plane. Near their zeros, both are small differences of large terms. The
+    /// zeros are double if parallel arms are in line with each other and with the steering axis. So both radicands have
+    /// mean-value forms, which give far narrower intervals than direct evaluation.
     fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> (ArmState<Value>, Interval) {
         let middle = Interval::point(angle.middle());
         let around = angle - middle;

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! Every rotation has a quaternion, which can be scaled so that its largest component is 1. So v in [-1, 1]^3 with the four
-//! D covers all rotations. The distance from p to a rod's inner end is at most the length of the rod plus that of its lever.
-//! With g = (p + R b - a)/L the differential is dF = g.dp + (m + m x v).dv 2/(1 + v.v), m = R b x g.
+//! D covers all rotations. The distance from p to a rod's inner end is at most the sum of the lengths of rod and lever. With
+//! g = (p + R b - a)/L the differential is dF = g.dp + (m + m x v).dv 2/(1 + v.v), m = R b x g.
 //!
 //! The search applies these steps to a box of (p, v):
 //!

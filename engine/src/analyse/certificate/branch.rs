@@ -16,8 +16,9 @@ const MOST_STEPS: usize = 4096;
 const MOST_HALVINGS: usize = 40;
 
 impl Solver<'_> {
-    /// Visits stations like [`Solver::for_each_pose`], and certifies two facts for every pose: it is within its error bound
-    /// of an exact pose, and it lies on the branch of the design position. A pose without certificate counts as a failure.
+    /// Visits stations like [`Solver::for_each_pose`], and certifies two facts for every pose. The pose is within its error
+    /// bound of an exact pose, and it lies on the branch of the design position. A pose without certificate counts as a
+    /// failure.
     ///
     /// # Errors
     /// If the design position is singular.

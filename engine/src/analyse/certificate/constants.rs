@@ -184,7 +184,7 @@ fn planted_solutions_are_not_beyond_the_radii() {
 }
 
 /// Constants of several pairs add up. Constants of one pair in several equations add up with the weights of the inverse. The
-/// uncertainty of each constant counts as much as its value.
+/// uncertainty of each constant is added like its value.
 #[test]
 fn constants_of_all_pairs_add_up() {
     let bends = [
@@ -224,7 +224,7 @@ fn constants_of_all_pairs_add_up() {
     );
 }
 
-/// If A = 1 deviates from the exact inverse by z, the equation x (1 + z) + k x^2 = 0 gets the radii of x (1 - z) + k x^2
+/// If A = 1 deviates from the exact inverse by z, x (1 + z) + k x^2 = 0 gets the radii of the equation x (1 - z) + k x^2
 /// = 0. From z = 1 on, the certificate fails.
 #[test]
 fn an_inverse_that_is_off_narrows_the_radii() {

@@ -6,8 +6,9 @@ use crate::mechanism::constraint::heights_at_rest;
 use crate::model::{AxleTravel, Drive, Mechanism};
 use crate::number::{Dual, Real, Vector3};
 
-/// Moves the drag link's end in a design: (1) of `model/steered_axle.rs`. Returns the lift of both wheel centres by (4) and (5):
-/// the change of the travel that drives the axle, then that of the held travel. Both are 0 if no drag link steers the axle.
+/// Moves the drag link's end in a design: (1) of `model/steered_axle.rs`. Returns the lift of both wheel centres by (4) and
+/// (5): the change of the travel that drives the axle, then the change of the held travel. Both are 0 if no drag link steers
+/// the axle.
 #[inline(always)]
 pub(crate) fn displace<T: Real>(
     mechanism: &Mechanism,
@@ -59,8 +60,8 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// displacements of the gear. `None` if the equations of the axle do not fold there.
     ///
     /// With T(p, s) the travel at the fold, the design p and the displacement s of the gear, T = 0 at the end. The axle
-    /// reaches its held travel first. Meanwhile, its drive d is that of the axle at rest. It equals the lift l(p, s) by (4)
-    /// or (5) of `model/steered_axle.rs`. With the gradient g of T with respect to the hardpoints, g' its gradient with
+    /// reaches its held travel first. Meanwhile, its drive d is the drive of the axle at rest. It equals the lift l(p, s) by
+    /// (4) or (5) of `model/steered_axle.rs`. With the gradient g of T with respect to the hardpoints, g' its gradient with
     /// respect to the drag link's end p' and n the direction of the gear,
     ///
     /// ```text

@@ -144,7 +144,7 @@ fn cases_at_kinks() -> Vec<AtKink> {
     ]
 }
 
-/// Near a kink, the derivatives are those of the side on which the point lies. The test passes each of these kinks at t = 0:
+/// Near a kink, the derivatives belong to the side on which the point lies. The test passes each of these kinks at t = 0:
 ///
 /// - edge and middle of a box,
 /// - rim of the end of a tube,

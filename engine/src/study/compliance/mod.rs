@@ -41,8 +41,8 @@ pub struct ComplianceStudy {
 }
 
 impl ComplianceStudy {
-    /// Returns the parts with a spring that stays the same part if the design changes. `suspension` has the design of these
-    /// parts.
+    /// Returns the parts with a spring that keeps its force-length curve if the design changes. `suspension` has the design
+    /// of these parts.
     pub fn with_kept_spring(&self, suspension: &Suspension) -> Self {
         let mut kept = self.clone();
         if let (Some(law), Some(length)) = (

@@ -27,7 +27,7 @@ pub struct NamedLink<'s> {
     pub preload: f64,
 }
 
-/// Elastic parts of a wheel. For an axle: those of the left wheel, and the mounts of the subframe.
+/// Elastic parts of a wheel. For an axle: parts of the left wheel, and mounts of the subframe.
 #[derive(Clone, Debug)]
 pub struct NamedParts<'s> {
     /// Bushings, then mounts, in the order of the indices in [`crate::compliance::Parameter`].
@@ -130,7 +130,7 @@ impl<'s> NamedParts<'s> {
 }
 
 impl Study {
-    /// Elastic parts with their names. `None` if the study has none.
+    /// Elastic parts with their names. `None` if the study has no elastic parts.
     pub fn elastic_parts(&self) -> Option<NamedParts<'_>> {
         let of_axle = self.axle().and_then(|both| both.axle.elastic.as_deref());
         NamedParts::of(self.wheel(), self.compliance(), of_axle)

@@ -84,8 +84,8 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         Err(NoPose::NoLoad)
     }
 
-    /// Adds the gradients of the sum of the wheel loads with respect to the hardpoints of both sides to `into`, times a
-    /// factor.
+    /// Adds the gradients of the sum of the wheel loads, multiplied by `factor`, to `into`. They are with respect to the
+    /// hardpoints of both sides.
     fn add_load_gradients(
         &mut self,
         placed: &AxlePose,

@@ -67,7 +67,7 @@ pub enum WheelMotion {
 }
 
 impl AxleMotion {
-    /// Returns true if both wheels stand on level pads at given heights, and the motion has no time.
+    /// Returns true if both wheels stand on level pads at given heights, and the motion has no law over time.
     pub fn is_on_level_pads(&self) -> bool {
         let placements = self.placements();
         self.time.is_none() && placements.iter().all(|p| p.on_level_pads().is_some())

@@ -279,7 +279,7 @@ impl From<&AxleColumn> for Column {
     }
 }
 
-/// A motion, its name and unit in columns, and the factor from a derivative along it to its printed value.
+/// A motion, its name and unit in columns, and the factor that converts a derivative along this motion to its printed value.
 type ByMotion = (Motion, &'static str, String, f64);
 
 /// All three components for the left wheel, then for the right one.

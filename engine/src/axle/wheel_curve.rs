@@ -421,7 +421,7 @@ impl WheelCurve {
         })
     }
 
-    /// Returns true if a piece differs from a pose within it by more than rounding.
+    /// Returns true if a piece differs by more than rounding from a pose at a travel within the piece.
     fn is_inexact<const N: usize>(
         &self,
         solver: &mut AxleSolver<'_, N>,

@@ -331,7 +331,7 @@ fn keys(of: &[Coordinate]) -> String {
     of.iter().map(|c| c.key()).collect::<Vec<_>>().join(", ")
 }
 
-/// Coordinate that varies: the named one, or the only one that moves.
+/// Coordinate that varies: the coordinate that the entry names, or the only coordinate that moves.
 fn over(
     written: &Where,
     place: Span<usize>,
@@ -362,7 +362,7 @@ fn over(
     }
 }
 
-/// Motion of a target or a band: the named one, or `[motion]`.
+/// Motion of a target or a band: the motion that the entry names, or `[motion]`.
 struct TargetMotion<'m> {
     name: Option<&'m str>,
     written: &'m file::Motion,

@@ -278,7 +278,8 @@ fn along(way: &[[f64; 2]], x: f64) -> f64 {
     y0 + (y1 - y0) * (x - x0) / (x1 - x0)
 }
 
-/// Makes an error in a record of the file. The record starts at its position, or after blank lines there.
+/// Makes an error that points to a record of the file. The record begins at its recorded position, or after blank lines at
+/// this position.
 pub(super) fn at_record(
     source: &Arc<Source>,
     record: &csv::StringRecord,

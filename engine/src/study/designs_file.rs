@@ -1,8 +1,8 @@
 //! Designs in CSV files.
 //!
-//! The first line names the columns: `tie_rod_inner_z` holds coordinates, `tie_rod_inner_dz` offsets from the design. Both
-//! are in the study's axes and unit; a name may end with the unit (`tie_rod_inner_z_mm`). A column `design` is not read,
-//! because designs are numbered by their rows, starting with 0.
+//! The first line names the columns. A column `tie_rod_inner_z` has coordinates, and a column `tie_rod_inner_dz` has offsets
+//! from the design. Coordinates and offsets are in the study's axes and unit. A name may end with the unit
+//! (`tie_rod_inner_z_mm`). A column `design` is not read, because designs are numbered by their rows, starting with 0.
 
 use super::curve_file::at_record;
 use super::error::{Source, StudyError, StudyErrors};

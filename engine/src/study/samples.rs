@@ -9,9 +9,9 @@ use crate::number::Each;
 pub struct Sample {
     /// Drive value.
     pub drive: f64,
-    /// Highest target value. It equals `low` if the target is a single value.
+    /// Lowest target value.
     pub low: f64,
-    /// Highest target value. Equal to `low` if the target is a single value.
+    /// Highest target value. It equals `low` if the target is a single value.
     pub high: f64,
 }
 

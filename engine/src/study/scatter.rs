@@ -12,7 +12,7 @@ pub struct Setup {
     /// Target static values.
     pub want: Vec<Want>,
     /// Target change of the ride height, in study units. Positive if the car becomes higher. The wheel travel of the new
-    /// static position is its negative.
+    /// static position has the same size and the opposite sign.
     pub ride_height_change: Option<f64>,
 }
 

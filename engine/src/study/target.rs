@@ -40,7 +40,7 @@ impl TargetQuantity {
         }
     }
 
-    /// Factor from a value in the kernel's frame, in radians, length units and newtons, to the printed value.
+    /// Factor that converts a value in the kernel's frame, in radians, length units and newtons, to the printed value.
     pub fn factor(&self) -> f64 {
         self.unit.printed_factor(self.length) * self.sign
     }
@@ -100,7 +100,7 @@ pub struct Site {
     /// Motion with its name. `None` for the study's `[motion]`.
     pub motion: Option<(String, Motion)>,
     /// Rack displacements along the study's +y. If empty, the rack is at the motion's displacement. If the motion moves the
-    /// rack, it is straight ahead.
+    /// rack, the rack is straight ahead.
     pub racks: Vec<f64>,
     /// For an axle: the coordinate that varies, and the values of the other coordinates.
     pub axle: Option<AxleSite>,

@@ -23,8 +23,8 @@ use jig::jig;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Number of standard deviations about the nominal value within which a study must accept every value. Builds with other
-/// values that a study does not accept are rejected.
+/// Number of standard deviations about the nominal value within which a study must accept every value. Builds with values
+/// that a study does not accept are rejected.
 const LEAST_SIGMAS: f64 = 4.0;
 /// Largest number of builds: hours of work for the fastest machine.
 const MOST_BUILDS: i64 = 10_000_000_000;

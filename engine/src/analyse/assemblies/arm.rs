@@ -213,7 +213,7 @@ impl Branch {
         ([upper_square, state.toggle_square()[0]], miss)
     }
 
-    /// Returns the state of the mechanism on a piece, and the radicand in the position of its upper end. A second radicand
+    /// Returns the state of the mechanism on a piece, and the radicand for the position of its upper end. A second radicand
     /// gives the tie-rod end's distance from its plane. Near their zeros, both are small differences of large terms. The
     /// zeros are double if parallel arms are in line with each other and with the steering axis. So both radicands have
     /// mean-value forms, which give far narrower intervals than direct evaluation.

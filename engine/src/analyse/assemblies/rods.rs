@@ -1,7 +1,7 @@
 //! All assemblies of a knuckle on rods: branch and prune over every rotation.
 //!
-//! p is the position of the knuckle's origin, R its rotation. b is the lever of a rod's outer end, a its inner end and L its
-//! length. e is the lever of the wheel centre and h its required height.
+//! Let p be the position of the knuckle's origin, and R the knuckle's rotation. A rod has the length L, the inner end a, and
+//! the lever b of its outer end. The wheel centre has the lever e and the required height h.
 //!
 //! ```text
 //! F = (|p + R b - a|^2 - L^2)/(2 L)   for each rod,      F = p_z + (R e)_z - h
@@ -35,7 +35,7 @@ use crate::threads::checkpoint;
 /// Box of p and v.
 type Cell = [Interval; 6];
 
-/// Largest number of boxes, which take six or seven seconds. A usual design needs fifty to two hundred thousand.
+/// Largest number of boxes. This number takes six or seven seconds. A usual design needs fifty to two hundred thousand.
 const MOST_CELLS: usize = 500_000;
 /// Change of the equations within a box, relative to the size, below which the box is not halved any further.
 const NARROWEST: f64 = 1e-9;

@@ -198,7 +198,7 @@ fn constants_of_all_pairs_add_up() {
         planted(8, 2, 5, 0.5),
     ];
     let found = proved(&IDENTITY, &bends, 0.0).unwrap();
-    // |H| of equation 3 is 1 + 1.5 + 0.5 + 0.5, that of equation 8 is 1.
+    // |H| of equation 3 is 1 + 1.5 + 0.5 + 0.5, and |H| of equation 8 is 1.
     let expected = 2.0 / 3.5;
     assert!((found.uniqueness / expected - 1.0).abs() < 1e-9);
     // The inverse adds equation 8 to equation 3. Coefficients of the same pair are added with their signs. Then the absolute

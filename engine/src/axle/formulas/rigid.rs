@@ -83,7 +83,7 @@ pub(crate) fn side_force_loads<T: Real, W: WheelParts<T>>(state: &AxleState<T, W
     balancing(state, &work)
 }
 
-/// Height of the roll centre, and its distance to the left of the middle of both contact points: equation (2).
+/// Height of the roll centre, and its distance to the left of the midpoint of both contact points: equation (2).
 #[inline(always)]
 pub(crate) fn roll_centre<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
     if let Carriers::Steered(_) = state.carriers {
@@ -321,8 +321,8 @@ pub(crate) const FROM_DESIGN: [AxleQuantity; 4] = [
     AxleQuantity::PinionAngle,
 ];
 
-/// Values of [`FROM_DESIGN`] for an axle with this rotation from the design position and this displacement of the middle of both
-/// wheel centres, in the left wheel's frame.
+/// Values of [`FROM_DESIGN`] for an axle, in the left wheel's frame. `rotation` is the axle's rotation from the design
+/// position, and `displacement` the displacement of the midpoint of both wheel centres.
 pub(crate) fn place_of<T: Scalar>(rotation: &Matrix3<T>, displacement: Vector3<T>) -> [T; 4] {
     let [forward, line, _] = rotation.columns;
     [
@@ -333,7 +333,7 @@ pub(crate) fn place_of<T: Scalar>(rotation: &Matrix3<T>, displacement: Vector3<T
     ]
 }
 
-/// Displacement of the middle of both wheel centres, in the left wheel's frame.
+/// Displacement of the midpoint of both wheel centres, in the left wheel's frame.
 #[inline(always)]
 fn displacement<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> Vector3<T> {
     let [left, right] = state
@@ -343,7 +343,7 @@ fn displacement<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> Vector3<T
     sum.map(|c| c.scaled(0.5))
 }
 
-/// Displacement of the middle of both wheel centres to the left.
+/// Displacement of the midpoint of both wheel centres to the left.
 #[inline(always)]
 pub(crate) fn axle_lateral<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     displacement(state).y

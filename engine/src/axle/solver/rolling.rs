@@ -7,7 +7,8 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// Finds positions for all placements. Placements in roll at one rack displacement are solved together. Each round
     /// solves both wheels at the travels that the series of the last round predict.
     pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<AxlePose, NoPose>> {
-        // Indices of the placements for each pair of the closure equations' rack and the steering gear's displacement.
+        // Indices of the placements for each pair of values: rack in the closure equations, and displacement of the steering
+        // gear.
         let mut by_rack: Vec<([f64; 2], Vec<usize>)> = Vec::new();
         for (number, placement) in placements.iter().enumerate() {
             if let Placement::Roll { heave, rack, .. } = *placement {

@@ -66,7 +66,8 @@ impl<B: SimdReal> Outlined for Watching<'_, B> {
         for ([first, last], id) in rods.iter_mut().zip(self.rockers) {
             let rod = self.at.moving_rod(*id, self.motion);
             let before = if *has_begun {
-                // The first station is nearer than the previous one if the visit changes to the other side.
+                // If the visit changes to the other side of the first station, the first station is nearer than the previous
+                // one.
                 rod.nearer(first, last)
             } else {
                 // Before the first station, the rack has moved from the design position. So the path begins with the rod in

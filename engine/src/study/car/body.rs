@@ -109,8 +109,8 @@ impl Resolver<'_> {
     }
 
     /// Refuses a mass of the whole car that is not above the unsprung mass of its axles. Also refuses a centre of gravity
-    /// below the ground. For the whole car, it must be between the axles. Otherwise one axle would bear a negative load at
-    /// rest.
+    /// below the ground. The centre of gravity of the whole car must also be between the axles. Otherwise one axle would
+    /// bear a negative load at rest.
     fn check_masses(&mut self, car: &Car) -> Option<()> {
         let section = self.file.car.get_ref();
         let (mass, cg) = match car.masses {

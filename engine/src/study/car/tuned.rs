@@ -49,8 +49,8 @@ impl CarStudy {
         })
     }
 
-    /// Returns the study with other designs of the axles, [front, rear]. If the study gives the wheelbase, it does not
-    /// change.
+    /// Returns the study with other designs of the axles, [front, rear]. If the study gives a wheelbase, the wheelbase does
+    /// not change.
     pub fn at_design(&self, designs: [Vec<Vector3<f64>>; 2]) -> CarStudy {
         let mut study = self.clone();
         for (end, design) in designs.into_iter().enumerate() {

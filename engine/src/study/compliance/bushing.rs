@@ -1,4 +1,4 @@
-//! `[bushings.NAME]`: point, laws and axes of a bushing.
+//! `[bushings.NAME]`: point, force laws and axes of a bushing.
 
 use super::super::axle;
 use super::super::error::{Problems, Source, StudyError, StudyErrors};

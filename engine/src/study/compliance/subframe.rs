@@ -131,7 +131,7 @@ fn check_held(
     Some(())
 }
 
-/// Refuses springs and anti-roll bars that connect bodies between which an elastic axle allows no such part.
+/// Refuses springs and anti-roll bars between bodies that they must not connect in an elastic axle.
 pub(super) fn check_reach(
     section: &Spanned<file::Compliance>,
     subframe: Option<&Subframe>,

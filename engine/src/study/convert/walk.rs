@@ -433,8 +433,8 @@ fn exchange_limits(table: &mut dyn TableLike) {
     }
 }
 
-/// Name of a result in the new units. The name of a test result changes, because it contains the trail of the test. `trails`
-/// lists the trail of each test of the study.
+/// Name of a result in the new units. The name of a test result can change, because it contains the trail of the test.
+/// `trails` lists the trail of each test of the study.
 fn renamed(name: &str, conversion: &Conversion, trails: &[f64]) -> String {
     const TRAIL: &str = "_trail_";
     let Some((stem, rest)) = name.split_once(TRAIL) else {

@@ -12,10 +12,11 @@
 //! r- = 2 Y / (1 - Z0 + sqrt d),  r+ = (1 - Z0 + sqrt d) / Z2,  d = (1 - Z0)^2 - 2 Z2 Y
 //! ```
 //!
-//! The radii polynomial is Y + Z0 r + Z2 r^2/2. The ball of radius r is mapped into itself if |A F + (A J - 1) e + A H(e,e)/2| <=
-//! Y + Z0 r + Z2 r^2/2 <= r. F, J and H are evaluated on [`Interval`]s, beginning with the hardpoints, so that link lengths, strut normals and all
-//! other derived numbers are also enclosed. So the certificate applies to the exact mechanism whose hardpoints are the given
-//! doubles, in spite of all rounding errors. Lengths are divided by a power of two near the size.
+//! Since |A F + (A J - 1) e + A H(e,e)/2| <= Y + Z0 r + Z2 r^2/2 for |e| <= r, the ball of radius r is mapped into itself if
+//! this radii polynomial is at most r. F, J and H are evaluated on [`Interval`]s, beginning with the hardpoints, so that link
+//! lengths, strut normals and all other derived numbers are also enclosed. So the certificate applies to the exact mechanism
+//! whose hardpoints are the given doubles, in spite of all rounding errors. Lengths are divided by a power of two near the
+//! size.
 //!
 //! *A whole step.* On the straight line x(t) between two poses, 0 <= t <= 1, the equations are F = a + b t + c t^2 (with c
 //! enclosed over the line if the drive is an angle), so

@@ -1,8 +1,8 @@
-//! Forces in constraints, rods and joints if all external forces on a wheel are known.
+//! Forces in constraints, rods and joints when all external forces on a wheel are known.
 //!
-//! In addition to the load at the wheel, springs and bars push arms, rockers or the carrier. By virtual work each of them
-//! acts like a wrench on the carrier, and the constraints balance the sum of all. The forces are in equilibrium along the
-//! suspension's motion if the support, a vertical force at the wheel centre, is zero.
+//! In addition to the load at the wheel, springs and bars push arms, rockers or the carrier. By virtual work, each of these
+//! forces acts like a wrench on the carrier, and the constraints balance the sum of all wrenches. The support is a vertical
+//! force at the wheel centre. If it is zero, the forces are in equilibrium along the suspension's motion.
 
 use super::loads::{Balance, Balanced, Factors, Reaction, tension};
 use crate::mechanism::Wrench;
@@ -17,9 +17,9 @@ pub enum Applied<T = f64> {
     Point(PointId, Vector3<T>),
     /// A moment on a rocker, positive in the sense of its angle.
     Rocker(RockerId, T),
-    /// A force at a place of the wheel carrier, with a moment.
+    /// A force at a point of the wheel carrier, with a moment.
     Carrier {
-        /// Place where the force acts.
+        /// Position of the point at which the force acts.
         point: Vector3<T>,
         /// Force.
         force: Vector3<T>,
@@ -35,21 +35,22 @@ pub struct Carrying<T = f64> {
     pub constraints: [Reaction<T>; 5],
     /// Tension of the rod of each rocker.
     pub rods: Vec<T>,
-    /// Force at the outer joint of each arm that comes from the known forces on the arm, such as those of a spring or a rod.
+    /// Force that each arm transmits at its outer joint because of known forces on the arm, such as those of a spring or a
+    /// rod.
     pub passed: Vec<Vector3<T>>,
     /// Vertical force at the wheel centre that is missing for equilibrium.
     pub lacking: T,
 }
 
 impl<T: Copy> Carrying<T> {
-    /// Tension of the rod between two points.
+    /// Tension of the rod between two points. `None` if no equation is the length of this rod.
     pub fn tension(&self, from: PointId, to: PointId) -> Option<T> {
         tension(&self.constraints, from, to)
     }
 }
 
-/// Body that carries a point. For a point on a rocker it is the body that carries the outer end of the last rod that moves
-/// the rocker.
+/// Body that carries a point. For a point on a rocker, it is the body that carries the outer end of the last rod in the
+/// chain that moves the rocker.
 fn seat(mechanism: &Mechanism, id: PointId) -> Body {
     let last = mechanism.rockers_moving(id).last();
     mechanism.body(last.map_or(id, |rocker| mechanism.rocker(rocker).outer))
@@ -66,7 +67,7 @@ pub fn bears(mechanism: &Mechanism, arm: ArmId) -> bool {
 }
 
 impl<T: Balanced> Balance<'_, T> {
-    /// Forces that balance known ones.
+    /// Computes the forces that balance these known forces.
     pub fn under_all(&self, applied: &[Applied<T>]) -> Carrying<T> {
         let at = &self.at;
         let mechanism = at.mechanism;
@@ -110,8 +111,8 @@ impl<T: Balanced> Balance<'_, T> {
         }
     }
 
-    /// Tensions of the rods, from the moments about the axes of their rockers. The outer end of a rod may be on an earlier
-    /// rocker.
+    /// Tensions of the rods, from the moments about the axes of their rockers. The outer end of a rod may be on a rocker
+    /// that comes earlier in the list.
     fn rods(&self, applied: &[Applied<T>]) -> Vec<T> {
         let at = &self.at;
         let mechanism = at.mechanism;
@@ -172,7 +173,7 @@ impl<T: Balanced> Balance<'_, T> {
         sum
     }
 
-    /// Present position of a point.
+    /// Position of a point in the present pose.
     pub fn position(&self, id: PointId) -> Vector3<T> {
         self.at.point(id)
     }

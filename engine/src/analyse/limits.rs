@@ -1,13 +1,14 @@
-//! Range of a mechanism: the exact values at which it folds, the reasons, and their derivatives with respect to the design.
+//! Range of a mechanism: the values at which it folds, the reasons, and the derivatives of these values with respect to the
+//! design.
 //!
-//! At a fold the pose can still move while the drive value does not change: F_x t = 0. With the multipliers w for which w
+//! At a fold, the pose can still move while the drive value does not change: F_x t = 0. With the multipliers w for which w
 //! F_x = 0 and w F_q = 1, the limit q satisfies
 //!
 //! ```text
 //! F(x, q, p) = 0   =>   dq/dp = - w . F_p                                         (1)
 //! ```
 //!
-//! The change of the pose cancels, so the gradient costs one back-substitution.
+//! The change of the pose cancels, so the gradient needs only one back-substitution.
 //!
 //! `solve::cause` finds the reason for the fold.
 
@@ -33,17 +34,17 @@ pub struct Limit {
     pub value: f64,
     /// Reason why the mechanism stops here.
     pub cause: LimitCause,
-    /// Part nearest to a singular position, if the mechanism has an arm and a tie rod.
+    /// Part with the smallest distance from a singular position, if the mechanism has an arm and a tie rod.
     pub nearest: Option<PartMeasure>,
-    /// Outer ends of the links that are at a dead centre with each other, if that is the reason. For a rigid axle, the end
+    /// Outer ends of the links that are at a dead centre with each other, if this is the reason. For a rigid axle, the end
     /// of the link with the largest force at the fold.
     pub dependent: Vec<PointId>,
     /// Pose at the fold.
     pub pose: Pose<f64>,
-    /// Derivative of the value by every point of the design.
+    /// Derivative of the value with respect to every point of the design.
     pub gradient: Vec<Vector3<f64>>,
-    /// Derivative of a rack's limit by the drive that is held meanwhile, or of a rigid axle's limit by its other travel. 0 if the
-    /// drive itself moves.
+    /// Derivative of a rack's limit with respect to the drive, which is held while the rack moves. For a rigid axle,
+    /// derivative of a travel's limit with respect to the other travel. 0 if the drive itself moves.
     pub by_drive: f64,
 }
 
@@ -52,9 +53,9 @@ pub struct Limit {
 pub enum RangeEnd {
     /// The mechanism folds.
     Fold(Limit),
-    /// The arm can rotate fully: there is no limit before +-pi.
+    /// The arm can rotate fully: there is no limit before -pi or pi.
     FullTurn,
-    /// A rod that rotates a rocker of the mechanism itself, such as a Watt rocker, is in line with its lever and the axis.
+    /// A rod that rotates a rocker of the mechanism, such as a Watt rocker, is in line with its lever and the rocker's axis.
     Toggle {
         /// Value at the toggle.
         value: f64,
@@ -66,7 +67,7 @@ pub enum RangeEnd {
 }
 
 impl RangeEnd {
-    /// The value at the end.
+    /// Value of the coordinate at the end.
     pub fn value(&self) -> f64 {
         match self {
             RangeEnd::Fold(limit) => limit.value,
@@ -76,7 +77,7 @@ impl RangeEnd {
     }
 }
 
-/// Range of one coordinate about the design position, with the others fixed.
+/// Range of one coordinate about the design position, with the other coordinates fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Range {
     /// End at negative values.
@@ -86,7 +87,7 @@ pub struct Range {
 }
 
 impl Range {
-    /// Distance from `value` to the nearer end. Negative beyond it.
+    /// Distance from `value` to the nearer end. Negative beyond this end.
     pub fn margin(&self, value: f64) -> f64 {
         let [lower, upper] = self.ends();
         (upper - value).min(value - lower)
@@ -98,7 +99,7 @@ impl Range {
         matches!((&self.lower, &self.upper), (Unresolved(lower), Unresolved(upper)) if lower == upper)
     }
 
-    /// Both ends. If the coordinate can rotate fully, they are -pi and pi.
+    /// Values at both ends. If the coordinate can rotate fully, they are -pi and pi.
     pub fn ends(&self) -> [f64; 2] {
         let lower = match &self.lower {
             RangeEnd::FullTurn => -std::f64::consts::PI,
@@ -132,7 +133,7 @@ pub struct RockerRange {
     pub upper: Option<Toggle>,
 }
 
-/// Number of places at which a rocker is checked before the end of the travel.
+/// Number of travels at which a rocker is checked before the end of the travel.
 const LOOKS: u32 = 256;
 
 impl Solver<'_> {
@@ -191,7 +192,7 @@ impl Solver<'_> {
         }))
     }
 
-    /// First of some travels, in outward order, at which a rocker is stuck, and the rod at its toggle.
+    /// First of several travels, in outward order, at which a rocker is stuck, and the rod at its toggle.
     fn first_toggle(
         &mut self,
         rocker: RockerId,
@@ -220,8 +221,8 @@ impl Solver<'_> {
     /// Range of a drive with the rack displaced by `rack` (towards the kernel's +y).
     ///
     /// # Errors
-    /// If the design position itself is singular. If the rack cannot be displaced so far, the range is empty, with both ends
-    /// at zero and unresolved.
+    /// If the design position itself is singular. If the rack cannot reach the displacement, there is no error: the range is
+    /// empty, with both ends at zero and unresolved.
     pub fn drive_range(&mut self, drive: Drive, rack: f64) -> Result<Range, DesignFault> {
         self.range(drive, Moving::Drive, rack)
     }
@@ -273,7 +274,7 @@ impl Solver<'_> {
                     gradient: curve.fold_gradient(&fold),
                     by_drive: match moving {
                         Moving::Drive => 0.0,
-                        // The drive's equation is the last one, its height minus the drive.
+                        // The drive's equation, wheel-centre height minus drive, is the last one.
                         Moving::Rack => curve.fold_multipliers(&fold)[5],
                     },
                 })
@@ -289,8 +290,8 @@ impl Solver<'_> {
         }
     }
 
-    /// Names the rod of a Watt rocker or of a knuckle at an end beyond which the path could not be followed, if the rod is at its
-    /// toggle there: beyond it the rocker has no position.
+    /// Names the rod of a Watt rocker or of a knuckle at an end beyond which the path could not be followed. The rod must be
+    /// at its toggle at this end, beyond which the rocker has no position.
     fn with_toggles(
         &mut self,
         mut range: Range,
@@ -317,7 +318,7 @@ impl Solver<'_> {
         Ok(range)
     }
 
-    /// Leverage of a rod in the last pose that is found before a value of the drive.
+    /// Leverage of a rod in the last pose that can be solved before a value of the drive.
     fn least_leverage(
         &mut self,
         rocker: RockerId,
@@ -347,13 +348,15 @@ impl Solver<'_> {
     }
 }
 
-/// Places before an end at which the leverage of a rod is checked, as shares of the distance to the end.
+/// Positions before an end at which the leverage of a rod is checked, as fractions of the distance to the end.
 const BEFORE_END: [f64; 4] = [0.99, 0.9999, 0.999_999, 0.999_999_99];
-/// A rod whose leverage is below this is at its toggle: its line passes the axis at half a degree.
+/// Leverage below which a rod is at its toggle. The rod's line then passes the rocker's axis at an angle of about half a
+/// degree.
 pub(crate) const AT_TOGGLE: f64 = 0.01;
 
 impl Curve<'_> {
-    /// Outer end of the link with the largest multiplier w of (1), the force that holds the mechanism at the fold.
+    /// Outer end of the link with the largest multiplier w of (1). This multiplier is proportional to the force in the link
+    /// at the fold.
     fn holding_link(&self, fold: &CurvePoint) -> Option<PointId> {
         let ends = outer_ends(self.mechanism).into_iter();
         let forces = ends.zip(self.fold_multipliers(fold));
@@ -362,7 +365,7 @@ impl Curve<'_> {
         largest.map(|(end, _)| end)
     }
 
-    /// Derivative of the value at a fold by every point of the design.
+    /// Derivative of the value at a fold with respect to every point of the design.
     fn fold_gradient(&self, fold: &CurvePoint) -> Vec<Vector3<f64>> {
         let motion: MotionPoint<f64> = self.motion(fold.value());
         let at = self.configuration(fold);

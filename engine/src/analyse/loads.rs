@@ -1,4 +1,4 @@
-//! The forces that constraints carry under a load on the wheel.
+//! Forces that constraints carry under a load on the wheel.
 //!
 //! By virtual work, multipliers l of the closure equations balance a wrench w on the knuckle:
 //!
@@ -6,17 +6,17 @@
 //! J^T l + w = 0                                                                   (1)
 //! ```
 //!
-//! The row of a rod is the unit force along it, so its multiplier is the force with which the rod pushes the knuckle.
-//! The row of a strut line is a unit force on the knuckle across the strut. The rows of a hinge are unit forces at its
-//! points. The sixth row is the support, which keeps the suspension from moving: the spring or, if a study has none, a
+//! The row of a rod is the unit force along it, so its multiplier is the force with which the rod pushes the knuckle. The
+//! row of a strut line is a unit force on the knuckle across the strut. The rows of a hinge are unit forces at its points.
+//! The sixth row is the support, which keeps the suspension from moving. The support is the spring or, without a spring, a
 //! vertical force at the wheel centre. A spring on a rocker acts through the rod, whose tension follows from the moments
 //! about the rocker's axis.
 //!
-//! A rigid axle has two supports, one at each wheel. The support of the far wheel takes the row of the held travel, which is not
-//! a constraint of the mechanism.
+//! A rigid axle has two supports, one at each wheel. The support of the far wheel uses the row of the held travel, which is
+//! not a constraint of the mechanism.
 //!
-//! All of it is generic over the number. On series along a design variable, a force comes with its derivative with respect to that
-//! variable. The factors of the matrix are those of its constant part.
+//! All functions are generic over the number type. With series along a design variable, each force includes its derivative
+//! with respect to this variable. The matrix is factorised by its constant part.
 
 mod members;
 
@@ -67,7 +67,7 @@ pub enum Support {
 }
 
 impl Support {
-    /// The spring as support, if there is one, else a vertical force at the wheel centre.
+    /// Returns the spring as support. If the mechanism has no spring, returns a vertical force at the wheel centre.
     pub fn of(mechanism: &Mechanism) -> Self {
         mechanism
             .spring
@@ -87,7 +87,7 @@ impl Support {
 #[derive(Clone, Copy)]
 pub struct Factors<'f>(pub(super) &'f Lu6<f64>);
 
-/// A number type for which balances can be computed.
+/// A number type for which forces can be balanced.
 pub trait Balanced: Scalar {
     /// Solves A^T x = b for x, with the factors of the constant part of A.
     fn multipliers(factors: Factors<'_>, a: &Matrix6<Self>, b: Vector6<Self>) -> Vector6<Self>;
@@ -117,8 +117,8 @@ pub enum Reaction<T = f64> {
         /// Force in the rod, positive in tension.
         tension: T,
     },
-    /// A link between an arm and the knuckle, or a second joint between them. The arm's own outer joint carries the
-    /// reaction.
+    /// A link between an arm and the knuckle, or a second joint between an arm and the knuckle. The arm's own outer joint
+    /// carries the reaction.
     ArmEnd {
         /// End of the link on the arm.
         inner: PointId,
@@ -148,7 +148,7 @@ pub enum Reaction<T = f64> {
 pub struct Reactions<T = f64> {
     /// Forces of the constraints, in the order of the mechanism's constraints.
     pub constraints: [Reaction<T>; 5],
-    /// Force of the support: that of the spring, positive in compression, or the upward force at the wheel centre.
+    /// Force of the support: spring force, positive in compression, or upward force at the wheel centre.
     pub support: T,
     /// Force of the support at the far wheel of a rigid axle.
     pub far_support: Option<T>,
@@ -158,9 +158,9 @@ pub struct Reactions<T = f64> {
     pub beam: Option<BeamForces<T>>,
     /// Tension in the pushrod or pullrod, if the spring is on a rocker.
     pub rod: Option<T>,
-    /// Force of the support on the knuckle. If the spring, or the rod of its rocker, is mounted on an arm, it is the force
-    /// that the arm transmits at its outer joint. The legs of that arm are then also loaded in bending. Their forces and
-    /// this one add up to the force in the joint.
+    /// Force of the support on the knuckle. If the spring, or the rod of its rocker, is mounted on an arm, this is the force
+    /// that the arm transmits at its outer joint. The legs of this arm are then also loaded in bending. The forces of the
+    /// legs and this force add up to the force in the joint.
     pub support_force: Vector3<T>,
 }
 
@@ -170,7 +170,7 @@ pub struct Balance<'a, T = f64> {
     pub(super) at: Configuration<'a, T>,
     /// Equation of the support.
     support: Wrench<T>,
-    /// Tension in the rod of the spring's rocker for a spring force of one.
+    /// Tension in the rod of the spring's rocker per unit of spring force.
     rod_per_spring: Option<T>,
     /// True if the supports are forces at the wheel centres.
     pub(super) is_at_wheel: bool,
@@ -180,8 +180,8 @@ pub struct Balance<'a, T = f64> {
 }
 
 impl<'a, T: Balanced> Balance<'a, T> {
-    /// Balance in the pose of a mechanism of this size. `None` if the support has no leverage, or so little that fewer than
-    /// six digits of the forces would be correct.
+    /// Prepares the balance in a pose of a mechanism of this size. `None` if the support has no leverage, or so little that
+    /// fewer than six digits of the forces would be correct.
     pub(crate) fn new(
         closure: &'a Closure<T>,
         at: Configuration<'a, T>,
@@ -253,7 +253,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         reactions
     }
 
-    /// Forces that carry a load.
+    /// Computes the forces that balance a load.
     pub fn under(&self, load: &Load<T>) -> Reactions<T> {
         let like = self.at.rack;
         let (force, moment) = (
@@ -291,7 +291,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         }
     }
 
-    /// Value of one reaction; `None` if the mechanism has no such member.
+    /// Value of one reaction. `None` if the mechanism has no such member.
     pub fn force(&self, carried: &Reactions<T>, what: Carried) -> Option<T> {
         match what {
             Carried::Tension(inner, outer) => tension(&carried.constraints, inner, outer),
@@ -313,7 +313,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         }
     }
 
-    /// Tension of the rod of a Watt rocker. It balances the other link about the rocker's axis.
+    /// Tension of the rod of a Watt rocker. Its moment about the rocker's axis balances the moment of the other link.
     fn watt_rod(&self, rocker: RockerId, carried: &Reactions<T>) -> Option<T> {
         let is_on_it = |id: PointId| self.at.mechanism.body(id) == Body::Rocker(rocker);
         carried.constraints.iter().find_map(|reaction| {
@@ -420,7 +420,7 @@ impl<T: Scalar> Row<T> {
                     passed,
                 }
             }
-            // The support of the far wheel. No part of the mechanism carries it.
+            // The support of the far wheel. No part of the mechanism carries this force.
             Row::AxleTravel(row) => Reaction::Force {
                 point: row.far(),
                 force: at.spin_axis().zero(),
@@ -430,8 +430,8 @@ impl<T: Scalar> Row<T> {
 }
 
 impl Solver<'_> {
-    /// A pose found by this solver, with the rack at `rack`, prepared for loads. [`Failure::Singular`] if the support cannot
-    /// carry a load.
+    /// Prepares a pose of this solver, with the rack at `rack`, for loads. [`Failure::Singular`] if the support cannot carry
+    /// a load.
     pub fn balance(
         &self,
         pose: &Pose<f64>,
@@ -443,7 +443,7 @@ impl Solver<'_> {
     }
 }
 
-/// Support of the far wheel of a rigid axle.
+/// Wrench of the support of the far wheel of a rigid axle.
 fn far_support<T: Scalar>(rigid: &RigidAxle, support: Support, at: &Configuration<T>) -> Wrench<T> {
     let like = at.rack;
     let mut row = Wrench::zero(like);

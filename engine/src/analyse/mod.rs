@@ -1,4 +1,4 @@
-//! Analyses of a mechanism: its range, the forces in its links, all its assemblies, and the proof of a pose.
+//! Analyses of a mechanism: its range, the forces in its links, all its assemblies, and certificates of poses.
 
 mod applied;
 mod assemblies;

@@ -1,14 +1,16 @@
 //! Tensions of drag link and tie rod under a load.
 //!
-//! The knuckles of a steered axle are rockers. A force on one of them is a wrench on the axle, less the pull of its rod (see
-//! `mechanism/rocker.rs`). With e the kingpin's direction, f a point of it, F the forces at places x and M the couples on the knuckle, and
-//! u the unit vector along the rod from its end n on the knuckle, the tension is
+//! The knuckles of a steered axle are rockers. A force on a knuckle acts on the axle as a wrench, and the tension of the
+//! knuckle's rod changes this wrench (see `mechanism/rocker.rs`). Let e be the kingpin's direction, f a point of the
+//! kingpin, F the forces at points x, and M the couples on the knuckle. With u the unit vector along the rod from its end n
+//! on the knuckle, the tension is
 //!
 //! ```text
 //! k = -e.(sum (x - f) x F + sum M)/(e.(n - f) x u)                                              (1)
 //! ```
 //!
-//! The tie rod comes first: it balances the right knuckle. The drag link then balances the left one, which the tie rod pulls too.
+//! The tension of the tie rod follows first, from the balance of the right knuckle. Then the tension of the drag link
+//! follows from the left knuckle, on which the tie rod also acts.
 
 use super::loads::{Balance, Balanced, Load};
 use crate::model::{RockerId, Rod};

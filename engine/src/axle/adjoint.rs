@@ -1,4 +1,5 @@
-//! Adjoint of an axle's formulas: wheels on a tape, and the gradients with respect to the hardpoints.
+//! Adjoint of an axle's formulas: puts the numbers of both wheels on a tape and returns gradients with respect to the
+//! hardpoints.
 
 use super::reading::{MOST_LINES, Parts, Reading, Snapshot, WheelPose, zipped};
 use super::taylor::Taylor;
@@ -7,13 +8,13 @@ use crate::derive::{Linearised, Seeds};
 use crate::number::{Each, Jet, Real, Tape, Tracked, Vector3, array_of};
 use std::cell::Cell;
 
-/// Largest number of coefficients of a number along a line.
+/// Largest number of series coefficients that a number has along one line.
 const MOST_POWERS: usize = 4;
-/// Largest count of numbers of a wheel: the size of a wheel whose numbers are bytes.
+/// Largest count of numbers that describe a wheel. It is the size in bytes of a wheel whose numbers are single bytes.
 const MOST_NUMBERS: usize = size_of::<WheelPose<u8>>();
 
 impl<'t> Reading<Tracked<'t>> {
-    /// Wheel whose numbers are all inputs on the tape, in the order of lines, parts and powers.
+    /// Makes a wheel whose numbers are all inputs on the tape, in the order of lines, parts and powers.
     pub fn on_tape<const N: usize>(tape: &'t Tape, lines: &[Snapshot<N>], parts: &Parts) -> Self {
         const { assert!(N <= MOST_POWERS) };
         let zero = Tracked::constant(0.0);
@@ -47,11 +48,11 @@ pub(super) fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usi
     parts.count * N * lines
 }
 
-/// Adds the gradient with respect to every hardpoint of an output to `gradient`. `by` holds the output's derivatives with respect to the numbers of
-/// one line, in the order of [`Reading::on_tape`]. `buffer` has a place for each point.
+/// Adds the gradient of an output with respect to every hardpoint to `gradient`. `by` holds the output's derivatives with
+/// respect to the numbers of one line, in the order of [`Reading::on_tape`]. `buffer` has one entry per point.
 ///
-/// An adjoint pass on series yields the series of S.u_p for any seed series S. The coefficient of e^(N-1-k) of S is the
-/// derivative with respect to the coefficient of e^k. Then the coefficient of e^(N-1) of the result is the required sum.
+/// For any seed series S, an adjoint pass on series returns the series of S.u_p. Here S has, as coefficient of e^(N-1-k),
+/// the derivative with respect to the coefficient of e^k. Then the coefficient of e^(N-1) of the result is the required sum.
 pub(super) fn add_gradient<const N: usize>(
     linearised: &Linearised<'_, N>,
     parts: &Parts,
@@ -74,7 +75,7 @@ pub(super) fn add_gradient<const N: usize>(
     }
 }
 
-/// Adds the seeds of all parts that the formulas read.
+/// Adds the seeds of all parts of the wheel that the formulas read.
 fn push<const N: usize>(
     linearised: &Linearised<'_, N>,
     parts: &Parts,
@@ -107,7 +108,7 @@ fn push<const N: usize>(
     if places.design.centre.x.is_some() {
         Slot::DesignCentre.push(design.centre, at, sink);
     }
-    // A turn d of the carrier moves a column c by d x c, so that g.(d x c) = d.(c x g).
+    // A small rotation d of the carrier moves a column c by d x c, so that g.(d x c) = d.(c x g).
     for (column, seed) in at.carrier_rotation().columns.into_iter().zip(rotation) {
         sink.carrier_turn(column.cross(*seed));
     }

@@ -1,8 +1,8 @@
-//! Poses in roll at constant load: the mean travel is a result.
+//! Poses in roll at constant load. The mean travel is a result.
 //!
-//! When a car rolls, its body keeps its weight, but its height may change. At the mean travel z, the sum of the wheel loads
-//! equals that of the level axle with the rack centred, F(z) = F_0. F grows with z, by twice the ride rate without the tyre.
-//! Newton's method finds the root. For the design p and a given roll angle,
+//! When a car rolls, the load on its axle stays the same, but its height may change. At the mean travel z, the sum of the
+//! wheel loads equals that of the level axle with the rack centred: F(z) = F_0. F grows with z, by twice the ride rate
+//! without the tyre. Newton's method finds the root. For the design p and a given roll angle,
 //!
 //! ```text
 //! dz/dp = (dF_0/dp - dF/dp)/F_z
@@ -16,12 +16,13 @@ use crate::mechanism::NoPose;
 use crate::model::Side;
 use crate::number::{Each, Vector3};
 
-/// Number of terms of the series. Loads contain velocities, and are differentiated with respect to the travel and by the design.
+/// Number of terms of the series. Loads contain velocities, and are differentiated with respect to the travel and the
+/// design.
 pub(super) const LOAD_TERMS: usize = 3;
-/// Largest number of Newton steps, including steps back.
+/// Largest number of Newton steps, including steps back to a reachable travel.
 const MOST_STEPS: usize = 60;
 
-/// Wheel loads whose sum is constant.
+/// Wheel loads whose sum stays constant.
 const LOADS: [Quantity; 2] = [
     Quantity::Wheel(Side::Left, WheelQuantity::WheelLoad),
     Quantity::Wheel(Side::Right, WheelQuantity::WheelLoad),
@@ -43,7 +44,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
             load: axle_load(&state),
             by_heave: axle_load(&state.moving(Motion::Heave))[1],
         };
-        // This condition also excludes NaN.
+        // NaN also fails this condition.
         if carried.by_heave > 0.0 && carried.load.is_finite() {
             Ok(carried)
         } else {
@@ -51,7 +52,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         }
     }
 
-    /// Finds the pose with the load of a level axle.
+    /// Finds the pose in which the axle carries the same load as when it is level at the travel `level`.
     fn found(&mut self, level: f64, roll: f64, rack: f64) -> Result<AxlePose, NoPose> {
         let size = self.size();
         let wanted = self.carried(level, 0.0, 0.0)?.load;
@@ -59,7 +60,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         for _ in 0..MOST_STEPS {
             let here = match self.carried(heave, roll, rack) {
                 Ok(here) => here,
-                // Goes half the way back to the last travel at which both wheels have a pose.
+                // Goes halfway back to the last travel at which both wheels have a pose.
                 Err(failure) => {
                     let back: f64 = reached.ok_or(failure)?;
                     if (heave - back).abs() <= 1e-9 * size {
@@ -83,7 +84,8 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         Err(NoPose::NoLoad)
     }
 
-    /// Adds the gradients of the sum of the wheel loads by the hardpoints of both sides to `into`, times a factor.
+    /// Adds the gradients of the sum of the wheel loads, multiplied by `factor`, to `into`. They are with respect to the
+    /// hardpoints of both sides.
     fn add_load_gradients(
         &mut self,
         placed: &AxlePose,
@@ -100,7 +102,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         })
     }
 
-    /// Derivatives of the mean travel by the hardpoints of both sides, at constant load.
+    /// Derivatives of the mean travel with respect to the hardpoints of both sides, at constant load.
     pub(super) fn heave_by_design(
         &mut self,
         level: f64,
@@ -118,7 +120,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
 }
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// Solver for loads, with the designs of this solver.
+    /// Returns the solver for loads. It has the same designs as this solver.
     pub(super) fn loads(&mut self) -> Result<&mut AxleSolver<'a, LOAD_TERMS>, NoPose> {
         if self.loads.is_none() {
             let made = AxleSolver::new(self.axle, &LOADS, false);
@@ -131,7 +133,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.loads.as_deref_mut().ok_or(NoPose::NoLoad)
     }
 
-    /// Finds the pose with the load of a level axle.
+    /// Finds the pose in which the axle carries the same load as when it is level at the travel `level`.
     pub(super) fn at_load(&mut self, level: f64, roll: f64, rack: f64) -> Result<AxlePose, NoPose> {
         self.loads()?.found(level, roll, rack)
     }

@@ -1,10 +1,10 @@
-//! Stations of an axle's motion: all combinations of the values that the study gives.
+//! Motion of an axle, and its stations: combinations or rows of the values that the study gives.
 
 use super::solver::Placement;
 use super::{Axle, Coordinate};
 use crate::study::TimeLaw;
 
-/// Stations that the lists of a motion's coordinates give.
+/// Rule that combines the value lists of a motion's coordinates into stations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Combine {
     /// All combinations of the values.
@@ -22,22 +22,22 @@ pub struct AxleMotion {
     pub wheels: WheelMotion,
     /// Displacements of the rack.
     pub racks: Vec<f64>,
-    /// Stations that the values give.
+    /// Rule that combines the values into stations.
     pub combine: Combine,
     /// True if results have a column for the rack.
     pub shows_rack: bool,
     /// Angles of the steering wheel for these displacements, if the study gives angles.
     pub steering_wheel: Option<Vec<f64>>,
-    /// Law of one coordinate over time, if the study gives one. Results are then over time.
+    /// Law of one coordinate over time, if the study gives one. Results are then functions of time.
     pub time: Option<AxleTime>,
 }
 
-/// A coordinate as a function of time. Its values in the motion are those at the times of the law.
+/// A coordinate as a function of time. Its values in the motion are the law's values at the given times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleTime {
-    /// Coordinate that moves. For the steering wheel the law gives the displacement of the rack.
+    /// Coordinate that moves. For the steering wheel, the law gives the displacement of the rack.
     pub coordinate: Coordinate,
-    /// Law, in the motion's units.
+    /// Law of the coordinate, in the motion's units.
     pub law: TimeLaw,
 }
 
@@ -67,7 +67,7 @@ pub enum WheelMotion {
 }
 
 impl AxleMotion {
-    /// Returns true if both wheels stand on level pads at given heights, and the motion has no time.
+    /// Returns true if both wheels stand on level pads at given heights, and the motion has no law over time.
     pub fn is_on_level_pads(&self) -> bool {
         let placements = self.placements();
         self.time.is_none() && placements.iter().all(|p| p.on_level_pads().is_some())
@@ -114,7 +114,7 @@ impl AxleMotion {
         one
     }
 
-    /// Travels of the left and of the right wheel, if they do not depend on the design. In roll they do.
+    /// Travels of the left and of the right wheel. `None` in roll, where they depend on the design.
     pub fn wheel_travels(&self) -> Option<[&[f64]; 2]> {
         match &self.wheels {
             WheelMotion::Heave(values) => Some([values, values]),
@@ -136,8 +136,8 @@ impl AxleMotion {
         wheels.saturating_mul(self.racks.len())
     }
 
-    /// Poses of the stations. Rows are in the order of the study. Combinations are ordered by rack, then heave, then roll angle, which changes fastest. If both travels
-    /// are given, the right one changes fastest.
+    /// Poses of the stations. Rows are in the order of the study. Combinations are ordered by rack, then heave, then roll
+    /// angle, which changes fastest. If both travels are given, the right one changes fastest.
     pub fn placements(&self) -> Vec<Placement> {
         if self.has_rows() {
             let rows = 0..self.stations();
@@ -184,7 +184,7 @@ impl AxleMotion {
         placements
     }
 
-    /// Motion with only the design position, on the same ground: all coordinates are zero.
+    /// Motion with only the design position: all coordinates are zero, and the ground is the same.
     pub fn at_design(&self) -> AxleMotion {
         let zero = || vec![0.0];
         AxleMotion {
@@ -209,7 +209,7 @@ impl AxleMotion {
         }
     }
 
-    /// Index of the time of a station. 0 for a motion without a law over time.
+    /// Index of the law's time at a station. 0 for a motion without a law over time.
     pub(super) fn time_at(&self, station: usize) -> usize {
         let Some(time) = &self.time else { return 0 };
         // Number of neighbouring stations with the same value of this coordinate.
@@ -224,16 +224,16 @@ impl AxleMotion {
 
     /// Angle of the steering wheel at a station with this index.
     pub fn steering_wheel_at(&self, station: usize) -> Option<f64> {
-        // Each row has its own rack.
+        // Number of stations at each rack displacement. With rows it is 1.
         let per_rack = self.stations() / self.racks.len();
         Some(self.steering_wheel.as_ref()?[station / per_rack])
     }
 
-    /// Returns this motion for another axle, with lengths in its unit and angles of its steering wheel.
+    /// Returns this motion for the axle `other`, in its length unit and for its steering ratio.
     ///
     /// # Errors
     ///
-    /// A sentence that names the key which is missing in the other study.
+    /// A sentence that names a key which the motion needs and the other study does not give.
     pub fn for_axle(&self, own: &Axle, other: &Axle) -> Result<AxleMotion, String> {
         let mut motion = self.clone();
         let lacks =

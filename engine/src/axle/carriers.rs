@@ -8,15 +8,15 @@ use crate::model::AxleTravel;
 pub enum Carriers {
     /// Each wheel has its own carrier, which moves with the wheel's travel and the rack.
     Independent,
-    /// One body carries both wheels. Readings are functions of its two travels. The first is the one that is not held; the
-    /// held one takes the place of the rack.
+    /// One body carries both wheels. Readings are functions of its two travels. The first one drives the axle. The second
+    /// one is held and replaces the rack.
     Rigid(AxleTravel),
-    /// One body carries both wheels. Each wheel is on a knuckle that turns in this body.
+    /// One body carries both wheels, and each wheel is on a knuckle that turns in this body.
     Steered(AxleTravel),
 }
 
 impl Carriers {
-    /// Carriers of an axle.
+    /// Returns the carriers of an axle.
     pub(crate) fn of(axle: &Axle) -> Self {
         match &axle.left.mechanism.rigid_axle {
             Some(rigid) if rigid.steering.is_some() => Carriers::Steered(rigid.held),
@@ -31,7 +31,7 @@ impl Carriers {
         self != Carriers::Independent
     }
 
-    /// The travel of a rigid axle that is held; `None` for independent wheels.
+    /// Travel of a rigid axle that is held. `None` for independent wheels.
     #[inline(always)]
     pub(crate) fn held(self) -> Option<AxleTravel> {
         match self {
@@ -40,7 +40,8 @@ impl Carriers {
         }
     }
 
-    /// Powers of a first derivative with respect to the wheel's own share of the difference of travels, for a rigid axle.
+    /// Powers of travel and rack that select the first derivative with respect to the wheel's own share of the difference of
+    /// travels, for a rigid axle.
     #[inline(always)]
     pub(crate) fn by_difference(self) -> [usize; 2] {
         match self.held() {
@@ -49,7 +50,7 @@ impl Carriers {
         }
     }
 
-    /// Powers of a first derivative with respect to the mean travel, for a rigid axle.
+    /// Powers of travel and rack that select the first derivative with respect to the mean travel, for a rigid axle.
     #[inline(always)]
     pub(crate) fn by_mean(self) -> [usize; 2] {
         let [travel, rack] = self.by_difference();

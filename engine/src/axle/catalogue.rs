@@ -1,7 +1,7 @@
-//! Catalogue of axle quantities: name, unit, sign, formula, source, and one function for each.
+//! Catalogue of axle quantities: name, unit, sign, formula, source and function of each.
 //!
-//! In addition, every wheel characteristic of [`crate::characteristics`] is a quantity of either wheel. The exception is the
-//! corner's `roll_centre_height`, which the axle's replaces.
+//! In addition, every wheel characteristic of [`crate::characteristics`] is a quantity of either wheel. The exception is
+//! `roll_centre_height`: the axle's quantity of this name replaces the wheel's quantity.
 
 use super::AxleKind;
 use super::elastic::TestFigure;
@@ -24,7 +24,7 @@ const LINK_LOADS: &str =
     "virtual work along both travels of the axle; agrees with the statics of the links";
 const VIRTUAL_WORK: &str = "virtual work of springs and anti-roll bar; parts have no weight";
 
-/// Defines the catalogue. A line has, in this order:
+/// Defines the catalogue. Each line gives, in this order:
 ///
 /// - variant, name, unit, meaning of a positive value, formula, source, and needs
 /// - the slots of each wheel that it reads besides position and carrier
@@ -72,7 +72,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Value at one wheel. Each formula is compiled as a separate function.
+            /// Value at one wheel. The compiler makes a separate function of each formula.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>, side: Side) -> T {
                 match self {
                     $(WheelQuantity::$wheel => call_outlined((state, side), |(state, side)| $wfunction(state, side)),)*
@@ -110,7 +110,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Value. Each formula is compiled as a separate function.
+            /// Value for the axle. The compiler makes a separate function of each formula.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>) -> T {
                 match self {
                     $(AxleQuantity::$axle => call_outlined(state, $function),)*
@@ -132,7 +132,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Reason for a missing value, if the quantity has none in some poses.
+            /// Reason for a missing value, if the quantity has no value in some poses.
             pub(super) fn possible_void(self) -> Option<NoValue> {
                 match self {
                     $(AxleQuantity::$axle => $void,)*
@@ -209,11 +209,11 @@ catalogue! {
 pub enum Quantity {
     /// A wheel characteristic of one wheel.
     Corner(Side, Characteristic),
-    /// A quantity of one wheel that is no wheel characteristic.
+    /// A quantity of one wheel that is not a wheel characteristic.
     Wheel(Side, WheelQuantity),
     /// A quantity of the axle as a whole.
     Axle(AxleQuantity),
-    /// A test figure of elastic parts.
+    /// A test result of an axle with elastic parts.
     Figure(TestFigure),
 }
 
@@ -236,7 +236,7 @@ impl Quantity {
         found
     }
 
-    /// Returns true if an axle of this kind has the quantity. If the wheels of an axle move each other, derivatives with respect to a
+    /// Returns true if an axle of this kind has the quantity. If one body carries both wheels, derivatives with respect to a
     /// wheel's own travel are not defined. Only a solid axle has an axle line, a pitch angle and an angular velocity.
     pub fn is_of(self, kind: AxleKind) -> bool {
         use AxleQuantity as A;
@@ -284,7 +284,7 @@ impl Quantity {
         }
     }
 
-    /// All names that a study may request.
+    /// All names of quantities that a study may request.
     pub fn names() -> Vec<&'static str> {
         let corner = Characteristic::ALL.iter().map(|c| c.info().name);
         let wheel = WheelQuantity::ALL.iter().map(|q| q.info().name);
@@ -306,7 +306,7 @@ impl Quantity {
         }
     }
 
-    /// Wheel of the quantity, if it belongs to one.
+    /// Wheel to which the quantity belongs. `None` for a quantity of the axle.
     pub fn side(self) -> Option<Side> {
         match self {
             Quantity::Corner(side, _) | Quantity::Wheel(side, _) => Some(side),
@@ -339,7 +339,7 @@ impl Quantity {
             }
             Quantity::Wheel(side, q) => q.evaluate(state, side),
             Quantity::Axle(q) => q.evaluate(state),
-            // A rigid mechanism has no test figures.
+            // A rigid mechanism has no test results.
             Quantity::Figure(_) => state.like().constant(f64::NAN),
         }
     }
@@ -350,10 +350,10 @@ impl Quantity {
         of_side && self.info().reads.iter().any(|slot| slot.may_turn())
     }
 
-    /// Largest height difference of two contact points that count as on one plane, in tracks.
+    /// Largest height difference of two contact points on one plane, relative to the track.
     pub(super) const SAME_PLANE: f64 = 1e-9;
 
-    /// Returns true if the quantity is a derivative along a motion on a plane ground, for example along roll.
+    /// Returns true if the quantity is a derivative along a motion on a plane ground, such as roll.
     pub(super) fn is_of_the_plane(self) -> bool {
         matches!(
             self,
@@ -373,7 +373,7 @@ impl Quantity {
         )
     }
 
-    /// Reason, in words, why the quantity may have no value in a solved pose.
+    /// Reason, in words, why the quantity may have no value in a pose that exists.
     pub fn undefined_where(self) -> &'static str {
         let void = match self {
             Quantity::Corner(_, c) => return c.undefined_where(),
@@ -384,7 +384,7 @@ impl Quantity {
         void.or(plane).unwrap_or(NoValue::NotFinite).reason()
     }
 
-    /// Value in a state, or the reason why there is none.
+    /// Value in a state, or the reason for a missing value.
     pub fn value(self, state: &AxleState<f64>) -> Result<f64, NoValue> {
         let is_void = |void: &NoValue| match void {
             NoValue::StraightAhead => steering::is_straight_ahead(state),

@@ -1,16 +1,16 @@
-//! Proof of an axle's pose: of the poses of both wheels, and of the conditions at the ground.
+//! Certificates of an axle's pose: rigorous bounds for the poses of both wheels and for the conditions at the ground.
 //!
-//! On a plane ground one number is a result. If the roll angle is given, it is half the difference s of the travels. If both
-//! travels are given, it is the roll angle. It is the root of f = h_l - h_r, the difference in height of the contact points.
-//! With f enclosed at the number u that was found, and f' over [u - d, u + d],
+//! On a plane ground, one number is a result. If the roll angle is given, this number is half the difference s of the
+//! travels. If both travels are given, it is the roll angle. It is the root of f = h_l - h_r, the difference in height of
+//! the contact points. With f enclosed at the computed number u, and f' enclosed over [u - d, u + d],
 //!
 //! ```text
 //! f' > 0 and |f(u)| <= d f'   =>   one and only one root in [u - d, u + d], and |root - u| <= |f(u)|/f'
 //! ```
 //!
-//! In roll f' = n.C_l' + n.C_r', on poses enclosed over the intervals of travel ([`Certifier::over_travels`]). For the
-//! derivative with respect to the roll angle, f' is the track. Sine and cosine of the angle, the design and the radius are enclosed, too.
-//! So the proof concerns the exact axle whose numbers are the given doubles.
+//! In roll, f' = n.C_l' + n.C_r', on poses enclosed over the intervals of travel ([`Certifier::over_travels`]). With respect
+//! to the roll angle, f' is the track. The sine and cosine of the angle, the design and the radius are enclosed, too. So the
+//! certificate applies to the exact axle whose numbers are the given doubles.
 
 use super::solver::{AxlePose, Placement};
 use super::{Axle, Ground};
@@ -20,7 +20,7 @@ use crate::mechanism::{Configuration, Failure, NoPose};
 use crate::model::{Mechanism, Side};
 use crate::number::{Each, Interval, Jet, Real, Vector3};
 
-/// Proved bounds on an axle's pose. Lengths are in the study's unit, angles in radians.
+/// Certified bounds on an axle's pose. Lengths are in the study's unit, angles in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxleProof {
     /// Bound on the distance of any point of the left and right wheel carrier from its exact position.
@@ -29,16 +29,18 @@ pub struct AxleProof {
     pub travel_error: f64,
     /// Bound on the error of the roll angle, in radians. 0 if it is given.
     pub roll_error: f64,
-    /// Distance to any other pose. Smallest difference of any other pose in one of these numbers: a coordinate of a
-    /// carrier's origin, an entry of a rotation, the roll angle. The last two are times the mechanism's size.
+    /// Lower bound on the distance to any other pose. Any other pose differs by at least this length in one of these
+    /// numbers: a coordinate of a carrier's origin, an entry of a rotation, the roll angle. The last two are multiplied by
+    /// the mechanism's size.
     pub uniqueness: f64,
 }
 
-/// Proves poses of one axle.
+/// Certifies poses of one axle.
 pub struct AxleCertifier<'a> {
     wheels: [Wheel<'a>; 2],
     radius: f64,
-    /// True if one body carries both wheels. The difference of the travels then drives it, and the mean replaces the rack.
+    /// True if one body carries both wheels. The difference of the travels then drives the axle, and the mean travel
+    /// replaces the rack.
     is_rigid: bool,
 }
 
@@ -51,24 +53,24 @@ struct Wheel<'a> {
     rise: f64,
 }
 
-/// Largest number of times that an interval is reduced to a quarter before the proof fails.
+/// Largest number of times that an interval is reduced to a quarter before the certificate fails.
 const MOST_QUARTERINGS: usize = 24;
-/// Factor for the interval after a failed proof. It changes the path, not the result.
+/// Factor for the width of the interval after a failed attempt. It changes the path, not the result.
 const NARROWER: f64 = 0.25;
-/// Half the widest interval for the root of a roll angle, in radians.
+/// Half the width of the widest interval for the root of a roll angle, in radians.
 const WIDEST_ROLL: f64 = 0.1;
 
-/// A proved root.
+/// A certified root.
 struct Root {
     /// Bound on the distance between the root and the computed number.
     off: f64,
-    /// Half-width of the interval in which it is proved to be the only root.
+    /// Half-width of the interval that certainly contains no other root.
     alone: f64,
 }
 
 impl Root {
-    /// Proves a root near `at`. `function` returns enclosures of the value and the derivative over an interval. `None` if
-    /// the proof fails.
+    /// Certifies a root near `at`. `function` returns enclosures of the value and the derivative over an interval. `None` if
+    /// the root cannot be certified.
     fn near(
         at: f64,
         widest: f64,
@@ -83,7 +85,7 @@ impl Root {
         let mut alone = widest;
         for _ in 0..MOST_QUARTERINGS {
             if let Some(off) = off_by(alone) {
-                // Now the root is known to be near, and the slope has a narrower enclosure there.
+                // The root is certainly within this distance, where the slope has a narrower enclosure.
                 let off = off_by(off).unwrap_or(off);
                 return Some(Root { off, alone });
             }
@@ -109,7 +111,7 @@ impl<'a> Wheel<'a> {
             let [x, y, z] = lever.to_array().each(f64::abs);
             1.0 + (x + y + z) / scale
         };
-        // The travel that drives a rigid axle is half of the rise of both wheel centres.
+        // The travel that drives a rigid axle is half the sum or half the difference of the rises of both wheel centres.
         let far = mechanism
             .rigid_axle
             .as_ref()
@@ -126,7 +128,7 @@ impl<'a> Wheel<'a> {
         }
     }
 
-    /// Height of the contact point above the origin, over all enclosed poses.
+    /// Enclosure of the contact point's height above the origin, over all enclosed poses.
     fn height(
         &self,
         inclusion: &Inclusion,
@@ -147,7 +149,7 @@ impl<'a> Wheel<'a> {
 }
 
 impl<'a> AxleCertifier<'a> {
-    /// Prepares proofs of positions of this axle.
+    /// Prepares the certification of this axle's poses.
     pub fn new(axle: &'a Axle) -> Self {
         AxleCertifier {
             wheels: Side::ALL.map(|side| Wheel::new(axle, side)),
@@ -161,11 +163,11 @@ impl<'a> AxleCertifier<'a> {
         &self.wheels[side as usize].prover.certifier
     }
 
-    /// Proves a pose that was found for a placement.
+    /// Certifies a pose that was found for a placement.
     ///
     /// # Errors
-    /// [`NoPose::Wheel`] if the pose of a wheel is not proved. [`NoPose::Unproven`] if both are proved, but the travels or
-    /// the roll angle are not proved to fit the ground.
+    /// [`NoPose::Wheel`] if the pose of a wheel cannot be certified. [`NoPose::Unproven`] if both wheels can be certified,
+    /// but not the travels or the roll angle at which they fit the ground.
     pub fn prove(&self, placement: &Placement, placed: &AxlePose) -> Result<AxleProof, NoPose> {
         let over = |side: Side, travel: Interval, rack: f64| {
             let pose = &placed.poses()[side as usize];
@@ -177,7 +179,7 @@ impl<'a> AxleCertifier<'a> {
             })
         };
         let over = |[left, right]: [Interval; 2]| {
-            // In its own frame, the rack of the right wheel moves in the opposite direction.
+            // In its own frame, the right wheel's rack moves in the opposite direction.
             let rack = placement.rack();
             let coordinates = if self.is_rigid {
                 let half = (left - right).scaled(0.5);
@@ -214,7 +216,7 @@ impl<'a> AxleCertifier<'a> {
         }
     }
 
-    /// Heights of both contact points.
+    /// Enclosures of the heights of both contact points.
     fn heights(
         &self,
         wheels: &[Inclusion; 2],
@@ -227,7 +229,7 @@ impl<'a> AxleCertifier<'a> {
         ]
     }
 
-    /// Proves a pose with given heave and roll angle. `over` encloses the poses of both wheels over intervals of their
+    /// Certifies a pose with given heave and roll angle. `over` encloses the poses of both wheels over intervals of their
     /// travels.
     fn in_roll(
         &self,
@@ -239,7 +241,7 @@ impl<'a> AxleCertifier<'a> {
         let ground = Ground { sine, cosine }.map(Jet::constant);
         let half = 0.5 * (travels[0] - travels[1]);
         let written = travels.each(Interval::point);
-        // Uses the travels as written. At these the poses are proved to be on the branch of the design.
+        // Includes the stored travels, at which the poses are certified to lie on the branch of the design position.
         let travels = |half: Interval| {
             let heave = Interval::point(heave);
             let [left, right] = written;
@@ -271,7 +273,7 @@ impl<'a> AxleCertifier<'a> {
         })
     }
 
-    /// Proves a pose with given travels, on pads or, if there is a roll angle, on a plane.
+    /// Certifies a pose with given travels, on level pads or, if there is a roll angle, on a plane.
     fn at_travels(&self, wheels: &[Inclusion; 2], roll: Option<f64>) -> Result<AxleProof, NoPose> {
         let nearest = nearest_other(wheels);
         let proof = AxleProof {
@@ -283,7 +285,7 @@ impl<'a> AxleCertifier<'a> {
         let Some(roll) = roll else {
             return Ok(proof);
         };
-        // For the derivative with respect to the roll angle the poses are constant.
+        // The poses do not change with the roll angle.
         let held = wheels.each(|wheel| Inclusion {
             pose: wheel.pose.map(|c| Jet::constant(c[0])),
             ..wheel

@@ -1,4 +1,4 @@
-//! Columns of an axle's curves: names with quantity and unit.
+//! Columns of an axle's curves: each with a name, a quantity and a unit.
 
 use super::reading::WheelParts;
 use super::series::ByGear;
@@ -18,15 +18,15 @@ pub struct AxleColumn {
     pub name: String,
     /// Content of the column.
     pub of: Of,
-    /// The motion by which the column is differentiated; `None` for a value.
+    /// Motion along which the column is differentiated. `None` for a value.
     pub by: Option<Motion>,
-    /// True if the derivative is by time, while `by` moves.
+    /// True if the derivative is with respect to time, while the axle moves along `by`.
     pub is_by_time: bool,
     /// Order of the derivative; 0 for a value.
     pub order: usize,
     /// Unit of the column. Empty for a plain number.
     pub unit: String,
-    /// Factor from radians, length units and newtons to the unit of the column.
+    /// Factor that converts radians, length units and newtons to the unit of the column.
     pub factor: f64,
 }
 
@@ -62,7 +62,7 @@ pub enum Of {
 }
 
 impl AxleColumn {
-    /// Quantity in the column, if there is one.
+    /// Quantity in the column. `None` for other contents.
     pub fn quantity(&self) -> Option<Quantity> {
         match &self.of {
             Of::Quantity(quantity) => Some(*quantity),
@@ -70,7 +70,8 @@ impl AxleColumn {
         }
     }
 
-    /// Quantity or coordinate that the column shows or differentiates. `None` if it has no derivatives with respect to hardpoints.
+    /// Quantity or coordinate that the column shows or differentiates. `None` if it has no derivatives with respect to
+    /// hardpoints.
     pub(super) fn sought(&self) -> Option<Sought> {
         match self.of {
             Of::Quantity(quantity) => Some(Sought::Quantity(quantity)),
@@ -79,9 +80,10 @@ impl AxleColumn {
         }
     }
 
-    /// The column's number in a position, in radians, length units, newtons and seconds, or the reason for its
-    /// absence. `None` for a force, which cannot be read off the position alone. `by_drag_link` are its derivatives with respect to the
-    /// displacement of a steering gear ([`AxleSolver::by_drag_link`](super::AxleSolver)), if it moves with one.
+    /// Number in the column for a pose, in radians, length units, newtons and seconds, or the reason for its absence. `None`
+    /// for a force, which does not follow from the pose alone. `by_drag_link` has the derivatives with respect to the
+    /// displacement of a steering gear ([`AxleSolver::by_drag_link`](super::AxleSolver)), if the number changes with this
+    /// displacement.
     pub(crate) fn evaluate(
         &self,
         read: &Read,
@@ -180,7 +182,7 @@ impl AxleColumn {
         }
     }
 
-    /// Column for the derivative of this value by the time of a law along a motion.
+    /// Column for a time derivative of this value, under a law for this motion over time.
     fn by_time(&self, order: usize, (motion, ..): &ByMotion) -> AxleColumn {
         let unit = per(&self.unit, "s", order);
         let stem = match &self.of {
@@ -277,7 +279,7 @@ impl From<&AxleColumn> for Column {
     }
 }
 
-/// A motion, its name and unit in columns, and the factor from a derivative along it to its printed value.
+/// A motion, its name and unit in columns, and the factor that converts a derivative along this motion to its printed value.
 type ByMotion = (Motion, &'static str, String, f64);
 
 /// All three components for the left wheel, then for the right one.
@@ -343,7 +345,7 @@ impl AxlePlan {
                 Some(_) => value.by_time(order, by),
                 None => value.by_motion(order, by, rack_sign),
             };
-            // A quantity of velocities has no second derivative with respect to a drag link.
+            // Quantities that contain velocities have no second derivative with respect to a drag link.
             let is_of_rates = value.quantity().is_some_and(|q| q.rate_order() > 0);
             let is_known = |(order, by): &(usize, &ByMotion)| {
                 let is_by_gear = is_steered && by.0 == Motion::Rack;
@@ -357,7 +359,7 @@ impl AxlePlan {
             let unit = quantity.info().unit;
             let (suffix, factor) = (unit.suffix(length), unit.printed_factor(length));
             let value = value(Of::Quantity(*quantity), suffix, factor);
-            // A test figure is already a derivative.
+            // A test result is already a derivative.
             let derivatives = match quantity {
                 Quantity::Figure(_) => Vec::new(),
                 _ => derivatives(&value),

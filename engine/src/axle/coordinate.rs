@@ -1,4 +1,4 @@
-//! Coordinates of an axle's pose, and their form in a study.
+//! Coordinates of an axle's pose, and their representation in a study.
 
 use super::state::Motion;
 use super::{Axle, AxleMotion, Placement, WheelMotion};
@@ -72,13 +72,13 @@ impl Coordinate {
         }
     }
 
-    /// Column in results.
+    /// Name of the coordinate's column in results.
     pub fn column(self, length: LengthUnit) -> String {
         format!("{}_{}", self.key(), self.unit(length))
     }
 
-    /// Converts a value in a study (degrees, lengths along the study's axes) to a value of an [`AxleMotion`]. The angle of
-    /// the steering wheel becomes the displacement of the rack.
+    /// Converts a value in a study (degrees, lengths along the study's axes) to a value of an [`AxleMotion`]. It converts an
+    /// angle of the steering wheel to the displacement of the rack.
     pub fn in_kernel(self, written: f64, axle: &Axle) -> f64 {
         match self {
             Coordinate::Roll => written.to_radians(),
@@ -88,7 +88,8 @@ impl Coordinate {
         }
     }
 
-    /// Converts a value of a motion to the form of a study. An angle becomes the shortest decimal number that represents it.
+    /// Converts a value of a motion to its representation in a study. An angle becomes the shortest decimal number that
+    /// represents it.
     pub fn written(self, value: f64, axle: &Axle) -> f64 {
         let short = |value: f64| format!("{value:.12e}").parse().unwrap_or(value);
         match self {
@@ -99,7 +100,7 @@ impl Coordinate {
 }
 
 impl Placement {
-    /// Value of a coordinate in the form of a motion. 0 for a coordinate that does not define this placement.
+    /// Value of a coordinate in the units of a motion. 0 for a coordinate that does not define this placement.
     pub fn along(&self, coordinate: Coordinate) -> f64 {
         match (coordinate, *self) {
             (Coordinate::Rack | Coordinate::SteeringWheel, placement) => placement.rack(),
@@ -120,8 +121,8 @@ impl Placement {
 }
 
 impl AxleMotion {
-    /// Coordinates that move independently, at least one. The first one is the abscissa of curves. Of rows it is the only one:
-    /// the coordinate with the most different values.
+    /// Coordinates that move independently, at least one. The first one is the abscissa of curves. If the study gives rows,
+    /// the only one is the coordinate with the most different values.
     pub fn moving(&self) -> Vec<Coordinate> {
         let mut moving = self.all_moving();
         if self.has_rows() {
@@ -132,14 +133,15 @@ impl AxleMotion {
                 values.dedup();
                 values.len()
             };
-            // The first one of several, since `max_by_key` returns the last one.
+            // `max_by_key` returns the last of several equal maxima, so the order is reversed.
             let main = moving.iter().rev().max_by_key(|c| different(**c));
             moving = main.copied().into_iter().collect();
         }
         moving
     }
 
-    /// Coordinates with several values, at least one coordinate. The first one is the abscissa of curves.
+    /// Coordinates with several values. If there are none, the first coordinate alone. The first one is the abscissa of
+    /// curves.
     pub fn all_moving(&self) -> Vec<Coordinate> {
         let mut motion = self.clone();
         let by_wheel = motion.steering_wheel.is_some();
@@ -155,7 +157,7 @@ impl AxleMotion {
         moving.retain(|c| {
             let values = motion.along(*c).map_or(&[][..], |values| values);
             if has_rows {
-                // A value of a row may be repeated in others.
+                // The same value may appear in several rows.
                 values.iter().any(|value| *value != values[0])
             } else {
                 values.len() > 1
@@ -164,7 +166,7 @@ impl AxleMotion {
         if moving.is_empty() {
             moving.push(available[0]);
         }
-        // Steering comes before the other coordinates that are not the abscissa of curves.
+        // Steering coordinates come directly after the abscissa of curves.
         let steers = |c: &Coordinate| matches!(c, Coordinate::Rack | Coordinate::SteeringWheel);
         sort_by_key(&mut moving[1..], |c| !steers(c));
         moving

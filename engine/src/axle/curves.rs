@@ -49,7 +49,7 @@ impl AxlePlan {
         }
     }
 
-    /// This plan without sensitivities and proofs.
+    /// This plan without sensitivities and certificates.
     pub fn values_alone(&self) -> AxlePlan {
         AxlePlan {
             sensitivities: Vec::new(),
@@ -58,7 +58,7 @@ impl AxlePlan {
         }
     }
 
-    /// Plan for the same quantities over the same motion, without any other result.
+    /// Plan for the same quantities over the same motion, without any other results.
     pub fn quantities_alone(&self) -> AxlePlan {
         AxlePlan::of(self.motion.clone(), self.quantities.clone())
     }
@@ -73,7 +73,7 @@ impl AxlePlan {
 }
 
 impl Axle {
-    /// Returns true if turning the steering wheel to the left steers the wheels to the right.
+    /// Returns true if a turn of the steering wheel to the left steers the wheels to the right.
     pub fn turns_against(&self, plan: &AxlePlan) -> bool {
         if self.setup.c_factor.is_none() || self.setup.wheel_radius.is_none() {
             return false;
@@ -94,22 +94,22 @@ impl Axle {
 pub struct AxleCurves {
     /// The curves.
     pub curves: Curves,
-    /// Pose of both wheels at each station, or the reason why there is none. Empty with elastic parts.
+    /// Pose of both wheels at each station, or the reason why a station has no pose. Empty with elastic parts.
     pub placed: Vec<Result<AxlePose, NoPose>>,
 }
 
 impl AxlePlan {
-    /// Highest derivative of a wheel by travel and rack that the plan reads.
+    /// Highest derivative of a wheel with respect to travel and rack that the plan reads.
     pub fn degree(&self) -> usize {
         self.degree_for(!self.sensitivities.is_empty())
     }
 
-    /// Highest derivative of a wheel by travel and rack that the plan reads. `by_design` says whether derivatives with respect to the
-    /// design are computed.
+    /// Highest derivative of a wheel with respect to travel and rack that the plan reads. `by_design` says whether
+    /// derivatives with respect to the design are computed.
     pub(crate) fn degree_for(&self, by_design: bool) -> usize {
         let orders = self.quantities.iter().map(|q| q.rate_order());
         let along = self.derivatives;
-        // On a plane, the travels also change with the design.
+        // On a plane, the travels depend on the design.
         let by_design = usize::from(by_design && self.is_on_plane());
         orders.max().unwrap_or(0) + along.max(by_design)
     }
@@ -160,7 +160,7 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
         placed: Vec::with_capacity(placements.len()),
     };
     let mut of_wheels = WheelCurves::default();
-    // In roll all poses are found together. If travels are given, poses come from the curves of the wheels.
+    // Poses in roll are computed together. If travels are given, poses come from the curves of the wheels.
     let mut rolled = match plan.motion.wheels {
         WheelMotion::Roll { .. } => solver.place_all(&placements).into_iter(),
         _ => Vec::new().into_iter(),
@@ -204,7 +204,7 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
     Ok(found)
 }
 
-/// Makes a failed station: it has no pose, or its pose could not be proved.
+/// Makes a failed station: it has no pose, or its pose could not be certified.
 fn failed(at: Vec<Option<f64>>, reason: NoPose, columns: usize) -> Station {
     Station {
         at,
@@ -215,8 +215,8 @@ fn failed(at: Vec<Option<f64>>, reason: NoPose, columns: usize) -> Station {
     }
 }
 
-/// Proves that every pose is right, and that the pose of each wheel lies on the branch of its design position. A station
-/// that cannot be proved becomes a failed station.
+/// Certifies that each computed pose is within its bounds of an exact pose, and that each wheel's pose lies on the branch of
+/// its design position. A station that cannot be certified becomes a failed station.
 fn certify<const N: usize>(
     axle: &Axle,
     plan: &AxlePlan,
@@ -387,7 +387,7 @@ fn gradients<const N: usize>(
     station: usize,
 ) -> Result<Vec<Sensitivity>, NoPose> {
     let mut found = Vec::new();
-    // Derivatives of a rigid axle are by the left half. The right half follows it.
+    // For a rigid axle, derivatives are with respect to the points of the left half. The right half follows it.
     let is_own = axle.right.is_some() && !axle.is_rigid();
     let values = columns.iter().enumerate().filter(|(_, c)| c.by.is_none());
     let sought = values.filter_map(|(column, c)| Some((column, c.sought()?)));
@@ -413,7 +413,7 @@ fn gradients<const N: usize>(
                     add(Some(Side::Left), by[0] * frames[0].sign(axis));
                     add(Some(Side::Right), by[1] * frames[1].sign(axis));
                 } else {
-                    // The right wheel is its mirror image and moves with it.
+                    // The right wheel follows the left one, so both derivatives add up.
                     add(None, (by[0] + by[1]) * frames[0].sign(axis))
                 }
             }

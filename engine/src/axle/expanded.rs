@@ -1,9 +1,10 @@
 //! A wheel as a function of its travels and of one direction of its design.
 //!
-//! With the design d(e) = d_0 + d_1 e + d_2 e^2, each number of a wheel is u(a, b, e). Here a and b are steps of travel and rack, or
-//! of both travels of a rigid axle. Along a line (a, b) = t (p, q) it is a polynomial in t and e. Its coefficients c_ij of t^i e^j
-//! come from power series in s along straight lines (t, e) = s (1, 0), s (0, 1), s (1, 1), s (1, -1), as in module `taylor`. Degree 4
-//! needs one more line, s (2, 1). With A, B and C, the coefficients of s^4 along the last three lines,
+//! With the design d(e) = d_0 + d_1 e + d_2 e^2, each number of a wheel is u(a, b, e). Here a and b are steps of travel and
+//! rack. For a rigid axle, they are steps of both travels. Along a line (a, b) = t (p, q) it is a polynomial in t and e. Its
+//! coefficients c_ij of t^i e^j come from power series in s along straight lines (t, e) = s (1, 0), s (0, 1), s (1, 1), s
+//! (1, -1), as in module `taylor`. Degree 4 needs one more line, s (2, 1). With A, B and C, the coefficients of s^4 along
+//! the last three lines,
 //!
 //! ```text
 //! c_22 = (A + B)/2 - c_40 - c_04                                                                                (1)
@@ -27,7 +28,7 @@ const TERMS: usize = 5;
 /// Number of terms of the series of a wheel of a rigid axle.
 const TERMS_OF_RIGID: usize = 4;
 
-/// A solved wheel of an axle, ready for series along directions of its design.
+/// A solved wheel of an axle, prepared for series along directions of its design.
 #[derive(Clone, Debug)]
 pub(crate) struct Expandable<'a> {
     pub(super) mechanism: &'a Mechanism,
@@ -44,8 +45,8 @@ pub(crate) struct Expandable<'a> {
     pub(super) parts: Parts,
 }
 
-/// A wheel whose numbers are series along a direction of its design. It is known up to the third degree in its travels, and an
-/// independent wheel up to the fourth.
+/// A wheel whose numbers are series along a direction of its design. They are known up to the third power of its travels,
+/// for an independent wheel up to the fourth.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ExpandedWheel {
     reading: Reading<Series>,
@@ -57,13 +58,13 @@ pub(crate) struct ExpandedWheel {
 type ByTravel = [Series; TERMS];
 
 impl Expandable<'_> {
-    /// Wheel of its own design.
+    /// Wheel of the unchanged design.
     pub(crate) fn still(&self) -> ExpandedWheel {
         let design: Vec<_> = self.design.iter().map(|p| p.map(Jet::constant)).collect();
         self.along(&design)
     }
 
-    /// Wheel of a design that is a series.
+    /// Wheel of a design whose points are series.
     pub(crate) fn along(&self, design: &[Vector3<Series>]) -> ExpandedWheel {
         let lines = self.lines.iter();
         let series: Vec<Vec<ByTravel>> = match self.mechanism.rigid_axle {
@@ -88,7 +89,7 @@ impl Expandable<'_> {
         }
     }
 
-    /// Numbers of the wheel along (t, e) = s (`travel`, `design`), with t along a line.
+    /// Numbers of the wheel along (t, e) = s (`travel`, `design`). Here t is the step along a line in travel and rack.
     fn series<const N: usize>(
         &self,
         along: &[Vector3<Series>],
@@ -157,7 +158,7 @@ impl Expandable<'_> {
     }
 }
 
-/// Coefficients up to the third degree, from series along the first four lines. Those of higher degrees are zero.
+/// Coefficients up to the third degree, from the series along the first four lines. Coefficients of higher degrees are zero.
 fn cubic(series: [&[f64]; 4]) -> ByTravel {
     let polynomial = Taylor::through(&series);
     array_of(|i| {

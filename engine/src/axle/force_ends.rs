@@ -5,7 +5,7 @@ use super::{Axle, AxleCurves};
 use crate::mechanism::Configuration;
 use crate::model::Side;
 
-/// Part whose force a curve gives.
+/// Part whose force follows a curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ForcePart {
     /// Spring, with its length as abscissa.
@@ -34,7 +34,7 @@ pub struct BeyondCurve {
 pub struct Pull {
     /// The wheel.
     pub side: Side,
-    /// Force of the spring without its stops, in newtons; below 0.
+    /// Force of the spring without its stops, in newtons. It is negative.
     pub force: f64,
     /// Index of the station.
     pub station: usize,
@@ -47,7 +47,7 @@ impl BeyondCurve {
 }
 
 impl Axle {
-    /// Finds, for each end of each wheel's force curves, the station farthest beyond it.
+    /// Finds the station farthest beyond each end of the force curves of each wheel.
     pub fn beyond_force_curves(&self, curves: &AxleCurves) -> Vec<BeyondCurve> {
         let mut found: Vec<BeyondCurve> = Vec::new();
         for placed in &curves.placed {
@@ -79,8 +79,8 @@ impl Axle {
         found
     }
 
-    /// Finds the station with the largest tension in a spring. `None` if no spring pulls. Stops do not count: a rebound stop
-    /// pulls.
+    /// Finds the station with the largest tension in a spring. `None` if no spring pulls. The forces of stops are excluded,
+    /// because a rebound stop always pulls.
     pub fn pulling_spring(&self, curves: &AxleCurves) -> Option<Pull> {
         let stations = curves.placed.iter().enumerate();
         let forces = stations.flat_map(|(station, placed)| {
@@ -101,7 +101,7 @@ impl Axle {
         (least.force < 0.0).then_some(least)
     }
 
-    /// Length of a wheel's spring in a pose and in the design position, and its law. `None` without a spring.
+    /// Length of a wheel's spring in a pose, its length in the design position, and its law. `None` without a spring.
     fn spring_lengths(
         &self,
         side: Side,
@@ -139,7 +139,7 @@ impl Axle {
     }
 }
 
-/// End that a value is beyond. `None` if the value is within the curve.
+/// End that a value exceeds. `None` if the value is within the curve.
 fn beyond(curve: &ForceCurve, value: f64) -> Option<f64> {
     let (first, last) = (curve.points().first()?[0], curve.points().last()?[0]);
     if value < first {

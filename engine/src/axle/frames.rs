@@ -1,7 +1,7 @@
 //! Positions of all points of both wheels along a motion, for drawings: the ground is level and the body rolls.
 //!
-//! Curves of an axle are in the body's axes, in which the ground tilts. A drawing rotates everything back by the roll angle
-//! about x. It then moves the body vertically, so that the ground keeps its height of the design position.
+//! Curves of an axle are in the body's axes, in which the ground tilts. A drawing rotates both wheels and the ground back by
+//! the roll angle about x. It then moves the body vertically, so that the ground keeps its height of the design position.
 
 use super::elastic::Equilibria;
 use super::formulas::steering::turn;
@@ -16,8 +16,8 @@ use crate::model::{Frame, PointId, Side};
 use crate::number::{Each, Vector3};
 use crate::study::AxleComplianceStudy;
 
-/// Both wheels in every pose, in the study's axes, or the reason why a pose does not exist. With elastic parts the carriers are
-/// at their places in the equilibrium, and there are no instantaneous centres. An error says why the design position of a wheel
+/// Both wheels in every pose, in the study's axes, or the reason why a pose does not exist. With elastic parts, the carriers
+/// are in their equilibrium positions, and there are no instant centres. An error says why the design position of a wheel
 /// cannot be solved, or why it has no elastic model.
 pub fn axle_frames(
     axle: &Axle,
@@ -42,8 +42,8 @@ pub fn axle_frames(
     Ok(drawn.collect())
 }
 
-/// Both wheels in the body's axes, or the reason why there is no pose. Each is in the study's axes, at its true place. With
-/// elastic parts the carriers are at their places in the equilibrium.
+/// Both wheels in the body's axes, or the reason why there is no pose. The points of each wheel are in the study's axes, on
+/// the correct side. With elastic parts, the carriers are in their equilibrium positions.
 ///
 /// # Errors
 /// If the design position of a wheel cannot be solved, or has no elastic model.
@@ -84,8 +84,8 @@ fn carrier_at<'a>(
     (Configuration::new(mechanism, design, pose, rack), contact)
 }
 
-/// Both wheels in the equilibria at these placements. The body is level and each wheel stands on its own pad. The mean height of
-/// the pads is that of the ground in the design position.
+/// Both wheels in equilibrium at each of these placements. The body is level, and each wheel is on a separate pad. The mean
+/// height of the pads equals the height of the ground in the design position.
 fn equilibrium_frames(
     axle: &Axle,
     elastic: &AxleComplianceStudy,
@@ -172,7 +172,7 @@ fn design_ground(axle: &Axle, solver: &mut AxleSolver<2>) -> f64 {
     0.5 * (left + right)
 }
 
-/// Attitude of an axle in the drawing: the body rotated by the roll angle, the ground at its height.
+/// Attitude of the axle in a drawing: the body is rotated by the roll angle, and the ground keeps its height.
 struct Attitude<'a> {
     frame: &'a Frame,
     sine: f64,
@@ -198,7 +198,7 @@ impl Attitude<'_> {
         self.turned(side, v) + Vector3::new(0.0, 0.0, self.lifted)
     }
 
-    /// A vector in the study's axes, with -0 replaced by 0.
+    /// Converts a vector to the study's axes, and replaces -0 by 0.
     fn written(&self, v: Vector3<f64>) -> [f64; 3] {
         self.frame.vector(v).to_array().each(|x| x + 0.0)
     }
@@ -211,7 +211,7 @@ impl Attitude<'_> {
         self.written(self.placed(side, v))
     }
 
-    /// Positions of all points, of the left wheel first.
+    /// Positions of all points. The points of the left wheel come first.
     fn points(&self, wheels: [&Configuration<f64>; 2]) -> Vec<[f64; 3]> {
         let wheels = Side::ALL.into_iter().zip(wheels);
         let points = wheels.flat_map(|(side, at)| {
@@ -221,7 +221,7 @@ impl Attitude<'_> {
         points.collect()
     }
 
-    /// Spin axis, contact point and instantaneous centres of a wheel.
+    /// Spin axis, contact point and instant centres of a wheel.
     fn wheel(&self, side: Side, state: &AxleState<f64>, has_ground: bool) -> OtherWheel {
         let wheel = &state.wheels()[side as usize];
         let mut drawn = OtherWheel {
@@ -242,7 +242,7 @@ impl Attitude<'_> {
         drawn
     }
 
-    /// Roll centre, at its position along the ground and its height above it.
+    /// Roll centre in the drawing, from its coordinates along the ground and above it.
     fn roll_centre(&self, state: &AxleState<f64>) -> Option<[f64; 3]> {
         let value = |quantity| Quantity::Axle(quantity).value(state).ok();
         let height = value(AxleQuantity::RollCentreHeight)?;

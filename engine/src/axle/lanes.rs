@@ -1,4 +1,4 @@
-//! Quantities of many axles at a time, one in each lane.
+//! Quantities of several axles at a time. Each axle is in one SIMD lane.
 
 use super::Quantity;
 use super::formulas::{roll, steering};
@@ -12,8 +12,8 @@ use crate::characteristics::{
 use crate::model::Side;
 use crate::number::{Outlined, SimdReal, Vector3, outlined};
 
-/// A wheel read in lanes: its parts and their first derivatives with respect to travel. Derivatives with respect to the rack are available only for
-/// the carrier and, if the axle is rigid, for the axle itself.
+/// Several wheels in SIMD lanes: their parts and their first derivatives with respect to travel. Derivatives with respect to
+/// the rack are available only for the carrier and, if the axle is rigid, for the axle itself.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneWheel<'i, B> {
     inputs: &'i Inputs<B>,
@@ -22,7 +22,7 @@ pub struct LaneWheel<'i, B> {
 }
 
 impl<'i, B> LaneWheel<'i, B> {
-    /// Makes the wheel from its inputs in lanes.
+    /// Makes the wheels from their inputs in lanes.
     #[inline(always)]
     pub fn of(read: &'i LaneInputs<B>) -> Self {
         LaneWheel {
@@ -59,7 +59,8 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
         }
     }
 
-    /// Lanes have the angular velocities of the carrier. For a rigid axle they also have its rotation, along x and y.
+    /// Lanes contain the angular velocities of the carrier. For a rigid axle, they also contain the columns along x and y of
+    /// its rotation.
     #[inline(always)]
     fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<B> {
         if self.axle.is_steered {
@@ -116,7 +117,7 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
 }
 
 impl<B: SimdReal> LaneWheel<'_, B> {
-    /// The wheel, or its derivatives with respect to travel. `None` for other powers of travel and rack.
+    /// The wheels, or their derivatives with respect to travel. `None` for other powers of travel and rack.
     #[inline(always)]
     fn wheel(&self, powers: [usize; 2]) -> Option<&Wheel<B>> {
         match powers {
@@ -134,8 +135,8 @@ impl<B: SimdReal> LaneWheel<'_, B> {
 }
 
 impl Quantity {
-    /// Returns true if lanes can compute the quantity. They compute every characteristic of a wheel, and the quantities that
-    /// the axle's catalogue marks.
+    /// Returns true if lanes can compute the quantity. They compute every wheel characteristic, and the quantities that are
+    /// marked in the axle's catalogue.
     pub fn is_for_lanes(self) -> bool {
         match self {
             Quantity::Corner(..) => true,
@@ -145,7 +146,7 @@ impl Quantity {
         }
     }
 
-    /// Slots of a wheel that the quantity reads where SIMD lanes hold several designs.
+    /// Slots of a wheel that the quantity reads if the lanes hold several designs.
     pub fn lane_slots(self, side: Side) -> Slots {
         match self {
             Quantity::Corner(own, _) if own != side => Slots::default(),
@@ -157,7 +158,7 @@ impl Quantity {
         }
     }
 
-    /// Value in lanes. NaN if it has none, under the same conditions as [`Quantity::value`].
+    /// Values in lanes. NaN for a missing value, under the same conditions as [`Quantity::value`].
     #[inline(always)]
     pub fn value_in_lanes<B: SimdReal>(self, state: &AxleState<B, LaneWheel<B>>) -> B {
         let like = state.like();
@@ -188,7 +189,7 @@ impl<B: SimdReal> Outlined for OfAxle<'_, '_, B> {
         let OfAxle { quantity, state } = self;
         let unknown = state.like().constant(f64::NAN);
         let value = match quantity {
-            // Characteristics of a wheel are read from that wheel alone. A rigid mechanism has no test figures.
+            // A wheel characteristic needs only its own wheel. A rigid mechanism has no test results.
             Quantity::Corner(..) | Quantity::Figure(_) => unknown,
             Quantity::Wheel(side, q) => q.evaluate_in_lanes(state, side),
             Quantity::Axle(q) => q.evaluate_in_lanes(state),

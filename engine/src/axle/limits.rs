@@ -1,8 +1,8 @@
-//! Limits of an axle: the travel of each wheel, the rack of both wheels, and roll.
+//! Limits of an axle: the travel of each wheel, the rack of both wheels, and the roll angle.
 //!
-//! The rack is fixed, and both wheel centres are at the travels heave +- s. Roll continues until the first wheel reaches the
-//! end of its travel. A rigid axle rolls until its links fold. The plane under both wheels
-//! gives the roll angle at the end.
+//! In roll, the rack is fixed, and the travels of both wheel centres are heave +- s. Roll continues until the first wheel
+//! reaches the end of its travel. A rigid axle rolls until its links reach a fold. The plane under both wheels gives the
+//! roll angle at the end.
 
 use super::Axle;
 use super::solver::{AxlePose, AxleSolver, Placement};
@@ -12,35 +12,35 @@ use crate::model::{AxleTravel, Drive, Rod, Side};
 use crate::number::Each;
 use crate::solve::Solver;
 
-/// Limits of an axle's motion from its design position.
+/// Limits of an axle's motion, found by moving away from its design position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleLimits {
     /// Ranges of the travels.
     pub travels: TravelRanges,
     /// Toggles of the rockers of each wheel within its travel. Empty if one body carries both wheels.
     pub rockers: [Vec<RockerRange>; 2],
-    /// Smallest and largest displacement of the rack at zero travel, positive in the outboard direction of the left wheel. For
-    /// a steered solid axle, the displacement of its drag link. `None` if nothing steers the wheels.
+    /// Smallest and largest displacement of the rack at zero travel, positive in the outboard direction of the left wheel.
+    /// For a steered solid axle, displacement of its drag link. `None` if nothing steers the wheels.
     pub rack: Option<[AxleEnd; 2]>,
-    /// Smallest and largest roll angle (radians) at zero heave, with the rack in the middle. `None` if it is not known.
+    /// Smallest and largest roll angle (radians) at zero heave, with the rack in the middle. `None` for an unknown angle.
     pub roll: [Option<AxleEnd>; 2],
 }
 
-/// Limits of the travels of an axle's wheels, from the design position.
+/// Limits of the travels of an axle's wheels, found by moving away from the design position.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TravelRanges {
     /// Travels of the left and right wheel separately, with the rack in the middle.
     OfWheels([Range; 2]),
     /// Travels of a rigid axle.
     OfAxle {
-        /// Mean travel with equal travels of both wheels.
+        /// Mean travel, if both wheels have equal travels.
         heave: Range,
-        /// Half the travel of the left wheel minus that of the right one, at zero mean travel.
+        /// Half the difference of the travels, left minus right, at zero mean travel.
         half_difference: Range,
     },
 }
 
-/// End of an axle's range, at which the first wheel reaches an end.
+/// End of an axle's range: the value at which one of its wheels first reaches an end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleEnd {
     /// Value at the end: a travel, a rack displacement or a roll angle in radians.
@@ -51,19 +51,19 @@ pub struct AxleEnd {
     pub end: RangeEnd,
 }
 
-/// Share of the roll angle at the end up to which the axle must have a pose. Otherwise the end is not reported.
+/// Fraction of the roll angle at the end at which the axle must still have a pose. Otherwise the end is not reported.
 const BEFORE_END: f64 = 0.999;
-/// The share [`BEFORE_END`] for a rigid axle. Near its fold the heights of the wheels change with the square root of the distance
-/// to the fold.
+/// Fraction like [`BEFORE_END`] for a rigid axle. Near its fold, the heights of the wheels change with the square root of
+/// the distance to the fold.
 const BEFORE_FOLD: f64 = 0.97;
-/// Shares of the travel at a toggle. The axle has a pose at one of them. There, the heights of the wheels are those at the toggle
-/// to 1e-8 of the travel.
+/// Fractions of the travel at a toggle, tried until the axle has a pose at one of them. There, the heights of the wheels
+/// differ from those at the toggle by at most 1e-8 of the travel.
 const BEFORE_TOGGLE: [f64; 3] = [1.0 - 1e-12, 1.0 - 1e-10, 1.0 - 1e-8];
-/// Displacement of a steering gear, relative to the mechanism's size, beyond which toggles are not searched for.
+/// Largest displacement of a steering gear, relative to the mechanism's size, up to which toggles are searched.
 const FARTHEST_GEAR: f64 = 2.0;
 
 impl Axle {
-    /// Returns the limits of the axle's motion from its design position.
+    /// Returns the limits of the axle's motion, found by moving away from its design position.
     ///
     /// # Errors
     /// If the design position of a wheel is singular.
@@ -78,12 +78,12 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// # Errors
     /// If the design position of a wheel is singular.
     pub fn limits(&mut self) -> Result<AxleLimits, (Side, DesignFault)> {
-        // Straight ahead is the design itself, so this does not fail.
+        // Without displacement, the axle is the solved design, so this does not fail.
         let _ = self.steer(0.0);
         let left = self.limits_of(Side::Left)?;
         let right = self.limits_of(Side::Right)?;
         let rack = left.rack.as_ref().zip(right.rack.as_ref());
-        // The right wheel's own rack moves in the opposite direction.
+        // In its own frame, the right wheel's rack moves in the opposite direction.
         let rack = rack.map(|(left, right)| {
             let lower = nearer([(&left.lower, 1.0), (&right.upper, -1.0)]);
             let upper = nearer([(&left.upper, 1.0), (&right.lower, -1.0)]);
@@ -116,18 +116,18 @@ impl<const N: usize> AxleSolver<'_, N> {
         })
     }
 
-    /// Range of the steering gear of a steered axle, within which the axle has a position at zero travel. `None` for other axles.
+    /// Range of the steering gear of a steered axle in which the axle has a position at zero travel. `None` for other axles.
     fn drag_link_range(&mut self) -> Option<[AxleEnd; 2]> {
         if !self.is_steered() {
             return None;
         }
         let ends = [-1.0, 1.0].map(|sign| self.drag_link_end(sign));
-        // The remaining limits are those straight ahead.
+        // The remaining limits apply to the axle straight ahead.
         let _ = self.steer(0.0);
         Some(ends)
     }
 
-    /// Finds one end of this range: first by equal steps, then by halving the last step.
+    /// Finds one end of the steering gear's range: first by equal steps, then by halving the last step.
     fn drag_link_end(&mut self, sign: f64) -> AxleEnd {
         let size = self.size();
         let level = |displacement: f64| Placement::Travels {
@@ -166,8 +166,9 @@ impl<const N: usize> AxleSolver<'_, N> {
         AxleEnd { value, side, end }
     }
 
-    /// Finds the rod that is at its toggle, and the side of the knuckle that it turns. On the way to a position, the knuckles turn
-    /// first while the axle rests. So a rod can be at its toggle at rest or in the position. `None` if no rod is.
+    /// Finds the rod that is at its toggle, and the side of the knuckle that it steers. During the solution, the knuckles
+    /// turn first while the axle rests. So a rod can be at its toggle at rest or in the final position. `None` if no rod is
+    /// at its toggle.
     fn nearest_toggle(&mut self, placed: &AxlePose) -> Option<(Side, Rod)> {
         self.steer(placed.rack).ok()?;
         let steering = self.axle.left.mechanism.axle_steering()?;
@@ -190,7 +191,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         (leverages[side as usize] < AT_TOGGLE).then_some((side, rod))
     }
 
-    /// The range of the mean travel of a rigid axle, with equal travels of both wheels.
+    /// Range of the mean travel of a rigid axle, with equal travels of both wheels.
     fn heave_range(&self) -> Result<Range, (Side, DesignFault)> {
         let [left, _] = self.designs();
         let mechanism = self.axle.left.mechanism.holding(AxleTravel::Difference);
@@ -199,12 +200,12 @@ impl<const N: usize> AxleSolver<'_, N> {
         limits.map_err(|fault| (Side::Left, fault))
     }
 
-    /// Finds the roll angle at which the first wheel reaches the end of its travel. `ends` has the end of the left and of the
-    /// right wheel, for one direction of roll. `None` if the angle is not known.
+    /// Finds the roll angle at which the first wheel reaches the end of its travel. `ends` has the end of the left and the
+    /// end of the right wheel, for one direction of roll. `None` if the angle is not known.
     fn roll_end(&mut self, ends: [&RangeEnd; 2]) -> Option<AxleEnd> {
         let [left, right] = ends;
         let end = if self.is_rigid() {
-            // The axle's parts have their names as seen from the left wheel.
+            // Parts of the axle have their names as seen from the left wheel.
             AxleEnd {
                 value: left.value(),
                 side: Side::Left,
@@ -214,7 +215,7 @@ impl<const N: usize> AxleSolver<'_, N> {
             nearer([(left, 1.0), (right, -1.0)])
         };
         let poses = match ends {
-            // Both ends are one position of the axle, seen from each wheel.
+            // Both ends describe the same position of the axle, seen from each wheel.
             [RangeEnd::Fold(left), RangeEnd::Fold(right)] if self.is_rigid() => {
                 [left.pose, right.pose]
             }
@@ -235,8 +236,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         is_reached.then_some(AxleEnd { value: roll, ..end })
     }
 
-    /// Poses of both wheels where the first one reaches its end. The other wheel has the opposite travel. At the toggle of a rod
-    /// there is no pose, so these are the poses just before it.
+    /// Poses of both wheels in which the first wheel reaches its end. The other wheel has the opposite travel. At the toggle
+    /// of a rod there is no pose, so the poses shortly before the toggle are returned.
     fn poses_at(&mut self, end: &AxleEnd) -> Option<[Pose<f64>; 2]> {
         let mut opposite = |side: Side, travel: f64| match side {
             Side::Left => self.pose(Side::Left, travel),
@@ -261,8 +262,8 @@ impl<const N: usize> AxleSolver<'_, N> {
     }
 }
 
-/// Returns the end that is nearer to the design position. Each wheel's end comes with the sign that converts the wheel's
-/// value to the axle's.
+/// Returns the end that is nearer to the design position. Each end comes with the sign that converts the wheel's value to
+/// the axle's.
 fn nearer(ends: [(&RangeEnd, f64); 2]) -> AxleEnd {
     let [left, right] = ends.each(|(end, sign)| (end, sign * end.value()));
     let (side, (end, value)) = if left.1.abs() <= right.1.abs() {

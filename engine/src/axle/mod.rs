@@ -1,9 +1,9 @@
-//! Both wheels of an axle: roll on a plane ground, steering, springs.
+//! Both wheels of an axle: roll on a plane ground, steering and springs.
 //!
 //! An independent axle has two corners at travels z_l and z_r and racks r and -r, each in the kernel's frame of a left
-//! wheel. A corner is solved like a single wheel, with one difference: its contact point depends on the ground's normal
-//! instead of the vertical. Signs are those of ISO 8855 at both wheels. `steer` and `mean_steer` are positive to the left;
-//! roll is positive about +x.
+//! wheel. Each corner is solved like a single wheel, with one difference: its contact point depends on the ground's normal
+//! instead of the vertical. Both wheels use the signs of ISO 8855. `steer` and `mean_steer` are positive to the left. Roll
+//! is positive about +x.
 
 mod adjoint;
 mod at_load;
@@ -70,7 +70,7 @@ use crate::model::{Frame, RockerId, Side, Suspension};
 use crate::number::Vector3;
 use crate::study::AxleComplianceStudy;
 
-/// An axle.
+/// An axle with two wheels, its set-up and its elastic parts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axle {
     /// Left wheel.
@@ -105,7 +105,7 @@ impl Axle {
         }
     }
 
-    /// Mean of both wheel centres, each in the frame of its side. So its y is half the track.
+    /// Mean of both wheel centres, each in the frame of its side. Its y is half the distance between the wheel centres.
     pub(crate) fn mean_wheel_centre(&self) -> Vector3<f64> {
         let centre = |side: Side| {
             let wheel = self.suspension(side);
@@ -114,7 +114,7 @@ impl Axle {
         (centre(Side::Left) + centre(Side::Right)) * 0.5
     }
 
-    /// Right wheel with its own independent hardpoints. `None` for a mirror image, and if one mechanism carries both wheels.
+    /// Right wheel with independent hardpoints. `None` if it is a mirror image, or if one mechanism carries both wheels.
     pub fn own_right(&self) -> Option<&Suspension> {
         self.right.as_ref().filter(|_| !self.is_rigid())
     }
@@ -134,8 +134,8 @@ impl Axle {
         }
     }
 
-    /// Derivative with respect to the displacement of a steered axle's steering gear, from derivatives with respect to every point of both sides: (2) of
-    /// `model/steered_axle.rs`. `None` for other axles.
+    /// Converts derivatives with respect to every point of both sides to the derivative with respect to the displacement of
+    /// a steered axle's steering gear: (2) of `model/steered_axle.rs`. `None` for other axles.
     pub(crate) fn by_steering_gear(&self, gradients: [&[Vector3<f64>]; 2]) -> Option<f64> {
         let along = |(side, gradient): (Side, &[Vector3<f64>])| {
             let steering = self.suspension(side).mechanism.axle_steering()?;
@@ -148,13 +148,13 @@ impl Axle {
     pub fn describe_fault(&self, (side, fault): (Side, DesignFault)) -> String {
         let words = fault.describe(&self.suspension(side).mechanism);
         match fault {
-            // If one wheel is the reason, the description already names it.
+            // The description of an elastic fault already names the wheel, if one wheel is the reason.
             DesignFault::Elastic(_) => words,
             _ => side.about(&words),
         }
     }
 
-    /// Axes of the study in the kernel's frame of a side.
+    /// Transformation between the study's axes and the kernel's frame of a side.
     pub fn frame(&self, side: Side) -> Frame {
         match side {
             Side::Left => self.left.frame,
@@ -162,9 +162,9 @@ impl Axle {
         }
     }
 
-    /// Points of a right wheel with its own hardpoints, after the left wheel's points have moved to `left`. Each point moves
-    /// by the same displacement as the left one. A point that is a mirror image stays one exactly. `None` if the whole wheel
-    /// is a mirror image.
+    /// Points of a right wheel with independent hardpoints, after the left wheel's points have moved to `left`. Each point
+    /// moves by the same displacement as its left counterpart. A mirror image of a left point stays an exact mirror image.
+    /// `None` if the whole wheel is a mirror image.
     pub fn right_design(
         &self,
         left: &[Vector3<f64>],
@@ -189,8 +189,8 @@ impl Axle {
         )
     }
 
-    /// Completes a left design after its points have moved, as the reader of a study does. The far half of a rigid axle follows
-    /// the near half, and points that a study does not give are computed again.
+    /// Completes a left design after its points have moved, like the reader of a study. The far half of a rigid axle follows
+    /// the near half. Points that the study does not give are computed again.
     pub fn complete(&self, left: &mut [Vector3<f64>]) {
         let Some(rigid) = &self.left.mechanism.rigid_axle else {
             return;
@@ -203,8 +203,9 @@ impl Axle {
         }
     }
 
-    /// Returns the axle with other wheels of the same topology at rest. The springs stay the same parts: a spring that is shorter
-    /// now exerts more force. Springs of elastic parts keep their force in the design position.
+    /// Returns the axle with other wheels of the same topology at rest. Its springs are the unchanged parts of this axle, so
+    /// a spring that becomes shorter exerts more force. Springs among the elastic parts keep their force in the design
+    /// position.
     pub fn with_wheels(&self, left: Suspension, right: Option<Suspension>) -> Axle {
         let mut changed = self.clone();
         changed.setup.springs = self.kept_springs();
@@ -218,7 +219,7 @@ impl Axle {
         changed
     }
 
-    /// Returns the axle with springs that stay the same parts in another design, also among elastic parts.
+    /// Returns the axle with springs that keep their force-length curve if the design changes, also among elastic parts.
     pub fn with_kept_springs(&self) -> Axle {
         let mut kept = self.clone();
         kept.setup.springs = self.kept_springs();
@@ -230,7 +231,7 @@ impl Axle {
         kept
     }
 
-    /// Laws of the springs as those of parts that stay the same in another design.
+    /// Spring laws of springs that keep their force-length curve if the design changes.
     fn kept_springs(&self) -> Option<[SpringLaw; 2]> {
         let laws = self.setup.springs.as_ref()?;
         let kept = |side: Side| {
@@ -241,8 +242,8 @@ impl Axle {
         Some(Side::ALL.map(kept))
     }
 
-    /// Returns true if a set-up adjusts the axle as a whole. Otherwise it adjusts each wheel by itself, or both wheels alike. One body
-    /// carries the wheels, or elastic parts couple wheels that differ.
+    /// Returns true if a set-up adjusts the axle as a whole: one body carries both wheels, or elastic parts couple wheels
+    /// that differ. Otherwise it adjusts each wheel separately, or both wheels alike.
     pub fn is_set_up_as_a_whole(&self) -> bool {
         let differs = |elastic: &AxleComplianceStudy| {
             let [left, right] = &elastic.parts.wheels;
@@ -262,7 +263,7 @@ impl Axle {
         Some(rocker_springs::between(left, right).norm())
     }
 
-    /// Returns true if the study gives a figure or part.
+    /// Returns true if the study gives this input.
     pub fn meets(&self, need: Need) -> bool {
         let setup = &self.setup;
         match need {
@@ -282,7 +283,7 @@ impl Axle {
         }
     }
 
-    /// Quantities of this axle with this name, left before right. Empty if it has none.
+    /// Quantities of this axle with this name, left before right. Empty if the axle has no such quantity.
     pub fn quantities(&self, name: &str) -> Vec<Quantity> {
         let mut found = Quantity::named(name);
         found.retain(|quantity| quantity.is_of(self.kind()));
@@ -291,7 +292,7 @@ impl Axle {
         found
     }
 
-    /// Names of all quantities, without sides: those of the catalogue, then the figures of its tests.
+    /// Names of all quantities, without sides: first the catalogue, then the test results.
     pub fn quantity_names(&self) -> Vec<String> {
         let mut names: Vec<String> = Quantity::names().into_iter().map(str::to_owned).collect();
         for figure in self.figures() {
@@ -303,7 +304,7 @@ impl Axle {
         names
     }
 
-    /// Test figures of its elastic parts.
+    /// Test results of the elastic parts.
     pub fn figures(&self) -> &[TestFigure] {
         self.elastic.as_ref().map_or(&[], |own| &own.figures)
     }

@@ -1,10 +1,10 @@
-//! A wheel along a motion: its parts as series.
+//! A wheel along a motion. Its parts are series in the motion's parameter.
 
 use super::reading::WheelParts;
 use crate::characteristics::{DesignWheel, NumberPart, VectorPart};
 use crate::number::{Jet, Real, Vector3};
 
-/// A wheel that moves. Its parts are formed when they are read.
+/// A wheel that moves. Each part is computed when it is read.
 #[derive(Debug)]
 pub struct Moving<'w, W, T> {
     pub(super) of: &'w W,
@@ -21,7 +21,7 @@ impl<W, T: Copy> Clone for Moving<'_, W, T> {
 impl<W, T: Copy> Copy for Moving<'_, W, T> {}
 
 impl<T: Real, W: WheelParts<T>> Moving<'_, W, T> {
-    /// A vector along the motion, from its coefficients.
+    /// Series of a vector along the motion, from its coefficients.
     #[inline(always)]
     fn vector_series(
         &self,

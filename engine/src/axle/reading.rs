@@ -17,7 +17,7 @@ use std::cell::Cell;
 /// Largest number of lines along which a wheel is read.
 pub(super) const MOST_LINES: usize = 4;
 
-/// Slots that every axle reads from its wheels.
+/// Slots of each wheel that every axle reads.
 pub(super) const ALWAYS: &[Slot] = &[
     Slot::SpinAxis,
     Slot::Centre,
@@ -26,8 +26,8 @@ pub(super) const ALWAYS: &[Slot] = &[
     Slot::DesignCentre,
 ];
 
-/// A wheel in one pose: its parts, the columns of its carrier's rotation, its design, and the columns along x and y of the
-/// rotation of a steered axle, in which the carrier turns.
+/// Numbers of a wheel in one pose: its parts, the columns of its carrier's rotation, and its design. For a steered axle, in
+/// which the carrier turns, also the columns along x and y of the axle's rotation.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WheelPose<T> {
     pub(super) wheel: Wheel<T>,
@@ -58,7 +58,7 @@ impl<T: Copy> WheelPose<T> {
     }
 }
 
-/// Parts to read, and the order of their numbers on a tape.
+/// Parts to read, and the position of their numbers on a tape.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
     slots: Slots,
@@ -68,12 +68,12 @@ pub struct Parts {
 }
 
 impl Parts {
-    /// The parts of these slots, and those that every axle of this kind reads.
+    /// Parts for these slots, and those that every axle of this kind reads.
     pub fn of(slots: &[Slot], carriers: Carriers) -> Self {
         let mut slots = Slots::default().with(ALWAYS).with(slots);
         let is_steered = matches!(carriers, Carriers::Steered(_));
         if is_steered {
-            // The kingpin is a line of the axle.
+            // The kingpin is a line that is fixed in the axle.
             slots = slots.with(&[Slot::SteeringPoint]);
         }
         if slots.contain_any(NumberPart::SpringLength.slots()) {
@@ -138,7 +138,7 @@ impl<const N: usize> Snapshot<N> {
     }
 }
 
-/// Motion along a line, from a point.
+/// Motion from a point along a line in travel and rack.
 pub(super) fn along<const N: usize>(
     line: &Line,
     travel: f64,
@@ -170,7 +170,8 @@ pub struct Reading<T> {
 }
 
 impl<T: Real> Reading<T> {
-    /// Makes a wheel from a pose. `moving` converts moving numbers to polynomials, and `fixed` converts fixed numbers.
+    /// Makes a wheel from a pose. `moving` converts numbers that change with travel and rack to polynomials, and `fixed`
+    /// converts constant numbers.
     pub(super) fn made_of<U: Copy>(
         pose: &WheelPose<U>,
         moving: impl Fn(U) -> Taylor<T> + Copy,
@@ -247,8 +248,8 @@ pub(super) fn zipped<T: Copy, U: Copy>(
 }
 
 impl<const N: usize> Reading<Jet<f64, N>> {
-    /// Makes a wheel whose numbers are series in a variable other than its motion. Its derivatives with respect to travel and rack are
-    /// unknown.
+    /// Makes a wheel whose numbers are series in another variable than travel or rack. Its derivatives with respect to
+    /// travel and rack are unknown.
     pub fn without_rates(read: &Snapshot<N>) -> Self {
         let value = |series: Jet<f64, N>| Taylor::through(&[&[series]]);
         Reading::made_of(&read.0, value, |series| series)
@@ -257,34 +258,34 @@ impl<const N: usize> Reading<Jet<f64, N>> {
 
 /// Parts of one wheel as functions of its travel and the rack, for formulas.
 ///
-/// Vectors and twists are compiled as separate functions, because many formulas use them.
+/// The compiler makes separate functions for vectors and twists, because many formulas use them.
 pub trait WheelParts<T: Real>: Copy {
     /// True if the coefficients of the fourth power of travel are known.
     const HAS_FOURTH: bool = false;
-    /// True if the wheel is only read at the travels of its coefficients, without any step from them.
+    /// True if the wheel is read only at the travels of its coefficients, without a step away from them.
     const IS_AT_TRAVELS: bool = false;
 
-    /// Value of a vector for the powers `[0, 0]` of travel and rack, else its coefficient with these powers. NaN if it is
-    /// unknown.
+    /// Vector part. The powers `[0, 0]` of travel and rack select its value, other powers the coefficient with these powers.
+    /// NaN if it is unknown.
     fn read_vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<T>;
 
-    /// Value of a number for the powers `[0, 0]` of travel and rack, else its coefficient with these powers. NaN if it is
-    /// unknown.
+    /// Number part. The powers `[0, 0]` of travel and rack select its value, other powers the coefficient with these powers.
+    /// NaN if it is unknown.
     fn number(&self, part: NumberPart, powers: [usize; 2]) -> T;
 
     /// A column of the carrier's rotation, with powers as in [`WheelParts::read_vector`].
     fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<T>;
 
-    /// A column of the rotation of a steered axle, along x (0) or y (1), as [`WheelParts::read_vector`].
+    /// A column of the rotation of a steered axle, along x (0) or y (1), with powers as in [`WheelParts::read_vector`].
     fn axle_column(&self, i: usize, powers: [usize; 2]) -> Vector3<T>;
 
-    /// The wheel in the design position.
+    /// Numbers of the wheel in the design position.
     fn design(&self) -> DesignWheel<T>;
 
     /// Any number of the wheel. Constants get its number type and length.
     fn like(&self) -> T;
 
-    /// Returns a vector like [`WheelParts::read_vector`], compiled as a separate function.
+    /// Calls [`WheelParts::read_vector`] through a function that is compiled separately.
     #[inline(always)]
     fn vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<T> {
         outlined!(
@@ -340,20 +341,20 @@ pub trait WheelParts<T: Real>: Copy {
         )
     }
 
-    /// Velocity of the wheel centre and angular velocity of the carrier, by travel.
+    /// Velocity of the wheel centre and angular velocity of the carrier, with respect to travel.
     #[inline(always)]
     fn by_travel(&self) -> [Vector3<T>; 2] {
         self.twist([1, 0])
     }
 
-    /// Velocity of the wheel centre and angular velocity of the carrier by the rack displacement. The height of the wheel
-    /// centre is constant.
+    /// Velocity of the wheel centre and angular velocity of the carrier with respect to the rack displacement. The height of
+    /// the wheel centre is constant.
     #[inline(always)]
     fn by_rack(&self) -> [Vector3<T>; 2] {
         self.twist([0, 1])
     }
 
-    /// Velocity and angular velocity by travel or rack: half the sum of column x rate of column.
+    /// Velocity and angular velocity with respect to travel or rack: half the sum of (column x rate of column).
     #[inline(always)]
     fn twist(&self, powers: [usize; 2]) -> [Vector3<T>; 2] {
         outlined!(
@@ -370,8 +371,8 @@ pub trait WheelParts<T: Real>: Copy {
         )
     }
 
-    /// Velocity of the steering axis's point and angular velocity of a steered axle, by travel or rack. With a and b the
-    /// columns along x and y, the angular velocity is a x a' + a (b'.(a x b)).
+    /// Velocity of the steering axis's point and angular velocity of a steered axle, with respect to travel or rack. With a
+    /// and b the columns along x and y, the angular velocity is a x a' + a (b'.(a x b)).
     #[inline(always)]
     fn axle_twist(&self, powers: [usize; 2]) -> [Vector3<T>; 2] {
         outlined!(
@@ -385,7 +386,7 @@ pub trait WheelParts<T: Real>: Copy {
         )
     }
 
-    /// The inputs of the characteristics catalogue.
+    /// Inputs of the characteristics catalogue.
     #[inline(always)]
     fn inputs(&self, constants: Constants) -> Inputs<T> {
         let wheel = |powers: [usize; 2]| {
@@ -404,8 +405,8 @@ pub trait WheelParts<T: Real>: Copy {
         }
     }
 
-    /// The wheel as series in a motion with these rates of travel and rack. `None` for a rack at rest. The series lose one
-    /// degree.
+    /// The wheel as series in a motion with these rates of travel and rack. `None` stands for a rack at rest. The series
+    /// have one degree less than the coefficients.
     #[inline(always)]
     fn moving(&self, travel: T, rack: Option<T>) -> Moving<'_, Self, T> {
         Moving {

@@ -35,14 +35,14 @@ pub struct RockerSprings<T = f64> {
     pub heave_bar: Option<Preloaded<T>>,
 }
 
-/// Motion of one wheel's rocker by the wheel's travel, in the frame of its side. Missing parts are NaN.
+/// Motion of one wheel's rocker with the wheel's travel, in the frame of its side. Missing parts are NaN.
 #[derive(Clone, Copy, Debug)]
 pub struct RockerMotion<T> {
-    /// End point of the heave spring, and its rate by the wheel's travel.
+    /// End point of the heave spring, and its rate with respect to the wheel's travel.
     pub end: [Vector3<T>; 2],
     /// End point of the heave spring in the design position.
     pub design_end: Vector3<T>,
-    /// Angle of the rocker, and its rate by the wheel's travel.
+    /// Angle of the rocker, and its rate with respect to the wheel's travel.
     pub angle: [T; 2],
 }
 
@@ -55,11 +55,11 @@ pub struct RockerForces<T> {
     pub heave_spring_length: T,
     /// Shortening of the heave spring from the design position.
     pub heave_spring_travel: T,
-    /// Torque of the T-bar on the left rocker, opposite to its angle.
+    /// Torque of the T-bar that acts on the left rocker, against the direction of its angle.
     pub t_bar: T,
-    /// Torque of the heave bar on both rockers, opposite to their angles.
+    /// Torque of the heave bar that acts on both rockers, against the direction of their angles.
     pub heave_bar: T,
-    /// Rates of the energy by the travels of left and right wheel.
+    /// Rates of the energy with respect to the travels of left and right wheel.
     pub work: [T; 2],
     /// Energy, (1) to (3), relative to the design position.
     pub energy: T,
@@ -78,7 +78,7 @@ impl RockerSprings {
         self.heave_spring.is_some() || self.heave_bar.is_some()
     }
 
-    /// Returns true if the axle has none of these springs.
+    /// Returns true if the axle has no spring between its rockers.
     pub fn are_none(&self) -> bool {
         *self == RockerSprings::default()
     }
@@ -116,7 +116,7 @@ impl<T: Real> RockerSprings<T> {
             let along = apart * (length.one() / length);
             let shortened = between(left.design_end, right.design_end).norm() - length;
             let force = law.load + law.rate * shortened;
-            // Rates of the length by both travels. The right wheel's frame is a mirror image.
+            // Rates of the length with respect to both travels. The right wheel's frame is a mirror image.
             let rates = [
                 along.dot(left.end[1]),
                 Vector3::new(-along.x, along.y, -along.z).dot(right.end[1]),
@@ -165,7 +165,7 @@ impl<T: Real> RockerForces<T> {
 }
 
 impl<T: Copy> RockerMotion<T> {
-    /// Converts all numbers to another kind.
+    /// Converts all numbers to another number type.
     pub fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> RockerMotion<U> {
         RockerMotion {
             end: self.end.each(|end| end.map(f)),

@@ -1,18 +1,18 @@
 //! Positions of an axle as power series in one number e, in which its designs or its steering gear change.
 //!
-//! The poses of both wheels follow from their closure equations, order by order. The travels, or the roll angle, follow from the
-//! condition f = h_l - h_r = 0 on the heights of both contact points. If the roll angle is given, the travels are z +- s(e). If both
-//! travels are given on a plane, the roll angle phi(e) changes:
+//! The poses of both wheels follow from their closure equations, order by order. The travels, or the roll angle, follow from
+//! the condition f = h_l - h_r = 0 on the heights of both contact points. If the roll angle is given, the travels are z +-
+//! s(e). If both travels are given on a plane, the roll angle phi(e) changes:
 //!
 //! ```text
 //! s_k = -f_k/(n.C_l' + n.C_r'),   phi_k = -f_k/track                                           (1)
 //! ```
 //!
-//! with f_k the coefficient that remains after the lower orders.
+//! with f_k the coefficient of f that remains when the lower orders of s or phi are known.
 //!
-//! In a solid axle, C_b' is the velocity by the wheel's own share of the difference of travels, and the mean travel is held. In a
-//! steered solid axle, the steering gear displaces the drag link's end. With the displacement s + e and constant designs, the second
-//! coefficients are the halves of the second derivatives with respect to the drag link.
+//! In a solid axle, C_b' is the velocity with respect to the wheel's own share of the difference of travels, and the mean
+//! travel is held. In a steered solid axle, the steering gear displaces the drag link's end. If its displacement grows by e
+//! in a constant design, each second coefficient is half a second derivative with respect to this displacement.
 
 use super::carriers::Carriers;
 use super::reading::{Parts, Reading, Snapshot};
@@ -26,19 +26,19 @@ use crate::model::Side;
 use crate::number::{Jet, Vector3};
 use std::borrow::Cow;
 
-/// A number along a direction of the design, to second order.
+/// A number as a series along a direction of the design, to second order.
 pub(crate) type Series = Jet<f64, 3>;
 
-/// A wheel of a design as series.
+/// A wheel whose design is a series.
 pub(crate) struct DesignedWheel<'d> {
     design: Cow<'d, [Vector3<Series>]>,
     closure: Closure<Series>,
-    /// Parts of drive and rack that come from the rotation of the knuckles.
+    /// Contributions of the knuckles' rotation to drive and rack.
     lifts: [Series; 2],
 }
 
 impl<'d> DesignedWheel<'d> {
-    /// Both wheels of designs, with the steering gear at rest.
+    /// Both wheels of these designs, with the steering gear in the middle.
     pub(crate) fn both(axle: &Axle, designs: &'d [Vec<Vector3<Series>>]) -> [Self; 2] {
         Side::ALL.map(|side| {
             let design = &designs[side as usize][..];
@@ -50,7 +50,7 @@ impl<'d> DesignedWheel<'d> {
         })
     }
 
-    /// Both wheels with the steering gear of a steered axle at this displacement.
+    /// Both wheels with the steering gear of a steered axle at the displacement `gear`.
     pub(crate) fn steered<'s>(
         axle: &Axle,
         wheels: &'s [Self; 2],
@@ -96,7 +96,7 @@ pub(crate) struct SeriesPosition {
 }
 
 impl SeriesPosition {
-    /// One wheel with its travel changed by +-`apart`.
+    /// One wheel with its travel changed by +-`apart`: plus for the left wheel, minus for the right one.
     fn configuration<'w>(
         &self,
         axle: &'w Axle,
@@ -119,7 +119,7 @@ impl SeriesPosition {
         Configuration::new(mechanism, design, pose, rack)
     }
 
-    /// State of the axle with the travels changed by +-`apart` and the ground rotated by `turn`.
+    /// State of the axle. The travels change by +-`apart`, and the ground rotates by `turn`.
     fn state<'a>(
         &self,
         axle: &'a Axle,
@@ -148,7 +148,7 @@ impl SeriesPosition {
         }
     }
 
-    /// State of the axle in which (1) holds to every order, with the changes s of the travels.
+    /// State of the axle in which (1) holds to every order, and the changes s of the travels.
     pub(crate) fn on_ground<'a>(
         &self,
         axle: &'a Axle,
@@ -172,16 +172,16 @@ impl SeriesPosition {
     }
 }
 
-/// First and second derivative of a number by the displacement of a steering gear.
+/// First and second derivative of a number with respect to the displacement of a steering gear.
 pub(crate) type ByGear = [f64; 2];
 
-/// Derivatives of a series.
+/// First and second derivative of a number from its series.
 fn derivatives(series: Series) -> ByGear {
     [series.derivative(1), series.derivative(2)]
 }
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// Data for the series of a position that was just read. `None` if a wheel is singular.
+    /// Data for series about a position that was just read. `None` if a wheel is singular.
     pub(crate) fn series_position(&self, placed: &AxlePose, read: &Read) -> Option<SeriesPosition> {
         let [left_factors, right_factors] = self.factorised(placed)?;
         let [left_pose, right_pose] = *placed.poses();
@@ -196,8 +196,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// Derivatives of these columns by the displacement of a steered axle's steering gear, to second order. The other numbers of the
-    /// station are held. NaN for a quantity of velocities.
+    /// Derivatives of these columns with respect to the displacement of a steered axle's steering gear, to second order. The
+    /// other coordinates of the station stay constant. NaN for a quantity that contains velocities.
     pub(super) fn second_by_gear<'c>(
         &self,
         axle: &Axle,
@@ -205,7 +205,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         columns: impl Iterator<Item = &'c AxleColumn>,
     ) -> Option<Vec<ByGear>> {
         let position = self.series_position(placed, read)?;
-        // The designs of the solver have their drag link displaced. It returns to its hardpoint, and moves again as a series.
+        // In the solver's designs, the drag link is displaced. Here it returns to its hardpoint, and moves again as a
+        // series.
         let designs = self.designs().map(|design| {
             let series = design.iter().map(|place| place.map(Jet::constant));
             series.collect::<Vec<_>>()
@@ -222,7 +223,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             }
             Of::Point { side, id, axis, .. } => derivatives(own[side as usize].point(id)[axis]),
             Of::Turn(side, axis) => {
-                // The angular velocity is half the sum of column x rate of column.
+                // The angular velocity is half the sum of (column x rate of column).
                 let columns = own[side as usize].carrier_rotation().columns;
                 let rate = |c: Series| Jet([c[1], 2.0 * c[2]]);
                 let value = |c: Series| Jet([c[0], c[1]]);

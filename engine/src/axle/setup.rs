@@ -1,11 +1,11 @@
-//! Inputs of an axle's formulas besides its two linkages.
+//! Inputs of an axle's formulas in addition to its two linkages.
 
 use super::rocker_springs::RockerSprings;
 use super::spring::SpringLaw;
 use crate::characteristics::Constants;
 use crate::model::AxlePosition;
 
-/// Further inputs of the study. Lengths are in its unit, forces in newtons, angles in radians.
+/// Further inputs of the study. Lengths are in the study's unit, forces in newtons, angles in radians.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Setup {
     /// Loaded radius of the wheels.
@@ -24,13 +24,13 @@ pub struct Setup {
     pub bar_rate: Option<f64>,
     /// Tyre rate: force per deflection. `None` means a rigid tyre.
     pub tyre_rate: Option<f64>,
-    /// Tyre load at which the wheel has the given radius, for a car.
+    /// Tyre load at which the wheel has the given radius. Only a car uses it.
     pub tyre_load: Option<f64>,
     /// Sprung mass on the axle, kg.
     pub sprung_mass: Option<f64>,
     /// Unsprung mass of the axle, kg.
     pub unsprung_mass: Option<f64>,
-    /// Inputs that wheel characteristics read.
+    /// Constants that wheel characteristics read.
     pub constants: Constants,
     /// Length units per metre.
     pub per_metre: f64,

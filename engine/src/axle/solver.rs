@@ -1,9 +1,9 @@
-//! Solver for the position of an axle: both corners, and the conditions at the ground.
+//! Solver for the position of an axle: it solves both corners and the conditions at the ground.
 //!
 //! On a plane ground both contact points have the same height, f = h_l(z_l) - h_r(z_r) = 0 with h = n.C. For a given roll
-//! angle and z_l, z_r = heave +- s, this is one equation in s. Its slope n.C_l' + n.C_r' is near 2. It stays positive while
-//! neither wheel is at a fold of its travel, so Newton's method finds the only root. For given travels it is one equation in
-//! the roll angle, with the slope -track.
+//! angle and z_l, z_r = heave +- s, this is one equation in s. Its slope n.C_l' + n.C_r' is near 2. It stays positive until
+//! a wheel reaches a fold of its travel, so Newton's method finds the only root. For given travels it is one equation in the
+//! roll angle, with the slope -track.
 
 mod corner;
 mod linearised;
@@ -40,7 +40,7 @@ use corner::{Corner, read_wheel};
 use linearised::{LinearisedAxle, linearise};
 use std::ops::ControlFlow;
 
-/// Size of the rack displacement at which the wheel can no longer follow; `None` for another failure.
+/// Size of the rack displacement at which the wheel can no longer follow. `None` for another failure.
 fn rack_end(failure: &NoPose) -> Option<f64> {
     match failure.of_wheel()? {
         Failure::RackUnreachable { limit, .. } => Some(limit.abs()),
@@ -65,10 +65,11 @@ pub(super) fn join_results<T>(
     }
 }
 
-/// Callback that receives the index of a requested quantity, and its gradients with respect to the points of the left and right wheel.
+/// Callback that receives the index of a requested quantity, and its gradients with respect to the points of the left and
+/// right wheel.
 pub(super) type ReceiveGradients<'r> = dyn FnMut(usize, [&[Vector3<f64>]; 2]) + 'r;
 
-/// A position that was found.
+/// A position of an axle that the solver found.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxlePose {
     /// Travels of the left and the right wheel.
@@ -77,9 +78,9 @@ pub struct AxlePose {
     pub roll: f64,
     /// Displacement of the rack, positive in the outboard direction of the left wheel.
     pub rack: f64,
-    /// Quantities that stay fixed in motions from this position.
+    /// Coordinates that stay constant in motions from this position.
     pub hold: Hold,
-    /// Heave at which the level axle carries the same load; `None` unless the mean travel followed from a load.
+    /// Heave at which the level axle carries the same load. `None` unless a load determined the mean travel.
     pub(super) at_load: Option<f64>,
     poses: [Pose<f64>; 2],
 }
@@ -91,14 +92,14 @@ impl AxlePose {
     }
 }
 
-/// Solver for the positions of one axle, one design after another. Every power series has `N` coefficients, one more than
+/// Solver for the positions of one axle. Its design can be replaced. Every power series has `N` coefficients, one more than
 /// the order of its highest derivative.
 #[derive(Clone, Debug)]
 pub struct AxleSolver<'a, const N: usize> {
     pub(super) axle: &'a Axle,
     corners: [Corner<'a, N>; 2],
     setup: &'a Setup,
-    /// Solver for positions at a load; made on first use.
+    /// Solver for positions at a load. It is made on first use.
     pub(super) loads: Option<Box<AxleSolver<'a, LOAD_TERMS>>>,
     parts: Parts,
     lines: &'static [Line],
@@ -108,17 +109,18 @@ pub struct AxleSolver<'a, const N: usize> {
     gradients: [Vec<Vector3<f64>>; 2],
 }
 
-/// Largest number of Newton steps in the difference of travels, halved steps included.
+/// Largest number of Newton steps in the difference of travels, including halved steps.
 const MOST_STEPS: usize = 80;
 /// Number of terms in the series of heights.
 const TERMS: usize = 4;
-/// Rounds that solve all open placements together. Placements that are open after these rounds are solved one by one.
+/// Number of rounds that solve all open placements together. Placements that are still open are then solved one by one.
 const MOST_ROUNDS: usize = 4;
-/// Largest step along a pose's series, relative to the mechanism's size. Within it, the error of four terms is below rounding.
+/// Largest step along a pose's series, relative to the mechanism's size. Up to this step, the error of four terms is below
+/// rounding.
 const NEAR: f64 = 1e-4;
 
-/// Returns true if the wheels rise with their travels, given the slopes of both heights. Independent wheels must both rise.
-/// A rigid axle needs a positive sum of the slopes. Returns false for NaN.
+/// Returns true if the wheels rise with their travels. The arguments are the slopes of both heights. Both wheels of an
+/// independent axle must rise. A rigid axle needs a positive sum of the slopes. Returns false for NaN.
 fn rise(is_rigid: bool, [left, right]: [f64; 2]) -> bool {
     if is_rigid {
         left + right > 0.0
@@ -142,14 +144,14 @@ pub struct WheelRead {
     pose: Pose<f64>,
     reading: Reading<f64>,
     condition: f64,
-    /// Rod at or beyond a toggle; `None` if there is none.
+    /// Rod at or beyond a toggle. `None` if no rod is there.
     toggle: Option<Rod>,
     /// Positions of the points, as power series in the wheel's own travel and rack.
     points: Vec<Vector3<Taylor<f64>>>,
 }
 
 impl WheelRead {
-    /// Reading of the wheel; `None` if a rocker is at or beyond a toggle.
+    /// Reading of the wheel. `None` if a rocker is at or beyond a toggle.
     pub(super) fn without_toggle(self) -> Option<Reading<f64>> {
         self.toggle.is_none().then_some(self.reading)
     }
@@ -161,15 +163,15 @@ pub struct Read<'a> {
     pub state: AxleState<'a, f64>,
     /// The larger condition number of the two wheels.
     pub condition: f64,
-    /// Rod of each wheel at or beyond a toggle; `None` if there is none.
+    /// Rod of each wheel at or beyond a toggle. `None` if no rod is there.
     pub toggles: [Option<Rod>; 2],
-    /// Positions of the points of [`AxleSolver::read_points`], for each wheel. They are power series in the wheel's own
+    /// Positions of the points of [`AxleSolver::read_points`], for each wheel. Each is a power series in the wheel's own
     /// travel and rack, in the kernel's frame of its side.
     pub points: [Vec<Vector3<Taylor<f64>>>; 2],
 }
 
 impl Read<'_> {
-    /// Value of a quantity, or the reason for its absence.
+    /// Value of a quantity, or the reason for a missing value.
     pub fn value(&self, quantity: Quantity) -> Result<f64, NoValue> {
         if self.is_stuck(quantity) {
             Err(NoValue::Toggle)
@@ -198,8 +200,8 @@ impl Read<'_> {
 }
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// Makes a solver for positions in which these quantities are read. `by_rack` requests derivatives with respect to the rack beyond
-    /// those that the quantities need. It fails if a wheel has no solution in the design position.
+    /// Makes a solver for positions in which these quantities are read. `by_rack` requests derivatives with respect to the
+    /// rack beyond those that the quantities need. It fails if a wheel has no solution in the design position.
     pub fn new(
         axle: &'a Axle,
         quantities: &[Quantity],
@@ -213,7 +215,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let parts = Parts::of(&slots, Carriers::of(axle));
         let order = |q: &Quantity| q.rate_order();
         let orders_by_rack = quantities.iter().filter(|q| q.info().by_rack).map(order);
-        // Terms beyond the needs of the quantities are for derivatives along motions.
+        // Further terms are for derivatives along motions.
         let further = (N - 1).saturating_sub(quantities.iter().map(order).max().unwrap_or(0));
         let degree_with_rack = if by_rack {
             N - 1
@@ -285,7 +287,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.axle.left.mechanism.axle_steering().is_some()
     }
 
-    /// One wheel in a position, ready to be loaded; [`Failure::Singular`] where the support cannot carry a load.
+    /// One wheel in a position, prepared for loads. [`Failure::Singular`] if the support cannot carry a load.
     pub fn balance(
         &self,
         side: Side,
@@ -294,7 +296,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     ) -> Result<Balance<'_>, Failure> {
         let corner = &self.corners[side as usize];
         let rack = placed.rack * corner.rack_sign;
-        // The design must be that of this displacement.
+        // The steering gear of the design must be at the displacement of the pose.
         if self.is_steered() && corner.steered.displacement != placed.rack {
             return Err(Failure::Singular);
         }
@@ -303,8 +305,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             .balance(&placed.poses[side as usize], rack, support)
     }
 
-    /// Factors of the Jacobian of each wheel in a position. The steering gear must be at the displacement of this position. `None` if
-    /// a Jacobian is singular.
+    /// Factors of the Jacobian of each wheel in a position. The steering gear must be at the displacement of this position.
+    /// `None` if a Jacobian is singular.
     pub(crate) fn factorised(&self, placed: &AxlePose) -> Option<[Lu6<f64>; 2]> {
         let coordinates = self.coordinates(placed.travels, placed.rack);
         let wheel = |side: Side| {
@@ -347,7 +349,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         linearise(&self.corners, (self.lines, self.parts), placed, coordinates)
     }
 
-    /// Takes new designs of the same mechanisms, each in the frame of its side.
+    /// Replaces the designs by others of the same mechanisms, each in the frame of its side.
     ///
     /// For a rigid axle, the far half follows the near half of the left design. The right design is not read.
     pub fn prepare(&mut self, designs: [&[Vector3<f64>]; 2]) -> Result<(), (Side, DesignFault)> {
@@ -378,7 +380,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Drive and rack of each wheel at these travels, in its own frame. For a rigid axle they are the mean of the travels
-    /// and half their difference, the held one in place of the rack.
+    /// and half their difference. The held one of these replaces the rack.
     pub(crate) fn coordinates(&self, travels: [f64; 2], rack: f64) -> [(f64, f64); 2] {
         let [left, right] = travels;
         match self.rigid() {
@@ -393,7 +395,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Drive of both wheels and rack at a level position with this `heave`. Roll changes the drives of the wheels in
+    /// Drive of both wheels, and rack, at a level position with this `heave`. Roll changes the drives of the wheels in
     /// opposite directions.
     fn level(&self, heave: f64, rack: f64) -> (f64, f64) {
         match self.rigid() {
@@ -402,7 +404,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Takes complete designs of both sides, such as builds, in which no point follows another one.
+    /// Replaces the designs by complete designs of both sides, such as simulated builds. No point follows another one.
     pub(crate) fn prepare_whole(
         &mut self,
         designs: [&[Vector3<f64>]; 2],
@@ -417,7 +419,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Parts that are read from each wheel.
+    /// Parts of each wheel that are read.
     pub(super) fn parts(&self) -> &Parts {
         &self.parts
     }
@@ -450,7 +452,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         corner.configuration(design_pose).designed_spin_axis()
     }
 
-    /// The design of a wheel in the frame of its side. The steering gear of a steered axle is at the displacement of the last
+    /// Design of a wheel in the frame of its side. The steering gear of a steered axle is at the displacement of the last
     /// position that was read.
     pub(super) fn design(&self, side: Side) -> &[Vector3<f64>] {
         self.corners[side as usize].solver.design()
@@ -461,7 +463,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.corners[side as usize].configuration(placed.poses[side as usize])
     }
 
-    /// One wheel in a position, with the rack of an independent suspension at the displacement of this position.
+    /// One wheel in a position, for drawings. The rack of an independent suspension is at the displacement of this position.
     pub(super) fn drawn_configuration(
         &self,
         side: Side,
@@ -490,7 +492,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.corners[0].solver.size()
     }
 
-    /// Points of each wheel.
+    /// Identifiers of the points of each wheel.
     pub fn points(&self) -> impl Iterator<Item = PointId> {
         (0..self.buffer.len()).map(PointId)
     }

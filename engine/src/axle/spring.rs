@@ -12,7 +12,7 @@ pub enum Law<T = f64> {
         /// Force per length.
         rate: T,
     },
-    /// A curve through points of length and force.
+    /// Curve through points of length and force.
     Curve(ForceCurve),
 }
 
@@ -25,8 +25,9 @@ pub struct SpringLaw<T = f64> {
     pub bump_stop: Option<BumpStop>,
     /// Rebound stop. Its abscissa is its deformation: the spring's extension minus the gap.
     pub rebound_stop: Option<BumpStop>,
-    /// Length of the spring at which it has the force of its law and the gaps of its stops. `None` for its length in the design
-    /// position, so that hardpoints can move without a change of the force. The parts of an assembled car keep their own length.
+    /// Length of the spring at which it has the force of its law and the gaps of its stops. `None` stands for its length in
+    /// the design position, so that hardpoints can move without a change of the force. The springs of an assembled car keep
+    /// their length.
     pub own_length: Option<f64>,
 }
 
@@ -56,7 +57,7 @@ impl<T: Copy> SpringLaw<T> {
         }
     }
 
-    /// Length from which deflections count. `design` is the length in the design position.
+    /// Length from which deflections are measured. `design` is the length in the design position.
     #[inline(always)]
     fn reference<U: Valued>(&self, design: U) -> U {
         self.own_length.map_or(design, |own| design.constant(own))
@@ -93,7 +94,7 @@ impl<T: Copy> SpringLaw<T> {
     }
 }
 
-/// Adds the force of a stop to a force, where the spring's change of length exceeds the gap.
+/// Adds the force of a stop to a force, if the spring's change of length exceeds the gap.
 #[inline(always)]
 fn with_stop<U: Valued>(
     stop: &Option<BumpStop>,
@@ -132,7 +133,7 @@ impl<T: Scalar> SpringLaw<T> {
 }
 
 impl<T: Copy> SpringLaw<T> {
-    /// Rate of a linear spring, force per length; `None` for a curve.
+    /// Rate of a linear spring, force per length. `None` for a curve.
     pub(crate) fn rate(&self) -> Option<T> {
         match self.spring {
             Law::Linear { rate, .. } => Some(rate),
@@ -140,7 +141,7 @@ impl<T: Copy> SpringLaw<T> {
         }
     }
 
-    /// Sets the rate of a linear spring. The force in the design position stays, and a curve does not change.
+    /// Sets the rate of a linear spring, and keeps the force in the design position. A curve does not change.
     pub(crate) fn set_rate(&mut self, value: T) {
         if let Law::Linear { rate, .. } = &mut self.spring {
             *rate = value;
@@ -159,8 +160,8 @@ impl SpringLaw {
         self.force_over(length, design, |c| length.constant(c))
     }
 
-    /// Energy at a length: integral of the force over the shortening. It counts from the design position, or from the spring's own
-    /// length.
+    /// Energy at a length: integral of the force over the shortening. It is zero in the design position, or at the spring's
+    /// own length.
     pub fn energy<T: Scalar>(&self, length: T, design: T) -> T {
         let reference = self.reference(design);
         let shortened = reference - length;
@@ -180,7 +181,8 @@ impl SpringLaw {
         spring + touched(&self.bump_stop, shortened) + touched(&self.rebound_stop, -shortened)
     }
 
-    /// Law of the same parts in another design. `length` is the spring's length in the design of this law.
+    /// Law with the same force-length curve for use in another design. `length` is the spring's length in the design of this
+    /// law.
     pub fn kept_from(&self, length: f64) -> SpringLaw {
         let mut kept = self.clone();
         kept.own_length.get_or_insert(length);
@@ -188,9 +190,9 @@ impl SpringLaw {
     }
 }
 
-/// A smooth curve through points. It consists of cubics, whose slopes make it monotone wherever the points are (F. N.
-/// Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17, 1980). Beyond its ends it is straight. The second derivative jumps at
-/// the points.
+/// A smooth curve through points. It consists of cubics whose slopes make it monotone in each interval in which the points
+/// are monotone (F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17, 1980). Beyond its ends it is straight. The second
+/// derivative jumps at the points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForceCurve {
     points: Vec<[f64; 2]>,
@@ -210,7 +212,7 @@ impl ForceCurve {
             .collect();
         let last = secants.len() - 1;
         // Inside, the slope is the weighted harmonic mean of the neighbouring secants (Fritsch and Butland 1984). It is 0 if
-        // they differ in sign.
+        // the secants differ in sign.
         let inside = |i: usize| {
             let (a, b) = (secants[i - 1], secants[i]);
             if a * b <= 0.0 {
@@ -277,7 +279,7 @@ impl ForceCurve {
         left + t * (m + t * (quadratic + t * cubic))
     }
 
-    /// Polynomials of all lanes, as [`ForceCurve::piece`] has them.
+    /// Polynomials for all lanes, each in the form of [`ForceCurve::piece`].
     #[inline(always)]
     fn pieces<T: Valued>(&self, x: T) -> [T; 6] {
         let mut values = [0.0; MOST_LANES];
@@ -370,7 +372,7 @@ mod tests {
         let slope = |i: usize| match i {
             0 => secant(0),
             4 => secant(3),
-            // The curve has a turning point at these points.
+            // The curve has an extremum at these points.
             2 | 3 => 0.0,
             _ => {
                 let (h, k) = (4.0, 2.5);
@@ -445,7 +447,7 @@ mod tests {
                 );
             }
         }
-        // The force does not depend on the design, so it has no derivative with respect to its length.
+        // The force does not depend on the design, so its derivative with respect to the length is zero.
         let design = Jet::<f64, 2>::variable(492.0);
         assert_eq!(kept.force(Jet::constant(470.0), design)[1], 0.0);
     }

@@ -2,8 +2,8 @@
 //!
 //! An [`AxleState`] holds both wheels as functions of their travels and racks. Along a [`Motion`] the travels, the rack and
 //! the roll angle change at rates that follow from the state itself. [`AxleState::moving`] gives the same state as series
-//! along the motion, and so derivatives of any order. With C' the velocity of the carrier's point at the contact point by
-//! the wheel's own travel, C,r that by the rack, h = n.C, and f = h_l - h_r = 0 on a plane,
+//! along the motion, and so derivatives of any order. C' and C,r are velocities of the carrier's point at the contact point,
+//! with respect to the wheel's own travel and to the rack. With h = n.C and, on a plane, f = h_l - h_r = 0,
 //!
 //! ```text
 //! roll        z_l' = -z_r' = -track/F        F = n.C_l' + n.C_r'
@@ -11,11 +11,11 @@
 //! rack        z_l' = -z_r' = -(n.C_l,r - n.C_r,r)/F
 //! ```
 //!
-//! because C is the lowest point: its own motion on the wheel does not change its height.
+//! because C is the lowest point of the wheel: its displacement along the rim does not change its height to first order.
 //!
-//! Each wheel of a rigid axle moves with both travels. C_b,d and C_b,h are the velocities of the carrier's point at contact
-//! point b by the wheel's own share of the difference (d z_own = -d z_other) and by the mean travel. Then F above contains
-//! C_b,d, and
+//! Each wheel of a rigid axle moves with both travels. C_b,d and C_b,h are velocities of the carrier's point at contact
+//! point b. C_b,d is with respect to the wheel's own share of the difference (d z_own = -d z_other), and C_b,h with respect
+//! to the mean travel. Then F above contains C_b,d, and
 //!
 //! ```text
 //! heave       z_l' = 1 + D,  z_r' = 1 - D        D = -(n.C_l,h - n.C_r,h)/F
@@ -34,7 +34,7 @@ use crate::mechanism::Ground;
 use crate::model::{AxleTravel, Side};
 use crate::number::{Each, Jet, Real, Vector3, outlined};
 
-/// Constant coordinates while the rack, the heave or the roll angle changes. They make the motion unique.
+/// Coordinates that stay constant while the rack, the heave or the roll angle changes. They make the motion unique.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hold {
     /// Roll angle and mean travel of the wheel centres are constant, on a plane ground.
@@ -45,7 +45,7 @@ pub enum Hold {
     TravelsOnPads,
 }
 
-/// Motion of the axle, along which derivatives are taken.
+/// Motion of the axle along which derivatives are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
     /// Roll of the body with constant mean travel and rack. The parameter is the angle in radians.
@@ -53,16 +53,17 @@ pub enum Motion {
     /// Mean travel of the wheel centres. The rack is constant. On a plane the roll angle is constant, too; on pads both
     /// travels change equally.
     Heave,
-    /// Displacement of the rack towards the left wheel. The other coordinates that the station gives are constant.
+    /// Displacement of the rack towards the left wheel. The other given coordinates of the station are constant.
     Rack,
-    /// Displacement of the rack towards the left wheel, whatever coordinates the station gives. On a plane the roll angle and the
-    /// mean travel are constant, on pads both travels.
+    /// Displacement of the rack towards the left wheel, for any choice of given coordinates. On a plane, the roll angle and
+    /// the mean travel are constant. On pads, both travels are constant.
     Steering,
     /// Travel of the left wheel, with everything else constant.
     TravelLeft,
     /// Travel of the right wheel, with everything else constant.
     TravelRight,
-    /// Equal and opposite travels of the wheel centres, with the right one in jounce, as on a rig for roll stiffness.
+    /// Equal and opposite travels of the wheel centres, with the right wheel in jounce, as in a roll stiffness test on a
+    /// rig.
     OpposedTravels,
 }
 
@@ -88,7 +89,7 @@ pub struct WheelState<'s, T, W = Reading<T>> {
     pub reading: &'s W,
     /// Ground under the wheel.
     pub ground: Ground<T>,
-    /// Loaded radius. NaN if the study gives none.
+    /// Loaded radius. NaN if the study does not give it.
     pub radius: f64,
     /// Carriers of the wheels.
     pub carriers: Carriers,
@@ -119,7 +120,7 @@ impl AxleState<'_, f64> {
     }
 }
 
-/// Rates of a motion: of both travels, of the rack towards the left wheel's outside, and of the roll angle.
+/// Rates of both travels, of the rack towards the left wheel's outside, and of the roll angle along a motion.
 struct Rates<T> {
     travel: [T; 2],
     rack: Option<T>,
@@ -140,25 +141,26 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
         self.reading.centre() + self.contact_lever()
     }
 
-    /// Velocity C' of the carrier's point at C by the wheel's own travel. The wheel does not rotate in its carrier.
+    /// Velocity C' of the carrier's point at C with respect to the wheel's own travel. The wheel does not rotate in its
+    /// carrier.
     #[inline(always)]
     pub fn contact_velocity(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.by_travel())
     }
 
-    /// Velocity of the carrier's point at C by the rack.
+    /// Velocity of the carrier's point at C with respect to the rack.
     #[inline(always)]
     pub fn contact_by_rack(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.by_rack())
     }
 
-    /// Velocity at C by the wheel's own share of the difference of travels, for a rigid axle.
+    /// Velocity at C with respect to the wheel's own share of the difference of travels, for a rigid axle.
     #[inline(always)]
     pub fn contact_by_difference(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.twist(self.carriers.by_difference()))
     }
 
-    /// Velocity at C by the mean travel, for a rigid axle.
+    /// Velocity at C with respect to the mean travel, for a rigid axle.
     #[inline(always)]
     pub fn contact_by_mean(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.twist(self.carriers.by_mean()))
@@ -182,25 +184,26 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
         self.ground.normal().dot(self.contact_point())
     }
 
-    /// Derivative of [`WheelState::height`] by the wheel's own travel.
+    /// Derivative of [`WheelState::height`] with respect to the wheel's own travel.
     #[inline(always)]
     pub fn rise(&self) -> T {
         self.ground.normal().dot(self.contact_velocity())
     }
 
-    /// Derivative of [`WheelState::height`] by the wheel's own share of the difference of travels, for a rigid axle.
+    /// Derivative of [`WheelState::height`] with respect to the wheel's own share of the difference of travels, for a rigid
+    /// axle.
     #[inline(always)]
     pub fn rise_by_difference(&self) -> T {
         self.ground.normal().dot(self.contact_by_difference())
     }
 
-    /// Derivative of [`WheelState::height`] by the mean travel, for a rigid axle.
+    /// Derivative of [`WheelState::height`] with respect to the mean travel, for a rigid axle.
     #[inline(always)]
     pub fn rise_by_mean(&self) -> T {
         self.ground.normal().dot(self.contact_by_mean())
     }
 
-    /// Derivative of [`WheelState::height`] by the rack.
+    /// Derivative of [`WheelState::height`] with respect to the rack.
     #[inline(always)]
     fn rise_by_rack(&self) -> T {
         self.ground.normal().dot(self.contact_by_rack())
@@ -262,7 +265,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// Returns the wheels on the plane under both, whatever coordinates the station gives. Roll angle and mean travel are
+    /// Returns the wheels on the plane under both, for any choice of given coordinates. Roll angle and mean travel are
     /// constant in motions.
     #[inline(always)]
     pub fn on_plane(&self) -> Self {
@@ -279,27 +282,27 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         left.height() - right.height()
     }
 
-    /// Derivatives of the heights of both contact points by the travels of their own wheels.
+    /// Derivatives of the heights of both contact points with respect to the travels of their own wheels.
     #[inline(always)]
     fn rises(&self) -> [T; 2] {
         let [left, right] = self.wheels();
         if self.carriers.is_rigid() {
-            // The contact points of a rigid axle rise by each wheel's own share of the difference.
+            // The contact points of a rigid axle rise with each wheel's own share of the difference.
             [left, right].each(|wheel| wheel.rise_by_difference())
         } else {
             [left.rise(), right.rise()]
         }
     }
 
-    /// Derivative of [`AxleState::mismatch`] by the mean travel of a rigid axle, with constant difference.
+    /// Derivative of [`AxleState::mismatch`] with respect to the mean travel of a rigid axle, with constant difference.
     #[inline(always)]
     fn mismatch_by_mean(&self) -> T {
         let [left, right] = self.wheels();
         left.rise_by_mean() - right.rise_by_mean()
     }
 
-    /// Derivative of [`AxleState::mismatch`] by the rack, with constant travels. The right wheel's own rack moves in the
-    /// opposite direction, so that the difference becomes a sum.
+    /// Derivative of [`AxleState::mismatch`] with respect to the rack, with constant travels. The right wheel's own rack
+    /// moves in the opposite direction, so the difference becomes a sum.
     #[inline(always)]
     fn mismatch_by_rack(&self) -> T {
         let [left, right] = self.wheels();
@@ -367,7 +370,8 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         rates
     }
 
-    /// Rates of a wheel's own two variables, in its frame. `None` if the second variable is at rest.
+    /// Rates of a wheel's travel and of its rack (or held travel), in its own frame. `None` if the second variable is at
+    /// rest.
     #[inline(always)]
     fn own_rates(&self, side: Side, rates: &Rates<T>) -> (T, Option<T>) {
         let [left, right] = rates.travel;
@@ -401,7 +405,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
     /// The state as series along a motion.
     #[inline(always)]
     pub fn moving(&self, motion: Motion) -> AxleState<'a, Jet<T, 2>, Moving<'_, W, T>> {
-        // Compiled as a separate function, since most formulas take derivatives along some motion.
+        // The compiler makes a separate function, because most formulas take derivatives along a motion.
         let rates = outlined!(
             [T: Real, W: WheelParts<T>] self.like();
             state: &'p AxleState<'p, T, W> = self, motion: Motion = motion => Rates<T> { state.rates(motion) }
@@ -431,9 +435,9 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
 }
 
 impl<T: Real> AxleState<'_, T> {
-    /// The state with travels or roll angle corrected to first order, so that both wheels stand on the same ground. For numbers
-    /// with gradients, this adds the gradient of those travels or roll angle that are results. The arguments are the plain values
-    /// of F and track.
+    /// Returns the state with travels or roll angle corrected to first order, so that both wheels stand on the same ground.
+    /// For numbers with gradients, this adds the gradients of the travels or of the roll angle if these are results. The
+    /// arguments are the plain values of F and track.
     pub fn settled(&self, [rise, track]: [f64; 2]) -> Self {
         let like = self.like();
         match self.hold {

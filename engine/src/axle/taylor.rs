@@ -3,8 +3,8 @@
 //! A quantity is u(z + a, r + b) = sum c_ij a^i b^j up to degree 3. The coefficients come from power series along straight
 //! lines (a, b) = e (p, q): the coefficient of e^k is sum_(i+j=k) c_ij p^i q^j, and k + 1 lines give the k + 1 coefficients
 //! of that degree (A. Griewank, J. Utke, A. Walther, *Evaluating higher derivative tensors by forward propagation of
-//! univariate Taylor series*, Math. Comp. 69, 2000). The lines are the two axes and the two diagonals, so that sums and
-//! differences suffice.
+//! univariate Taylor series*, Math. Comp. 69, 2000). The lines are the two axes and the two diagonals, so that only sums and
+//! differences are needed.
 
 use crate::number::Real;
 
@@ -131,7 +131,7 @@ impl<T: Real> Taylor<T> {
 mod tests {
     use super::*;
 
-    /// Series along the sampled lines determine a cubic polynomial, with its values along any other line.
+    /// Series along these lines determine a cubic polynomial, and so its values along any other line.
     #[test]
     fn polynomials_come_back_from_lines() {
         let coefficients: [f64; COEFFICIENTS] =

@@ -1,9 +1,9 @@
 //! A wheel of an independent axle as a function of its own travel: piecewise polynomials between poses.
 //!
-//! Newton's method for a car evaluates the same wheels at thousands of travels. A pose takes longer than everything else in
-//! a step. So a wheel is solved only at nodes, one piece apart, with three derivatives with respect to travel. In a piece of length h
-//! from z_0, with t = (z - z_0)/h, each number f is the polynomial of degree 7 with the values and derivatives at both
-//! nodes:
+//! Newton's method for a car evaluates the same wheels at thousands of travels. In each step, poses take most of the time.
+//! So a wheel is solved only at nodes, and pieces connect the nodes. Each node has three derivatives with respect to travel.
+//! In a piece of length h from z_0, with t = (z - z_0)/h, each number f becomes the polynomial p of degree 7 that has its
+//! values and derivatives at both nodes:
 //!
 //! ```text
 //! p(t) = c_0 + c_1 t + c_2 t^2 + c_3 t^3 + t^4 q(t),     c_k = h^k f^(k)(z_0)/k!                                (1)
@@ -12,9 +12,10 @@
 //! f - p = f^(8)(..) h^8 t^4 (1-t)^4/8!                                                                          (4)
 //! ```
 //!
-//! D_k is the coefficient of f at the second node minus that of the cubic. The error (4) falls with the eighth power of h,
-//! and so does that of the first derivative, which is largest near t = 0.31. There a further pose checks value and
-//! derivative of each piece. If they differ by more than rounding, all pieces become half as long.
+//! D_k is the k-th coefficient of f at the second node minus that of the cubic c_0 + c_1 t + c_2 t^2 + c_3 t^3. The error
+//! (4) and the error of the first derivative fall with the eighth power of h. The error of the first derivative is largest
+//! near t = 0.31. At this t, another pose checks value and derivative of each piece. If they differ by more than rounding,
+//! all pieces become half as long.
 
 use super::reading::{Reading, WheelParts};
 use super::solver::AxleSolver;
@@ -22,24 +23,24 @@ use crate::characteristics::{DesignWheel, NumberPart, VectorPart};
 use crate::model::Side;
 use crate::number::{Each, SimdReal, SimdTask, Vector3, array_of, run_short};
 
-/// Number of pieces on each side of the design position.
+/// Largest number of pieces on each side of the design position.
 const MOST_PIECES: i32 = 48;
-/// Initial length of pieces, as a share of the mechanism's size.
+/// Initial length of pieces, relative to the mechanism's size.
 const LENGTH: f64 = 1.0 / 24.0;
 /// Largest number of times that pieces are halved.
 const MOST_HALVINGS: u32 = 4;
-/// Value of t at which a piece is checked.
+/// Value of t at which each piece is checked.
 const CHECK: f64 = 0.31;
-/// Largest error, relative to the size of the number and the length of the piece.
+/// Largest accepted error, relative to the size of the number and the length of the piece.
 const TOLERANCE: f64 = 4e-13;
 
-/// Vectors in a curve, besides the columns of the carrier's rotation.
+/// Vectors that a curve contains, besides the columns of the carrier's rotation.
 const VECTORS: [VectorPart; 3] = [
     VectorPart::Centre,
     VectorPart::SpinAxis,
     VectorPart::HeaveSpring,
 ];
-/// Numbers in a curve.
+/// Scalars that a curve contains.
 const SINGLE: [NumberPart; 3] = [
     NumberPart::SpringLength,
     NumberPart::BarAngle,
@@ -51,8 +52,8 @@ const COLUMNS: usize = 3 * VECTORS.len();
 const NUMBERS: usize = COLUMNS + 9;
 /// Count of all numbers, rounded up to whole bundles of [`LANES`]. The last ones are unused.
 const COUNT: usize = (NUMBERS + SINGLE.len()).next_multiple_of(LANES);
-/// Count of numbers, and of wheels, that are evaluated at a time, on processors with such registers. In wider registers, a part of the last
-/// bundle would be unused.
+/// Count of numbers, and of wheels, that are evaluated at a time, on processors with registers of this width. In wider
+/// registers, a part of the last bundle would be unused.
 pub(crate) const LANES: usize = 8;
 
 /// All numbers of a wheel for each power of travel. Numbers that are not read are NaN.
@@ -65,7 +66,7 @@ struct Piece {
     design: DesignWheel<f64>,
 }
 
-/// A wheel on its curve: its numbers with three derivatives with respect to travel.
+/// A wheel at one travel of its curve: its numbers with three derivatives with respect to travel.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CurveWheel {
     coefficients: Powers<4>,
@@ -81,7 +82,7 @@ impl CurveWheel {
         }
     }
 
-    /// Copies the numbers of a reading that curves contain.
+    /// Copies those numbers of a reading that curves contain.
     fn of(reading: &Reading<f64>) -> Self {
         let mut wheel = CurveWheel::unknown();
         for (k, numbers) in wheel.coefficients.iter_mut().enumerate() {
@@ -97,7 +98,7 @@ impl CurveWheel {
         wheel
     }
 
-    /// Coefficients by travel, in units of the length of a piece.
+    /// Coefficients of powers of travel, with the length of a piece as the unit of travel.
     fn scaled(&self, length: f64) -> Powers<4> {
         let mut power = 1.0;
         self.coefficients.each(|numbers| {
@@ -117,7 +118,7 @@ impl CurveWheel {
     }
 }
 
-/// Coefficients by the rack are NaN, and so are parts that curves do not contain.
+/// Coefficients of powers of the rack are NaN, and so are parts that curves do not contain.
 impl WheelParts<f64> for CurveWheel {
     #[inline(always)]
     fn like(&self) -> f64 {
@@ -156,7 +157,7 @@ impl WheelParts<f64> for CurveWheel {
     }
 }
 
-/// Wheels on their curves, one in each lane: their numbers and first derivatives with respect to travel.
+/// Wheels at their travels, one in each lane: their numbers and first derivatives with respect to travel.
 #[derive(Clone, Debug)]
 pub(crate) struct CurveLanes {
     numbers: [[[f64; LANES]; COUNT]; 2],
@@ -164,7 +165,7 @@ pub(crate) struct CurveLanes {
 }
 
 impl CurveLanes {
-    /// Makes lanes with this wheel in each.
+    /// Makes lanes that all contain this wheel.
     pub(crate) fn filled(wheel: &CurveWheel) -> Self {
         let mut lanes = CurveLanes {
             numbers: [[[f64::NAN; LANES]; COUNT]; 2],
@@ -184,7 +185,7 @@ impl CurveLanes {
     }
 }
 
-/// A wheel in lanes, at the travels at which it was read.
+/// Wheels in lanes, at the travels at which they were read.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneCurveWheel<'n, B> {
     pub(crate) of: &'n CurveLanes,
@@ -420,7 +421,7 @@ impl WheelCurve {
         })
     }
 
-    /// Returns true if a piece differs from a pose within it by more than rounding.
+    /// Returns true if a piece differs by more than rounding from a pose at a travel within the piece.
     fn is_inexact<const N: usize>(
         &self,
         solver: &mut AxleSolver<'_, N>,
@@ -438,7 +439,7 @@ impl WheelCurve {
         let mut found = CurveWheel::unknown();
         piece.write(CHECK, length, &mut found);
         let (found, read) = (found.scaled(length), read.scaled(length));
-        // Numbers that are not read are NaN in both.
+        // Numbers that are not read are NaN in both wheels.
         (0..COUNT).any(|k| {
             let bound = TOLERANCE * (read[0][k].abs() + length);
             (found[0][k] - read[0][k]).abs() > bound || (found[1][k] - read[1][k]).abs() > bound
@@ -447,7 +448,7 @@ impl WheelCurve {
 }
 
 impl Piece {
-    /// Writes the wheel at a place in the piece to `into`.
+    /// Writes the wheel at the value `t` in the piece to `into`.
     #[inline]
     fn write(&self, t: f64, length: f64, into: &mut CurveWheel) {
         run_short(Evaluation {
@@ -476,7 +477,7 @@ impl SimdTask for Evaluation<'_> {
         let [t, inverse] = [t, 1.0 / length].map(|number| like.constant(number));
         for first in (0..COUNT).step_by(B::LANES) {
             let mut c: [B; 8] = array_of(|k| like.load(&self.polynomials[k][first..]));
-            // Horner's scheme, four times. It gives the first four coefficients about t.
+            // Four passes of Horner's scheme give the first four coefficients about t.
             for last in 0..4 {
                 for k in (last..7).rev() {
                     c[k] = c[k] + t * c[k + 1];

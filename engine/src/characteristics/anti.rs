@@ -1,4 +1,4 @@
-//! Anti-dive, anti-lift and anti-squat: the share of the load transfer that passes through the arms instead of the springs.
+//! Anti-dive, anti-lift and anti-squat: the share of the load transfer that the arms carry instead of the springs.
 //!
 //! The formulas follow from virtual work. A longitudinal force F acts on the tyre at the contact point C, and the wheel load
 //! changes by the load transfer N = F_total h/L. The torque of F about the spin axis a has one of two paths:
@@ -14,9 +14,9 @@
 //! by a shaft:      S' = W' + (w - (w.a) a) x (C - W)                                    (1)
 //! ```
 //!
-//! W' and w are the velocity of the wheel centre and the angular velocity of the carrier by wheel travel. (The shaft is
-//! assumed to lie along a. The effect of its joints at an angle is neglected.) With V = C' or S', the springs carry the
-//! following upward force on the wheel:
+//! W' and w are the velocity of the wheel centre and the angular velocity of the carrier, with respect to wheel travel. (The
+//! shaft is assumed to lie along a. The effect of angles in its joints is neglected.) With V = C' or S', the springs carry
+//! the following upward force on the wheel:
 //!
 //! ```text
 //! front, braking:  N - p F_total V_x/V_z      rear, braking:  -N - p F_total V_x/V_z
@@ -33,7 +33,7 @@ use crate::number::Real;
 const SOURCE: &str =
     "W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, SAE 1995, ch. 17; by virtual work";
 
-/// Percentage 100 share (L/h) V_x/V_z. `by_carrier` is the part of the torque that the carrier takes.
+/// Returns 100 share (L/h) V_x/V_z, in percent. `by_carrier` is the fraction of the torque that the carrier takes.
 #[inline(always)]
 fn slope<T: Real>(inputs: &Inputs<T>, share: f64, by_carrier: f64) -> T {
     let c = &inputs.constants;
@@ -55,7 +55,7 @@ fn driving<T: Real>(inputs: &Inputs<T>) -> T {
 }
 
 formulas! {
-    /// Front axle in braking.
+    /// Anti-dive of a front axle in braking.
     AntiDive {
         name: "anti_dive",
         unit: Unit::Percent,
@@ -66,7 +66,7 @@ formulas! {
         needs: &[Need::WheelRadius, Need::Wheelbase, Need::CgHeight, Need::FrontBraking],
     } = |inputs| braking(inputs);
 
-    /// Rear axle in braking, or driven front axle under drive.
+    /// Anti-lift of a rear axle in braking, or of a driven front axle under drive.
     AntiLift {
         name: "anti_lift",
         unit: Unit::Percent,
@@ -79,7 +79,7 @@ formulas! {
         if inputs.constants.is_front { driving(inputs) } else { -braking(inputs) }
     };
 
-    /// Driven rear axle under drive.
+    /// Anti-squat of a driven rear axle under drive.
     AntiSquat {
         name: "anti_squat",
         unit: Unit::Percent,

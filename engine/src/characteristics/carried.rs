@@ -16,7 +16,7 @@ pub struct CarriedForce {
     pub moment: Vector3<f64>,
     /// Support that holds the suspension under the load.
     pub support: Support,
-    /// Reaction that is the force.
+    /// Reaction that gives the force.
     pub what: Carried,
 }
 
@@ -29,7 +29,8 @@ impl CarriedForce {
         self.support.rocker(mechanism)
     }
 
-    /// Value of the reaction along the series of a balance with its support. `view` must have read the support.
+    /// Value of the reaction, as a series, from a balance with its support. `view` must have read spin axis and wheel
+    /// centre.
     pub fn value<const N: usize>(
         &self,
         view: &WheelReading<N>,

@@ -1,8 +1,8 @@
-//! Data of a study that formulas read.
+//! Constants of a study that formulas read.
 
 use crate::model::{AxlePosition, Suspension, TorquePath};
 
-/// Plain numbers of the study that formulas read. Missing ones are zero. The plan ensures that no formula runs without its
+/// Constants of the study that formulas read. Missing constants are zero. The plan ensures that no formula runs without its
 /// [needs](crate::ask::Need).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Constants {

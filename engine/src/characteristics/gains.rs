@@ -1,7 +1,7 @@
-//! Gains: derivatives of the angles by wheel travel.
+//! Gains: derivatives of the angles with respect to wheel travel.
 //!
-//! A gain evaluates its angle's formula on a first-order jet along the motion, so that there is only one formula. It divides
-//! by the rise of the wheel centre. It is therefore a derivative with respect to wheel travel for any drive.
+//! A gain evaluates its angle's formula on first-order series along the motion, so the formula is written only once. It
+//! divides the result by the rise of the wheel centre. So it is a derivative with respect to wheel travel for any drive.
 
 use super::{
     Characteristic, Constants, DesignWheel, Formula, Info, Inputs, Slot, Unit, Wheel, angles,
@@ -15,7 +15,7 @@ fn by_travel<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
     slope::<F, T>(inputs, rate.spin_axis, rate.steering_direction) / rate.centre.z
 }
 
-/// Rate of an angle when spin axis and steering direction change at these rates. An angle reads only one of the two
+/// Rate of an angle if spin axis and steering direction change at these rates. Each angle reads only one of the two
 /// directions.
 #[inline(always)]
 fn slope<F: Formula, T: Real>(
@@ -41,7 +41,7 @@ fn moving<T: Real>(
     )
 }
 
-/// Inputs with these two directions, the only inputs of an angle. Every other number is `filling`.
+/// Inputs with these two directions, which are the only possible inputs of an angle. Every other number is `filling`.
 #[inline(always)]
 fn of_directions<T: Real>(
     spin_axis: Vector3<T>,
@@ -62,7 +62,7 @@ fn of_directions<T: Real>(
     }
 }
 
-/// Evaluates an expression of an angle's formula. `None` for other characteristics.
+/// Evaluates an expression for the formula of an angle. `None` for characteristics that are not angles.
 macro_rules! of_angle {
     ($characteristic:expr, $formula:ident => $value:expr) => {
         of_angle!($characteristic, $formula => $value, Camber, Toe, Caster, KingpinInclination)
@@ -93,14 +93,14 @@ impl Characteristic {
     }
 }
 
-/// Derivative of an angle by the drive, from the rates of its direction. `None` for other characteristics.
+/// Derivative of an angle with respect to the drive, from the rates of its direction. `None` for other characteristics.
 #[inline(always)]
 pub(super) fn by_drive<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<T> {
     let rate = &inputs.rate;
     of_angle!(c, Angle => slope::<Angle, T>(inputs, rate.spin_axis, rate.steering_direction))
 }
 
-/// Derivative of an angle by its direction. `None` for other characteristics.
+/// Derivative of an angle with respect to its direction. `None` for other characteristics.
 #[inline(always)]
 pub(super) fn by_direction<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Option<Vector3<T>> {
     let now = &inputs.now;
@@ -112,8 +112,9 @@ pub(super) fn by_direction<T: Real>(c: Characteristic, inputs: &Inputs<T>) -> Op
     of_angle!(c, Angle => Vector3::from(Angle::evaluate(&moved).partials))
 }
 
-/// Derivative of an angle by its direction, as a series along the motion. The second coefficient is the derivative of the
-/// angle's slope by the direction, since the order of the two differentiations does not matter.
+/// Derivative of an angle with respect to its direction, as a series along the motion. The second coefficient is the
+/// derivative of the angle's slope with respect to the direction, because the order of the two differentiations does not
+/// matter.
 #[inline(always)]
 pub(super) fn by_direction_along<T: Real>(
     c: Characteristic,
@@ -129,7 +130,7 @@ pub(super) fn by_direction_along<T: Real>(
     ))
 }
 
-/// Rate of an angle when its direction changes at this rate. Compiled as a separate function.
+/// Rate of an angle if its direction changes at this rate. The compiler makes a separate function.
 #[inline(always)]
 fn slope_outlined<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>) -> T {
     outlined!(
@@ -139,7 +140,7 @@ fn slope_outlined<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>
     )
 }
 
-/// Defines the gains, one per line: the angle, the name, the meaning of a positive value, the formula, and the inputs.
+/// Defines the gains, one per line: angle, name, meaning of a positive value, formula, and inputs.
 macro_rules! gains {
     ($($gain:ident, $angle:ident, $name:literal, $positive:literal, $formula:literal, $slot:ident, $rate:ident;)*) => {
         $(

@@ -1,9 +1,10 @@
 //! Roll centre and swing arms, from the velocity of the contact point.
 //!
 //! C' is the velocity of the knuckle-fixed point at the contact point C, and w is the knuckle's angular velocity. In front
-//! view the velocity of the instantaneous centre has no y and z component, so it lies w_x (y_C - y_ic) = C_z' inboard of C.
-//! In side view w_y (x_ic - x_C) = C_z'. All follow from the true velocities, which include the effect of the tie rod. The
-//! construction with arm planes ignores the tie rod and can differ by tens of millimetres.
+//! view, the velocity of the instantaneous centre has no y and z component. So its distance inboard of C follows from w_x
+//! (y_C - y_ic) = C_z'. In side view, w_y (x_ic - x_C) = C_z'. All centres follow from the true velocities, which include
+//! the effect of the tie rod. The graphical construction with arm planes ignores the tie rod, and its result can differ by
+//! tens of millimetres.
 //!
 //! A wheel that does not rotate in a view has its centre at infinity. Its computed angular velocity is then only rounding error,
 //! so a centre computed from it would be meaningless. [`turning`] separates the two cases.
@@ -16,13 +17,13 @@ use crate::number::{Jet, Real, Vector3};
 /// Inputs of the velocity of the contact point.
 pub(super) const CONTACT_VELOCITY: &[Slot] = &[Slot::SpinAxis, Slot::CentreRate, Slot::Turn];
 
-/// Largest distance of an instantaneous centre, relative to the mechanism's size. A farther centre counts as infinite. With
-/// rounding, a wheel that does not rotate has an angular velocity of about 1e-16 over the size. In badly conditioned poses it is
-/// up to a million times as large.
+/// Largest distance of an instantaneous centre, relative to the mechanism's size. A farther centre counts as infinite.
+/// Because of rounding, a wheel that does not rotate has an angular velocity of about 1e-16 divided by the size. In badly
+/// conditioned poses, the angular velocity is up to a million times larger.
 const FARTHEST_CENTRE: f64 = 1e10;
 
-/// Angular velocity in one view. The contact point has these velocities in the view. It is zero if the instantaneous centre is
-/// farther than [`FARTHEST_CENTRE`].
+/// Angular velocity in one view, or zero if the instantaneous centre is farther than [`FARTHEST_CENTRE`]. `velocity` has the
+/// contact point's velocities in this view.
 #[inline(always)]
 fn turning<T: Real>(turn: T, velocity: [T; 2], size: f64) -> T {
     let [first, second] = velocity;
@@ -32,7 +33,8 @@ fn turning<T: Real>(turn: T, velocity: [T; 2], size: f64) -> T {
 }
 
 impl<T: Real> Inputs<T> {
-    /// Velocity of the contact point, and the angular velocity about x, zero if the front-view centre counts as infinite.
+    /// Velocity of the contact point, and the angular velocity about x. The latter is zero if the front-view centre counts
+    /// as infinite.
     #[inline(always)]
     fn in_front_view(&self) -> (Vector3<T>, T) {
         let velocity = self.contact_velocity();
@@ -40,7 +42,8 @@ impl<T: Real> Inputs<T> {
         (velocity, turn)
     }
 
-    /// Velocity of the contact point, and the angular velocity about y, zero if the side-view centre counts as infinite.
+    /// Velocity of the contact point, and the angular velocity about y. The latter is zero if the side-view centre counts as
+    /// infinite.
     #[inline(always)]
     fn in_side_view(&self) -> (Vector3<T>, T) {
         let velocity = self.contact_velocity();
@@ -50,7 +53,7 @@ impl<T: Real> Inputs<T> {
 }
 
 formulas! {
-    /// Kinematic roll centre.
+    /// Height of the kinematic roll centre.
     RollCentreHeight {
         name: "roll_centre_height",
         unit: Unit::Length,
@@ -64,7 +67,7 @@ formulas! {
         inputs.contact_point().y * velocity.y / velocity.z
     };
 
-    /// Front-view swing arm.
+    /// Length of the front-view swing arm.
     FrontViewSwingArm {
         name: "front_view_swing_arm",
         unit: Unit::Length,
@@ -78,7 +81,7 @@ formulas! {
         velocity.z / turn
     };
 
-    /// Side-view swing arm.
+    /// Length of the side-view swing arm.
     SideViewSwingArm {
         name: "side_view_swing_arm",
         unit: Unit::Length,

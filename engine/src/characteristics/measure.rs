@@ -1,15 +1,16 @@
-//! Measures that targets and constraints apply to: quantities of the catalogue, forces under loads, geometry of parts.
+//! Measures that targets and constraints apply to: catalogue quantities, forces under loads, and geometry of parts.
 //!
-//! A [`Measure`] has a value in every pose. Geometric measures are formulas of up to six vectors. Each vector is a position
-//! or a direction, in the current pose or in the design position. Each formula is written once, over [`Scalar`]. With
-//! derivative numbers, it gives its derivatives with respect to its vectors. The adjoint turns these into derivatives with respect to the hardpoints.
+//! A [`Measure`] has a value in every pose. A geometric measure is a formula of up to six vectors. Each vector is a position
+//! or a direction, in the current pose or in the design position. Each formula is written once, over [`Scalar`]. With number
+//! types that carry derivatives, it also gives the derivatives with respect to its vectors. The adjoint turns these into
+//! derivatives with respect to the hardpoints.
 //!
-//! Values are smooth except at these kinks, where the derivative is that of one side:
+//! Values are smooth except at these kinks, where the derivative belongs to one side:
 //!
 //! - edges and inside of a box or tube that a point must stay away from,
-//! - change of the nearest place of a member from its middle to its end,
-//! - parallel members; the formula takes the middle of their overlap,
-//! - members that intersect: their distance is 0 there and grows again beyond,
+//! - change of a member's nearest point from its middle to its end,
+//! - parallel members (the formula takes the middle of their overlap),
+//! - members that intersect: their distance is 0 at the intersection and grows again beyond it,
 //! - end of a member on the edge of a rim.
 
 mod formula;
@@ -35,9 +36,9 @@ pub enum Measure {
     Quantity(Quantity),
     /// A force in a link, a joint or the spring under a load.
     Carried(CarriedForce),
-    /// A value of a wheel with elastic parts. It comes from equilibria, so a single pose does not give it.
+    /// A value of a wheel with elastic parts. It follows from equilibria, so a single pose is not sufficient.
     Elastic(KcValue),
-    /// A quantity of an axle with elastic parts. It also comes from equilibria.
+    /// A quantity of an axle with elastic parts. It also follows from equilibria.
     OfAxle(crate::axle::Quantity),
     /// Distance between two points.
     Length([PointId; 2]),
@@ -85,11 +86,11 @@ pub enum Measure {
     },
     /// Distance of a point from the spin axis.
     FromSpinAxis(PointId),
-    /// Distance of a point outboard of the wheel centre, along the spin axis.
+    /// Coordinate of a point along the spin axis, positive outboard of the wheel centre.
     AlongSpinAxis(PointId),
-    /// Distance from the spin axis at which a member crosses a plane normal to that axis. The points are the outer and the
+    /// Distance from the spin axis at which a member crosses a plane normal to this axis. The points are the outer and the
     /// inner end of the member. The number is the distance of the plane outboard of the wheel centre. If the member does not
-    /// cross the plane, the value is that of its end nearer to the plane.
+    /// cross the plane, the value is the distance of its end nearer to the plane.
     FromSpinAxisAt([PointId; 2], f64),
     /// Distance between two members' centre lines, each between two points.
     Clearance([[PointId; 2]; 2]),
@@ -140,7 +141,7 @@ impl Measure {
         }
     }
 
-    /// Order of the derivatives with respect to the drive from which the value is computed: 0 or 1.
+    /// Order of the derivatives with respect to the drive that the value contains: 0 or 1.
     pub fn rate_order(&self) -> usize {
         self.quantity().map_or(0, Quantity::rate_order)
     }
@@ -187,7 +188,7 @@ impl Measure {
         )
     }
 
-    /// Vectors that its formula reads, and their number. 0 if the measure is not geometric.
+    /// Vectors that the measure's formula reads, and their number. The number is 0 if the measure is not geometric.
     pub(crate) fn inputs(&self, mechanism: &Mechanism) -> ([Input; MOST], usize) {
         let list = |given: &[Input]| {
             let mut inputs = [Input::SpinAxis; MOST];
@@ -247,8 +248,8 @@ impl Measure {
         }
     }
 
-    /// Value of a geometric measure along a series of poses. [`WheelReading`](super::WheelReading) evaluates quantities of
-    /// the catalogue, [`CarriedForce::value`] evaluates forces.
+    /// Value of a geometric measure along a series of poses. For catalogue quantities use
+    /// [`WheelReading`](super::WheelReading), for forces [`CarriedForce::value`].
     pub fn value<T: Scalar>(&self, at: &Configuration<T>) -> T {
         let (inputs, count) = self.inputs(at.mechanism);
         let like = at.rack;
@@ -288,8 +289,8 @@ impl Measure {
     /// Reason for a missing derivative of an angle.
     pub const KINK: &'static str = "the angle of the joint is 0, where it has a kink";
 
-    /// Value that outputs show: the angle in rad if the measure is 1 minus its cosine, else the value. 1 - cos a = v gives
-    /// a = 2 asin(sqrt(v/2)), accurate for small angles, too.
+    /// Value that outputs show: the angle in rad if the measure is 1 minus its cosine, else the value itself. 1 - cos a = v
+    /// gives a = 2 asin(sqrt(v/2)), which is accurate for small angles, too.
     pub fn shown<T: Scalar>(&self, at: &Configuration<T>) -> T {
         let value = self.value(at);
         if self.is_versine() {
@@ -299,10 +300,11 @@ impl Measure {
         }
     }
 
-    /// Gradients of the shown value, and of its derivatives with respect to the drive up to `highest`, by every hardpoint coordinate.
-    /// `buffer` has a place for each point. `receive` gets every order and point with the gradient.
+    /// Gradients of the shown value, and of its derivatives with respect to the drive up to `highest`, with respect to every
+    /// hardpoint coordinate. `buffer` has one entry per point. `receive` gets the order, the point and the gradient, for
+    /// every order and point.
     ///
-    /// The measure's formula f of its vectors v_k gives the seed series df/dv_k. For an angle it is multiplied by
+    /// With f the measure's formula and v_k its vectors, the seed series are df/dv_k. For an angle they are multiplied by
     /// da/dv = 1/sqrt(v (2 - v)).
     pub fn shown_gradients<const N: usize>(
         &self,
@@ -332,7 +334,7 @@ impl Measure {
         each_derivative(buffer, highest, receive);
     }
 
-    /// Derivative of the formula by the vector with this index.
+    /// Derivative of the formula with respect to the vector with this index.
     pub(crate) fn by_vector<T: Scalar>(&self, number: usize, vectors: &Vectors<T>) -> Vector3<T> {
         let mut seeded = vectors.each(|v| v.map(Dual::<T, 3>::constant));
         seeded[number] = Dual::inputs(vectors[number]);

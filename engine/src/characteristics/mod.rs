@@ -1,8 +1,8 @@
 //! Catalogue of wheel characteristics. Each has a name, a unit, a sign, its inputs and one formula.
 //!
-//! The catalogue drives everything that names characteristics: validation of studies, the plan, column names, tables. A
-//! formula is written once, over [`Real`]. With other number types it gives its derivatives with respect to travel and by hardpoint. A
-//! new characteristic is one type in one of the files below and one line in `catalogue!`.
+//! All code that names characteristics uses this catalogue: validation of studies, the plan, column names and tables. A
+//! formula is written once, over [`Real`]. With other number types it gives its derivatives with respect to travel and
+//! hardpoints. A new characteristic is one type in one of the files below and one line in `catalogue!`.
 //!
 //! Everything here is in the kernel's frame: a left wheel, x forward, y left (outboard), z up. Angles are in radians and
 //! lengths in the study's unit. Signs therefore follow [`Info::positive`], for any side and axes of the study.
@@ -49,7 +49,7 @@ trait Formula {
     fn evaluate<T: Real>(inputs: &Inputs<T>) -> T;
 }
 
-/// Defines characteristics, each with its [`Info`] and its formula over [`Inputs`] of any [`Real`], `T`.
+/// Defines characteristics. Each one has an [`Info`] and a formula over [`Inputs`] of any number type `T` that is [`Real`].
 macro_rules! formulas {
     ($($(#[$about:meta])* $name:ident { $($entry:tt)* } = |$inputs:ident| $value:expr;)*) => {$(
         $(#[$about])*
@@ -78,7 +78,7 @@ macro_rules! catalogue {
         }
 
         impl Characteristic {
-            /// Whole catalogue, in the order of printing.
+            /// Whole catalogue, in the order of printed results.
             pub const ALL: &'static [Characteristic] = &[$(Characteristic::$variant),*];
 
             /// Catalogue entry.
@@ -89,7 +89,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Value, from the wheel's position and rates.
+            /// Value for a wheel's position and rates.
             #[inline(always)]
             pub fn evaluate<T: Real>(self, inputs: &Inputs<T>) -> T {
                 match self {
@@ -146,7 +146,7 @@ catalogue! {
     AttiaCamber => attia::AttiaCamber,
 }
 
-/// Derivatives of a characteristic by the slots that it reads, in the order of [`Info::reads`].
+/// Derivatives of a characteristic with respect to the slots that it reads, in the order of [`Info::reads`].
 pub type Gradient<T> = [Vector3<T>; Slot::MOST];
 
 impl Characteristic {
@@ -161,14 +161,14 @@ impl Characteristic {
         Self::ALL.iter().find(|c| c.info().name == name).copied()
     }
 
-    /// Characteristics for which a suspension has the parts and inputs.
+    /// Characteristics whose parts and inputs a suspension has.
     pub fn available(suspension: &Suspension) -> impl Iterator<Item = Characteristic> {
         let all = Self::ALL.iter().copied();
         all.filter(|c| c.info().needs.iter().all(|need| need.met_by(suspension)))
     }
 }
 
-/// Value of a formula, compiled as a separate function.
+/// Value of a formula. The compiler makes a separate function.
 #[inline(always)]
 fn value_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
     outlined!(
@@ -177,15 +177,15 @@ fn value_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> T {
     )
 }
 
-/// Derivatives of a formula by all its inputs, slot by slot.
+/// Derivatives of a formula with respect to all its inputs, slot by slot.
 #[inline(never)]
 fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
     let (zero, one) = (inputs.turn.x.zero(), inputs.turn.x.one());
     let mut seeded = if size_of::<T>() > size_of::<f64>() {
         constants(inputs, F::INFO.reads)
     } else {
-        // If this is inlined, the compiler drops numbers that are not read, and a Jacobian takes a fifth less time. For long
-        // series, inlining would take seconds of compile time.
+        // With inlining, the compiler drops numbers that are not read, and a Jacobian takes a fifth less time. For long
+        // series, inlining would add seconds of compile time.
         constants_inline(inputs, F::INFO.reads)
     };
     let mut gradient = [inputs.turn.zero(); Slot::MOST];
@@ -197,7 +197,7 @@ fn gradient_of<F: Formula, T: Real>(inputs: &Inputs<T>) -> Gradient<T> {
     gradient
 }
 
-/// Inputs of a formula as constants. A separate function, compiled once for all formulas.
+/// Inputs of a formula as constants. This separate function is compiled once for all formulas.
 #[inline(never)]
 fn constants<T: Real>(inputs: &Inputs<T>, reads: &[Slot]) -> Inputs<Dual<T, 3>> {
     constants_inline(inputs, reads)
@@ -229,8 +229,8 @@ mod tests {
         }
     }
 
-    /// A formula reads only its declared inputs. A change of any other input does not change the value; a change of a
-    /// declared input does.
+    /// A formula reads exactly its declared inputs: a change of a declared input changes the value, and a change of another
+    /// input does not.
     #[test]
     fn declared_dependencies_are_the_true_ones() {
         let plain = wheel::tests::sample();

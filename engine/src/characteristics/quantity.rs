@@ -12,14 +12,14 @@ pub enum Quantity {
     Characteristic(Characteristic),
     /// A coordinate of a point.
     Coordinate(PointId, Axis),
-    /// A component of the knuckle's angular velocity by the drive. Its first derivative is the angular
+    /// A component of the knuckle's angular velocity with respect to the drive. Its first derivative is the angular
     /// acceleration.
     AngularVelocity(Axis),
 }
 
 impl Quantity {
-    /// Order of the derivatives with respect to the drive from which the value is computed: 1 for a quantity that contains velocities,
-    /// else 0.
+    /// Order of the derivatives with respect to the drive that the value contains: 1 for a quantity that contains
+    /// velocities, else 0.
     #[inline]
     pub fn rate_order(self) -> usize {
         match self {
@@ -29,7 +29,7 @@ impl Quantity {
         }
     }
 
-    /// Slots that the formula reads; none for coordinates, which are read directly from the configuration.
+    /// Slots that the formula reads. Empty for coordinates, which are read directly from the configuration.
     #[inline]
     pub fn reads(self) -> &'static [Slot] {
         match self {
@@ -39,7 +39,7 @@ impl Quantity {
         }
     }
 
-    /// Rockers that directly influence the quantity. At a toggle of one of them, or of a rocker that moves it, the quantity
+    /// Rockers that directly influence the quantity. If one of them, or a rocker that moves it, is at a toggle, the quantity
     /// has no value.
     pub fn rockers(self, mechanism: &Mechanism) -> Vec<RockerId> {
         let mut asked = ReadSet::by(mechanism, Slots::default().with(self.reads()));
@@ -49,13 +49,13 @@ impl Quantity {
         asked.rockers(mechanism).collect()
     }
 
-    /// Returns true if the quantity is itself a derivative with respect to the drive, so that another drive changes its value.
-    /// (Characteristics that contain velocities are ratios of them.)
+    /// Returns true if the quantity is a derivative with respect to the drive, so that its value depends on the kind of
+    /// drive. Characteristics that contain velocities are ratios of velocities, so they do not depend on the drive.
     pub fn is_rate(self) -> bool {
         matches!(self, Quantity::AngularVelocity(_))
     }
 
-    /// Returns true if the quantity is the derivative of an angle by travel.
+    /// Returns true if the quantity is the derivative of an angle with respect to travel.
     pub fn is_gain(self) -> bool {
         match self {
             Quantity::Characteristic(c) => angle_of_gain(c).is_some(),

@@ -1,9 +1,9 @@
 //! Values of the slots of formulas in a pose.
 //!
-//! This is written once for all number types and all kinds of poses. [`PoseReader`] gives the parts of a pose, and
-//! [`Inputs::read`] assembles the inputs of formulas from them. A configuration gives parts in any number type; series
-//! contain the velocities. Poses of many designs in lanes have a separate, cheaper reader. A slot that is not read remains
-//! NaN, so a formula that reads an undeclared slot has no value.
+//! The code is written once for all number types and all kinds of poses. [`PoseReader`] gives the parts of a pose, and
+//! [`Inputs::read`] assembles the inputs of formulas from these parts. A configuration gives parts in any number type. If
+//! the parts are series, they contain the velocities. Poses of several designs in lanes have a separate, cheaper reader. A
+//! slot that is not read remains NaN, so a formula that reads an undeclared slot has no value.
 
 use super::{Constants, DesignWheel, Inputs, Slot, Slots, Wheel};
 use crate::derive::DesignedSpinAxis;
@@ -11,7 +11,7 @@ use crate::mechanism::Configuration;
 use crate::model::{Mechanism, PointId, RockerId};
 use crate::number::{Real, Vector3};
 
-/// A part of a pose, with its derivative with respect to the drive if that is known.
+/// A part of a pose, with its derivative with respect to the drive if known.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Moving<V> {
     pub(super) now: V,
@@ -24,7 +24,7 @@ impl<V> Moving<V> {
         Moving { now, rate: None }
     }
 
-    /// Stores value and derivative. If the derivative is not known, `rate` does not change.
+    /// Stores value and derivative. If the derivative is unknown, `rate` does not change.
     #[inline(always)]
     pub(super) fn put(self, now: &mut V, rate: &mut V) {
         *now = self.now;
@@ -70,7 +70,7 @@ pub(super) trait PoseReader<T: Real> {
 }
 
 impl<T: Real> Inputs<T> {
-    /// Inputs before any part is read: every number is `nothing`, a NaN.
+    /// Inputs before any part is read: every number is `nothing`, which is NaN.
     #[inline(always)]
     pub(super) fn unknown(nothing: T, constants: Constants) -> Self {
         let wheel = Wheel::filled(nothing);
@@ -180,7 +180,7 @@ impl<T: Real> Inputs<T> {
         Inputs::of_configuration(at, nothing, constants, slots)
     }
 
-    /// Reads like [`Inputs::without_rates`], with `nothing` instead of NaN.
+    /// Reads like [`Inputs::without_rates`], but fills other numbers with `nothing` instead of NaN.
     #[inline(always)]
     pub(super) fn of_configuration(
         at: &Configuration<T>,
@@ -218,7 +218,7 @@ impl<T: Real> PoseReader<T> for &Configuration<'_, T> {
     }
 }
 
-/// A pose without numbers that records the requested parts.
+/// A pose without numbers that records which parts are requested.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ReadSet {
     pub(super) points: Vec<PointId>,
@@ -234,7 +234,7 @@ impl ReadSet {
         asked
     }
 
-    /// Rockers that directly move these parts.
+    /// Rockers that directly move the requested parts.
     pub(super) fn rockers(&self, mechanism: &Mechanism) -> impl Iterator<Item = RockerId> {
         let points = self.points.iter();
         points
@@ -275,7 +275,7 @@ mod tests {
     use std::cell::Cell;
     use std::path::Path;
 
-    /// In a suspension with the part of a slot, requesting that slot alone fills the input that formulas read for it.
+    /// For a suspension that has the part of a slot, reading this slot alone fills the input that formulas read.
     #[test]
     fn every_slot_is_read_to_where_it_is_kept() {
         let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies");

@@ -1,4 +1,4 @@
-//! Seeds of an adjoint: derivatives of the inputs of formulas by a configuration.
+//! Seeds of an adjoint: derivatives of the inputs of formulas with respect to a configuration.
 
 use super::Slot;
 use crate::derive::{Gradient, Seeds};
@@ -22,13 +22,13 @@ impl Slot {
         });
     }
 
-    /// Seeds y(u, u'), which contains velocities, for the series of its derivatives with respect to the hardpoints. `gradient` holds its
-    /// derivatives slot by slot, `turn` is the angular velocity.
+    /// Adds the seeds of a quantity y(u, u') that contains velocities, for the series of its derivatives with respect to the
+    /// hardpoints. `gradient` holds the derivatives of y slot by slot, and `turn` is the angular velocity.
     ///
-    /// With h and g the derivatives of y by u and u', dy/dp = h.u_p + g.u_p'. An adjoint pass yields the series of S.u_p for
-    /// any seed series S. With the coefficients S_i = h_(i-1) + (j+1-i) g_i, its coefficient j+1 is the coefficient j of
-    /// dy/dp: sum_n h_(j-n) (u_p)_n + sum_n n g_(j+1-n) (u_p)_n. `shifted` computes the contribution of h to S, `by_rate`
-    /// that of g.
+    /// Let h and g be the derivatives of y with respect to u and u'. Then dy/dp = h.u_p + g.u_p'. For any seed series S, an
+    /// adjoint pass returns the series of S.u_p. If S has the coefficients S_i = h_(i-1) + (j+1-i) g_i, coefficient j+1 of
+    /// S.u_p is coefficient j of dy/dp: sum_n h_(j-n) (u_p)_n + sum_n n g_(j+1-n) (u_p)_n. `shifted` computes the
+    /// contribution of h to S, `by_rate` computes the contribution of g.
     #[inline(always)]
     pub(super) fn push_rates<V: Real, T: Real, G: Gradient<T> + ?Sized>(
         slots: &[Slot],
@@ -54,7 +54,7 @@ impl Slot {
     }
 }
 
-/// Work piece in a separate function, because it is large and called from many places.
+/// Task that adds a seed. It is a separate function, because it is large and called from many places.
 struct Pushing<'i, 'c, 's, 'a, T, G: ?Sized> {
     slot: Slot,
     seed: Vector3<T>,

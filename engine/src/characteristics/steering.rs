@@ -60,7 +60,7 @@ formulas! {
         needs: &[Need::WheelRadius, Need::SteeringAxis],
     } = |inputs| inputs.now.steering_axis_at(inputs.contact_point().z).x;
 
-    /// Lateral position of that point.
+    /// Lateral position of the point where the steering axis meets the ground.
     SteeringAxisAtGroundLateral {
         name: "steering_axis_at_ground_lateral",
         unit: Unit::Length,

@@ -1,10 +1,10 @@
-//! Conditions, in words, under which a characteristic has no value by its definition. Tables give them as reason for empty
-//! cells.
+//! Conditions under which a characteristic has no value by its definition, in words. Tables show them as the reason for
+//! empty cells.
 
 use super::Characteristic;
 
 impl Characteristic {
-    /// Condition under which the formula has no value, as the end of a sentence.
+    /// Condition under which the formula has no value, worded as the end of a sentence.
     pub fn undefined_where(self) -> &'static str {
         use Characteristic as C;
         match self {

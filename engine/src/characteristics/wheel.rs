@@ -1,11 +1,11 @@
-//! Inputs of formulas: the wheel, its steering axis and their rates.
+//! Inputs of formulas: the wheel, its steering axis, and their derivatives with respect to the drive.
 
 use super::Constants;
 use crate::mechanism::Ground;
 use crate::number::{Dual, Jet, Real, Vector3};
 
-/// Defines the parts of a wheel, one per line: [`Wheel`] with its fields, the names of these fields as data, and the slots
-/// that read them.
+/// Defines the parts of a wheel, one per line. The result is [`Wheel`] with its fields, the names of these fields as data,
+/// and the slots that read each field.
 macro_rules! wheel {
     (
         vectors { $($(#[$about_vector:meta])* $vector:ident: $Vector:ident [$($of_vector:ident),+];)* }
@@ -34,7 +34,7 @@ macro_rules! wheel {
             /// All parts that are vectors, in the order of the fields.
             pub(crate) const ALL: &'static [VectorPart] = &[$(VectorPart::$Vector),*];
 
-            /// Slots that read the part: the part itself, then its rate if formulas read it.
+            /// Slots that read the part: the part itself, then its rate if any formula reads it.
             pub(crate) fn slots(self) -> &'static [Slot] {
                 match self {
                     $(VectorPart::$Vector => &[$(Slot::$of_vector),+],)*
@@ -46,7 +46,7 @@ macro_rules! wheel {
             /// All parts that are numbers, in the order of the fields.
             pub(crate) const ALL: &'static [NumberPart] = &[$(NumberPart::$Number),*];
 
-            /// Slots that read the part: the part itself, then its rate if formulas read it.
+            /// Slots that read the part: the part itself, then its rate if any formula reads it.
             pub(crate) fn slots(self) -> &'static [Slot] {
                 match self {
                     $(NumberPart::$Number => &[$(Slot::$of_number),+],)*
@@ -189,9 +189,9 @@ impl<T: Copy> DesignWheel<T> {
 pub struct Inputs<T> {
     /// Wheel in the present pose.
     pub now: Wheel<T>,
-    /// Derivatives of `now` by the drive.
+    /// Derivatives of `now` with respect to the drive.
     pub rate: Wheel<T>,
-    /// Angular velocity of the knuckle by the drive.
+    /// Angular velocity of the knuckle with respect to the drive.
     pub turn: Vector3<T>,
     /// Wheel in the design position.
     pub design: DesignWheel<T>,
@@ -199,11 +199,11 @@ pub struct Inputs<T> {
     pub constants: Constants,
 }
 
-/// Defines the slots, one per line: kind (vector or number) and place in [`Inputs`].
+/// Defines the slots, one per line: kind (vector or number), and field in [`Inputs`].
 macro_rules! slots {
     ($($slot:ident: $kind:ident $($place:ident).+;)*) => {
         /// A part of [`Inputs`] that a formula may read. A slot that is a number uses the first component of a vector. The
-        /// plan computes only the parts of slots that are read, and sensitivities are seeded slot by slot.
+        /// plan computes only the slots that formulas read, and sensitivities are seeded slot by slot.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum Slot {
             $(#[doc = concat!("`", stringify!($($place).+), "`, a ", stringify!($kind))] $slot,)*
@@ -221,8 +221,8 @@ macro_rules! slots {
                 }
             }
 
-            /// Makes this slot of `inputs` the independent variables, with the derivative `by_itself` = 1. With 0 they
-            /// become constants again.
+            /// Sets the derivative of this slot of `inputs` with respect to itself to `by_itself`. With 1 the slot becomes
+            /// the independent variable, with 0 it becomes constant again.
             #[inline]
             pub(super) fn seed<T: Real>(self, inputs: &mut Inputs<Dual<T, 3>>, by_itself: T) {
                 match self {
@@ -334,7 +334,7 @@ impl Slot {
         )
     }
 
-    /// Returns true if the slot may move with a rocker: slots of springs, rockers and bars.
+    /// Returns true if the slot may move with a rocker. These are the slots of springs, rockers and bars.
     pub(crate) fn may_turn(self) -> bool {
         use Slot::{BarAngle, BarAngleRate, HeaveSpring, RockerAngle};
         use Slot::{Spring, SpringLength, SpringLengthRate};
@@ -349,14 +349,14 @@ impl Slot {
 }
 
 impl<T: Real> Wheel<T> {
-    /// Makes a wheel with the same number in every place.
+    /// Makes a wheel in which every number has the same value.
     #[inline(always)]
     pub(super) fn filled(number: T) -> Self {
         let vector = Vector3::new(number, number, number);
         Wheel::of_parts(|_| vector, |_| number)
     }
 
-    /// The wheel as a series, from its derivatives.
+    /// The wheel as a first-order series, from its value and its derivatives.
     #[inline(always)]
     pub(super) fn with_rate(&self, rate: &Wheel<T>) -> Wheel<Jet<T, 2>> {
         self.zip(rate, |value, rate| Jet([value, rate]))
@@ -400,7 +400,7 @@ impl<T: Real> Wheel<T> {
 }
 
 impl<T: Real> Inputs<T> {
-    /// Converts only these slots to another number type. Everything else is `nothing`, a NaN.
+    /// Converts only these slots to another number type. Every other number is `nothing`, which is NaN.
     #[inline(always)]
     pub(super) fn only<U: Real>(
         &self,
@@ -433,15 +433,16 @@ impl<T: Real> Inputs<T> {
         self.now.contact_point(self.constants.wheel_radius)
     }
 
-    /// Velocity of the knuckle-fixed point that is at the contact point now. The wheel is treated as locked to the knuckle.
+    /// Velocity of the knuckle-fixed point that currently coincides with the contact point. The wheel is treated as locked
+    /// to the knuckle.
     #[inline(always)]
     pub(super) fn contact_velocity(&self) -> Vector3<T> {
         let lever = self.now.contact_lever(self.constants.wheel_radius);
         self.rate.centre + self.turn.cross(lever)
     }
 
-    /// Velocity of the point of the tyre at the contact point. The carrier takes the share `by_carrier` of the torque about the
-    /// spin axis, and a shaft takes the rest: W' + (w - (1 - by_carrier) (w.a) a) x (C - W).
+    /// Velocity of the point of the tyre at the contact point. The carrier takes the fraction `by_carrier` of the torque
+    /// about the spin axis, and a shaft takes the rest: W' + (w - (1 - by_carrier) (w.a) a) x (C - W).
     #[inline(always)]
     pub(super) fn tyre_velocity(&self, by_carrier: f64) -> Vector3<T> {
         let (axis, lever) = (

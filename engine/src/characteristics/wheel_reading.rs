@@ -1,4 +1,4 @@
-//! Reads values along the motion, and gradients with respect to the hardpoints, from a pose.
+//! Reads values along the motion, and their gradients with respect to the hardpoints, from a pose.
 
 use super::{Characteristic, Constants, Gradient, Inputs, Quantity, Slot, Slots};
 use crate::derive::{Linearised, Seeds};
@@ -6,7 +6,7 @@ use crate::mechanism::Configuration;
 use crate::model::{Axis, PointId};
 use crate::number::{Jet, Real, Vector3, array_of};
 
-/// A pose, prepared for reading. Each series has `N` coefficients.
+/// A pose whose values can be read. Each series has `N` coefficients.
 pub struct WheelReading<const N: usize> {
     inputs: Inputs<Jet<f64, N>>,
 }
@@ -27,7 +27,7 @@ impl<const N: usize> WheelReading<N> {
         WheelReading::reading(at, constants, Slots::ALL)
     }
 
-    /// Reads a configuration as [`WheelReading::of`] does, but only these slots. All other slots are NaN.
+    /// Reads only these slots of a configuration, otherwise like [`WheelReading::of`]. All other slots are NaN.
     pub fn reading(at: &Configuration<Jet<f64, N>>, constants: Constants, slots: Slots) -> Self {
         let nothing = Jet([f64::NAN; N]);
         let mut inputs = Inputs::of_configuration(at, nothing, constants, slots);
@@ -66,8 +66,9 @@ impl<const N: usize> WheelReading<N> {
         c.evaluate(&self.inputs)
     }
 
-    /// Derivatives of a quantity, and of its derivatives with respect to the drive up to `highest`, by every hardpoint coordinate.
-    /// `buffer` has a place for each point. `receive` gets every order and point with the gradient.
+    /// Computes the gradients of a quantity, and of its derivatives with respect to the drive up to `highest`, with respect
+    /// to every hardpoint coordinate. `buffer` has one entry per point. `receive` gets the order, the point and the
+    /// gradient, for every order and point.
     #[inline]
     pub fn gradients(
         &self,
@@ -131,7 +132,8 @@ impl<const N: usize> WheelReading<N> {
     }
 }
 
-/// Passes on the derivatives of gradients with respect to the drive, up to the order `highest`. `buffer` has a gradient for each point.
+/// Passes the derivatives of gradients with respect to the drive to `receive`, up to the order `highest`. `buffer` has one
+/// gradient per point.
 pub(super) fn each_derivative<const N: usize>(
     buffer: &[Vector3<Jet<f64, N>>],
     highest: usize,

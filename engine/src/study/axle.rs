@@ -1,4 +1,4 @@
-//! Resolves `[axle]` and the sections that belong to it: both wheels, steering, springs, motions of an axle.
+//! Resolves `[axle]` and the sections that belong to it: both wheels, steering, springs and motions of an axle.
 
 mod motion;
 mod quantities;
@@ -31,7 +31,7 @@ use toml::Spanned;
 /// Study of an axle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleStudy {
-    /// Both wheels and the axle's data.
+    /// Both wheels, and further data of the axle.
     pub axle: Axle,
     /// Results to compute.
     pub plan: AxlePlan,
@@ -40,7 +40,7 @@ pub struct AxleStudy {
 }
 
 impl AxleStudy {
-    /// Makes a study of an axle without further motions.
+    /// Makes a study of an axle that has only the motion of its plan.
     pub fn of(axle: Axle, plan: AxlePlan) -> Self {
         AxleStudy {
             axle,
@@ -50,12 +50,13 @@ impl AxleStudy {
     }
 }
 
-/// Returns true if a motion as written moves an axle, not one wheel.
+/// Returns true if a motion as written is a motion of an axle, not of one wheel.
 pub(super) fn moves_axle(motion: &file::Motion) -> bool {
     !keys_of_axles(motion).is_empty()
 }
 
-/// Entries of a motion, a target or a band as written, one for each coordinate in the order of [`Coordinate::ALL`].
+/// Entries of a motion, a target or a band as written. There is one for each coordinate, in the order of
+/// [`Coordinate::ALL`].
 macro_rules! coordinates {
     ($written:expr) => {
         [
@@ -70,7 +71,7 @@ macro_rules! coordinates {
 }
 pub(super) use coordinates;
 
-/// Keys of a motion that only axles have, with their places in the file.
+/// Keys of a motion that only axles have, with their positions in the file.
 fn keys_of_axles(motion: &file::Motion) -> Vec<(&'static str, std::ops::Range<usize>)> {
     let keys = Coordinate::ALL.into_iter().zip(coordinates!(motion));
     let mut places: Vec<_> = keys
@@ -100,7 +101,7 @@ pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
         ("[t_bar]", file.t_bar.as_ref().map(Spanned::span)),
         ("[heave_bar]", file.heave_bar.as_ref().map(Spanned::span)),
     ];
-    // A single wheel with elastic parts may have a spring, too.
+    // A single wheel with elastic parts may also have a spring.
     let springs = [
         ("[spring]", file.spring.as_ref().map(Spanned::span)),
         ("[bump_stop]", file.bump_stop.as_ref().map(Spanned::span)),
@@ -120,7 +121,7 @@ pub(super) fn refuse_without_axle(file: &File, problems: &mut Problems) {
     }
 }
 
-/// Resolves the axle. `None` if the study has an error in it. `suspension` is the left wheel.
+/// Resolves the axle. `None` if the study has an error in the axle. `suspension` is the left wheel.
 pub(super) fn axle(
     file: &File,
     suspension: &Suspension,
@@ -197,7 +198,7 @@ pub(super) fn axle(
     })
 }
 
-/// Refuses entries for one wheel, and those that are not available for an axle. Returns true if there are none.
+/// Refuses entries for one wheel, and entries that are not available for an axle. Returns true if there are no such entries.
 fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
     let mut sound = refuse_wheel_keys(file.motion.get_ref(), problems);
     let solver = [
@@ -219,7 +220,7 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
     sound
 }
 
-/// Refuses the keys of one wheel's motion in a motion of an axle. Returns true if there are none.
+/// Refuses the keys of one wheel's motion in a motion of an axle. Returns true if there are no such keys.
 fn refuse_wheel_keys(motion: &file::Motion, problems: &mut Problems) -> bool {
     let mut refused = Vec::new();
     let mut add = |span: Option<std::ops::Range<usize>>, message: &str| {
@@ -326,7 +327,7 @@ fn track_agrees(file: &File, axle: &Axle, problems: &mut Problems) -> Option<()>
     None
 }
 
-/// Results to compute at these stations. `None` if the study has an error in them.
+/// Results to compute at these stations. `None` if the study has an error in the outputs.
 fn plan(
     file: &File,
     axle: &Axle,
@@ -369,7 +370,7 @@ fn plan(
     })
 }
 
-/// Checks that the study gives all inputs of a quantity, and reports the missing ones. Returns true if none is missing.
+/// Checks that the study gives all inputs of a quantity, and reports missing inputs. Returns true if no input is missing.
 pub(super) fn lacks_nothing(
     text: &Text,
     quantity: Quantity,
@@ -396,7 +397,8 @@ pub(super) fn lacks_nothing(
     false
 }
 
-/// Refuses a quantity that an equilibrium does not have, if the axle has elastic parts. Returns true if it is available.
+/// For an axle with elastic parts, refuses a quantity that an equilibrium does not have. Returns true if the quantity is
+/// available.
 pub(super) fn is_in_equilibrium(
     text: &Text,
     quantity: Quantity,
@@ -427,7 +429,7 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
             continue;
         };
         let has_value = lacks_nothing(text, quantity, axle, problems);
-        // Columns of test figures have no derivatives.
+        // Columns of test results have no derivatives.
         let is_derived = has_elastic_derivatives && !matches!(quantity, Quantity::Figure(_));
         let reason =
             not_in_equilibrium(quantity, axle.kind(), true).filter(|_| has_value && is_derived);

@@ -1,10 +1,10 @@
-//! Braking and drive figures of `[vehicle]`, which are inputs of the anti-features, and the anti-features that an axle has.
+//! Braking and drive values of `[vehicle]`, which are inputs of the anti-features, and the anti-features that an axle has.
 
 use crate::ask::Need;
 use crate::model::{AxlePosition, VehicleFigures};
 
-/// Returns true if a need concerns the drive, false if it concerns braking. `None` for other needs, or if the need depends
-/// on the axle's position (front or rear) and the study does not give it.
+/// Returns true if a need concerns the drive, and false if it concerns braking. `None` for other needs. Also `None` if the
+/// need depends on the axle's position (front or rear) and the study does not give it.
 fn of_drive(need: &Need, vehicle: &VehicleFigures) -> Option<bool> {
     match need {
         Need::FrontBraking => Some(false),
@@ -38,7 +38,8 @@ pub(super) fn missing(need: &Need, vehicle: &VehicleFigures) -> Vec<&'static str
     keys
 }
 
-/// Reason why an axle does not have an anti-feature although all inputs are given, and the anti-feature that it has instead.
+/// Reason why an axle does not have an anti-feature although all inputs are given, and the anti-feature that applies
+/// instead.
 pub(super) fn refusal(
     need: &Need,
     vehicle: &VehicleFigures,

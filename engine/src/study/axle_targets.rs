@@ -1,4 +1,4 @@
-//! Targets of an axle: target quantity, the coordinate of the motion that varies, and values of the other coordinates.
+//! Targets of an axle: target quantity, coordinate of the motion that varies, and values of the other coordinates.
 
 use super::axle::{AxleStudy, coordinates, lacks_nothing, moves_axle, quantities};
 use super::error::Problems;
@@ -16,7 +16,7 @@ use crate::number::Each;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Largest difference of equal values of rows, relative to the value.
+/// Largest relative difference of two row values that count as equal.
 const SAME_ROW: f64 = 1e-10;
 
 /// Stations of an axle's target: one coordinate of the motion varies, and the others are fixed.
@@ -35,7 +35,7 @@ pub struct AxleSite {
 }
 
 impl AxleStudy {
-    /// Returns the plan, with the quantities of these targets added.
+    /// Returns the plan, extended by the quantities of these targets.
     pub fn plan_with(&self, targets: &[Target]) -> AxlePlan {
         let mut plan = self.plan.clone();
         for target in targets {
@@ -45,8 +45,7 @@ impl AxleStudy {
                 plan.quantities.extend(new);
             }
         }
-        // Some quantities of targets already contain second derivatives, so second derivatives of these quantities are not
-        // available.
+        // Some target quantities already contain second derivatives, so their second derivatives are not available.
         if plan.degree() > 3 {
             plan.derivatives = plan.derivatives.min(1);
         }
@@ -55,12 +54,12 @@ impl AxleStudy {
 }
 
 impl AxleSite {
-    /// All stations of a motion. `name` is its name.
+    /// Makes a site of all stations of a motion. `name` is the motion's name.
     pub(crate) fn whole(name: Option<&str>, motion: &AxleMotion, axle: &Axle) -> Self {
         let mut held = motion.clone();
         let over = held.moving()[0];
         let along = held.along(over).cloned().unwrap_or_default();
-        // Rows may have equal values. The site has all rows of a value.
+        // Several rows may have the same value. The site has all rows with each value.
         let mut values: Vec<f64> = Vec::new();
         for value in along {
             index_or_push(&mut values, over.written(value, axle));
@@ -82,7 +81,7 @@ impl AxleSite {
         motion + &self.words
     }
 
-    /// Returns true if only `over` is given, in the motion with this name.
+    /// Returns true if the site fixes no coordinates and its motion has this name.
     pub fn is_whole_motion(&self, name: Option<&str>) -> bool {
         self.motion.as_deref() == name && self.words.is_empty()
     }
@@ -93,7 +92,7 @@ impl AxleSite {
         if motion.has_rows() {
             let value = self.over.in_kernel(at, axle);
             let along = motion.along(self.over).cloned().unwrap_or_default();
-            // A value that was converted to its written form and back may differ by rounding.
+            // Conversion of a value to its written form and back may cause a rounding difference.
             let is_same = |own: f64| (own - value).abs() <= SAME_ROW * value.abs();
             let rows = (0..along.len()).filter(|row| is_same(along[*row]));
             return rows
@@ -113,7 +112,7 @@ pub(super) struct Where<'w> {
     side: &'w Option<Text>,
     /// Values of the fixed coordinates, in the order of [`Coordinate::ALL`].
     held: [&'w Option<Spanned<Numbers>>; 6],
-    /// True for a test figure without stations. It applies to the design position.
+    /// True for a test result without stations. It applies to the design position.
     is_of_design: bool,
 }
 
@@ -151,12 +150,13 @@ impl<'w> Where<'w> {
         self.held().find(|(c, _)| *c == coordinate)?.1
     }
 
-    /// Returns true if the study gives some coordinate of the stations.
+    /// Returns true if the entry gives any coordinate of its stations.
     fn is_given(&self) -> bool {
         self.over.is_some() || self.held.iter().any(|given| given.is_some())
     }
 
-    /// Refuses entries for an axle in a section for one wheel. The key `rack` of a target is allowed unless `rack_too` is true.
+    /// Refuses entries for an axle in a section for one wheel. The key `rack` of a target is allowed unless `rack_too` is
+    /// true.
     pub(super) fn refuse(&self, rack_too: bool, problems: &mut Problems) {
         let places = self
             .held()
@@ -331,7 +331,7 @@ fn keys(of: &[Coordinate]) -> String {
     of.iter().map(|c| c.key()).collect::<Vec<_>>().join(", ")
 }
 
-/// Coordinate that varies: the named one, or the only one that moves.
+/// Coordinate that varies: the coordinate that the entry names, or the only coordinate that moves.
 fn over(
     written: &Where,
     place: Span<usize>,
@@ -362,7 +362,7 @@ fn over(
     }
 }
 
-/// Motion of a target or a band: the named one, or `[motion]`.
+/// Motion of a target or a band: the motion that the entry names, or `[motion]`.
 struct TargetMotion<'m> {
     name: Option<&'m str>,
     written: &'m file::Motion,
@@ -418,7 +418,7 @@ impl<'m> TargetMotion<'m> {
         })
     }
 
-    /// The motion in messages.
+    /// Description of the motion in messages.
     fn words(&self) -> String {
         match self.name {
             Some(name) => format!("the motion {name}"),

@@ -42,9 +42,9 @@ pub struct CarStudy {
     pub axles: [Study; 2],
     /// Files that were read.
     pub inputs: Vec<PathBuf>,
-    /// Masses, tyres, air and both axles of the car.
+    /// Masses, tyres, aerodynamics and both axles of the car.
     pub car: Car,
-    /// Wheelbase, if the study gives it in place of the rear axle's offset.
+    /// Wheelbase, if the study gives it instead of the rear axle's offset.
     pub wheelbase: Option<f64>,
     /// Load cases. The first one is the car at rest.
     pub cases: Vec<Case>,
@@ -76,7 +76,7 @@ pub struct GgMap {
 }
 
 impl GgMap {
-    /// Case with these accelerations forward and to the left. A deceleration is by the brakes.
+    /// Case with these accelerations forward and to the left. The brakes cause a deceleration.
     pub fn at(&self, ax: f64, ay: f64) -> Case {
         let mut case = self.case.clone();
         (case.ax, case.ay) = (ax, ay);
@@ -98,9 +98,9 @@ pub struct CarOptimise {
     pub targets: Vec<CarTarget>,
     /// Constraints of cases.
     pub constraints: Vec<CarConstraint>,
-    /// Targets and constraints of the single axles, [front, rear].
+    /// Targets and constraints of each axle alone, [front, rear].
     pub rigs: [Option<RigGoals>; 2],
-    /// True if the results report changes that no target requests.
+    /// True if the results report changes in quantities without a target.
     pub side_effects: bool,
 }
 
@@ -115,24 +115,24 @@ pub struct CarSweep {
     pub format: FileFormat,
 }
 
-/// Scatter of a car's parts, rates and masses.
+/// Tolerances of a car's parts, rates and masses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarTolerance {
     /// Number of builds.
     pub builds: u64,
     /// Seed, as the study gives it.
     pub seed: u32,
-    /// Seed for the random numbers of the car's own figures.
+    /// Seed for the random numbers of the car's own values.
     pub figure_seed: u32,
-    /// Scattering parts of the axles, [front, rear].
+    /// Tolerances of the axles' parts, [front, rear].
     pub axles: [Tolerance; 2],
-    /// All sources of scatter, in the order of the study.
+    /// All tolerance sources, in the order of the study.
     pub contributors: Vec<CarContributor>,
-    /// Limits for the yield.
+    /// Limits that builds must keep.
     pub bands: Vec<CarBand>,
 }
 
-/// Source of scatter of a car.
+/// Tolerance source of a car.
 #[derive(Clone, Debug, PartialEq)]
 pub enum CarContributor {
     /// Parts of an axle.
@@ -141,10 +141,10 @@ pub enum CarContributor {
         name: String,
         /// Axle: 0 front, 1 rear.
         axle: usize,
-        /// Index in the scatter of the axle.
+        /// Index in the tolerances of the axle.
         number: usize,
     },
-    /// A rate or a figure of the car.
+    /// A rate, or a value of the car such as a mass.
     Figure {
         /// Name.
         name: String,
@@ -156,7 +156,7 @@ pub enum CarContributor {
 }
 
 impl CarContributor {
-    /// Name of the source.
+    /// Name of the tolerance source.
     pub fn name(&self) -> &str {
         match self {
             CarContributor::Part { name, .. } | CarContributor::Figure { name, .. } => name,
@@ -164,7 +164,7 @@ impl CarContributor {
     }
 }
 
-/// Limits of a result in a case, in the printed unit.
+/// Limits of a result in a case, in the unit of printed results.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CarBand {
     /// Result with limits.
@@ -299,7 +299,8 @@ impl CarStudy {
         problems.finish(study)
     }
 
-    /// Results that sweeps and tolerances keep for each design: those that the study names, or else the key results.
+    /// Results that sweeps and tolerance runs store for each design: those that the study names, or otherwise the key
+    /// results.
     pub fn kept_quantities(&self) -> Vec<CarQuantity> {
         if self.quantities == CarQuantity::default_columns(&self.car) {
             CarQuantity::key_columns(&self.car)
@@ -323,7 +324,7 @@ impl CarStudy {
         }
     }
 
-    /// Axes of the front study. The car's points are written in them.
+    /// Axes of the front study. The study of the car gives points in these axes.
     pub fn frame(&self) -> Frame {
         self.axles[0].wheel().frame
     }
@@ -384,7 +385,7 @@ impl Resolver<'_> {
     }
 }
 
-/// Applies edits `path=value` to a text, like `--set`. Returns the text unchanged if an edit does not fit.
+/// Applies edits `path=value` to a text, like `--set`. Returns the unchanged text if an edit does not fit.
 pub fn edited(text: &str, edits: &[String]) -> String {
     overrides::apply("study", text, edits).unwrap_or_else(|_| text.to_owned())
 }

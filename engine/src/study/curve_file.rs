@@ -18,7 +18,8 @@ pub(super) struct WantedColumns<'a> {
     pub value: &'a str,
     /// Unit of lengths in the study. It is part of the names of columns.
     pub length_unit: LengthUnit,
-    /// Rack displacements of the target. If the file has a column of rack displacements, only rows with one of these are used.
+    /// Rack displacements of the target. If the file has a column of rack displacements, only rows with one of these
+    /// displacements are used.
     pub racks: &'a [f64],
     /// True if the measured points are used unchanged. Otherwise they are sorted, and the two directions of a hysteresis loop are
     /// averaged.
@@ -39,7 +40,8 @@ pub(super) fn only_column(header: &csv::StringRecord, name: &str) -> Result<Opti
     }
 }
 
-/// Refuses columns of positions in another unit than the study's. `stems` are the names of the columns without the unit.
+/// Refuses columns of positions in another unit than the unit of the study. `stems` are the names of the columns without the
+/// unit.
 pub(super) fn refuse_other_units(
     header: &csv::StringRecord,
     stems: &[&str],
@@ -59,8 +61,9 @@ pub(super) fn refuse_other_units(
 }
 
 /// Reads a curve from a file with one column of drive values and one of target values. Its path is relative to the study's
-/// directory. Commas, semicolons or tabs separate columns. Other columns are ignored, and rows without a value are left out. A
-/// file with a column of rack displacements has a curve for each rack, so the target must have one rack.
+/// directory. Commas, semicolons or tabs separate columns. Other columns are ignored, and rows without a value are left out.
+/// If the file has a column of rack displacements, it has a curve for each displacement. The target must then have a single
+/// displacement.
 pub(super) fn read(
     path: &Text,
     directory: &Path,
@@ -194,7 +197,7 @@ fn in_words(numbers: &[f64]) -> String {
     texts.join(", ")
 }
 
-/// The character that separates columns: the first of tab, semicolon and comma that the first line has.
+/// Character that separates columns. It is the first of tab, semicolon and comma that the first line contains.
 pub(super) fn delimiter(text: &str) -> u8 {
     let header = text.trim_start().lines().next().unwrap_or("");
     let found = ['\t', ';'].into_iter().find(|c| header.contains(*c));
@@ -202,7 +205,7 @@ pub(super) fn delimiter(text: &str) -> u8 {
 }
 
 /// Converts measured points to a function of the drive value, sorted by drive value. If the measurement went back and forth
-/// over much the same range, it is the mean of both directions. Values at the same drive value are averaged, too.
+/// over much the same range, the function is the mean of both directions. Values at the same drive value are averaged, too.
 fn function(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let ways = ways(&points);
     let reach = |way: &[[f64; 2]]| (way[0][0], way[way.len() - 1][0]);
@@ -218,7 +221,7 @@ fn function(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let (lowest, highest) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
         (l.min(x), h.max(x))
     });
-    // A hysteresis loop has few passes, each over most of the range. Otherwise the points are only unsorted.
+    // A hysteresis loop has few passes, and each pass covers most of the range. Otherwise the points are only unsorted.
     let is_loop = (2..=8).contains(&ways.len()) && last - first > 0.5 * (highest - lowest);
     let mut sorted = points.clone();
     if is_loop {
@@ -275,7 +278,8 @@ fn along(way: &[[f64; 2]], x: f64) -> f64 {
     y0 + (y1 - y0) * (x - x0) / (x1 - x0)
 }
 
-/// Makes an error in a record of the file. The record starts at its position, or after blank lines there.
+/// Makes an error that points to a record of the file. The record begins at its recorded position, or after blank lines at
+/// this position.
 pub(super) fn at_record(
     source: &Arc<Source>,
     record: &csv::StringRecord,
@@ -346,7 +350,8 @@ mod tests {
         );
     }
 
-    /// Rows of different racks are different curves. Neither their mean nor rows of a missing rack are the target of any rack.
+    /// Rows with different rack displacements are different curves. Their mean is not a target of any displacement, and
+    /// neither are rows with another displacement.
     #[test]
     fn each_rack_has_its_own_rows() {
         let text = "travel_mm,rack_mm,camber_deg\n-1,0,1\n1,0,2\n-1,10,5\n1,10,6\n";
@@ -362,7 +367,7 @@ mod tests {
         let error = read_at(&[5.0], text, false).unwrap_err();
         assert!(error.contains("found 0 at rack_mm = 5"), "{error}");
         assert!(error.contains("other rows are at 0, 10"), "{error}");
-        // Without racks in the file, every rack has the same curve.
+        // Without a column of rack displacements in the file, the curve applies to every displacement.
         let text = "travel_mm,rack_mm,camber_deg\n-1,,1\n1,,2\n";
         assert_eq!(read_at(&[0.0, 10.0], text, false).unwrap().len(), 2);
     }

@@ -1,8 +1,8 @@
 //! Designs in CSV files.
 //!
-//! The first line names the columns: `tie_rod_inner_z` holds coordinates, `tie_rod_inner_dz` offsets from the design. Both
-//! are in the study's axes and unit; a name may end with the unit (`tie_rod_inner_z_mm`). A column `design` is not
-//! read, because the row gives the number of a design, counted from 0.
+//! The first line names the columns. A column `tie_rod_inner_z` has coordinates, and a column `tie_rod_inner_dz` has offsets
+//! from the design. Coordinates and offsets are in the study's axes and unit. A name may end with the unit
+//! (`tie_rod_inner_z_mm`). A column `design` is not read, because designs are numbered by their rows, starting with 0.
 
 use super::curve_file::at_record;
 use super::error::{Source, StudyError, StudyErrors};
@@ -19,7 +19,7 @@ use std::sync::Arc;
 /// Designs from a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct DesignTable {
-    /// Variables of the columns. Their ranges are those of the values.
+    /// Variables of the columns. The range of each variable is the range of its values.
     pub variables: Vec<SweepVariable>,
     /// Values, row by row.
     values: Vec<f64>,
@@ -126,11 +126,11 @@ impl DesignTable {
         })
     }
 
-    /// Makes a table of designs from rows of values, with one number for each variable. The ranges of the variables become
-    /// those of their values.
+    /// Makes a table of designs from rows of values, with one number for each variable. The range of each variable becomes
+    /// the range of its values.
     ///
     /// # Errors
-    /// The reason in words, if the values do not form a table of designs.
+    /// Reason, in words, why the values do not form a table of designs.
     pub fn of(mut variables: Vec<SweepVariable>, values: Vec<f64>) -> Result<Self, String> {
         if variables.is_empty() {
             return Err("expected at least one variable, found none".to_owned());

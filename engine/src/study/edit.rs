@@ -11,21 +11,21 @@ use std::path::{Component, Path};
 use toml_edit::{Array, DocumentMut, Item, Table, TableLike, Value};
 
 impl Study {
-    /// Returns the study's text with the points of another design (kernel frame, indexed by
-    /// [`PointId`]). Rewrites only coordinates that differ from the text. Reading the
-    /// text gives exactly the numbers of `design`.
+    /// Returns the study's text with the points of another design (kernel frame, indexed by [`PointId`]). Rewrites only
+    /// coordinates that differ from the text. Reading the text again gives exactly the numbers of `design`.
     pub fn with_design(&self, design: &[Vector3<f64>]) -> String {
         self.as_written().rewritten(&self.text, design, None)
     }
 
-    /// Returns the study that the text describes. The present study differs from it if its vehicle was moved in memory.
+    /// Returns the study that the text describes. The present study differs from it if its vehicle was changed in memory.
     pub(crate) fn as_written(&self) -> Study {
         let read = Study::elastic_from_text(&self.name, &self.text, Path::new(""));
         read.unwrap_or_else(|_| self.clone())
     }
 
-    /// Returns a built suspension ([`crate::assembly`]) as the text of a study. If angles give the spin axis of the study, a
-    /// `spindle_inner` replaces them, because the axis of a build runs through points. The hinge of a twist beam gets its second point.
+    /// Returns a built suspension ([`crate::assembly`]) as the text of a study. If angles define the spin axis of the study,
+    /// a point `spindle_inner` replaces them, because points define the axis of a build. The hinge of a twist beam gets its
+    /// second point.
     pub fn with_built(&self, built: &Suspension) -> String {
         let text = self.with_design(&built.design);
         let mechanism = &built.mechanism;
@@ -55,8 +55,8 @@ impl Study {
         document.to_string()
     }
 
-    /// Returns a built axle as the text of a study, with every hardpoint of the right wheel written out. For a solid axle, these are the
-    /// hardpoints of its right half.
+    /// Returns a built axle as the text of a study. The text contains every hardpoint of the right wheel. For a solid axle,
+    /// these are the hardpoints of its right half.
     pub fn with_built_axle(&self, [left, right]: [&Suspension; 2]) -> String {
         let text = self.with_built(left);
         let Ok(mut document) = text.parse::<DocumentMut>() else {
@@ -85,7 +85,7 @@ impl Study {
             let own = axle.get_mut("right").and_then(Item::as_table_like_mut);
             match own {
                 Some(right) => {
-                    // The spin axis of the build runs through its points, so the angles are removed.
+                    // Points define the spin axis of the build, so the angles are removed.
                     right.remove("wheel");
                     right.insert("hardpoints", Item::Table(hardpoints));
                 }
@@ -100,28 +100,28 @@ impl Study {
         document.to_string()
     }
 
-    /// Returns the study with another design. A right wheel with its own hardpoints moves by the same displacements as the
-    /// left one.
+    /// Returns the study with another design. A right wheel with independent hardpoints moves by the same displacements as
+    /// the left wheel.
     pub fn at_design(&self, design: Vec<Vector3<f64>>) -> Study {
         let mut moved = self.clone();
         moved.vehicle.set_design(design);
         moved
     }
 
-    /// Returns the text with the moved points of this study, including the right wheel's own points.
+    /// Returns the text with the points of the study `moved`, including the points of the right wheel.
     pub fn with_points_of(&self, moved: &Study) -> String {
         self.text_with_points_of(&self.text, moved)
     }
 
-    /// Returns another text of this study with the moved points, like [`Study::with_points_of`]; for example the text of the
-    /// file itself: [`Study::text`] also contains curves from other files.
+    /// Returns another text of this study with the points of `moved`, like [`Study::with_points_of`]. An example is the text
+    /// of the study file, because [`Study::text`] also contains curves from other files.
     pub fn text_with_points_of(&self, text: &str, moved: &Study) -> String {
         let right = moved.axle().and_then(|a| a.axle.right.as_ref());
         let text = self.rewritten(text, &moved.wheel().design, right.map(|r| &r.design[..]));
         self.with_rates_of(text, moved)
     }
 
-    /// Returns the text with the rates of elastic parts of another study, where they differ.
+    /// Returns the text with those rates of elastic parts in which another study differs.
     pub fn with_rates_of(&self, text: String, moved: &Study) -> String {
         let Some((old, new)) = self.elastic_parts().zip(moved.elastic_parts()) else {
             return text;
@@ -183,7 +183,7 @@ impl Study {
         document.to_string()
     }
 
-    /// Returns the text as a file in another directory. The path of a file of designs becomes relative to that directory.
+    /// Returns the text for a file in another directory. The path of a file of designs becomes relative to this directory.
     pub fn text_in(&self, directory: &Path) -> String {
         let designs = match self.sweep.as_ref().map(|sweep| &sweep.designs) {
             Some(Designs::File(path)) => path_from(directory, path),
@@ -199,8 +199,8 @@ impl Study {
     }
 }
 
-/// Path of a file relative to a directory, or the full path if the two have nothing in common. `None` if a path does not
-/// exist, or has no Unicode name.
+/// Path of a file relative to a directory, or the full path if both have nothing in common. `None` if a path does not exist,
+/// or has no Unicode name.
 fn path_from(directory: &Path, file: &Path) -> Option<String> {
     let [directory, file] = [directory, file].map(|path| path.canonicalize());
     let (directory, file) = (directory.ok()?, file.ok()?);
@@ -218,7 +218,7 @@ fn path_from(directory: &Path, file: &Path) -> Option<String> {
     Some(names?.join("/"))
 }
 
-/// Writes the coordinates that differ from the suspension's design. `find` returns the place of a point in the document.
+/// Writes the coordinates that differ from the suspension's design. `find` returns the array of a point in the document.
 fn rewrite(
     document: &mut DocumentMut,
     suspension: &Suspension,
@@ -249,7 +249,7 @@ fn number(item: &Item) -> Option<f64> {
     item.as_float().or(whole)
 }
 
-/// Writes the rates of a bushing that differ. It writes the stiffness divided by its factor, or the factor of a curve.
+/// Writes those rates of a bushing that changed: the stiffness divided by its factor, or the factor of a curve.
 fn rewrite_rates(bushing: &mut dyn TableLike, old: &[Shape; 6], new: &[Shape; 6]) {
     for (k, (old, new)) in old.iter().zip(new).enumerate() {
         let entry = |bushing: &dyn TableLike, key: &str| {
@@ -276,7 +276,7 @@ fn rewrite_rates(bushing: &mut dyn TableLike, old: &[Shape; 6], new: &[Shape; 6]
     }
 }
 
-/// Writes the stiffness and the constant tension of a link, where they differ.
+/// Writes the stiffness and the constant tension of a link, if they changed.
 fn rewrite_link(link: &mut dyn TableLike, old: &NamedLink, new: &NamedLink) {
     if old.preload != new.preload {
         set(link, "preload", new.preload);
@@ -290,7 +290,7 @@ fn rewrite_link(link: &mut dyn TableLike, old: &NamedLink, new: &NamedLink) {
         }
         _ => return,
     };
-    // A modulus is written together with an area.
+    // A modulus is always written together with an area.
     let area = link
         .get("area")
         .and_then(number)
@@ -298,7 +298,7 @@ fn rewrite_link(link: &mut dyn TableLike, old: &NamedLink, new: &NamedLink) {
     set(link, key, value / area.unwrap_or(1.0));
 }
 
-/// Sets a number of a table. Comments in the same line do not change.
+/// Sets a number of a table. Keeps comments in the same line.
 fn set(table: &mut dyn TableLike, key: &str, number: f64) {
     match table.get_mut(key).and_then(Item::as_value_mut) {
         Some(value) => replace(value, number),
@@ -325,8 +325,8 @@ fn leave_out_rates(root: &mut Table) -> Vec<String> {
     names.map(|name| format!("[{name}]")).collect()
 }
 
-/// Writes the rates of the right wheel into `[axle.right]`: those that differ from the left wheel's rates, and those that the
-/// text already has there. Returns true if any differ.
+/// Writes rates of the right wheel into `[axle.right]`: rates that differ from the left wheel's rates, and rates that the
+/// text already has there. Returns true if any rate differs.
 fn write_right_rates(
     root: &mut dyn TableLike,
     elastic: &AxleComplianceStudy,
@@ -399,7 +399,7 @@ fn own_table<'a>(root: &'a mut dyn TableLike, name: &str) -> &'a mut Table {
     of_tables(&mut of_tables(right)[name])
 }
 
-/// Converts the item to a table with its own section. An inline table keeps its entries; any other item becomes an empty
+/// Converts the item to a table with a separate section. An inline table keeps its entries. Any other item becomes an empty
 /// table.
 fn of_tables(item: &mut Item) -> &mut Table {
     if !item.is_table() {
@@ -438,7 +438,7 @@ fn table<'a>(root: &'a mut dyn TableLike, path: &[&str]) -> Option<&'a mut dyn T
     keys.try_fold(root, |table, key| table.get_mut(key)?.as_table_like_mut())
 }
 
-/// Converts a point from the kernel's frame to the form of a study file.
+/// Converts a point from the kernel's frame to its form in a study file.
 fn written(place: Vector3<f64>, frame: Frame) -> Item {
     Item::Value(Array::from_iter(frame.vector(place).to_array()).into())
 }

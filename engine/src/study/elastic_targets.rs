@@ -1,4 +1,4 @@
-//! Quantities and variables of a study with elastic parts: test figures, characteristics in equilibrium, and rates.
+//! Quantities and variables of a study with elastic parts: test results, characteristics in equilibrium, and rates.
 
 use super::compliance::ComplianceStudy;
 use super::error::Problems;
@@ -19,7 +19,7 @@ use crate::model::{LengthUnit, SteeringAxis, Suspension};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Figures of a study's tests. If several tests have the same load, a suffix distinguishes their names.
+/// Results of a study's tests. If several tests have the same load, a suffix distinguishes their names.
 pub(super) fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec<ElasticFigure> {
     let mut found: Vec<(KcTest, ElasticFigure)> = Vec::new();
     for test in &elastic.tests {
@@ -35,7 +35,7 @@ pub(super) fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec
         }
         for (quantity, unit) in quantities(suspension, &elastic.parts, elastic.tyre_rate, test) {
             for is_secant in [false, true] {
-                // A test with a motion has no window, and so no secants.
+                // A test with a motion has no window, so it has no secants.
                 if is_secant && test.load.is_motion() {
                     continue;
                 }
@@ -73,12 +73,12 @@ pub(super) fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec
 pub(super) enum ElasticQuantity {
     /// A characteristic of the wheel in equilibrium.
     Characteristic(Characteristic),
-    /// A figure of a test.
+    /// A test result.
     Figure(ElasticFigure),
 }
 
 impl ElasticQuantity {
-    /// Value that evaluates the quantity.
+    /// Value in equilibrium that gives the quantity.
     pub(super) fn value(&self) -> KcValue {
         match self {
             ElasticQuantity::Characteristic(of) => KcValue::Wheel(*of),
@@ -104,7 +104,7 @@ impl ElasticQuantity {
     }
 }
 
-/// Finds the quantity with this name: a test figure, or a characteristic of the wheel in equilibrium.
+/// Finds the quantity with this name: a test result, or a characteristic of the wheel in equilibrium.
 pub(super) fn quantity(
     name: &Text,
     elastic: &ComplianceStudy,
@@ -133,7 +133,7 @@ pub(super) fn quantity(
     in_equilibrium(name, known, suspension, problems).map(ElasticQuantity::Characteristic)
 }
 
-/// Returns a characteristic with this name. Refuses one that an equilibrium does not have.
+/// Returns a characteristic with this name. Refuses a characteristic that an equilibrium does not have.
 pub(super) fn in_equilibrium(
     name: &Text,
     known: Characteristic,
@@ -254,9 +254,9 @@ pub(super) fn refuse_in_outputs(section: &file::Outputs, problems: &mut Problems
 
 /// Keys that name a rate of an elastic part, in a variable or in a scatter entry.
 pub(super) struct RateKeys<'a> {
-    /// Place of the entry in the file.
+    /// Position of the entry in the file.
     pub place: Span<usize>,
-    /// Name of a bushing. An entry gives this, or `link`, or `rate`.
+    /// Name of a bushing. An entry gives exactly one of this key, `link` and `rate`.
     pub bushing: &'a Option<Text>,
     /// Name of a link.
     pub link: &'a Option<Text>,
@@ -266,12 +266,12 @@ pub(super) struct RateKeys<'a> {
     pub stiffness: &'a Option<Text>,
     /// True if values are factors of the rate.
     pub relative: &'a Option<Spanned<bool>>,
-    /// Places in the file of keys that a rate does not have.
+    /// Positions in the file of keys that a rate does not accept.
     pub others: &'a [Option<Span<usize>>],
 }
 
 /// Collects the keys of a rate from an entry at `place`. The last argument lists keys of the entry that a rate does not
-/// have.
+/// accept.
 macro_rules! rate_keys {
     ($written:expr, $place:expr, [$($other:ident),*]) => {
         RateKeys {
@@ -288,7 +288,7 @@ macro_rules! rate_keys {
 pub(super) use rate_keys;
 
 impl RateKeys<'_> {
-    /// Returns true if the entry names a rate. Refuses keys of a rate in an entry without one.
+    /// Returns true if the entry names a rate. Refuses keys of a rate if the entry names no rate.
     pub(super) fn is_given(&self, problems: &mut Problems) -> Option<bool> {
         if self.bushing.is_some() || self.link.is_some() || self.rate.is_some() {
             return Some(true);

@@ -1,4 +1,4 @@
-//! Errors in the geometry, each with its place in the file and a remedy.
+//! Errors in the geometry, each with its position in the file and a remedy.
 
 use super::error::Problems;
 use super::file;
@@ -7,7 +7,8 @@ use crate::mechanism::GeometryFault;
 use crate::model::Suspension;
 use std::ops::Range as Span;
 
-/// Returns the suspension if its geometry has no error. Only the first error is reported, because others may follow from it.
+/// Returns the suspension if its geometry has no error. Reports only the first error, because further errors may follow from
+/// it.
 pub(super) fn check(
     section: &file::Suspension,
     suspension: &Suspension,
@@ -20,7 +21,7 @@ pub(super) fn check(
     faults.is_empty().then_some(())
 }
 
-/// Place where the file names a hardpoint.
+/// Position in the file at which a hardpoint is named.
 fn place(section: &file::Suspension, name: &str) -> Span<usize> {
     let hardpoints = &section.hardpoints;
     let mut names = hardpoints.get_ref().keys();

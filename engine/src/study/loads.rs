@@ -15,7 +15,7 @@ const PLACES: [(&str, LoadPoint); 2] = [
     ("wheel_centre", LoadPoint::WheelCentre),
 ];
 
-/// Quantities that a load may hold in an equilibrium.
+/// Quantities that an equilibrium under a load may hold constant.
 const HELD: [(&str, HeldQuantity); 2] = [
     ("wheel_load", HeldQuantity::WheelLoad),
     ("wheel_height", HeldQuantity::WheelHeight),
@@ -33,7 +33,8 @@ pub(super) enum Holding {
 }
 
 impl Holding {
-    /// Parts of a study. `has_spring` says whether its elastic parts have a spring; `None` without elastic parts.
+    /// Returns the kind of a study. `has_spring` says whether its elastic parts have a spring. It is `None` without elastic
+    /// parts.
     pub(super) fn of(has_spring: Option<bool>) -> Holding {
         match has_spring {
             None => Holding::Rigid,
@@ -42,7 +43,7 @@ impl Holding {
         }
     }
 
-    /// Reads the quantity that a load holds.
+    /// Reads the quantity that stays constant under a load.
     fn held(self, load: &file::Load, problems: &mut Problems) -> Option<Option<HeldQuantity>> {
         let Some(written) = &load.hold else {
             return Some(match self {
@@ -65,7 +66,7 @@ impl Holding {
     }
 }
 
-/// Refuses a vertical force at the contact point while the height is held.
+/// Refuses a vertical force at the contact point if the height stays constant.
 fn check_vertical(
     written: &file::Load,
     load: &Load,
@@ -90,7 +91,7 @@ fn check_vertical(
     problems.refuse(place, &message)
 }
 
-/// Loads on one wheel. `None` if one has an error.
+/// Loads on one wheel. `None` if one of them has an error.
 pub(super) fn loads(
     section: &file::Outputs,
     suspension: &Suspension,
@@ -105,7 +106,7 @@ pub(super) fn loads(
     all(section, suspension, holding, problems)
 }
 
-/// Loads on the left and right wheel of an axle, each in the kernel's frame of its side. `None` if one has an error.
+/// Loads on the left and right wheel of an axle, each in the kernel's frame of its side. `None` if one of them has an error.
 pub(super) fn loads_of_axle(
     section: &file::Outputs,
     left: &Suspension,
@@ -212,7 +213,7 @@ fn name(written: &file::Load, problems: &mut Problems) -> Option<String> {
     Some(name.clone())
 }
 
-/// Three components in the study's axes. Missing ones are zero.
+/// Three components in the study's axes. Missing components are zero.
 fn components(
     written: &Option<Coordinates>,
     unit: &str,

@@ -12,7 +12,7 @@ use toml::Spanned;
 /// A dimension, and the factor from its change in the study's frame to its change in the kernel's frame.
 pub(super) type Change = (BuildParameter, f64);
 
-/// Finds the member with this name, or between these two points, and returns it with its name.
+/// Finds the member with this name, or the member between these two points. Returns it with its name.
 pub(super) fn member(
     written: &Spanned<MemberName>,
     suspension: &Suspension,
@@ -24,7 +24,7 @@ pub(super) fn member(
         return problems.refuse(written.span(), message);
     }
     let mut members = Member::all(mechanism);
-    // The names of a solid axle are those of its left half.
+    // Members of a solid axle are named as in its left half.
     members.retain(|(_, member)| {
         let ends = member.ends(mechanism);
         ends.is_none_or(|(inner, outer)| !mechanism.is_far(inner) || !mechanism.is_far(outer))

@@ -1,11 +1,11 @@
 //! Studies: the meaning of a study file. The crate `hardpoint-study-file` reads the file as written.
 //!
-//! [`Study`] is resolved: ids replace names, lengths and angles are in the kernel's frame and units (see the fields), and
-//! defaults are filled in. A study needs no further interpretation.
+//! A [`Study`] is resolved: ids replace names, lengths and angles are in the kernel's frame and units (see the fields), and
+//! defaults are filled in. So other modules need not interpret it further.
 //!
-//! Reading goes from the text to the file as written, each value with its place, and from there to the [`Study`]. Only this
-//! module turns degrees into radians, and the study's axes into the kernel's. Every mistake becomes a [`StudyError`] with
-//! file, line, key, value and the expected value.
+//! Reading has two steps. The first one converts the text to the file as written, in which each value has a position. The
+//! second one converts the file to the [`Study`]. Only this module converts degrees to radians, and the study's axes to the
+//! kernel's axes. Every mistake becomes a [`StudyError`] with file, line, key, value and the expected value.
 
 mod axle;
 mod axle_forces;
@@ -87,7 +87,7 @@ use crate::compliance::{HeldQuantity, KcValue, Parameter};
 use crate::model::{Axis, Frame, LengthUnit, PointId, Side, Suspension};
 use crate::number::Vector3;
 
-/// Largest number of stations of a motion of a wheel or an axle. The results of all stations are in memory.
+/// Largest number of stations in a motion of a wheel or an axle. The results of all stations are kept in memory.
 pub(crate) const MOST_STATIONS: usize = 100_000;
 
 /// Returns a number if it lies in the range that studies allow. The error names that range.
@@ -119,14 +119,14 @@ pub struct Study {
     pub tolerance: Option<Tolerance>,
 }
 
-/// Equations whose solution is a pose.
+/// Equations that determine a pose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Formulation {
     /// Six closure equations in the pose of the knuckle, or their closed form. They work for every topology and give every
     /// output.
     KnucklePose,
     /// The fifteen equations of Attia's paper in the coordinates of five points, in the crate `hardpoint-attia`. They work
-    /// only for the MacPherson strut, and give derivatives up to the second.
+    /// only for the MacPherson strut, and give only first and second derivatives.
     PointCoordinates,
 }
 
@@ -154,7 +154,7 @@ pub struct TimeLaw {
     pub times: Vec<f64>,
 }
 
-/// Highest derivative with respect to the drive (or by time) in the results.
+/// Highest derivative with respect to the drive (or to time) in the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Order {
     /// Values.
@@ -174,7 +174,7 @@ pub struct Outputs {
     pub points: Vec<PointId>,
     /// Geometric measures, in the order of the study.
     pub measures: Vec<OutputMeasure>,
-    /// True if results contain the knuckle's angular velocity and acceleration (from velocity order up).
+    /// True if results contain the knuckle's angular velocity and acceleration. They need [`Order::Velocity`] or higher.
     pub knuckle: bool,
     /// Highest derivative.
     pub order: Order,
@@ -184,7 +184,7 @@ pub struct Outputs {
     pub certify: bool,
     /// Loads for which results contain the forces in links and joints.
     pub loads: Vec<Load>,
-    /// Test figures of elastic parts, in the order of the study.
+    /// Test results of elastic parts, in the order of the study.
     pub figures: Vec<ElasticFigure>,
 }
 
@@ -197,19 +197,19 @@ pub struct OutputMeasure {
     pub of: Measure,
 }
 
-/// Test figure of elastic parts, under the name that studies use.
+/// Test result of elastic parts, with its name in studies.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElasticFigure {
     /// Name, without the unit.
     pub name: String,
-    /// Value of the figure.
+    /// Value in equilibrium that gives the result.
     pub value: KcValue,
-    /// Unit of the figure.
+    /// Unit of the result.
     pub unit: Unit,
 }
 
 impl ElasticFigure {
-    /// Name of its column.
+    /// Name of the result's column.
     pub fn column(&self, length: LengthUnit) -> String {
         with_unit(self.name.clone(), &self.unit.suffix(length))
     }
@@ -240,7 +240,7 @@ pub struct Load {
     pub name: String,
     /// Point at which the force acts.
     pub at: LoadPoint,
-    /// Quantity that stays fixed in an equilibrium of elastic parts. `None` for a rigid mechanism.
+    /// Quantity that stays constant in an equilibrium of elastic parts. `None` for a rigid mechanism.
     pub held: Option<HeldQuantity>,
     /// Force in N.
     pub force: Vector3<f64>,
@@ -249,7 +249,7 @@ pub struct Load {
 }
 
 impl Load {
-    /// The load in the kernel's axes of the other side, which are the mirror image.
+    /// Returns the load in the kernel's axes of the other side, which are the mirror image.
     pub(crate) fn on_other_side(self) -> Load {
         let (force, moment) = (self.force, self.moment);
         Load {
@@ -263,7 +263,7 @@ impl Load {
 /// A sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
-    /// Source of the designs.
+    /// Origin of the designs.
     pub designs: Designs,
     /// True if results contain the curves of every design.
     pub curves: bool,
@@ -271,14 +271,14 @@ pub struct Sweep {
     pub format: FileFormat,
 }
 
-/// Source of the designs of a sweep.
+/// Origin of the designs of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Designs {
-    /// Variables over their ranges.
+    /// Samples of variables over their ranges.
     Sampled(Sampled),
     /// Rows of a CSV file. [`DesignTable::read`] reads them.
     File(std::path::PathBuf),
-    /// Rows from a program.
+    /// Rows that a program gives.
     Given(DesignTable),
 }
 
@@ -306,9 +306,9 @@ pub enum Sampling {
     Sobol,
     /// Independent, uniformly distributed numbers.
     Random,
-    /// Pairs of samples with the variables exchanged one by one. They give first-order and total Sobol indices (A. Saltelli
-    /// et al., Variance based sensitivity analysis of model output, Computer Physics Communications 181, 2010). Number of
-    /// designs: `samples` times (number of variables + 2).
+    /// Pairs of samples, and further samples in which one variable after the other is exchanged within a pair. They give
+    /// first-order and total Sobol indices (A. Saltelli et al., Variance based sensitivity analysis of model output,
+    /// Computer Physics Communications 181, 2010). The number of designs is `samples` times (number of variables + 2).
     Saltelli,
 }
 
@@ -328,7 +328,8 @@ pub struct SweepVariable {
     pub name: String,
     /// Coordinates that the variable moves.
     pub moves: Vec<Move>,
-    /// Rate of an elastic part that the variable sets instead. Its values are then rates, or factors of the rate.
+    /// Rate of an elastic part that the variable sets instead of coordinates. Its values are then rates, or factors of the
+    /// rate.
     pub rate: Option<Rate>,
     /// True if the values are coordinates, false if they are offsets from the design.
     pub absolute: bool,

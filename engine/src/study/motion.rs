@@ -51,7 +51,7 @@ impl Drive {
         format!("{}_{}", self.key(), self.unit(length))
     }
 
-    /// Drive of the kernel that corresponds to this drive.
+    /// Kernel's drive for this drive.
     pub fn in_kernel(self) -> model::Drive {
         match self {
             Drive::Travel => model::Drive::Travel,
@@ -81,7 +81,8 @@ fn degrees(angle: f64) -> f64 {
 }
 
 impl Motion {
-    /// Rack displacement of the design position: straight ahead if the study moves the rack, else the study's single displacement.
+    /// Rack displacement of the design position. It is zero if the study moves the rack, else the study's single
+    /// displacement.
     pub fn design_rack(&self) -> f64 {
         if self.rack_moves { 0.0 } else { self.rack[0] }
     }
@@ -253,7 +254,7 @@ pub(super) fn time_law(
     })
 }
 
-/// Reads values that may be equal, in the unit in which they are written.
+/// Reads values in their written unit. Equal values are allowed.
 pub(super) fn list(written: &Spanned<Values>, problems: &mut Problems) -> Option<Vec<f64>> {
     match written.get_ref() {
         Values::One(value) => Some(vec![*value]),
@@ -266,7 +267,7 @@ pub(super) fn list(written: &Spanned<Values>, problems: &mut Problems) -> Option
     }
 }
 
-/// Reads different values, in the unit in which they are written.
+/// Reads values in their written unit. Equal values are refused.
 pub(super) fn values(written: &Spanned<Values>, problems: &mut Problems) -> Option<Vec<f64>> {
     match written.get_ref() {
         Values::One(_) | Values::Range(_) => list(written, problems),
@@ -357,7 +358,8 @@ pub(super) fn within(
 }
 
 /// Makes `count` evenly spaced values from `from` to `to`. Both ends are exact, and symmetric ends give symmetric values. If
-/// the ends are short decimals, each value is the number nearest to its decimal: 0.1 between 0 and 0.6.
+/// the ends are short decimals, each value is the number nearest to its exact decimal. An example is 0.1 in the range from 0
+/// to 0.6.
 fn evenly_spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
     let decimals = Decimals::of(from, to);
     let value = |i: usize| {
@@ -367,17 +369,17 @@ fn evenly_spaced(from: f64, to: f64, count: usize) -> Vec<f64> {
     (0..count).map(value).collect()
 }
 
-/// Two decimals as whole numbers of the same unit.
+/// Two decimal numbers as whole numbers of a common unit.
 #[derive(Clone, Copy)]
 struct Decimals {
     from: i64,
     to: i64,
-    /// Number of units in 1: a power of ten.
+    /// Number of these units in 1. It is a power of ten.
     per_one: i64,
 }
 
 impl Decimals {
-    /// Shortest decimals that read back as these numbers. `None` if they are long.
+    /// Shortest decimals that represent these numbers. `None` if they have too many digits.
     fn of(from: f64, to: f64) -> Option<Self> {
         let [(from, places), (to, other)] = [shortest_decimal(from)?, shortest_decimal(to)?];
         let common = places.max(other);
@@ -399,12 +401,12 @@ impl Decimals {
         let low = self.from.checked_mul(last - i)?;
         let above = low.checked_add(self.to.checked_mul(i)?)?;
         let below = self.per_one.checked_mul(last).filter(|below| *below > 0)?;
-        // Exact operands make the quotient correctly rounded.
+        // With exact operands, the quotient is correctly rounded.
         (is_exact(above) && is_exact(below)).then(|| above as f64 / below as f64)
     }
 }
 
-/// Digits of the shortest decimal that reads back as the number, and the count of its digits after the decimal point.
+/// Digits of the shortest decimal that represents the number, and the count of its digits after the decimal point.
 fn shortest_decimal(value: f64) -> Option<(i64, u32)> {
     let text = format!("{value}");
     let (whole, fraction) = text.split_once('.').unwrap_or((&text, ""));
@@ -413,7 +415,7 @@ fn shortest_decimal(value: f64) -> Option<(i64, u32)> {
 }
 
 /// Value number `i` of `count` values from `from` to `to`. Both ends are exact. The values between are correctly rounded if
-/// the products are exact. If the ends are symmetric, so are the values, with an exact zero.
+/// the products are exact. If the ends are symmetric, the values are symmetric, too, with an exact zero.
 pub(super) fn evenly_spaced_at(from: f64, to: f64, count: u64, i: u64) -> f64 {
     let last = count - 1;
     match i {
@@ -427,7 +429,7 @@ pub(super) fn evenly_spaced_at(from: f64, to: f64, count: u64, i: u64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Each value equals the number that its decimal text gives when it is read.
+    /// Each value equals the number that results from reading its decimal text.
     #[test]
     fn values_between_decimals_are_nearest_to_decimals() {
         let read = |text: &str| text.parse::<f64>().unwrap();

@@ -14,15 +14,15 @@ use toml::Spanned;
 
 /// Keys of a variable that describe its move.
 pub(super) struct Written<'a> {
-    /// Place of the variable in the file.
+    /// Position of the variable in the file.
     pub place: Span<usize>,
-    /// Name of the hardpoint. Either this or `hardpoints` is given.
+    /// Name of the hardpoint. An entry gives either this or `hardpoints`.
     pub hardpoint: &'a Option<Text>,
     /// Names of several hardpoints that move together.
     pub hardpoints: &'a Option<Spanned<Vec<Text>>>,
     /// Displacement of each hardpoint per unit of the variable.
     pub factors: &'a Option<Spanned<Vec<Number>>>,
-    /// Axis `x`, `y` or `z`. Either this or `direction` is given.
+    /// Axis `x`, `y` or `z`. An entry gives either this or `direction`.
     pub axis: Option<&'a Text>,
     /// Direction of the move.
     pub direction: Option<&'a Coordinates>,
@@ -73,7 +73,7 @@ fn shares(written: &Written<'_>, problems: &mut Problems) -> Option<Vec<(Axis, f
     }
 }
 
-/// Reads the lowest and the highest value of a variable. `what` names them in messages.
+/// Reads the lowest and the highest value of a variable. `what` names the values in messages.
 pub(super) fn range(
     written: &Spanned<Vec<Number>>,
     what: &str,
@@ -100,7 +100,7 @@ pub(super) fn range(
     Some([low, high])
 }
 
-/// Reads the lowest and the highest value of a variable. The study must accept both.
+/// Reads the lowest and the highest value of a variable. A study must accept both values for this part.
 pub(super) fn accepted_range(
     written: &Spanned<Vec<Number>>,
     what: &str,
@@ -121,7 +121,7 @@ pub(super) fn accepted_range(
 pub(super) fn names(moves: &[Move], suspension: &Suspension) -> String {
     let names = moves.iter().map(|m| suspension.mechanism.name(m.point));
     let mut names: Vec<&str> = names.collect();
-    // With a direction, a point occurs once for each of its coordinates.
+    // With a direction, a point is listed once for each of its coordinates.
     names.dedup();
     names.join("+")
 }

@@ -1,10 +1,10 @@
-//! `[motions.NAME]`.
+//! Named motions in `[motions.NAME]`.
 
 use super::error::Problems;
 use super::{Drive, Motion, axle, file, motion};
 use crate::model::Suspension;
 
-/// Named motions of one wheel. In a study of an axle they are those of its left wheel.
+/// Named motions of one wheel. In a study of an axle, they are motions of its left wheel.
 pub(super) fn of_wheel(
     file: &file::File,
     of_axle: bool,
@@ -22,7 +22,7 @@ pub(super) fn of_wheel(
     motions
 }
 
-/// Checks the names of motions, and the drives of motions without errors.
+/// Checks the names of all motions, and the drives of motions without errors.
 pub(super) fn check(
     file: &file::File,
     motions: &[(String, Motion)],

@@ -19,7 +19,7 @@ use super::{
 use crate::model::{Axis, PointId, Suspension};
 use toml::Spanned;
 
-/// Reads the optimisation. `None` if it has an error. Also returns the targets that came from files, with the index of the
+/// Reads the optimisation. `None` if it has an error. Also returns targets that come from files, each with the index of the
 /// target as written.
 pub(super) fn optimise(
     section: &file::Optimise,
@@ -166,7 +166,7 @@ pub(super) fn scatter(
     }))
 }
 
-/// Reads the goals whose trade-off the front shows.
+/// Reads the goals for the trade-off curve.
 fn front(
     section: &file::Optimise,
     targets: &[Target],
@@ -207,11 +207,11 @@ fn front(
     Some(goals)
 }
 
-/// Default for a good enough misfit: a difference below a tenth of a tolerance is not visible.
+/// Default for `good_enough`. Below this misfit, differences are less than a tenth of a tolerance and so not visible.
 pub(crate) const GOOD_ENOUGH: f64 = 0.1;
 /// Default limit of the iterations of one start.
 pub(crate) const MAX_ITERATIONS: u32 = 200;
-/// Largest rotation of a body in degrees. Up to it, the series of the rotation is exact to all digits.
+/// Largest rotation of a body in degrees. For smaller angles, the series of the rotation is exact to all digits.
 const LARGEST_TURN: f64 = 15.0;
 
 fn variables(
@@ -229,7 +229,7 @@ fn variables(
         })
         .collect();
     if written.iter().any(|v| v.get_ref().rigid.is_some()) {
-        // A body may be moved, and one of its points may have its own variable in addition.
+        // With rigid bodies, a point may also have a separate variable, so repeated moves are allowed.
         return resolved.into_iter().collect();
     }
     let place = |i: usize| {
@@ -392,7 +392,7 @@ fn rigid(
     shifts.chain(turns).collect()
 }
 
-/// Refuses keys that do not work with `rigid`. Returns true if there are none.
+/// Refuses keys that do not work with `rigid`. Returns true if there are no such keys.
 fn refuse_beside_rigid(written: &file::Variable, problems: &mut Problems) -> bool {
     let others = [
         ("axis", written.axis.as_ref().map(Spanned::span)),
@@ -413,7 +413,7 @@ fn refuse_beside_rigid(written: &file::Variable, problems: &mut Problems) -> boo
     is_alone
 }
 
-/// The points of a rigid body: at least two, each listed once.
+/// Points of a rigid body: at least two, each listed once.
 fn points_of_body(
     points: &Spanned<Vec<Text>>,
     suspension: &Suspension,

@@ -1,4 +1,4 @@
-//! Geometric measures of `[outputs]`: lengths, plunges, angles of joints, clearances.
+//! Geometric measures of `[outputs]`: lengths, plunges, angles of joints, and clearances.
 
 use super::OutputMeasure;
 use super::constraints::joint_angle;
@@ -11,7 +11,7 @@ use crate::model::Suspension;
 use std::ops::Range;
 use toml::Spanned;
 
-/// Place of the first measure, if there is one.
+/// Position of the first measure in the file. `None` if there are no measures.
 pub(super) fn measured(section: &file::Outputs) -> Option<Range<usize>> {
     let lengths = section.lengths.iter().map(Spanned::span);
     let plunges = section.plunges.iter().map(Spanned::span);

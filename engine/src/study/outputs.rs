@@ -33,7 +33,7 @@ pub(super) fn outputs(
 ) -> Option<Outputs> {
     let Some(section) = &file.outputs else {
         let steered = match elastic {
-            // In equilibrium the axis must run through joints.
+            // In equilibrium, the steering axis must run through joints.
             Some(_) => matches!(
                 suspension.mechanism.steering_axis,
                 Some(SteeringAxis::Through { .. })
@@ -146,7 +146,7 @@ pub(super) fn order(section: &file::Outputs, problems: &mut Problems) -> Option<
     choose_or(&section.order, Order::Position, "order", &orders, problems)
 }
 
-/// Resolves each name. A name may occur only once.
+/// Resolves each name, and refuses repeated names.
 pub(super) fn distinct<T>(
     names: &[Text],
     problems: &mut Problems,
@@ -194,7 +194,7 @@ pub(super) fn hardpoint(
     choose(text, "hardpoint", &hardpoints, problems)
 }
 
-/// Refuses a quantity that only an axle has, even if its name is misspelt. Returns true if it did.
+/// Refuses a quantity that only an axle has, even if its name is misspelt. Returns true if the name was refused.
 fn refuses_axle_quantity(
     text: &Text,
     of_a_wheel: &[(&'static str, Characteristic)],

@@ -4,7 +4,7 @@ use super::Study;
 use std::ops::Range;
 use toml_edit::{Document, Item};
 
-/// Byte range of the value at a path of keys and of indices in lists. If the text has no such value, it is the range of the longest
+/// Byte range of the value at a path of keys and list indices. If the text has no such value, it is the range of the longest
 /// part of the path that exists.
 pub(super) fn place_of(text: &str, path: &[&str]) -> Range<usize> {
     let Ok(document) = Document::parse(text) else {
@@ -24,7 +24,7 @@ pub(super) fn place_of(text: &str, path: &[&str]) -> Range<usize> {
 }
 
 impl Study {
-    /// Line of the study's text, counted from 1, on which the value at a path of keys begins. For a section it is the line
+    /// Line of the study's text on which the value at a path of keys begins, counted from 1. For a section, it is the line
     /// of its header.
     pub fn line_of(&self, path: &[&str]) -> Option<usize> {
         let document = Document::parse(self.text.as_str()).ok()?;

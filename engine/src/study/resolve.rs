@@ -20,7 +20,7 @@ pub(super) struct Context<'a> {
     pub suspension: &'a Suspension,
     /// Motion, if it has no error.
     pub motion: Option<&'a Motion>,
-    /// Further motions by name.
+    /// Further motions, by name.
     pub motions: &'a [(String, Motion)],
     /// Loads on the wheel.
     pub loads: &'a [Load],
@@ -75,8 +75,8 @@ impl Study {
         Study::read_parts(path, overrides, Parts::Rigid)
     }
 
-    /// Reads a study file like [`Study::read`], for callers that support elastic parts: [`WheelStudy::compliance`] or
-    /// [`crate::axle::Axle::elastic`] may be present.
+    /// Reads a study file like [`Study::read`], but accepts elastic parts. [`WheelStudy::compliance`] or
+    /// [`crate::axle::Axle::elastic`] may be present in the result.
     pub fn read_elastic(path: &Path, overrides: &[String]) -> Result<Study, StudyErrors> {
         Study::read_parts(path, overrides, Parts::Elastic)
     }
@@ -110,14 +110,14 @@ impl Study {
         resolve(Path::new(name), name.to_owned(), text, Path::new(""), parts)
     }
 
-    /// Reads a study from its text. `name` is the file name in messages. `directory` contains the files that the study
-    /// names.
+    /// Reads a study from its text. `name` is the file name in messages. `directory` is the directory of the files that the
+    /// study names.
     pub fn from_text(name: &str, text: &str, directory: &Path) -> Result<Study, StudyErrors> {
         let (path, shown) = (Path::new(name), name.to_owned());
         resolve(path, shown, text.to_owned(), directory, Parts::Rigid)
     }
 
-    /// Reads a study from its text like [`Study::from_text`], for callers that support elastic parts.
+    /// Reads a study from its text like [`Study::from_text`], but accepts elastic parts.
     pub fn elastic_from_text(
         name: &str,
         text: &str,
@@ -128,7 +128,7 @@ impl Study {
     }
 }
 
-/// Refuses sensitivities of one wheel over more stations than fit in memory.
+/// Refuses sensitivities of one wheel if they do not fit in memory.
 fn check_sensitivities(
     file: &file::File,
     motion: Option<&Motion>,
@@ -152,7 +152,7 @@ fn check_sensitivities(
     }
 }
 
-/// Kinds of parts that a reader of studies supports.
+/// Kinds of parts that the caller supports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Parts {
     /// Rigid parts only. Elastic parts are refused, so that no result silently ignores them.
@@ -211,19 +211,19 @@ fn resolve(
     problems.finish(study())
 }
 
-/// Returns true for the study of an axle. A solid axle is one even without `[axle]`.
+/// Returns true for the study of an axle. The study of a solid axle is such a study even without `[axle]`.
 fn is_of_axle(file: &file::File) -> bool {
     let topology = Topology::named(file.suspension.topology.get_ref());
     file.axle.is_some() || topology.is_some_and(Topology::carries_both_wheels)
 }
 
-/// Sections that describe the vehicle and its curves. Each is `None` if it has an error.
+/// Sections that describe the vehicle and its curves. A section with an error is `None`.
 struct MainSections {
     motion: Option<Motion>,
     motions: Vec<(String, Motion)>,
-    /// Axle. `Some(None)` for one wheel.
+    /// Axle. `Some(None)` for a study of one wheel.
     axle: Option<Option<AxleStudy>>,
-    /// Elastic parts of one wheel. `Some(None)` if there are none. Elastic parts of an axle are in `axle`.
+    /// Elastic parts of one wheel. `Some(None)` if the study has no such parts. Elastic parts of an axle are in `axle`.
     elastic: Option<Option<ComplianceStudy>>,
     formulation: Option<Formulation>,
     outputs: Option<Outputs>,
@@ -279,7 +279,7 @@ impl MainSections {
         read
     }
 
-    /// Checks the sections against each other.
+    /// Checks that the sections are consistent with each other.
     fn check(&self, file: &file::File, problems: &mut Problems) {
         let (motion, outputs) = (self.motion.as_ref(), self.outputs.as_ref());
         if let (Some(formulation), Some(outputs)) = (self.formulation, outputs) {
@@ -301,7 +301,7 @@ impl MainSections {
         }
     }
 
-    /// Parts that later sections refer to.
+    /// Parts of the study to which later sections refer.
     fn context<'a>(
         &'a self,
         file: &'a file::File,
@@ -320,7 +320,7 @@ impl MainSections {
         }
     }
 
-    /// Returns false for an axle with an error. Errors in sections about the axle would only follow from that error.
+    /// Returns false for an axle with an error. Then errors in sections about the axle would only follow from this error.
     fn is_known(&self) -> bool {
         self.axle.is_some()
     }
@@ -340,7 +340,7 @@ impl MainSections {
     }
 }
 
-/// Refuses the study of a car, which has its own reader.
+/// Refuses the study of a car, because a separate function reads it.
 fn refuse_car(source: &Arc<Source>) -> Result<(), StudyErrors> {
     let Some(place) = parse::car_section(&source.text) else {
         return Ok(());
@@ -354,7 +354,7 @@ fn refuse_car(source: &Arc<Source>) -> Result<(), StudyErrors> {
     Err(error.into())
 }
 
-/// Refuses a sweep that would keep no value of any design.
+/// Refuses a sweep that would store no values of any design.
 fn check_sweep_keeps_something(file: &file::File, outputs: &Outputs, problems: &mut Problems) {
     let Some(section) = &file.sweep else {
         return;
@@ -367,7 +367,7 @@ fn check_sweep_keeps_something(file: &file::File, outputs: &Outputs, problems: &
     }
 }
 
-/// Sections of a study for tasks beyond curves.
+/// Sections of a study for tasks other than curves.
 struct Tasks {
     optimise: Option<Optimise>,
     /// Contents of target files, which become part of the study's text.
@@ -431,7 +431,7 @@ impl Tasks {
     }
 }
 
-/// Texts of the bushings that come from their own files. They become part of the study's text.
+/// Laws of bushings that come from separate files. They become part of the study's text.
 fn bushings_of_files(file: &file::File, parts: Option<NamedParts<'_>>) -> Vec<BushingText> {
     let bushings = parts.into_iter().flat_map(|own| own.bushings);
     let is_of_file = |part: &NamedBushing<'_>| {

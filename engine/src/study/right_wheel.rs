@@ -19,7 +19,7 @@ pub(super) fn own(file: &File) -> Option<&file::OwnRight> {
     }
 }
 
-/// Right wheel without springs. The inner `None` means the mirror image of the left wheel.
+/// Right wheel without springs. The inner `None` means that it is the mirror image of the left wheel.
 pub(super) fn right_wheel(
     file: &File,
     left: &Suspension,
@@ -73,7 +73,7 @@ pub(super) fn right_wheel(
     Some(Some(right))
 }
 
-/// Extra point with this name. A built axle has its own place for it on each side.
+/// Extra point with this name. In a built axle, its position can differ on each side.
 fn extra_point(text: &Text, left: &Suspension) -> Option<PointId> {
     let (mechanism, name) = (&left.mechanism, text.get_ref());
     match mechanism.topology.hardpoint(name) {
@@ -82,7 +82,7 @@ fn extra_point(text: &Text, left: &Suspension) -> Option<PointId> {
     }
 }
 
-/// Static camber and toe of the right wheel. A missing value equals that of the left wheel.
+/// Static camber and toe of the right wheel. A missing value equals the value of the left wheel.
 fn spin_axis(
     file: &File,
     own: &file::OwnRight,

@@ -6,7 +6,7 @@ use super::suspension::above_zero;
 use crate::axle::{Preloaded, RockerSprings};
 use crate::model::Suspension;
 
-/// Reads the springs between the rockers. `None` if one has an error.
+/// Reads the springs between the rockers. `None` if one of them has an error.
 pub(super) fn rocker_springs(
     file: &File,
     left: &Suspension,

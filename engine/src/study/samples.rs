@@ -1,4 +1,4 @@
-//! Target values at each drive value. Between the points of a curve they are interpolated.
+//! Target values at each drive value. Between the points of a curve, they are interpolated.
 
 use super::{Interpolation, Limit, Target, TargetKind, Wanted};
 use crate::axle::{Axle, Placement, Quantity};
@@ -11,18 +11,18 @@ pub struct Sample {
     pub drive: f64,
     /// Lowest target value.
     pub low: f64,
-    /// Highest target value. Equal to `low` if the target is a single value.
+    /// Highest target value. It equals `low` if the target is a single value.
     pub high: f64,
 }
 
 impl Sample {
-    /// Returns true if any value between two limits meets the target.
+    /// Returns true if the target is a range: any value between two limits meets it.
     #[inline]
     pub fn is_band(&self) -> bool {
         self.low < self.high
     }
 
-    /// Deviation of a value from the target range: 0 within the limits.
+    /// Deviation of a value from the target range. 0 within the limits.
     #[inline]
     pub fn deviation(&self, found: f64) -> f64 {
         found - found.clamp(self.low, self.high)
@@ -36,7 +36,7 @@ pub struct AxleSample {
     pub placement: Placement,
     /// Quantity.
     pub quantity: Quantity,
-    /// Target range of the quantity. Its `drive` is the value on the target's curve as the study writes it.
+    /// Target range of the quantity. Its `drive` is the value on the target's curve as written in the study.
     pub wanted: Sample,
 }
 
@@ -62,7 +62,7 @@ impl Target {
 }
 
 impl Wanted {
-    /// Target ranges at the stations that the target covers, or at its own drive values.
+    /// Target ranges at the stations within the target's curve, or at the target's own drive values.
     pub fn samples(&self, stations: &[f64]) -> Vec<Sample> {
         let value = |(drive, value)| Sample {
             drive,
@@ -73,7 +73,7 @@ impl Wanted {
             Wanted::Band { at, lower, upper } => {
                 let stations = at.as_ref().map_or(stations, std::slice::from_ref);
                 let limit = |limit: &Option<Limit>, drive: f64| limit.as_ref()?.at(drive);
-                // Each limit has effect at its own stations only. A station without a limit has no sample.
+                // Each limit applies only within its own curve. A station without a limit has no sample.
                 let sample = |drive: &f64| {
                     let limits = [lower, upper].each(|own| limit(own, *drive));
                     let [low, high] = limits;
@@ -89,8 +89,8 @@ impl Wanted {
         }
     }
 
-    /// Target values of a single value or a curve, as (drive value, value). They are at the stations within the curve, or at
-    /// the target's own drive values. Empty for a band.
+    /// Target values of a single value or a curve, as (drive value, value). They apply at the stations within the curve, or
+    /// at the target's own drive values. Empty for a band.
     pub fn at_stations(&self, stations: &[f64]) -> Vec<(f64, f64)> {
         match self {
             Wanted::At { drive, value } => vec![(*drive, *value)],
@@ -158,10 +158,10 @@ fn at(points: &[[f64; 2]], slopes: Option<&[f64]>, x: f64) -> f64 {
     }
 }
 
-/// Slopes of a piecewise cubic that is monotone wherever its points are. A slope is zero at turning points, else the
-/// weighted harmonic mean of the neighbouring secants (F. N. Fritsch, J. Butland, A method for constructing local monotone
-/// piecewise cubic interpolants, SIAM J. Sci. Stat. Comput. 5, 1984). At the ends it is the slope of the parabola through
-/// three points, limited in the same way.
+/// Slopes of a piecewise cubic that is monotone in each interval in which its points are monotone. A slope is zero at
+/// turning points. Elsewhere it is the weighted harmonic mean of the neighbouring secants (F. N. Fritsch, J. Butland, A
+/// method for constructing local monotone piecewise cubic interpolants, SIAM J. Sci. Stat. Comput. 5, 1984). At the ends it
+/// is the slope of the parabola through three points, limited in the same way.
 fn monotone_slopes(points: &[[f64; 2]]) -> Vec<f64> {
     let widths: Vec<f64> = points.windows(2).map(|p| p[1][0] - p[0][0]).collect();
     let secants: Vec<f64> = points
@@ -243,7 +243,7 @@ mod tests {
             limits(band(Some(Limit::Value(-0.5)))),
             [[-3.0, none, -0.5], [0.0, -1.5, -0.5], [3.0, none, -0.5]]
         );
-        // Outside of its range the curve is no limit.
+        // Beyond its ends, the curve sets no limit.
         assert_eq!(limits(band(None)), [[0.0, -1.5, f64::INFINITY]]);
     }
 

@@ -1,4 +1,4 @@
-//! `[setup]` and `[tolerance]`, resolved: adjustments, sources of scatter, and bands.
+//! `[setup]` and `[tolerance]`, resolved: adjustments, tolerance sources and bands.
 
 use super::*;
 use crate::assembly::{Member, Static};
@@ -12,7 +12,7 @@ pub struct Setup {
     /// Target static values.
     pub want: Vec<Want>,
     /// Target change of the ride height, in study units. Positive if the car becomes higher. The wheel travel of the new
-    /// static position is its negative.
+    /// static position has the same size and the opposite sign.
     pub ride_height_change: Option<f64>,
 }
 
@@ -21,10 +21,10 @@ pub struct Setup {
 pub struct Adjustment {
     /// Name: `tie_rod`, `upper_ball_joint y`.
     pub name: String,
-    /// Dimension, and its change in the kernel's frame per unit of the adjustment.
+    /// Dimension that changes, and its change in the kernel's frame per unit of the adjustment.
     pub change: (BuildParameter, f64),
-    /// Half of an axle that has the dimension, if the axle is set up as a whole. `None` for both wheels alike, and for a part that exists
-    /// only once.
+    /// Half of an axle that has the dimension, if the axle is set up as a whole. `None` if both wheels are adjusted alike,
+    /// or if the part exists only once.
     pub side: Option<Side>,
     /// The same change in the mechanism of a solid axle's other wheel. `None` if that wheel does not have the part.
     pub seen_from_other: Option<(BuildParameter, f64)>,
@@ -33,13 +33,13 @@ pub struct Adjustment {
 }
 
 impl Adjustment {
-    /// Returns true if the adjustment acts on the wheel of this side, or on a single wheel.
+    /// Returns true if the adjustment acts on the wheel of this side. Always true for a single wheel.
     pub(crate) fn is_of(&self, side: Option<Side>) -> bool {
         self.side.is_none() || side.is_none() || self.side == side
     }
 
-    /// Returns true if the adjustment lifts the car, because it changes a part between spring and arm. The spring then keeps its
-    /// length, which sets the height.
+    /// Returns true if the adjustment lifts the car, because it changes a part between spring and arm. The spring keeps its
+    /// length, so the adjustment sets the height.
     pub(crate) fn lifts(&self, mechanism: &Mechanism) -> bool {
         let Some(spring) = mechanism.spring else {
             return false;
@@ -56,7 +56,8 @@ impl Adjustment {
         }
     }
 
-    /// Change of a solid axle's dimension in the mechanism of one of its wheels, if there is one.
+    /// Change of a solid axle's dimension in the mechanism of one of its wheels. Empty if this mechanism does not have the
+    /// part.
     pub fn seen_from(&self, wheel: Side) -> Vec<(BuildParameter, f64)> {
         if self.side.unwrap_or(Side::Left) == wheel {
             vec![self.change]
@@ -69,7 +70,7 @@ impl Adjustment {
 /// Available sizes of an adjustment, in study units.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Increment {
-    /// A thread. Continuous; set in fractions of a turn.
+    /// A thread, set continuously or in fractions of a turn.
     Thread {
         /// Change of length per turn, for both threads of the rod together.
         per_turn: f64,
@@ -92,7 +93,7 @@ pub struct Want {
     pub value: f64,
 }
 
-/// Scatter of builds, and the bands that they must keep.
+/// Tolerances of builds, and the bands that builds must keep.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tolerance {
     /// Number of builds.
@@ -101,7 +102,7 @@ pub struct Tolerance {
     pub seed: u32,
     /// True if toe and camber are set again after assembly.
     pub aligned: bool,
-    /// Dimensions that scatter; at least one.
+    /// Dimensions that scatter, at least one.
     pub scatter: Vec<Contributor>,
     /// Bands that builds must keep.
     pub bands: Vec<Band>,
@@ -116,26 +117,26 @@ pub struct Contributor {
     pub sources: Vec<Source>,
 }
 
-/// A random number that is independent of all others.
+/// A tolerance source: a random number that is independent of all others.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Source {
     /// Name.
     pub name: String,
     /// Dimensions that the number changes, each with its change per unit, in the kernel's frame.
     pub changes: Vec<(BuildParameter, f64)>,
-    /// Rate of an elastic part, if the variable changes a rate instead of coordinates.
+    /// Rate of an elastic part, if the source changes a rate instead of coordinates.
     pub rate: Option<Rate>,
     /// Distribution of the scatter.
     pub law: Law,
-    /// For an axle: the wheel whose dimensions these are, in the kernel's frame of its side. `None` for a part that both wheels share;
-    /// the left wheel then gives its dimensions.
+    /// Wheel of an axle that has these dimensions, in the kernel's frame of its side. `None` for a part that both wheels
+    /// share. Then the left wheel gives its dimensions.
     pub side: Option<Side>,
     /// The same dimensions in the mechanism of a solid axle's other wheel. Empty for other vehicles.
     pub seen_from_other: Vec<(BuildParameter, f64)>,
 }
 
 impl Source {
-    /// Makes a random number that changes these dimensions of one wheel.
+    /// Makes a tolerance source that changes these dimensions of one wheel.
     pub(super) fn of_parts(name: String, changes: Vec<(BuildParameter, f64)>, law: Law) -> Self {
         Source {
             name,
@@ -147,8 +148,8 @@ impl Source {
         }
     }
 
-    /// Dimensions that the number changes in a wheel, each with its change per unit. `None` for the only wheel of a study.
-    /// Empty if the number belongs to the other wheel alone.
+    /// Dimensions of a wheel that the source changes, each with its change per unit. The argument is `None` for the only
+    /// wheel of a study. Empty if the source belongs only to the other wheel.
     pub(crate) fn changes_in(&self, wheel: Option<Side>) -> &[(BuildParameter, f64)] {
         let own = self.side.or(wheel.and(Some(Side::Left)));
         if own == wheel {
@@ -179,13 +180,14 @@ pub enum Law {
 /// A band that a quantity of the builds must keep, in radians or length units.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Band {
-    /// Quantity that must keep the band: a characteristic, or a quantity of an axle (of both wheels if no side is
-    /// named).
+    /// Quantity that must keep the band: a characteristic, or a quantity of an axle. Without a side, the quantities of both
+    /// wheels must keep it.
     pub of: TargetQuantity,
-    /// Drive value at which the band holds, or value of the coordinate that [`Band::site`] varies. `None` for all stations.
+    /// Drive value at which the band applies, or a value of the coordinate that [`Band::site`] varies. `None` for all
+    /// stations.
     pub at: Option<f64>,
-    /// For an axle: the coordinate of the motion that `at` is a value of, and the values of the others. `None` means that
-    /// the band holds in the whole motion.
+    /// For an axle: the coordinate of the motion to which `at` refers, and the values of the other coordinates. `None` means
+    /// that the band applies to the whole motion.
     pub site: Option<AxleSite>,
     /// Lowest and highest value. A missing limit is infinite.
     pub between: [f64; 2],

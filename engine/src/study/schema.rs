@@ -6,17 +6,17 @@ use crate::model::{FrameConvention, LengthUnit, Side, Topology};
 use crate::number::Each;
 use hardpoint_study_file::schema::{self, Allowed, Root};
 
-/// Sections and names of the keys of a study of a suspension.
+/// Sections of a study of a suspension, with the names of their keys.
 pub fn keys() -> Vec<(String, String)> {
     schema::keys(Root::Suspension)
 }
 
-/// JSON schema (draft 4) of studies, for editors: keys, required keys, types of values, and permitted names.
+/// JSON schema (draft 4) of studies, for editors. It contains keys, required keys, types of values, and permitted names.
 pub fn schema() -> serde_json::Value {
     schema::schema(allowed)
 }
 
-/// Permitted texts, or keys of a table, for a kind of study and a place.
+/// Permitted texts, or keys of a table, at a position in a kind of study.
 fn allowed(root: Root, path: &str) -> Option<Allowed> {
     let has_figures = root == Root::Suspension
         && matches!(
@@ -29,8 +29,8 @@ fn allowed(root: Root, path: &str) -> Option<Allowed> {
     })
 }
 
-/// Regular expression for names of figures that contain their differences from the default test, as
-/// [`TestFigure::stem`](crate::axle::TestFigure::stem) writes them.
+/// Regular expression for names of test results. The names contain differences from the default test, in the form of
+/// [`TestFigure::stem`](crate::axle::TestFigure::stem).
 fn figure_pattern() -> String {
     let loads = TestLoad::ALL.map(|(name, _)| format!("_{name}")).join("|");
     format!(
@@ -40,7 +40,7 @@ fn figure_pattern() -> String {
     )
 }
 
-/// Permitted names of a text, or keys of a table, for a kind of study and a place.
+/// Permitted names for a text, or keys of a table, at a position in a kind of study.
 fn names(root: Root, path: &str) -> Option<Vec<String>> {
     let owned = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect();
     Some(match root {

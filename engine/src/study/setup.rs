@@ -85,7 +85,7 @@ fn want_of_wheel(
         });
         sound.then_some(())?;
     }
-    // Sorts by the order of the catalogue, whatever their order in the file.
+    // Sorts by the order of the catalogue, so that the order in the file does not matter.
     sort_by_key(&mut want, |(characteristic, _)| *characteristic);
     let want = want.into_iter().map(|(characteristic, value)| Want {
         of: Static::Characteristic(characteristic),
@@ -108,7 +108,7 @@ fn adjustment_of_wheel(
     adjustment(written, context.suspension, problems)
 }
 
-/// Target change of the ride height: as written, or the negative of the written travel.
+/// Target change of the ride height: as written, or minus the written travel.
 fn ride_height_change(section: &file::Setup, problems: &mut Problems) -> Option<f64> {
     match (&section.ride_height_change, &section.travel) {
         (Some(change), Some(travel)) => {

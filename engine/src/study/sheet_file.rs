@@ -1,4 +1,4 @@
-//! Targets from measured K&C sheets in the layout of `kc.csv`: a target for each figure at each station.
+//! Targets from measured K&C sheets in the layout of `kc.csv`. Each test result at each station becomes a target.
 
 mod columns;
 mod of_axle;
@@ -21,7 +21,7 @@ use of_axle::AxlePlace;
 use std::sync::Arc;
 use toml::Spanned;
 
-/// Keys of a target in a study: figure, station, value and tolerance, in printed units.
+/// Keys of a target in a study: test result, station, value and tolerance, in printed units.
 #[derive(Clone, Debug)]
 pub(super) struct SheetTarget {
     /// Keys with text values.
@@ -30,10 +30,11 @@ pub(super) struct SheetTarget {
     pub numbers: Vec<(&'static str, f64)>,
 }
 
-/// A file with the needed columns that it lacks.
+/// A file, and the required columns that it lacks.
 type Sheet = (Arc<Source>, Vec<&'static str>);
 
-/// Reads the file of a target. `None` if it is empty, which the reader of curves reports. The error says why it cannot be read.
+/// Reads the file of a target. `None` if the file is empty, because the reader of curves reports this. The error says why
+/// the file cannot be read.
 fn sheet(path: &Text, context: &Context) -> Result<Option<Sheet>, String> {
     let full = context.directory.join(path.get_ref());
     let text = read_text(&full, LONGEST_TEXT)?;
@@ -54,7 +55,7 @@ fn sheet(path: &Text, context: &Context) -> Result<Option<Sheet>, String> {
     Ok(Some((Arc::new(source), missing)))
 }
 
-/// Returns true if a target does not say what a file of a curve measures, so its file must be a sheet.
+/// Returns true if a target has no keys for the quantity of a curve, so its file must be a sheet.
 fn must_be_a_sheet(written: &Written) -> bool {
     let named = [&written.figure, &written.characteristic];
     named.iter().all(|name| name.is_none())
@@ -63,8 +64,8 @@ fn must_be_a_sheet(written: &Written) -> bool {
         && written.length.is_none()
 }
 
-/// Targets of a measured sheet. `None` if the target's file is not a sheet. If the target names a figure or a characteristic,
-/// only rows of that quantity are used.
+/// Targets of a measured sheet. `None` if the target's file is not a sheet. If the target names a test result or a
+/// characteristic, only rows of this quantity are used.
 pub(super) fn targets(
     spanned: &Spanned<Written>,
     context: &Context,
@@ -80,7 +81,7 @@ pub(super) fn targets(
     let (source, missing) = match sheet(path, context) {
         Ok(Some(found)) => found,
         Ok(None) => return None,
-        // A curve needs further keys. Their absence is not reported if the file cannot be read.
+        // A curve needs further keys. Missing keys are not reported if the file cannot be read.
         Err(reason) if must_be_a_sheet(written) => {
             curve_file::unreadable(path, context.directory, &reason, problems);
             return Some(None);
@@ -185,9 +186,9 @@ struct Reader<'a> {
     source: &'a Arc<Source>,
     of: SheetOf<'a>,
     context: &'a Context<'a>,
-    /// Name of the only figure to read, if the target names one.
+    /// Name of the only test result to read, if the target names it.
     only: Option<&'a str>,
-    /// Tolerance of each value, or factor of the column `tolerance`.
+    /// Tolerance of each value, or factor for the column `tolerance`.
     tolerance: f64,
     weight: f64,
 }
@@ -224,7 +225,7 @@ impl Row<'_> {
         }
     }
 
-    /// Reads a wheel travel or a rack displacement. Without such a column it is 0.
+    /// Reads a wheel travel or a rack displacement. 0 if the sheet has no such column.
     fn position(&self, name: &str) -> Result<f64, StudyErrors> {
         match self.number(name)? {
             Some(position) => Ok(position),
@@ -272,7 +273,7 @@ impl Reader<'_> {
         Ok(found)
     }
 
-    /// Adds the targets of a row: its value, and its secant.
+    /// Adds the targets of a row: one for its value, and one for its secant.
     fn row(&self, row: &Row<'_>, into: &mut Vec<(Target, SheetTarget)>) -> Result<(), StudyErrors> {
         for (column, is_secant) in [("value", false), ("secant", true)] {
             let Some(value) = row.number(column)? else {
@@ -324,7 +325,7 @@ impl Reader<'_> {
         };
         let same = |column: &str, own: &str| ["", own].contains(&row.cell(column));
         Ok(row.cell("load") == test.load.name()
-            // Rounding in a conversion of units does not matter.
+            // Rounding in a conversion of units must not matter.
             && trail.is_none_or(|trail| six_digits(trail) == six_digits(test.trail))
             && same("hold", held)
             && same("mode", test.mode.name())
@@ -332,7 +333,7 @@ impl Reader<'_> {
             && same("steering", steering))
     }
 
-    /// Returns the figure that fits a row; there must be only one. `None` for a missing secant.
+    /// Returns the test result that fits a row. More than one is an error. `None` for a missing secant.
     fn only_one<F>(
         row: &Row<'_>,
         is_secant: bool,
@@ -360,7 +361,7 @@ impl Reader<'_> {
         }
     }
 
-    /// Figure of a row. `None` for a secant of a test with a motion, which has no secants.
+    /// Test result of a row. `None` for a secant of a test with a motion, because such a test has no secants.
     fn figure_of_wheel(
         &self,
         elastic: &ComplianceStudy,
@@ -463,9 +464,9 @@ impl Reader<'_> {
     }
 }
 
-/// Figure of a row.
+/// Test result of a row.
 struct SheetFigure {
-    /// Name of the figure in a study.
+    /// Name of the test result in a study.
     name: String,
     of: TargetQuantity,
     /// Wheel that the row names, for an axle.

@@ -43,7 +43,7 @@ pub(super) fn steer(
 /// Entries that a solid axle or a twist beam does not support, each with the reason.
 type Refused<'a> = Vec<(Option<Span<usize>>, &'a str)>;
 
-/// Entries of motions and `[steering]` that an axle with a drag link, or one without it, does not support.
+/// Entries of motions and `[steering]` that an axle with a drag link, or an axle without a drag link, does not support.
 fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
     let is_steered = mechanism.axle_steering().is_some();
     let motions = std::iter::once(&file.motion).chain(file.motions.values());
@@ -84,7 +84,7 @@ fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
     refused
 }
 
-/// Refuses entries that a solid axle or a twist beam does not support. Returns true if there are none.
+/// Refuses entries that a solid axle or a twist beam does not support. Returns true if there are no such entries.
 pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let is_steered = suspension.mechanism.axle_steering().is_some();
     let mut refused = refused_steering(file, &suspension.mechanism);
@@ -145,8 +145,8 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     sound
 }
 
-/// Bushings of an axle on five links whose parts are assembled. The misfit of the parts stretches links, and a bushing gives a link no
-/// axial stiffness there.
+/// Bushings of an axle on five links that is assembled from its parts. Parts that do not fit exactly stretch the links, and
+/// in this calculation a bushing gives a link no axial stiffness.
 fn bushings_of_five_links(file: &File, suspension: &Suspension) -> Refused<'static> {
     let is_assembled = file.tolerance.is_some() || file.setup.is_some();
     let is_refused = is_assembled && suspension.mechanism.has_extra_links();
@@ -163,7 +163,7 @@ pub(super) fn has_five_links(section: &file::Suspension, mechanism: &Mechanism) 
     is_paired && mechanism.rigid_axle.is_some() && mechanism.point("panhard_axle").is_some()
 }
 
-/// Returns true if the drag link's end at the knuckle is on the left side, or if there is none.
+/// Returns true if the drag link's end at the knuckle is on the left side, or if there is no drag link.
 fn drag_link_is_left(
     section: &file::Suspension,
     suspension: &Suspension,
@@ -187,8 +187,8 @@ fn drag_link_is_left(
     false
 }
 
-/// Checks the links that hold the axle. There are four: two pairs, or a pair of lower links, a single upper link and a Panhard
-/// rod or a Watt linkage. Five links need elastic parts.
+/// Checks the links that hold the axle. There must be four: two pairs, or a pair of lower links, a single upper link and a
+/// Panhard rod or a Watt linkage. Five links need elastic parts.
 fn links(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool {
     let section = &file.suspension;
     let has = |name: &str| suspension.mechanism.point(name).is_some();
@@ -251,7 +251,7 @@ fn links(file: &File, suspension: &Suspension, problems: &mut Problems) -> bool 
     }
 }
 
-/// Axle as seen from its left and from its right wheel. The second is `None` if the axle is its own mirror image.
+/// Axle as seen from its left wheel and from its right wheel. The second is `None` if the axle is symmetric.
 pub(super) fn wheels(
     file: &File,
     suspension: &Suspension,

@@ -1,4 +1,4 @@
-//! `[solver]`: the formulation that finds poses, and the outputs that it supports.
+//! `[solver]`: the formulation of the equations for poses, and the outputs that it supports.
 
 use super::error::Problems;
 use super::file::File;
@@ -53,7 +53,7 @@ pub(super) fn formulation(
     Some(formulation)
 }
 
-/// Refuses the key `accuracy`. Every study is solved to rounding.
+/// Refuses the key `accuracy`, because every study is solved to rounding.
 pub(super) fn refuse_accuracy(file: &File, problems: &mut Problems) {
     if let Some(accuracy) = &file.solver.accuracy {
         let message = "poses always have full double precision: lower precision saved no time, so \
@@ -104,7 +104,7 @@ pub(super) fn check_outputs(
     }
 }
 
-/// Refuses certificates for outputs that have none.
+/// Refuses certificates for outputs that do not support them.
 fn check_certificate(
     file: &File,
     formulation: Formulation,

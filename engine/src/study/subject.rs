@@ -1,4 +1,4 @@
-//! Subjects of targets and constraints: characteristics, coordinates of points, lengths, members, motions.
+//! Subjects of targets and constraints: characteristics, coordinates of points, lengths, members and motions.
 
 use super::error::Problems;
 use super::members::axis;
@@ -69,7 +69,7 @@ pub(super) fn member(
     choose(text, "member", &options, problems)
 }
 
-/// Two members without a common joint, with their names. `expected` says in an error what may stand there.
+/// Two members without a common joint, with their names. `expected` describes the permitted texts in an error.
 pub(super) fn pair(
     names: &Spanned<Vec<Text>>,
     expected: &str,
@@ -92,7 +92,7 @@ pub(super) fn pair(
     Some((names, [first, second]))
 }
 
-/// A length with its name: that of a member, or the distance between two points.
+/// A length with its name: length of a member, or distance between two points.
 pub(super) fn length(
     written: &Spanned<MemberName>,
     suspension: &Suspension,
@@ -124,7 +124,8 @@ pub(super) fn length(
 /// Message that refuses the force in a member as a target or constraint of an axle.
 pub(super) const NO_FORCES_OF_AN_AXLE: &str = "an axle has no targets or constraints on forces in members; remove [axle] to use them on the left wheel";
 
-/// Force in a member under a load, named by its column without the unit. Includes the factor to the study's axes.
+/// Force in a member under a load, named by its column without the unit. Includes the sign that converts it to the study's
+/// axes.
 pub(super) fn force(
     name: &Text,
     context: &Context,

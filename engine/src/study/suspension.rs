@@ -1,4 +1,4 @@
-//! `[suspension]`, `[wheel]` and `[vehicle]`: the mechanism with its dimensions.
+//! `[suspension]`, `[wheel]` and `[vehicle]`: the mechanism and its dimensions.
 
 use super::error::Problems;
 use super::file::{self, Coordinates, File};
@@ -113,7 +113,7 @@ pub(super) fn kilograms(file: &File, problems: &mut Problems) -> Option<f64> {
     Some(mass_unit(&file.suspension.mass_unit, problems)?.kilograms())
 }
 
-/// Hardpoint as the file gives it, in the study's axes.
+/// Hardpoint as given in the file, in the study's axes.
 struct Given<'a> {
     name: &'static str,
     text: &'a Text,
@@ -186,7 +186,7 @@ fn hardpoints<'a>(
     sound.then_some(given)
 }
 
-/// Reports an error in a group of hardpoints, at its first part.
+/// Reports an error in a group of hardpoints, at the first part of the group.
 fn add_group_fault(
     group: &Group,
     fault: &HardpointFault,
@@ -209,7 +209,7 @@ fn add_group_fault(
     }
 }
 
-/// Sets the bodies that carry the ends of springs and rods, where the study names them.
+/// Sets the bodies that carry the ends of springs and rods, if the study names them.
 pub(super) fn bodies(
     bodies: &BTreeMap<Text, Text>,
     mechanism: &mut Mechanism,
@@ -254,7 +254,7 @@ pub(super) fn position(coordinates: &Coordinates, problems: &mut Problems) -> Op
     three(coordinates, "coordinates [x, y, z]", problems)
 }
 
-/// Three numbers of a list, in the study's axes. `what` names them in messages.
+/// Three numbers of a list, in the study's axes. `what` names the numbers in messages.
 pub(super) fn three(
     list: &Coordinates,
     what: &str,
@@ -413,7 +413,7 @@ pub(super) fn above_zero(number: &Number, problems: &mut Problems) -> Option<f64
 /// Numbers above 0, such as rates, masses and lengths.
 pub(super) const ABOVE_ZERO: Accepted = Accepted::Above(0.0);
 
-/// Checks that the number is one of the accepted values. `noun` names it in the message.
+/// Checks that the number is one of the accepted values. `noun` names the number in the message.
 pub(super) fn accepted(
     number: &Number,
     noun: &str,

@@ -1,4 +1,4 @@
-//! `[sweep]`: designs to compute.
+//! `[sweep]`: designs to be computed.
 
 use super::elastic_targets::{RateKeys, rate_keys};
 use super::error::Problems;
@@ -18,7 +18,7 @@ use toml::Spanned;
 /// Largest number of designs in a sweep: years of work for the fastest machine.
 pub const MOST_DESIGNS: u64 = 1_000_000_000_000;
 
-/// Largest number of variables with Saltelli sampling. One group of such designs must fit into a block.
+/// Largest number of variables with Saltelli sampling. One group of exchanged designs must fit into a block.
 pub(crate) const MOST_EXCHANGED: usize = crate::evaluate::BLOCK - 2;
 
 impl Sampling {
@@ -47,8 +47,8 @@ impl Sampled {
 }
 
 impl Sampled {
-    /// Returns only the data that determine the designs. The points of a sequence do not depend on the number of samples, so that
-    /// number is cleared.
+    /// Returns only the data that determine the designs. The points of a sequence do not depend on the number of samples, so
+    /// the number is set to zero.
     pub(crate) fn meaning(&self) -> Sampled {
         let samples = match self.method {
             Sampling::Sobol | Sampling::Random | Sampling::Saltelli => 0,
@@ -133,7 +133,8 @@ pub(super) fn sweep(
     })
 }
 
-/// Checks that the sweep uses the equations in the knuckle's pose, and a drive with the same meaning for every design.
+/// Checks that the sweep uses the formulation [`Formulation::KnucklePose`], and a drive with the same meaning for every
+/// design.
 fn check_solver(
     file: &File,
     section: &Spanned<file::Sweep>,
@@ -202,9 +203,9 @@ fn sampled(
 
 /// Keys for the sampling of a sweep's variables.
 pub(super) struct SamplingKeys<'a> {
-    /// Place of the section in the file.
+    /// Position of the section in the file.
     pub section: Span<usize>,
-    /// Place of the variables in the file.
+    /// Position of the variables in the file.
     pub variables: Span<usize>,
     /// Name of the sampling method.
     pub method: &'a Option<Text>,
@@ -214,7 +215,7 @@ pub(super) struct SamplingKeys<'a> {
     pub seed: &'a Option<Whole>,
 }
 
-/// Method and seed. Each is `None` if it has an error.
+/// Method and seed. A value with an error is `None`.
 pub(super) type Rules = (Option<Sampling>, Option<i64>);
 
 impl SamplingKeys<'_> {
@@ -229,7 +230,7 @@ impl SamplingKeys<'_> {
         (method, seed)
     }
 
-    /// Reads the samples of variables, which are written at `places`.
+    /// Reads the samples of variables. `places` are their positions in the file.
     pub(super) fn sampled(
         &self,
         (method, seed): Rules,
@@ -423,8 +424,8 @@ pub(super) fn plain(name: &Text, problems: &mut Problems) -> Option<String> {
     Some(text.clone())
 }
 
-/// Refuses two variables with the same name. Also refuses a coordinate that one variable sets and another one moves. Offsets
-/// of several variables add up.
+/// Refuses two variables with the same name. Also refuses a coordinate that one variable sets and another variable moves.
+/// Offsets of several variables are added.
 fn distinct(
     written: &[Spanned<file::SweepVariable>],
     variables: &[SweepVariable],

@@ -40,7 +40,7 @@ impl TargetQuantity {
         }
     }
 
-    /// Factor from a value in the kernel's frame, in radians, length units and newtons, to the printed value.
+    /// Factor that converts a value in the kernel's frame, in radians, length units and newtons, to the printed value.
     pub fn factor(&self) -> f64 {
         self.unit.printed_factor(self.length) * self.sign
     }
@@ -50,7 +50,7 @@ impl TargetQuantity {
         self.unit.from_printed(printed, self.length) * self.sign
     }
 
-    /// Measure of one wheel, if it is one.
+    /// Measure of one wheel. `None` for other quantities.
     pub fn of_wheel(&self) -> Option<&Measure> {
         match &self.kind {
             TargetKind::Wheel(measure) => Some(measure),
@@ -58,7 +58,7 @@ impl TargetQuantity {
         }
     }
 
-    /// Characteristic of one wheel, if it is one.
+    /// Characteristic of one wheel. `None` for other quantities.
     pub fn as_characteristic(&self) -> Option<Characteristic> {
         match &self.kind {
             TargetKind::Wheel(Measure::Quantity(Quantity::Characteristic(c)))
@@ -67,7 +67,7 @@ impl TargetQuantity {
         }
     }
 
-    /// Returns true for a test figure of elastic parts, of a wheel or an axle.
+    /// Returns true for a test result of elastic parts, of a wheel or an axle.
     pub fn is_figure(&self) -> bool {
         match &self.kind {
             TargetKind::Elastic(KcValue::Figure { .. }) => true,
@@ -79,7 +79,7 @@ impl TargetQuantity {
         }
     }
 
-    /// Test figure of elastic parts, if it is one.
+    /// Test result of elastic parts. `None` for other quantities.
     pub fn as_figure(&self) -> Option<ElasticFigure> {
         let TargetKind::Elastic(value @ KcValue::Figure { .. }) = self.kind else {
             return None;
@@ -99,15 +99,16 @@ impl TargetQuantity {
 pub struct Site {
     /// Motion with its name. `None` for the study's `[motion]`.
     pub motion: Option<(String, Motion)>,
-    /// Rack displacements along the study's +y. If empty, the rack is at the motion's displacement, or straight ahead
-    /// if the motion moves it.
+    /// Rack displacements along the study's +y. If empty, the rack is at the motion's displacement. If the motion moves the
+    /// rack, the rack is straight ahead.
     pub racks: Vec<f64>,
-    /// For an axle: the coordinate that varies, and the values of the others.
+    /// For an axle: the coordinate that varies, and the values of the other coordinates.
     pub axle: Option<AxleSite>,
 }
 
 impl Site {
-    /// Returns true for the stations of a motion of one wheel at its own rack. `name` is the name of the motion.
+    /// Returns true if the site consists of all stations of one wheel's motion, with the rack of this motion. `name` is the
+    /// name of the motion.
     pub fn is_whole_motion(&self, name: Option<&str>) -> bool {
         let own = self.motion.as_ref().map(|(name, _)| name.as_str());
         own == name && self.racks.is_empty() && self.axle.is_none()
@@ -133,7 +134,7 @@ pub struct Target {
 }
 
 impl Target {
-    /// Name of the target: that of the characteristic, or the name of the column without its unit.
+    /// Name of the target: name of the characteristic, or name of the column without its unit.
     pub fn name(&self, length: LengthUnit) -> String {
         match self.of.as_characteristic() {
             Some(characteristic) => characteristic.info().name.to_owned(),
@@ -145,12 +146,12 @@ impl Target {
         }
     }
 
-    /// Drive values of a motion, with those added for this target.
+    /// Drive values of a motion, and the additional drive values of this target.
     pub fn stations_in(&self, motion: &Motion) -> Vec<f64> {
         self.stations_among(&motion.values)
     }
 
-    /// The given drive values, with those added for this target.
+    /// The given drive values, and the additional drive values of this target.
     pub fn stations_among(&self, values: &[f64]) -> Vec<f64> {
         let added = self.stations.iter().filter(|v| !values.contains(v));
         values.iter().chain(added).copied().collect()
@@ -175,8 +176,8 @@ impl Target {
         }
     }
 
-    /// Reason why a sweep cannot evaluate the target. `None` if it can: for targets of an axle, and for characteristics and
-    /// figures at the racks of `motion`, the study's own motion.
+    /// Reason why a sweep cannot evaluate the target. `None` if a sweep can. A sweep can evaluate targets of an axle, and
+    /// characteristics and test results at the rack displacements of `motion`, the study's own motion.
     pub fn not_swept(&self, motion: &Motion) -> Option<String> {
         if self.site.axle.is_some() {
             return None;
@@ -194,7 +195,7 @@ impl Target {
         Some(format!("[motion] does not have the rack {other}"))
     }
 
-    /// Returns true if a chart can show the target as a line: a value or curve of a characteristic.
+    /// Returns true if a chart can show the target as a line. This is a value or a curve of a characteristic.
     pub fn is_plain(&self) -> bool {
         !matches!(self.wanted, Wanted::Band { .. }) && self.has_curve()
     }
@@ -228,9 +229,9 @@ pub enum Wanted {
     Band {
         /// Single drive value of the band. `None` for the stations of the motion.
         at: Option<f64>,
-        /// Lower limit; `None` for no limit.
+        /// Lower limit. `None` means no limit.
         lower: Option<Limit>,
-        /// Upper limit; `None` for no limit.
+        /// Upper limit. `None` means no limit.
         upper: Option<Limit>,
     },
 }
@@ -265,15 +266,15 @@ pub struct Constraint {
 pub struct Limited {
     /// Measure with limits.
     pub of: Measure,
-    /// Lower limit; `None` for no limit.
+    /// Lower limit. `None` means no limit.
     pub lower: Option<f64>,
-    /// Upper limit; `None` for no limit. If it equals `lower`, the constraint is an equality.
+    /// Upper limit. `None` means no limit. If it equals `lower`, the constraint is an equality.
     pub upper: Option<f64>,
     /// Change of the measure that counts as 1 in the rows of a tuning. It is a visible change, such as 1 mm or 1 degree.
     pub scale: f64,
     /// The change `scale`, expressed in `unit`.
     pub visible: f64,
-    /// Unit of the limits, margins and prices, as the study writes it. "1" for a plain number.
+    /// Unit of limits, margins and multipliers, as the study writes it. "1" for a plain number.
     pub unit: String,
 }
 

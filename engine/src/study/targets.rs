@@ -32,10 +32,10 @@ pub(super) enum FromFile {
     Sheet(Vec<SheetTarget>),
 }
 
-/// Targets, and the data from files with the index of the target as written.
+/// Targets, and the data from files, each with the index of the target as written.
 type ReadTargets = (Vec<Target>, Vec<(usize, FromFile)>);
 
-/// Reads the targets, and the data from files with the index of the target as written. `None` if there is an error.
+/// Reads the targets, and the data from files, each with the index of the target as written. `None` if there is an error.
 pub(super) fn targets(
     section: &file::Optimise,
     context: &Context,
@@ -49,7 +49,7 @@ pub(super) fn targets(
     each_target(written, is_fit, context, problems)
 }
 
-/// Refuses the keys of an entry that only studies of cars have.
+/// Refuses keys that only entries in studies of cars have.
 pub(super) fn refuse_keys_of_cars(
     written: [&Option<Text>; 2],
     problems: &mut Problems,
@@ -129,7 +129,7 @@ fn target(
     }
     let target = Target {
         tolerance: of.from_printed(tolerance?).abs(),
-        // Between two rows there are none.
+        // With rows, no stations can be added between them.
         stations: if has_rows {
             Vec::new()
         } else {
@@ -143,7 +143,7 @@ fn target(
     Some((target, from_file))
 }
 
-/// Quantity of a target, its site, and for an axle its motion. Each is `None` if it has an error.
+/// Quantity of a target, its site, and for an axle its motion. A part with an error is `None`.
 fn quantity_and_site(
     spanned: &Spanned<Written>,
     context: &Context,
@@ -171,7 +171,7 @@ fn quantity_and_site(
     (of, site, None)
 }
 
-/// Checks that the number is positive and not tiny, so that quotients by it, and their squares, do not overflow.
+/// Checks that the number is positive and not tiny, so that division by it, or by its square, does not overflow.
 fn not_tiny(number: &Number, problems: &mut Problems) -> Option<f64> {
     const LEAST: f64 = 1e-12;
     let value = above_zero(number, problems)?;
@@ -234,7 +234,7 @@ fn curve(
     }
 }
 
-/// Place of a target in the file, its subject and its motion.
+/// Position of a target in the file, its quantity and its motion.
 struct TargetContext<'a> {
     motion: &'a Motion,
     drives: DriveValues<'a>,
@@ -244,7 +244,7 @@ struct TargetContext<'a> {
 }
 
 impl TargetContext<'_> {
-    /// Checks that a motion of rows has a row for each drive value of a target, or at least one row on its curve.
+    /// Checks that a motion of rows has a row for each drive value of a target. On a curve, it must have at least one row.
     fn check_rows(
         &self,
         wanted: &Wanted,
@@ -338,7 +338,7 @@ impl TargetContext<'_> {
             (None, None, Some(at), None, false) => {
                 problems.refuse(at.span.clone(), "at needs value: the target value there")
             }
-            // Without a travel, a figure applies to the design height.
+            // Without a travel, the target of a test result applies at the design height.
             (None, None, None, Some(value), false) if self.of.is_figure() => {
                 let value = self.of.from_printed(value.value);
                 Some(Wanted::At { drive: 0.0, value })
@@ -458,7 +458,7 @@ impl TargetContext<'_> {
             .all(|limit| matches!(limit, Limit::Value(_)));
         let is_placed = written.motion.is_some() || written.over.is_some();
         let at = match at {
-            // Without a travel, a figure applies to the design height.
+            // Without a travel, the band of a test result applies at the design height.
             None if self.of.is_figure() && is_level && !is_placed => Some(0.0),
             None => None,
             Some(at) => Some(self.single(at, problems)?),
@@ -485,7 +485,7 @@ impl TargetContext<'_> {
     }
 }
 
-/// Smallest and largest of some values.
+/// Smallest and largest of these values.
 pub(super) fn ends(values: &[f64]) -> (f64, f64) {
     let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
     let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);

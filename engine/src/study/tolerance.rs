@@ -1,4 +1,4 @@
-//! `[tolerance]`: scatter of parts, and the bands that builds must keep.
+//! `[tolerance]`: tolerances of parts, and the bands that builds must keep.
 
 mod band;
 mod jig;
@@ -23,8 +23,8 @@ use jig::jig;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Number of standard deviations from its nominal value at which a study must still accept a value. Builds with a value that a
-/// study does not accept are rejected.
+/// Number of standard deviations about the nominal value within which a study must accept every value. Builds with values
+/// that a study does not accept are rejected.
 const LEAST_SIGMAS: f64 = 4.0;
 /// Largest number of builds: hours of work for the fastest machine.
 const MOST_BUILDS: i64 = 10_000_000_000;
@@ -112,8 +112,8 @@ fn whole(
     problems.refuse(written.span(), message)
 }
 
-/// Sources of scatter of both wheels, from an entry of `scatter`. The parts of each wheel scatter independently, those of
-/// the right wheel as mirror images of the left ones. Parts with the same tolerance form one contributor.
+/// Tolerance sources of both wheels, from an entry of `scatter`. The parts of each wheel scatter independently. Parts of the
+/// right wheel scatter as mirror images of the left parts. Parts with the same tolerance form one contributor.
 pub(super) fn contributors_of_axle(
     written: &Spanned<file::Scatter>,
     study: &AxleStudy,
@@ -126,7 +126,7 @@ pub(super) fn contributors_of_axle(
         None => None,
         Some(text) => {
             let Some(side) = choose(text, "side", &sides, problems) else {
-                // The entry is read anyway, so that its other errors are reported.
+                // Reads the entry anyway, so that its other errors are reported.
                 contributors(written, suspension, context, problems);
                 return None;
             };
@@ -144,7 +144,7 @@ pub(super) fn contributors_of_axle(
         if only.is_some_and(|only| only != side) {
             continue;
         }
-        // Uses the left wheel's axes, because a mirror-image part has the same scatter as the original.
+        // Uses the left wheel's axes, because a mirror-image part has the same tolerances as the original.
         let of_side = Suspension {
             frame: suspension.frame,
             ..study.axle.suspension(side).clone()
@@ -188,7 +188,7 @@ pub(super) fn contributors_of_axle(
     Some(found)
 }
 
-/// Contributors from an entry of `scatter`: one for each named hardpoint, and one for a jig.
+/// Contributors from an entry of `scatter`: one for each named hardpoint, or one for a jig.
 fn contributors(
     written: &Spanned<file::Scatter>,
     suspension: &Suspension,
@@ -342,9 +342,9 @@ fn rate(
     })
 }
 
-/// Returns a message if a value that scatters leaves the values that a study accepts. A normal distribution must stay inside up
-/// to [`LEAST_SIGMAS`] standard deviations. `value` gives the value at a deviation. `words` has a noun for the value and the
-/// remedy for a normal distribution.
+/// Returns a message if a scattering value can leave the range that a study accepts. A normal distribution must stay in this
+/// range up to [`LEAST_SIGMAS`] standard deviations. `value` returns the value at a deviation. `words` has a noun for the
+/// value and the remedy for a normal distribution.
 pub(super) fn unacceptable(
     law: Law,
     value: impl Fn(f64) -> f64,

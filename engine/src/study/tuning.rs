@@ -15,8 +15,8 @@ pub struct Move {
 }
 
 impl Move {
-    /// Applies a value of the variable to a coordinate of a design in the kernel's frame. With `absolute` the coordinate
-    /// becomes `factor` times the value; otherwise it changes by that amount.
+    /// Applies a value of the variable to a coordinate of a design in the kernel's frame. With `absolute`, the coordinate
+    /// becomes `factor` times the value. Otherwise it changes by `factor` times the value.
     pub fn apply(&self, frame: &Frame, value: f64, absolute: bool, design: &mut [Vector3<f64>]) {
         let coordinate = &mut design[self.point.0][self.axis];
         let along = frame.sign(self.axis) * self.factor * value;
@@ -31,7 +31,7 @@ impl Move {
 /// An optimisation (tuning) of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Optimise {
-    /// Number of starts: the design itself, then points of a low-discrepancy sequence.
+    /// Number of starts. The first start is the design itself, and further starts are points of a low-discrepancy sequence.
     pub starts: usize,
     /// Seed of this sequence.
     pub seed: u32,
@@ -43,21 +43,21 @@ pub struct Optimise {
     pub targets: Vec<Target>,
     /// Limits that the design must satisfy.
     pub constraints: Vec<Constraint>,
-    /// Misfit below which designs count as equally good. Among these, the tuning chooses the one with the smallest change. 0 asks
-    /// for the smallest misfit.
+    /// Misfit below which designs count as equally good. Among these designs, the tuning chooses the one with the smallest
+    /// change. With 0, the tuning searches for the smallest misfit.
     pub good_enough: f64,
     /// True if the targets are measurements, so that standard errors are meaningful.
     pub fit: bool,
-    /// Two or three goals whose trade-off is computed, or none.
+    /// Two or three goals whose trade-off is computed. Empty if no trade-off is requested.
     pub front: Vec<FrontGoal>,
-    /// Builds of a robust tuning. The tuning improves their mean squared misfit or their yield. `None` for a tuning of the
-    /// nominal design.
+    /// Builds of a robust tuning. The tuning improves their mean squared misfit, or the share of builds within all bands.
+    /// `None` for a tuning of the nominal design.
     pub scatter: Option<Scatter>,
-    /// True if the results report changes that no target requests.
+    /// True if the results report changes in quantities without a target.
     pub side_effects: bool,
 }
 
-/// A fixed sample of builds with the scatter of `[tolerance]`.
+/// A fixed sample of builds with the tolerances of `[tolerance]`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scatter {
     /// Number of builds.
@@ -98,7 +98,7 @@ pub struct FrontGoal {
 }
 
 impl Optimise {
-    /// The same tuning without builds: it improves the nominal design alone.
+    /// The same tuning without builds. It improves only the nominal design.
     pub fn nominal(&self) -> Self {
         Optimise {
             scatter: None,
@@ -106,8 +106,8 @@ impl Optimise {
         }
     }
 
-    /// Targets for the designs of a sweep: all of them, or none if a sweep cannot evaluate one of them. `motion` is the study's
-    /// own motion.
+    /// Targets for the designs of a sweep: all targets, or none if a sweep cannot evaluate one of them. `motion` is the
+    /// study's own motion.
     pub fn swept_targets(&self, motion: &Motion) -> &[Target] {
         if !self.fit && self.targets.iter().all(|t| t.not_swept(motion).is_none()) {
             &self.targets
@@ -116,7 +116,8 @@ impl Optimise {
         }
     }
 
-    /// Reasons why a sweep cannot compute the misfit, one for each target that it cannot evaluate. Empty if it can compute it.
+    /// Reasons why a sweep cannot compute the misfit, one for each target that it cannot evaluate. Empty if it can evaluate
+    /// all targets.
     pub fn not_swept(&self, motion: &Motion, length: LengthUnit) -> Vec<String> {
         if self.fit {
             return vec!["fit = true, so the targets are measurements".to_owned()];
@@ -129,7 +130,8 @@ impl Optimise {
     }
 }
 
-/// Design variable: a coordinate, several coordinates together, or a displacement of points along a direction.
+/// Design variable: a coordinate, several coordinates together, a displacement of points along a direction, a rotation, or a
+/// rate.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
     /// Names of the hardpoints, for example `lower_arm_front+lower_arm_rear`.
@@ -138,17 +140,17 @@ pub struct Variable {
     pub moves: Vec<Move>,
     /// Rotated points. The variable is then one of the three components of a rotation vector in degrees.
     pub turn: Option<Turn>,
-    /// Rate of an elastic part that is the variable instead.
+    /// Rate of an elastic part that the variable changes instead of coordinates.
     pub rate: Option<Rate>,
     /// Lowest and highest offset from the design, in the study's axes. Degrees for a rotation.
     pub range: [f64; 2],
-    /// Cost of a move across the range, relative to the other variables. It determines the size of a change in the search
-    /// for the smallest change.
+    /// Cost of a change across the full range, relative to the other variables. The search for the smallest change uses it
+    /// to measure the size of a change.
     pub cost: f64,
 }
 
 impl Variable {
-    /// Unique name of the variable, with its move: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_turn_x`.
+    /// Unique name of the variable, which includes its move: `tie_rod_inner_dz`, `lower_arm_front+lower_arm_rear_turn_x`.
     pub fn label(&self) -> String {
         if let Some(rate) = &self.rate {
             return match (rate.axis_name(), rate.parameter) {
@@ -164,7 +166,7 @@ impl Variable {
         }
     }
 
-    /// Axis of the move, if the move is along one axis.
+    /// Axis of the move. `None` if the move is not along a single axis.
     pub fn axis(&self) -> Option<Axis> {
         let first = self.moves.first()?.axis;
         self.moves.iter().all(|m| m.axis == first).then_some(first)
@@ -223,7 +225,7 @@ impl Variable {
 /// Rate of an elastic part as a design variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rate {
-    /// The rate: of a bushing along or about an axis, of a link, spring or anti-roll bar, or of rack and column.
+    /// Rate of a bushing along or about an axis, of a link, spring or anti-roll bar, or of rack and column.
     pub parameter: Parameter,
     /// Value of the rate in the study.
     pub design: f64,
@@ -253,7 +255,8 @@ impl Rate {
         }
     }
 
-    /// Rate after a change, and its derivative with respect to the change. If the rate is relative, the change is a fraction of it.
+    /// Rate after a change, and its derivative with respect to the change. If the rate is relative, the change is a fraction
+    /// of the rate.
     pub fn scattered(&self, change: f64) -> [f64; 2] {
         if self.is_relative {
             [self.design * (1.0 + change), self.design]
@@ -274,7 +277,7 @@ impl Rate {
         }
     }
 
-    /// Value for [`Rate::of_value`] that gives the study's own rate.
+    /// Value for [`Rate::of_value`] that gives the rate of the study.
     pub fn own_value(&self) -> f64 {
         if self.is_relative { 1.0 } else { self.design }
     }

@@ -8,13 +8,13 @@ use crate::ask::six_digits;
 use crate::model::{Suspension, TwistBeam};
 use crate::number::Each;
 
-/// Factor from the beam's torsional rate to the rate of the equivalent anti-roll bar. The angle of that bar is the one between
-/// its two levers. The beam's twist psi is half the difference of the rotations of the two halves, so k_t psi^2/2 = (k_t/4) (2
-/// psi)^2/2.
+/// Factor from the beam's torsional rate to the rate of the equivalent anti-roll bar. The angle of this bar is the angle
+/// between its two levers. The beam's twist psi is half the difference of the rotations of both halves. So k_t psi^2/2 =
+/// (k_t/4) (2 psi)^2/2.
 const OF_BOTH_LEVERS: f64 = 0.25;
 
 /// Rate of the anti-roll bar that represents the twist beam in formulas. The inner `None` means that there is no
-/// `[twist_beam]`. Refuses the section in other topologies.
+/// `[twist_beam]`. Refuses this section in other topologies.
 pub(super) fn bar_rate(
     file: &File,
     left: &Suspension,
@@ -81,8 +81,8 @@ pub(super) fn check(
     Some(())
 }
 
-/// Smallest share of the hinge's direction along y.
+/// Smallest y component of the hinge's unit direction vector.
 const LEAST_SLOPE: f64 = 0.5;
 
-/// Smallest distance of the shear centre from the line through both mounts, as a share of the mechanism's size.
+/// Smallest distance of the shear centre from the line through both mounts, relative to the mechanism's size.
 const LEAST_APART: f64 = 1e-3;

@@ -1,4 +1,4 @@
-//! Figures that no test of the study has.
+//! Test results that no test of the study gives.
 
 use super::error::Problems;
 use super::names::nearest;
@@ -7,8 +7,8 @@ use crate::compliance::{
     KcTest, TestMode, figure_and_keys, figure_names, is_figure_of_axles, loads_of_figure,
 };
 
-/// Refuses a figure that no test of the study has, even if its name is misspelt. `known` has all names that the study offers.
-/// Returns true if it did.
+/// Refuses a test result that no test of the study gives, even if its name is misspelt. `known` has all names that the study
+/// offers. Returns true if the name was refused.
 pub(super) fn refuses<'n, N: Iterator<Item = &'n str>>(
     text: &'n Text,
     what: &str,

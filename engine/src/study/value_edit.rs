@@ -1,4 +1,4 @@
-//! Changes of single values in a study's text. Comments do not change.
+//! Changes of single values in a study's text. Comments are kept.
 
 use crate::sorting::sort_by_key;
 use serde::{Deserialize, Serialize};
@@ -25,7 +25,7 @@ pub enum PathStep {
     Key(String),
 }
 
-/// Returns the text after all changes, made in order. Comments and layout around them do not change.
+/// Returns the text after all changes, made in order. Keeps the comments and layout around them.
 pub fn edited_text(text: &str, edits: &[ValueEdit]) -> Result<String, String> {
     let mut document: DocumentMut = text.parse().map_err(|e| format!("not TOML: {e}"))?;
     for edit in edits {
@@ -112,7 +112,7 @@ fn set_key(table: &mut dyn TableLike, key: &str, value: Option<&Json>) -> Option
     Some(())
 }
 
-/// Adds a key at the end of a table. A comment behind the value stays.
+/// Adds a key at the end of a table. Keeps a comment behind the value.
 pub(super) fn append(table: &mut dyn TableLike, key: &str, mut new: Value) {
     // The space before the closing brace of an inline table belongs to its last value.
     let mut end = None;
@@ -132,7 +132,7 @@ pub(super) fn append(table: &mut dyn TableLike, key: &str, mut new: Value) {
     table.insert(key, Item::Value(new));
 }
 
-/// Replaces a value. If old and new value have the same structure, the layout inside the value does not change either.
+/// Replaces a value. If the old and the new value have the same structure, also keeps the layout inside the value.
 fn replace(old: &mut Value, new: &Json) -> Option<()> {
     match (&mut *old, new) {
         (Value::Array(list), Json::Array(values)) if list.len() == values.len() => {
@@ -157,8 +157,8 @@ fn replace(old: &mut Value, new: &Json) -> Option<()> {
     Some(())
 }
 
-/// Changes, removes or adds an entry of a list. A comment after an entry, on the same line, is removed with it. Comments above the
-/// first entry may belong to the whole list, so they stay.
+/// Changes, removes or adds an entry of a list. A comment behind an entry, on the same line, is removed with this entry.
+/// Comments above the first entry may refer to the whole list, so they are kept.
 fn set_entry(list: &mut Array, at: usize, value: Option<&Json>) -> Option<()> {
     match value {
         Some(value) if at < list.len() => replace(list.get_mut(at)?, value),
@@ -198,7 +198,7 @@ fn set_entry(list: &mut Array, at: usize, value: Option<&Json>) -> Option<()> {
     }
 }
 
-/// Spaces and comments before an added entry. A comment after the previous last entry stays with that entry.
+/// Spaces and comments before an added entry. A comment behind the previous last entry remains with that entry.
 fn place_for_more(list: &mut Array) -> String {
     let Some(last) = list.len().checked_sub(1).and_then(|k| list.get_mut(k)) else {
         return String::new();
@@ -223,7 +223,7 @@ fn prefix(value: &Value) -> String {
     prefix.unwrap_or("").to_owned()
 }
 
-/// Changes, removes or adds a `[[table]]`. Comments above the first table may belong to all tables, so they stay.
+/// Changes, removes or adds a `[[table]]`. Comments above the first table may refer to all tables, so they are kept.
 fn set_table(tables: &mut ArrayOfTables, at: usize, value: Option<&Json>) -> Option<()> {
     match value {
         None if at < tables.len() => {
@@ -261,7 +261,7 @@ fn set_table(tables: &mut ArrayOfTables, at: usize, value: Option<&Json>) -> Opt
     }
 }
 
-/// Entries of a table; the keys that identify its subject come first.
+/// Entries of a table. Keys that identify its subject come first.
 fn in_usual_order(values: &serde_json::Map<String, Json>) -> Vec<(&String, &Json)> {
     const FIRST: [&str; 5] = ["hardpoint", "characteristic", "side", "over", "axis"];
     let mut entries: Vec<_> = values.iter().collect();

@@ -1,4 +1,4 @@
-//! The vehicle of a study: one wheel or an axle, each with its motion and outputs.
+//! Vehicle of a study: one wheel or an axle, each with its motion and outputs.
 
 use super::{
     AxleStudy, ComplianceStudy, ElasticFigure, Formulation, Motion, Outputs, Study, elastic_targets,
@@ -35,7 +35,7 @@ pub struct WheelStudy {
 }
 
 impl WheelStudy {
-    /// Test figures of the elastic parts. Empty without such parts.
+    /// Test results of the elastic parts. Empty without such parts.
     pub fn figures(&self) -> Vec<ElasticFigure> {
         let elastic = self.compliance.iter();
         elastic
@@ -67,7 +67,7 @@ impl Vehicle {
         }
     }
 
-    /// Mutable [`Vehicle::wheel`].
+    /// Mutable reference to [`Vehicle::wheel`].
     pub fn wheel_mut(&mut self) -> &mut Suspension {
         match self {
             Vehicle::Wheel(own) => &mut own.suspension,
@@ -75,8 +75,8 @@ impl Vehicle {
         }
     }
 
-    /// Motion of the wheel alone. Targets and constraints without their own motion use it. A motion of an axle moves both
-    /// wheels, so for an axle this is only the design position.
+    /// Motion of a single wheel. Targets and constraints that name no motion use it. For an axle it consists only of the
+    /// design position, because a motion of an axle moves both wheels.
     pub fn motion(&self) -> &Motion {
         match self {
             Vehicle::Wheel(own) => &own.motion,
@@ -92,7 +92,7 @@ impl Vehicle {
         }
     }
 
-    /// Sets the rate of an elastic part, if the vehicle has it.
+    /// Sets the rate of an elastic part, if the vehicle has this part.
     pub fn set_rate(&mut self, of: AxleParameter, value: f64) {
         match self {
             Vehicle::Wheel(own) => {
@@ -104,7 +104,7 @@ impl Vehicle {
                 if let Some(elastic) = &mut both.axle.elastic {
                     elastic.parts.set_rate(of, value);
                 }
-                // The set-up of the axle has the spring and the bar, too.
+                // The axle's set-up also contains the spring and the bar.
                 let setup = &mut both.axle.setup;
                 match of.parameter {
                     Parameter::BarRate => setup.bar_rate = Some(value),
@@ -121,7 +121,7 @@ impl Vehicle {
         }
     }
 
-    /// Sets another design. A right wheel with its own hardpoints moves by the same displacements as the left one.
+    /// Replaces the design. A right wheel with independent hardpoints moves by the same displacements as the left wheel.
     pub(crate) fn set_design(&mut self, mut design: Vec<Vector3<f64>>) {
         if let Vehicle::Axle(both) = self {
             let axle = &mut both.axle;
@@ -134,8 +134,8 @@ impl Vehicle {
         self.wheel_mut().design = design;
     }
 
-    /// Returns the vehicle in the form in which builds are assembled: the spin axis of each wheel runs through a point of its
-    /// carrier ([`Assembler::suspension`]), and the right wheel of an axle has its own hardpoints.
+    /// Returns the vehicle in the form in which builds are assembled. The spin axis of each wheel runs through a point of
+    /// its carrier ([`Assembler::suspension`]). The right wheel of an axle has independent hardpoints.
     ///
     /// # Errors
     ///
@@ -154,7 +154,7 @@ impl Vehicle {
         Ok(assembled)
     }
 
-    /// Axle, if the vehicle is one.
+    /// Axle. `None` if the vehicle is one wheel.
     pub fn axle(&self) -> Option<&AxleStudy> {
         match self {
             Vehicle::Axle(both) => Some(both),
@@ -162,7 +162,7 @@ impl Vehicle {
         }
     }
 
-    /// Axle, mutable, if the vehicle is one.
+    /// Mutable axle. `None` if the vehicle is one wheel.
     pub fn axle_mut(&mut self) -> Option<&mut AxleStudy> {
         match self {
             Vehicle::Axle(both) => Some(both),
@@ -170,7 +170,7 @@ impl Vehicle {
         }
     }
 
-    /// Wheel with its motion, if the vehicle is one wheel.
+    /// Wheel with its motion. `None` if the vehicle is an axle.
     pub fn one_wheel(&self) -> Option<&WheelStudy> {
         match self {
             Vehicle::Wheel(own) => Some(own),
@@ -178,7 +178,7 @@ impl Vehicle {
         }
     }
 
-    /// Wheel with its motion, mutable, if the vehicle is one wheel.
+    /// Mutable wheel with its motion. `None` if the vehicle is an axle.
     pub fn one_wheel_mut(&mut self) -> Option<&mut WheelStudy> {
         match self {
             Vehicle::Wheel(own) => Some(own),
@@ -193,7 +193,7 @@ impl Study {
         self.vehicle.wheel()
     }
 
-    /// Mutable [`Study::wheel`].
+    /// Mutable reference to [`Study::wheel`].
     pub fn wheel_mut(&mut self) -> &mut Suspension {
         self.vehicle.wheel_mut()
     }
@@ -206,8 +206,8 @@ impl Study {
         }
     }
 
-    /// Names of the further motions with curves: those of one wheel, or those of an axle. Motions of an axle's left wheel
-    /// alone serve only constraints.
+    /// Names of the further motions with curves: motions of one wheel, or of an axle. Motions of only an axle's left wheel
+    /// are left out, because only constraints use them.
     pub fn motion_names(&self) -> Vec<&str> {
         match &self.vehicle {
             Vehicle::Wheel(_) => self.motions.iter().map(|(name, _)| name.as_str()).collect(),
@@ -215,7 +215,7 @@ impl Study {
         }
     }
 
-    /// Returns the study with the motion of this name in place of its own. `None` if [`Study::motion_names`] does not
+    /// Returns the study with the motion of this name in place of its own motion. `None` if [`Study::motion_names`] does not
     /// contain the name.
     pub fn in_motion(&self, name: &str) -> Option<Study> {
         let mut study = self.clone();
@@ -232,7 +232,7 @@ impl Study {
         Some(study)
     }
 
-    /// Motion of the wheel alone ([`Vehicle::motion`]).
+    /// Motion of a single wheel ([`Vehicle::motion`]).
     pub fn motion(&self) -> &Motion {
         self.vehicle.motion()
     }
@@ -247,22 +247,22 @@ impl Study {
         self.vehicle.is_elastic()
     }
 
-    /// Axle, if the study describes one.
+    /// Axle. `None` if the study describes one wheel.
     pub fn axle(&self) -> Option<&AxleStudy> {
         self.vehicle.axle()
     }
 
-    /// Axle, mutable, if the study describes one.
+    /// Mutable axle. `None` if the study describes one wheel.
     pub fn axle_mut(&mut self) -> Option<&mut AxleStudy> {
         self.vehicle.axle_mut()
     }
 
-    /// Wheel with its motion, if the study describes one wheel.
+    /// Wheel with its motion. `None` if the study describes an axle.
     pub fn one_wheel(&self) -> Option<&WheelStudy> {
         self.vehicle.one_wheel()
     }
 
-    /// Wheel with its motion, mutable, if the study describes one wheel.
+    /// Mutable wheel with its motion. `None` if the study describes an axle.
     pub fn one_wheel_mut(&mut self) -> Option<&mut WheelStudy> {
         self.vehicle.one_wheel_mut()
     }

@@ -1,21 +1,23 @@
 //! All assemblies of a strut or a double wishbone: one full rotation of the lower arm.
 //!
-//! At an arm angle th there are at most four (module `closed_form`). The strut may be upright or inverted, or the upper arm
-//! may be on either side. The outer end of the tie rod may be on either side of its plane. For each of the four, the travel
-//! is an explicit function f(th). The assemblies are the roots of f(th) = travel over one rotation of the arm. (The four
-//! functions of a strut together are one trigonometric polynomial of degree ten, so it has at most twenty roots.)
+//! At an arm angle th there are at most four assemblies (module `closed_form`). They are the combinations of two choices.
+//! The first choice is an upright or inverted strut, or the side of the upper arm. The second choice is the side of its
+//! plane on which the tie rod's outer end lies. For each of the four assemblies, the travel is an explicit function f(th).
+//! The assemblies at a given travel are the roots of f(th) = travel over one rotation of the arm. (The four functions of a
+//! strut together are one trigonometric polynomial of degree ten, so it has at most twenty roots.)
 //!
 //! Intervals isolate the roots. Mean-value forms about the middle m of a piece X enclose f and f': f(X) in f(m) + f'(X) (X -
 //! m). Their excess width shrinks with the square of the piece's width. Each piece has one of these outcomes:
 //!
-//! - It is dropped if f encloses no root there. It is also dropped if the upper end or the tie rod has no real position on
-//!   it.
-//! - If f' does not vanish on it, there is at most one root, and the signs at the ends decide.
-//! - If all its poses are closer to a known assembly than any other assembly can be, that one is the only one.
+//! - It is dropped if the enclosure of f excludes a root. It is also dropped if the upper end or the tie rod has no real
+//!   position on it.
+//! - If f' does not vanish on it, there is at most one root, and the signs of f - travel at the ends decide.
+//! - If all its poses are closer to a known assembly than any other assembly can be, this assembly is the only one on the
+//!   piece.
 //! - Otherwise it is halved.
 //!
-//! So no root is missed, however close two of them are. A piece that is narrower than [`NARROWEST`] and still undecided (a
-//! double root) goes to Newton's method on the closure equations.
+//! So no root is missed, even if two roots are very close. A piece that is narrower than [`NARROWEST`] and still undecided
+//! (a double root) goes to Newton's method on the closure equations.
 
 use super::{Assembly, Search, Undecided};
 use crate::mechanism::Pose;
@@ -29,16 +31,16 @@ use std::f64::consts::PI;
 
 /// Width (rad) below which pieces are not halved any further.
 const NARROWEST: f64 = 1e-10;
-/// Largest number of pieces for each of the four functions: a quarter of a second. An ordinary design takes 400 pieces. A
-/// design with parallel arms, or with a tie rod's lever of a hundredth of its arm, takes 1,500.
+/// Largest number of pieces for each of the four functions. This number takes a quarter of a second. An ordinary design
+/// needs 400 pieces. A design with parallel arms, or with a tie-rod lever of a hundredth of its arm, needs 1,500.
 const MOST_PIECES: usize = 20_000;
 /// Width (rad) below which Newton's method is tried on an undecided piece. `NEXT_TRY` is the factor by which the piece must
 /// be narrower for the next try.
 const FIRST_TRY: f64 = 0.02;
 const NEXT_TRY: f64 = 0.1;
-/// Offsets (rad) from a toggle at which poses are tried if there is none at the toggle.
+/// Offsets (rad) from a toggle at which poses are tried if the toggle itself has no pose.
 const BESIDE: [f64; 7] = [0.0, 1e-9, -1e-9, 1e-7, -1e-7, 1e-5, -1e-5];
-/// Largest distance (rad) of an assembly from the piece on which it was searched.
+/// Largest distance (rad) of an assembly from the piece in which it was searched.
 const NEAR: f64 = 1e-4;
 
 type Value = Jet<Interval, 3>;
@@ -52,7 +54,7 @@ struct Piece {
     next_try: f64,
 }
 
-/// One of the four assemblies at an arm angle, for the whole rotation.
+/// One of the four assemblies at an arm angle, followed over the whole rotation.
 struct Branch {
     form: ClosedForm<Interval>,
     plain: ClosedForm<f64>,
@@ -88,7 +90,7 @@ impl Search<'_> {
 
     fn on_branch(&mut self, branch: &Branch) {
         let mut undecided: Vec<(f64, f64)> = Vec::new();
-        // The rotation is not divided at zero, where the design lies.
+        // The rotation is not divided at angle zero, where the design position lies.
         let cut = -PI + 0.1234;
         let half = |low: f64| Piece {
             low,
@@ -135,7 +137,7 @@ impl Search<'_> {
         }
         self.all.looked_at += looked_at;
         for (low, high) in undecided {
-            // A root of even order, a root at a toggle, or no root.
+            // The piece has a root of even order, a root at a toggle, or no root.
             match self.beside(branch, 0.5 * (low + high)) {
                 Some(assembly) => self.add(assembly),
                 None => self.all.undecided.push(Undecided::ArmAngle(low, high)),
@@ -143,8 +145,8 @@ impl Search<'_> {
         }
     }
 
-    /// Returns true if all poses of a piece are close to one assembly: a known one, or one that Newton's method finds from
-    /// here.
+    /// Returns true if all poses of a piece are close to one assembly. It is a known assembly, or one that Newton's method
+    /// finds from this piece.
     fn settles(&mut self, branch: &Branch, low: f64, high: f64) -> bool {
         let poses = branch.poses(Interval::bounds(low, high));
         if self.is_settled(&poses) {
@@ -159,7 +161,7 @@ impl Search<'_> {
         self.is_settled(&poses)
     }
 
-    /// Assembly at an arm angle, or so near that it cannot be distinguished from one there.
+    /// Assembly at an arm angle, or so near to this angle that both cannot be distinguished.
     fn beside(&self, branch: &Branch, angle: f64) -> Option<Assembly> {
         let found = self.assembly(&branch.pose(angle)?)?;
         let apart = (0.5 * (found.arm_angle? - angle)).sin().abs();
@@ -201,8 +203,8 @@ impl Branch {
         }
     }
 
-    /// Radicands in the positions of the upper end and of the tie rod. They are negative if there is no assembly. Also returns f
-    /// - travel as a series in the angle.
+    /// Returns two radicands and the difference f - travel as a series in the angle. The radicands belong to the positions
+    /// of the upper end and of the tie rod. A negative radicand means that there is no assembly.
     #[inline(never)]
     fn miss(&self, angle: Interval) -> ([Interval; 2], Value) {
         let form = self.form.map(Jet::constant);
@@ -211,10 +213,10 @@ impl Branch {
         ([upper_square, state.toggle_square()[0]], miss)
     }
 
-    /// Returns the state of the mechanism on a piece, and the radicand in the position of its upper end. Two radicands are small
-    /// differences of large terms near their zeros: this one, and that of the tie-rod end's distance from its plane. The zeros
-    /// are double if parallel arms are in line with each other and with the steering axis. So both radicands have mean-value
-    /// forms, which give far narrower intervals than direct evaluation.
+    /// Returns the state of the mechanism on a piece, and the radicand for the position of its upper end. A second radicand
+    /// gives the tie-rod end's distance from its plane. Near their zeros, both are small differences of large terms. The
+    /// zeros are double if parallel arms are in line with each other and with the steering axis. So both radicands have
+    /// mean-value forms, which give far narrower intervals than direct evaluation.
     fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> (ArmState<Value>, Interval) {
         let middle = Interval::point(angle.middle());
         let around = angle - middle;
@@ -250,7 +252,7 @@ impl Branch {
             .map(|series| series[0])
     }
 
-    /// Pose at an arm angle, or at the nearest angle for which it can be computed, if there is one.
+    /// Pose at an arm angle, or at the nearest angle for which it can be computed. `None` if there is no such angle nearby.
     fn pose(&self, angle: f64) -> Option<Pose<f64>> {
         BESIDE.iter().find_map(|by| {
             let (sine, cosine) = (angle + by).sin_cos();
@@ -263,7 +265,7 @@ impl Branch {
         })
     }
 
-    /// Root on a piece that has exactly one, by bisection until Newton's method is safe.
+    /// Root on a piece that has exactly one root. Bisection continues until Newton's method is safe.
     fn refined(&self, mut low: f64, mut high: f64) -> f64 {
         let at = |angle: f64| self.miss(Interval::point(angle)).1[0].value();
         let rising = at(high) > at(low);
@@ -279,10 +281,10 @@ impl Branch {
     }
 }
 
-/// Adds a range. Joins it with the last one if they touch.
+/// Adds a range of arm angles. Joins it with the last range if they touch.
 fn join(ranges: &mut Vec<(f64, f64)>, (low, high): (f64, f64)) {
     match ranges.last_mut() {
-        // Pieces come from the top of the stack, in upward order.
+        // Pieces come from the top of the stack, with increasing angles.
         Some(last) if low <= last.1 && high >= last.1 => last.1 = high,
         Some(last) if high >= last.0 && low <= last.0 => last.0 = low,
         _ => ranges.push((low, high)),

@@ -4,10 +4,10 @@
 //!
 //! - [`arm`]: strut and double wishbone, by their closed form. Intervals search one rotation of the lower arm, for each side
 //!   of the upper end and of the tie rod.
-//! - [`hinge`]: a semi-trailing arm, two points of a circle.
+//! - [`hinge`]: a semi-trailing arm. The assemblies are at most two points of a circle.
 //! - [`rods`]: a knuckle on five rods. Intervals search all rotations.
 //!
-//! Newton's method on the closure equations refines each isolated assembly, and its certificate proves it.
+//! Newton's method on the closure equations refines each isolated assembly, and a certificate bounds its error.
 
 mod arm;
 mod hinge;
@@ -33,16 +33,17 @@ pub struct Assembly {
     /// Angle of the first arm from the design position (radians, positive raises its outer joint). `None` if there is no
     /// arm.
     pub arm_angle: Option<f64>,
-    /// For each of the [`Assemblies::traits`], true if the assembly has the design's variant. `None` at the border between
-    /// two variants.
+    /// For each of the [`Assemblies::traits`], true if the assembly has the same variant as the design position. `None` at
+    /// the border between two variants.
     pub branch: Vec<Option<bool>>,
     /// Position of the wheel centre.
     pub wheel_centre: Vector3<f64>,
-    /// Proof of the pose. `None` if the pose is singular in double precision.
+    /// Certificate of the pose. `None` if the pose is singular in double precision.
     pub certificate: Option<Certificate>,
 }
 
-/// A feature that distinguishes assemblies: each assembly has one of its two variants, or lies at the border between them.
+/// Feature that distinguishes assemblies. It has two variants, and each assembly has one of them or lies at the border
+/// between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AssemblyMode {
     /// Position of a strut's mount, above or below the foot of the perpendicular from the ball joint to the strut's axis.
@@ -89,29 +90,29 @@ pub struct Assemblies {
     /// Assemblies, in the order of the arm angle or, for a mechanism without an arm, of the rotation from the design
     /// position.
     pub found: Vec<Assembly>,
-    /// Places with a possible further assembly that the search could not decide. Only degenerate designs have such places.
+    /// Possible further assemblies that the search could not confirm or exclude. They occur only in degenerate designs.
     pub undecided: Vec<Undecided>,
     /// Number of examined pieces of the arm's rotation, or of examined boxes of poses.
     pub looked_at: usize,
 }
 
-/// A place with a possible assembly that the search could not decide.
+/// Region with a possible assembly that the search could not confirm or exclude.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Undecided {
     /// Between two angles of the first arm (radians).
     ArmAngle(f64, f64),
     /// Near a pose.
     Pose(Pose<f64>),
-    /// This share of all rotations of the knuckle was not searched, because it would have taken too long.
+    /// Fraction of all rotations of the knuckle that was not searched, because this would have taken too long.
     Rotations(f64),
 }
 
 /// Number of starting points for Newton's method, if the exact search has left an interval undecided.
 const TRIES: usize = 400;
-/// Distance, relative to the mechanism's size, below which an assembly without proof counts as equal to another one. The two are
-/// then a double assembly, whose position is uncertain by the square root of the rounding.
+/// Distance, relative to the mechanism's size, below which an assembly without certificate counts as equal to another one.
+/// The two are then a double assembly, whose position is uncertain by the square root of the rounding error.
 const DOUBLE: f64 = 1e-5;
-/// Largest number of undecided places in the result.
+/// Largest number of undecided regions in the result.
 const MOST_UNDECIDED: usize = 64;
 
 /// Merges overlapping ranges of the arm's angle.
@@ -136,7 +137,7 @@ fn merge(undecided: &mut Vec<Undecided>) {
 }
 
 impl Assembly {
-    /// Rotation of the knuckle from the design position (radians, 0 to pi).
+    /// Angle of the knuckle's rotation from the design position (radians, 0 to pi).
     pub fn turn(&self) -> f64 {
         let [a, b, c] = self.pose.rotation.columns;
         let twice_sine = Vector3::new(b.z - c.y, c.x - a.z, a.y - b.x).norm();
@@ -149,7 +150,7 @@ impl Solver<'_> {
     /// +y). `None` for a mechanism without a complete method.
     pub fn assemblies(&self, travel: f64, rack: f64) -> Option<Assemblies> {
         let mut search = Search::new(self, travel, rack);
-        // The connected assembly comes first: it must be found even if the search gives up.
+        // The assembly that is connected to the design position comes first: it must be found even if the search gives up.
         search.take_connected();
         let mechanism = self.mechanism();
         match (Roles::of(mechanism), mechanism.constraints.as_slice()) {
@@ -178,12 +179,12 @@ fn traits(mechanism: &Mechanism) -> Vec<AssemblyMode> {
     }
 }
 
-/// Search for the assemblies of one design at one travel, with those found so far.
+/// Search for the assemblies of one design at one travel, with the assemblies found so far.
 struct Search<'a> {
     solver: &'a Solver<'a>,
     certifier: Certifier<'a>,
     point: MotionPoint<f64>,
-    /// Design without rounding.
+    /// Design points as exact intervals of zero width.
     exact: Vec<Vector3<Interval>>,
     all: Assemblies,
 }
@@ -226,8 +227,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Tries Newton's method from rotations all over the sphere. It often finds poses that the proof left undecided, but it
-    /// does not prove that there are no others.
+    /// Starts Newton's method from rotations all over the sphere. It often finds poses that the exact search left undecided,
+    /// but it does not exclude further poses.
     fn try_others(&mut self) {
         let design = self.solver.design_pose();
         let starts: Vec<Pose<f64>> = self
@@ -240,7 +241,8 @@ impl<'a> Search<'a> {
             })
             .collect();
         let turns = (0..TRIES).map(|k| {
-            // Distributed evenly over the sphere by the golden angle, and over the rotations about each direction.
+            // The axes are distributed evenly over the sphere by the golden angle. The angles are distributed over the
+            // rotations about each axis.
             let k = k as f64 + 0.5;
             let (height, around) = (1.0 - 2.0 * k / TRIES as f64, k * 2.399_963_229_728_653);
             let level = (1.0 - height * height).sqrt();
@@ -249,7 +251,7 @@ impl<'a> Search<'a> {
             design.moved(Vector3::default(), axis * (0.5 * turn).tan())
         });
         for start in starts.into_iter().chain(turns) {
-            // A design with a free rotation has infinitely many assemblies, and none is proved.
+            // A design with a free rotation has infinitely many assemblies, and none of them can be certified.
             let found = self.assembly(&start);
             if let Some(assembly) = found.filter(|a| a.certificate.is_some()) {
                 self.add(assembly);
@@ -257,8 +259,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Assembly that Newton's method reaches from a pose. It may also settle near an assembly that almost exists. A result
-    /// without proof must at least satisfy the equations.
+    /// Assembly that Newton's method reaches from a pose. The method may also stop near a pose that almost satisfies the
+    /// equations. So a result without certificate must at least satisfy the equations.
     fn assembly(&self, near: &Pose<f64>) -> Option<Assembly> {
         let pose = self.solver.polished(near, &self.point)?;
         let certificate = self.certifier.pose(&pose, &self.point).ok();
@@ -280,7 +282,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// For each of the mechanism's traits, true if a pose has the design's variant.
+    /// For each of the mechanism's traits, true if a pose has the same variant as the design position.
     fn branch(&self, now: &Configuration<f64>) -> Vec<Option<bool>> {
         let start = self.solver.design_pose();
         let design = self.solver.configuration(&start, 0.0);
@@ -292,7 +294,7 @@ impl<'a> Search<'a> {
     }
 
     /// Number whose sign distinguishes the two variants of `of`. `None` if the mechanism has no such feature, or if the
-    /// equations cannot be factorised there.
+    /// equations cannot be factorised in this pose.
     fn sign(&self, of: AssemblyMode, at: &Configuration<f64>) -> Option<f64> {
         let mechanism = self.solver.mechanism();
         let roles = Roles::of(mechanism);
@@ -336,7 +338,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Returns true if all these poses are so close to one proved assembly that they contain no other.
+    /// Returns true if all these poses are so close to one certified assembly that they contain no other assembly.
     fn is_settled(&self, poses: &Pose<Interval>) -> bool {
         self.all.found.iter().any(|assembly| {
             let Some(proof) = assembly.certificate else {
@@ -355,14 +357,14 @@ impl<'a> Search<'a> {
                 .into_iter()
                 .zip(assembly.pose.rotation.columns);
             let turned = turned.map(|(a, b)| far(a, b)).fold(0.0, f64::max);
-            // Coordinates of the origin count directly. The rotation is multiplied by the scale.
+            // Coordinates of the origin are lengths. Entries of the rotation are multiplied by the scale.
             far(poses.origin, assembly.pose.origin) < proof.uniqueness
                 && turned * proof.scale < proof.uniqueness
         })
     }
 }
 
-/// Velocity of an arm's outer joint for a rotation about its axis, up to a positive factor.
+/// Velocity of an arm's outer joint for a rotation about the arm's axis, up to a positive factor.
 fn velocity(at: &Configuration<f64>, arm: &Arm) -> Vector3<f64> {
     let from = at.point(arm.rear);
     (at.point(arm.front) - from).cross(at.point(arm.outer) - from)

@@ -1,27 +1,27 @@
 //! All assemblies of a knuckle on rods: branch and prune over every rotation.
 //!
-//! p is the position of the knuckle's origin, R its rotation. b is the lever of a rod's outer end, a its inner end and L its
-//! length. e is the lever of the wheel centre and h its required height.
+//! Let p be the position of the knuckle's origin, and R the knuckle's rotation. A rod has the length L, the inner end a, and
+//! the lever b of its outer end. The wheel centre has the lever e and the required height h.
 //!
 //! ```text
 //! F = (|p + R b - a|^2 - L^2)/(2 L)   for each rod,      F = p_z + (R e)_z - h
 //! R = C(v) D,   C(v) c = c + 2 (v x c + v x (v x c))/(1 + v.v),   D one of 1 and the half turns about x, y, z
 //! ```
 //!
-//! Every rotation has a quaternion whose largest component is 1. So v in [-1, 1]^3 with the four D covers all rotations. The
-//! distance from p to a rod's inner end is at most the length of the rod plus that of its lever. With g = (p + R b - a)/L
-//! the differential is dF = g.dp + (m + m x v).dv 2/(1 + v.v), m = R b x g.
+//! Every rotation has a quaternion, which can be scaled so that its largest component is 1. So v in [-1, 1]^3 with the four
+//! D covers all rotations. The distance from p to a rod's inner end is at most the sum of the lengths of rod and lever. With
+//! g = (p + R b - a)/L the differential is dF = g.dp + (m + m x v).dv 2/(1 + v.v), m = R b x g.
 //!
-//! In a box of (p, v), in this order:
+//! The search applies these steps to a box of (p, v):
 //!
-//! 1. Height and lengths are solved for each coordinate of p in turn. This makes the box smaller or empty.
-//! 2. The mean-value form of each equation must contain 0.
+//! 1. The equations of height and lengths are solved for each coordinate of p in turn. This makes the box smaller or empty.
+//! 2. The mean-value form of each equation must contain 0. Otherwise the box is dropped.
 //! 3. Krawczyk's operator is K = x - A F(x) + (1 - A J(X)) (X - x), with A an inverse of J in the middle x. All solutions in
-//!    X are in K; if K lies inside X there is exactly one (R. Krawczyk, *Computing* 4, 1969; R. E. Moore, *SIAM J. Numer.
-//!    Anal.* 14, 1977). The step repeats while it makes the box much smaller.
+//!    X are in K. If K lies inside X, there is exactly one solution (R. Krawczyk, *Computing* 4, 1969; R. E. Moore, *SIAM J.
+//!    Numer. Anal.* 14, 1977). This step repeats while it makes the box much smaller.
 //!
-//! The search halves the remaining box across the variable that changes the equations most. All results are rounded outward,
-//! so it misses no assembly.
+//! The search halves the remaining box across the variable that changes the equations most. Steps and halving repeat until
+//! every box is decided or too narrow. All results are rounded outward, so it misses no assembly.
 
 use super::{Search, Undecided, pose_distance};
 use crate::linear::lu::Lu6;
@@ -35,20 +35,20 @@ use crate::threads::checkpoint;
 /// Box of p and v.
 type Cell = [Interval; 6];
 
-/// Largest number of boxes: six or seven seconds. A design takes fifty to two hundred thousand.
+/// Largest number of boxes. This number takes six or seven seconds. A usual design needs fifty to two hundred thousand.
 const MOST_CELLS: usize = 500_000;
-/// Change of the equations within a box, as a share of the size, below which the box is not halved any further.
+/// Change of the equations within a box, relative to the size, below which the box is not halved any further.
 const NARROWEST: f64 = 1e-9;
-/// Change of the equations within a box, as a share of the size, below which Newton's method is tried, and largest number of
+/// Change of the equations within a box, relative to the size, below which Newton's method is tried, and largest number of
 /// tries. A try takes ten times as long as a box, and only singular assemblies need it.
 const FIRST_TRY: f64 = 1e-3;
 const MOST_TRIES: usize = 4000;
-/// Largest share of a box's volume that may remain for Krawczyk's operator to be repeated.
+/// Krawczyk's operator is repeated if it leaves at most this fraction of a box's volume.
 const WORTHWHILE: f64 = 0.5;
 /// Distance, relative to the mechanism's size, up to which an assembly belongs to its box.
 const NEAR: f64 = 1e-6;
 
-/// A rod, for one of the four D.
+/// A rod, for one of the four rotations D.
 #[derive(Clone, Copy)]
 struct Rod {
     /// Inner end a.
@@ -57,18 +57,18 @@ struct Rod {
     lever: Vector3<Interval>,
     /// Squared length L^2.
     squared: Interval,
-    /// Inverse length 1/L. It only scales the equation, and may be rounded.
+    /// Inverse length 1/L. It only scales the equation, so it may be rounded.
     scale: f64,
 }
 
-/// Equations for one of the four D.
+/// Equations for one of the four rotations D.
 struct Chart {
     rods: [Rod; 5],
     /// Lever D e.
     wheel_lever: Vector3<Interval>,
     /// Height h.
     height: Interval,
-    /// Signs on the diagonal of D.
+    /// Diagonal entries of D: signs.
     flip: [f64; 3],
 }
 
@@ -78,7 +78,7 @@ enum Verdict {
     None,
     /// Exactly one assembly, in this box.
     One(Cell),
-    /// Remaining part of the box, with the change of the equations that each variable can make.
+    /// Remaining part of the box, with the change of the equations that each variable can cause.
     Open(Cell, [f64; 6]),
 }
 
@@ -161,7 +161,7 @@ impl Search<'_> {
         }
     }
 
-    /// Records a place at which the search could not decide. Each place is recorded once.
+    /// Records a pose near which the search could not decide. Each such region is recorded once.
     fn leave_open(&mut self, pose: Pose<f64>) {
         let size = self.solver.size();
         let known = |u: &Undecided| match u {
@@ -205,7 +205,7 @@ fn rods(mechanism: &Mechanism, design: &[Vector3<Interval>], rack: f64) -> Optio
     rods?.try_into().ok()
 }
 
-/// Box of possible positions of the knuckle's origin: those within reach of every rod.
+/// Box of possible positions of the knuckle's origin: positions within reach of every rod.
 fn place(rods: &[Rod; 5]) -> Vector3<Interval> {
     let within = |rod: &Rod| {
         let reach = rod.squared.sqrt() + rod.lever.norm_squared().sqrt();
@@ -218,14 +218,14 @@ fn place(rods: &[Rod; 5]) -> Vector3<Interval> {
     })
 }
 
-/// Values F and J of a box.
+/// Values F and Jacobian J over a box.
 struct Linearised {
     f: [Interval; 6],
     jacobian: [[Interval; 6]; 6],
 }
 
 impl Chart {
-    /// Equations for the D with this diagonal.
+    /// Equations for the rotation D with this diagonal.
     fn of(
         rods: &[Rod; 5],
         wheel_lever: Vector3<Interval>,
@@ -309,7 +309,7 @@ impl Chart {
         }
     }
 
-    /// Reduces p by the height and by each rod's length. `None` if nothing remains.
+    /// Reduces p by the equations of height and of each rod's length. `None` if nothing remains.
     fn narrowed(&self, cell: &mut Cell) -> Option<()> {
         let rotation = rotation(cell);
         let rise = apply(&rotation, self.wheel_lever).z;
@@ -362,7 +362,7 @@ impl Chart {
         Linearised { f, jacobian }
     }
 
-    /// Poses of a box.
+    /// Enclosure of the poses of a box.
     fn pose(&self, cell: &Cell) -> Pose<Interval> {
         let rows = rotation(cell);
         let [x, y, z] = rows.each(Vector3::to_array);
@@ -386,7 +386,8 @@ fn rotation(cell: &Cell) -> [Vector3<Interval>; 3] {
     let twice = one.constant(2.0) / (one + squares[0] + squares[1] + squares[2]);
     let unit = Interval::bounds(-1.0, 1.0);
     let within = |entry: Interval| entry.common(unit).unwrap_or(unit);
-    // The entry is 1 - 2 t/(1 + x^2 + t), with t the other two squares. t/(s + t) grows with t and falls with s.
+    // The entry is 1 - 2 t/(1 + x^2 + t), with t the sum of the other two squares. With s = 1 + x^2, t/(s + t) grows with t
+    // and falls with s.
     let diagonal = |i: usize| {
         let (t, s) = (
             squares[(i + 1) % 3] + squares[(i + 2) % 3],
@@ -418,7 +419,7 @@ fn inverse(matrix: &[[Interval; 6]; 6]) -> Option<[[f64; 6]; 6]> {
     finite.then_some(rows)
 }
 
-/// Divides a box across a variable. The box is not divided in the middle, where the design may lie.
+/// Divides a box across a variable. It does not divide in the exact middle, because the design position may lie there.
 fn halves(cell: &Cell, across: usize) -> [Cell; 2] {
     let Interval { low, high } = cell[across];
     let cut = low + 0.4871 * (high - low);

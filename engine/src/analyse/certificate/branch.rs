@@ -1,4 +1,4 @@
-//! Proof that poses lie on the branch of the design position: a chain of proved steps.
+//! Certifies that poses lie on the branch of the design position, by a chain of certified steps.
 
 use super::{Certificate, Certifier};
 use crate::derive::MotionPoint;
@@ -10,14 +10,15 @@ use crate::solve::Station;
 use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 
-/// Largest number of steps in the proof of a path from one station to the next.
+/// Largest number of steps in the certified path from one station to the next.
 const MOST_STEPS: usize = 4096;
 /// Largest number of halvings of such a step.
 const MOST_HALVINGS: usize = 40;
 
 impl Solver<'_> {
-    /// Visits stations like [`Solver::for_each_pose`], with two proofs for every pose: that it is right, and that it lies on the
-    /// branch of the design position. A pose without proof counts as a failure.
+    /// Visits stations like [`Solver::for_each_pose`], and certifies two facts for every pose. The pose is within its error
+    /// bound of an exact pose, and it lies on the branch of the design position. A pose without certificate counts as a
+    /// failure.
     ///
     /// # Errors
     /// If the design position is singular.
@@ -38,8 +39,8 @@ impl Solver<'_> {
         self.prove_poses(certifier, drive, station_order, rack, &found, visit)
     }
 
-    /// Proves poses that were found at the stations: that each is right, and that it lies on the branch of the design
-    /// position. `visit` gets the proved poses, and the reasons why the others are not proved.
+    /// Certifies poses that were found at the stations: each is within its error bound of an exact pose, and lies on the
+    /// branch of the design position. `visit` receives the certified poses, and the reason for every other pose.
     ///
     /// # Errors
     /// If the design position itself is singular.
@@ -77,7 +78,7 @@ impl Solver<'_> {
                     self.prove_path(certifier, from?, (pose, point))
                         .map_err(Failure::Uncertified)
                 });
-                // No pose is proved beyond a gap in the proof. An unreachable station ends its side in any case.
+                // Beyond a gap in the chain, no pose can be certified. An unreachable station ends its side in any case.
                 from = certified;
                 let shown = match &certified {
                     Ok(proved) => Ok((&proved.place.0, proved.certificate)),
@@ -91,7 +92,7 @@ impl Solver<'_> {
         Ok(())
     }
 
-    /// Proves that a pose lies on the same branch as another one, in as many steps as needed.
+    /// Certifies that a pose lies on the same branch as another one, in as many steps as needed.
     fn prove_path(
         &mut self,
         certifier: &Certifier,
@@ -101,7 +102,7 @@ impl Solver<'_> {
         if from.place == to {
             return Ok(from);
         }
-        // Poses that remain to be proved to be on the branch. The nearest is last.
+        // Poses that the chain still has to reach. The nearest pose is last.
         let mut goals = vec![(Proved::new(certifier, to)?, 0)];
         for _ in 0..MOST_STEPS {
             let Some(&(goal, depth)) = goals.last() else {
@@ -130,14 +131,14 @@ impl Solver<'_> {
             let top = goals.last_mut().expect("checked above");
             top.1 += 1;
             let depth = top.1;
-            // If an end itself is not proved, a shorter step to it cannot prove it.
+            // If an end itself cannot be certified, a shorter step to this end cannot help.
             goals.push((Proved::new(certifier, (middle, between))?, depth));
         }
         Err(Unproven::Branch)
     }
 }
 
-/// A pose that is proved right.
+/// A certified pose.
 #[derive(Clone, Copy)]
 struct Proved {
     place: Station,
@@ -150,7 +151,7 @@ impl Proved {
         Ok(Proved { place, certificate })
     }
 
-    /// Proves that the straight line to another pose follows one branch.
+    /// Certifies that the straight line to another pose follows one branch.
     fn reaches(&self, certifier: &Certifier, other: &Self) -> Result<(), Unproven> {
         let ((from, start), (to, end)) = (&self.place, &other.place);
         let errors = [self.certificate.error, other.certificate.error];

@@ -1,4 +1,5 @@
-//! Tests the constants of the theorem: second derivatives for every pair of variables, and the radii that follow from them.
+//! Tests the constants of the theorem: second derivatives for every pair of variables, and the radii that follow from these
+//! derivatives.
 
 use super::quadratic::{PoseBend, Quadratic};
 use super::theorem::{Radii, defect, image, radii};
@@ -16,7 +17,7 @@ fn suspensions() -> Vec<Suspension> {
         let study = Study::from_text("row.toml", topology.template, Path::new("."));
         study.expect("a template is valid").into_wheel()
     };
-    // The hinge of a twist beam is not quadratic, and studies of twist beams have no proofs.
+    // The hinge of a twist beam is not quadratic, so studies of twist beams have no certificates.
     let proved = Topology::ALL.iter().filter(|t| !t.is_twist_beam());
     proved.map(read).collect()
 }
@@ -66,8 +67,8 @@ fn equations(suspension: &Suspension, drive: Drive, scale: f64, z: [f64; N]) -> 
     all
 }
 
-/// Second derivative of a polynomial of second degree by variables j and l, from its values alone: F(e_j + e_l) - F(e_j) -
-/// F(e_l) + F(0). For j = l this is also F'', since F(2 e) - 2 F(e) + F(0) = F''.
+/// Second derivative of a polynomial of second degree with respect to variables j and l, from its values alone: F(e_j + e_l) -
+/// F(e_j) - F(e_l) + F(0). For j = l this is also F'', since F(2 e) - 2 F(e) + F(0) = F''.
 fn differences(at: &impl Fn([f64; N]) -> [Interval; N], j: usize, l: usize) -> [Interval; N] {
     let unit = |one: bool, other: bool| {
         let mut z = [0.0; N];
@@ -80,8 +81,8 @@ fn differences(at: &impl Fn([f64; N]) -> [Interval; N], j: usize, l: usize) -> [
     from_fn(|i| both[i] - first[i] - second[i] + none[i])
 }
 
-/// For every topology, drive, equation and pair of the pose's numbers, the constant is the true coefficient of the pair in
-/// H(z, z). This is H_jj for one number, and H_jl + H_lj = 2 H_jl for two different ones.
+/// For every topology, drive, equation and pair of the pose's numbers, the constant equals the coefficient of the pair in
+/// H(z, z). The coefficient is H_jj for one number, and H_jl + H_lj = 2 H_jl for two different numbers.
 #[test]
 fn constants_are_the_second_derivatives_of_every_pair() {
     for suspension in suspensions() {
@@ -116,7 +117,7 @@ fn constants_are_the_second_derivatives_of_every_pair() {
                     }
                 }
             }
-            // Three equations a.b = 0 have three pairs each.
+            // Three equations a.b = 0 have three pairs of different numbers each.
             assert!(mixed >= 9, "{name} {drive:?}: {mixed}");
         }
     }
@@ -137,8 +138,8 @@ fn proved(jacobian: &Square, bends: &[PoseBend], residual: f64) -> Result<Radii,
     radii(&IDENTITY, &intervals, bends, residual)
 }
 
-/// A system with known solutions, in which one pair of variables has the only second derivative: x_j + k x_j x_l = r, x_l -
-/// x_j = 0, with J = 1 after elimination, that is x_j + k x_j^2 = r along x_j = x_l. `pair` counts k like the certificate:
+/// A system with known solutions, in which only one pair of variables has a second derivative: x_j + k x_j x_l = r and x_l -
+/// x_j = 0. Elimination gives x_j + k x_j^2 = r along x_j = x_l, with J = 1. `pair` holds k in the form of the certificate:
 /// H_jj = 2 k for one number, H_jl + H_lj = 2 k for two.
 fn planted(equation: usize, j: usize, l: usize, k: f64) -> PoseBend {
     PoseBend {
@@ -149,9 +150,10 @@ fn planted(equation: usize, j: usize, l: usize, k: f64) -> PoseBend {
     }
 }
 
-/// For every pair, x + k x^2 = 0 has its other solution at the distance 1/k, and no radius of uniqueness may reach it. With
-/// x + k x^2 = r, there is no solution if 4 k r < -1. Just beyond that limit the proof must fail; just before it, it
-/// succeeds. The solution is x = (sqrt(1 + 4 k r) - 1)/(2 k), and the error bound must not be below its distance.
+/// For every pair, x + k x^2 = 0 has its other solution at the distance 1/k. The radius of uniqueness must be smaller. The
+/// equation x + k x^2 = r has no solution if 4 k r < -1. Just beyond this limit the certificate must fail, and just before
+/// it the certificate must succeed. The solution is x = (sqrt(1 + 4 k r) - 1)/(2 k), and the error bound must not be smaller
+/// than |x|.
 #[test]
 fn planted_solutions_are_not_beyond_the_radii() {
     for j in 0..N {
@@ -165,7 +167,7 @@ fn planted_solutions_are_not_beyond_the_radii() {
                 let limit = 0.25 / k;
                 for share in [0.1, 0.5, 0.999_999_99] {
                     let found = proved(&IDENTITY, &bends, share * limit).expect("a solution");
-                    // Solutions of k x^2 - x + r = 0, in a form without cancellation.
+                    // Solutions of k x^2 - x + r = 0, computed without cancellation.
                     let root = (1.0 - share).sqrt();
                     let near = 2.0 * share * limit / (1.0 + root);
                     let far = (1.0 + root) / (2.0 * k);
@@ -181,8 +183,8 @@ fn planted_solutions_are_not_beyond_the_radii() {
     }
 }
 
-/// Constants of several pairs add up. Constants of one pair in several equations add up as the inverse combines them. The
-/// uncertainty of each counts as much as its value.
+/// Constants of several pairs add up. Constants of one pair in several equations add up with the weights of the inverse. The
+/// uncertainty of each constant is added like its value.
 #[test]
 fn constants_of_all_pairs_add_up() {
     let bends = [
@@ -196,11 +198,11 @@ fn constants_of_all_pairs_add_up() {
         planted(8, 2, 5, 0.5),
     ];
     let found = proved(&IDENTITY, &bends, 0.0).unwrap();
-    // |H| of equation 3 is 1 + 1.5 + 0.5 + 0.5, that of equation 8 is 1.
+    // |H| of equation 3 is 1 + 1.5 + 0.5 + 0.5, and |H| of equation 8 is 1.
     let expected = 2.0 / 3.5;
     assert!((found.uniqueness / expected - 1.0).abs() < 1e-9);
-    // The inverse adds equation 8 to equation 3. Coefficients of one pair are added with their signs before the absolute
-    // value.
+    // The inverse adds equation 8 to equation 3. Coefficients of the same pair are added with their signs. Then the absolute
+    // value is taken.
     let mut inverse = IDENTITY;
     inverse[3][8] = -1.0;
     let mut jacobian = IDENTITY;
@@ -222,8 +224,8 @@ fn constants_of_all_pairs_add_up() {
     );
 }
 
-/// With an inverse that deviates from the exact one by z, x (1 + z) + k x^2 = 0 with A = 1 is proved as if it were x (1 - z)
-/// + k x^2 = 0. From z = 1 on the proof fails.
+/// If A = 1 deviates from the exact inverse by z, x (1 + z) + k x^2 = 0 gets the radii of the equation x (1 - z) + k x^2
+/// = 0. From z = 1 on, the certificate fails.
 #[test]
 fn an_inverse_that_is_off_narrows_the_radii() {
     let bends = [planted(4, 1, 6, 0.5)];
@@ -233,7 +235,7 @@ fn an_inverse_that_is_off_narrows_the_radii() {
         let found = proved(&jacobian, &bends, 0.0).unwrap();
         let expected = 2.0 * (1.0 - off);
         assert!(found.uniqueness <= expected && found.uniqueness > expected * (1.0 - 1e-9));
-        // The radius is that of 2 Z2 Y <= (1 - Z0)^2.
+        // The radius follows from 2 Z2 Y <= (1 - Z0)^2.
         let limit = 0.5 * (1.0 - off).powi(2);
         assert!(proved(&jacobian, &bends, limit * (1.0 - 1e-9)).is_ok());
         let beyond = proved(&jacobian, &bends, limit * (1.0 + 1e-9));
@@ -248,7 +250,7 @@ fn an_inverse_that_is_off_narrows_the_radii() {
 }
 
 /// The bound includes the rounding of twelve products and of the subtraction of 1. It is at least twelve units of roundoff,
-/// and at most a few times as much.
+/// and at most a few times this value.
 #[test]
 fn an_exact_inverse_is_off_by_rounding() {
     let intervals = IDENTITY.map(|row| row.map(Interval::point));
@@ -267,8 +269,8 @@ fn linear_equations_have_one_solution() {
     assert!(found.uniqueness > 1e300, "{}", found.uniqueness);
 }
 
-/// Along a line between two motion points the equations are enclosed by a parabola. Over a short rotation of the arm the
-/// enclosure of the curvature is as narrow as the rotation.
+/// Along a line between two motion points, a parabola encloses the equations. Over a short rotation of the arm, the width of
+/// the curvature's enclosure is proportional to the rotation.
 #[test]
 fn equations_on_a_line_are_enclosed() {
     for suspension in suspensions() {
@@ -302,7 +304,7 @@ fn equations_on_a_line_are_enclosed() {
                     let line = constant[i] + slope[i].times(share);
                     let sum = line + bend[i].times(share * share);
                     assert!(sum.low <= exact[i].high && exact[i].low <= sum.high, "{i}");
-                    // The enclosure exceeds the smallest possible one by no more than the rotation and rounding.
+                    // The enclosure exceeds the smallest possible one by at most the rotation and rounding.
                     let needed = (exact[i] - line).times(1.0 / (share * share));
                     let most = bend[i].magnitude();
                     assert!(bend[i].width() <= 5e-4 * most + 1e-14, "{i}: {:?}", bend[i]);
@@ -318,7 +320,7 @@ fn equations_on_a_line_are_enclosed() {
     }
 }
 
-/// The error of a knuckle point b comes from the errors of origin and rotation: sqrt 3 e + 3 (e/scale) |b|.
+/// The error of a knuckle point b follows from the errors of origin and rotation: sqrt 3 e + 3 (e/scale) |b|.
 #[test]
 fn points_are_off_by_origin_and_rotation() {
     let certificate = super::Certificate {

@@ -1,8 +1,8 @@
-//! All poses over an interval of the wheel travel, with their derivatives with respect to the travel.
+//! Enclosures of all poses over an interval of the wheel travel, with their derivatives with respect to the travel.
 //!
 //! If F(x, z) is enclosed over an interval, the theorem holds for every travel z of the interval at once. There is exactly
-//! one x(z) within r+ of the given pose, and it is within r-. On that ball Z = |1 - A J| < 1, so J is regular and x(z) is
-//! differentiable. From J x' = -F_z follows
+//! one x(z) within r+ of the given pose, and it lies within r-. On the ball of radius r-, Z = |1 - A J| < 1, so J is regular
+//! and x(z) is differentiable. From J x' = -F_z follows
 //!
 //! ```text
 //! x' = v + (1 - A J) x',   v = -A F_z     =>     |x' - v| <= Z |v|/(1 - Z)        (1)
@@ -20,15 +20,15 @@ use crate::number::{Each, Interval, Jet, Matrix3, Vector3, array_of};
 pub struct Inclusion {
     /// Bound on the difference between the given pose and the exact one at any travel of the interval.
     pub certificate: Certificate,
-    /// Encloses every exact pose, and its derivative with respect to the travel.
+    /// Enclosure of every exact pose, and of its derivative with respect to the travel.
     pub pose: Pose<Jet<Interval, 2>>,
 }
 
 impl Certifier<'_> {
-    /// Encloses the poses near a given one at every travel of an interval, with the rack exactly at `rack`.
+    /// Encloses the poses near a given pose at every travel of an interval, with the rack exactly at `rack`.
     ///
     /// # Errors
-    /// Reason why the proof failed. A shorter interval may succeed.
+    /// Reason why the certificate failed. A shorter interval may succeed.
     pub fn over_travels(
         &self,
         pose: &Pose<f64>,

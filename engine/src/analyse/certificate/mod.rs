@@ -1,4 +1,5 @@
-//! Proof that a pose is right: the theorem of Newton and Kantorovich on the quadratic closure equations.
+//! Certificates of poses: rigorous error bounds by the theorem of Newton and Kantorovich for the quadratic closure
+//! equations.
 //!
 //! In the twelve numbers x of a pose (position of the origin, nine entries of the rotation) the five constraints, the drive
 //! and the six conditions R^T R = 1 are quadratic ([`quadratic`]). With A an approximate inverse of the Jacobian J at x, in
@@ -11,10 +12,11 @@
 //! r- = 2 Y / (1 - Z0 + sqrt d),  r+ = (1 - Z0 + sqrt d) / Z2,  d = (1 - Z0)^2 - 2 Z2 Y
 //! ```
 //!
-//! (radii polynomial: |A F + (A J - 1) e + A H(e,e)/2| <= Y + Z0 r + Z2 r^2/2 <= r maps the ball into itself). F, J and H
-//! are evaluated on [`Interval`]s, beginning with the hardpoints, so that link lengths, strut normals and everything else
-//! are also enclosed. So the proof concerns the exact mechanism whose hardpoints are the given doubles, whatever is rounded
-//! in the computation. Lengths are divided by a power of two near the size.
+//! Since |A F + (A J - 1) e + A H(e,e)/2| <= Y + Z0 r + Z2 r^2/2 for |e| <= r, the ball of radius r is mapped into itself if
+//! this radii polynomial is at most r. F, J and H are evaluated on [`Interval`]s, beginning with the hardpoints, so that link
+//! lengths, strut normals and all other derived numbers are also enclosed. So the certificate applies to the exact mechanism
+//! whose hardpoints are the given doubles, in spite of all rounding errors. Lengths are divided by a power of two near the
+//! size.
 //!
 //! *A whole step.* On the straight line x(t) between two poses, 0 <= t <= 1, the equations are F = a + b t + c t^2 (with c
 //! enclosed over the line if the drive is an angle), so
@@ -23,11 +25,11 @@
 //! |A F(x(t))| <= |A a| + |A (b + c)| + |A c|/4          as t (1 - t) <= 1/4
 //! ```
 //!
-//! With J enclosed over the line, the same inequality proves, for every t, one and only one solution within r+ of the line.
-//! So both poses lie on one branch. A chain of such steps from the design position proves a whole curve.
+//! With J enclosed over the line, the same inequality shows that for every t there is one and only one solution within r+ of
+//! the line. So both poses lie on one branch. A chain of such steps from the design position certifies a whole curve.
 //!
-//! *An interval of the travel.* If the drive in F is an interval, the inequality holds for every travel in it. For each
-//! there is a pose within r- of the given pose ([`Inclusion`]).
+//! *An interval of the travel.* If the drive in F is an interval, the inequality holds for every travel in it. At each
+//! travel there is an exact pose within r- of the given pose ([`Inclusion`]).
 
 mod branch;
 #[cfg(test)]
@@ -51,28 +53,28 @@ use theorem::{Radii, image, inverse, radii};
 const N: usize = 12;
 type Square = [[f64; N]; N];
 
-/// Proof of a pose.
+/// Certificate of a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Certificate {
     /// Bound on the difference between the exact pose and the computed one. Coordinates of the knuckle's origin differ by at
     /// most this length, entries of the rotation by at most this length divided by the scale.
     pub error: f64,
-    /// Distance within which there is no other solution, measured in the same way.
+    /// Distance within which there is no other solution, measured like the error.
     pub uniqueness: f64,
-    /// Length by which entries of the rotation are multiplied: the power of two next to the size.
+    /// Length by which entries of the rotation are multiplied: a power of two near the mechanism's size.
     pub scale: f64,
 }
 
 impl Certificate {
     /// Bound on the distance between the exact and the computed position of a knuckle point at `distance` from the knuckle's
-    /// origin, without the rounding of the position itself.
+    /// origin. It excludes the rounding of the computed position itself.
     pub fn point_error(&self, distance: f64) -> f64 {
         // |dr| <= sqrt 3 e, |dR b| <= |dR|_F |b| <= 3 (e/scale) |b|.
         1.7321 * self.error + 3.0 * self.error / self.scale * distance
     }
 }
 
-/// Proves the poses of one design.
+/// Certifies the poses of one design.
 pub struct Certifier<'m> {
     mechanism: &'m Mechanism,
     design: Vec<Vector3<f64>>,
@@ -82,7 +84,7 @@ pub struct Certifier<'m> {
 }
 
 impl<'m> Certifier<'m> {
-    /// Prepares proofs of poses of this design.
+    /// Prepares the certification of poses of this design.
     pub fn new(mechanism: &'m Mechanism, design: &[Vector3<f64>]) -> Self {
         Certifier {
             mechanism,
@@ -102,10 +104,10 @@ impl<'m> Certifier<'m> {
             .get_or_init(|| Quadratic::new(self.mechanism, &self.design, self.scale, drive))
     }
 
-    /// Proves a pose, with the drive and the rack exactly at `point`.
+    /// Certifies a pose, with the drive and the rack exactly at `point`.
     ///
     /// # Errors
-    /// Reason why the proof failed.
+    /// Reason why the certificate failed.
     pub fn pose(
         &self,
         pose: &Pose<f64>,
@@ -127,11 +129,11 @@ impl<'m> Certifier<'m> {
         }
     }
 
-    /// Proves that two poses lie on one branch, with exactly one solution near every point of the straight line between
-    /// them. Each pose must already be proved, to within its entry of `errors`.
+    /// Certifies that two poses lie on one branch, with exactly one solution near every point of the straight line between
+    /// them. Each pose must already be certified, with its error bound in `errors`.
     ///
     /// # Errors
-    /// Reason why the proof failed. A shorter step may succeed.
+    /// Reason why the certificate failed. A shorter step may succeed.
     fn line(
         &self,
         (from, start): (&Pose<f64>, &MotionPoint<f64>),
@@ -150,7 +152,7 @@ impl<'m> Certifier<'m> {
         ];
         let bound = bound[0] + bound[1] + bound[2];
         let radii = radii(&inverse, &jacobian, &equations.pose_bends, bound.high)?;
-        // The proved solutions at both ends are those near the line.
+        // The certified solutions at both ends must be the solutions near the line.
         let within = (radii.uniqueness * self.scale).next_down();
         if errors.into_iter().all(|error| error <= within) {
             Ok(())

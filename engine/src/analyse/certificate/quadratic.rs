@@ -50,7 +50,7 @@ struct Bend {
 /// Equations of one design with one kind of drive.
 pub(crate) struct Quadratic {
     drive: Drive,
-    /// Length that counts as 1: a power of two next to the size.
+    /// Unit of length in the equations: a power of two near the mechanism's size.
     scale: f64,
     /// Design position of the knuckle's origin.
     origin: Vector3<f64>,
@@ -68,13 +68,13 @@ pub(crate) struct PoseBend {
     /// Index of the pair.
     pub pair: usize,
     pub middle: f64,
-    /// Bound on the error of the middle, including the rounding of the sums that use it.
+    /// Bound on the error of the interval's middle, including the rounding of the sums that use it.
     pub off: f64,
 }
 
 /// Second derivatives with respect to pairs of the pose's numbers, in the order of the pairs.
 fn pose_bends(bends: &[Bend]) -> Vec<PoseBend> {
-    // Both orders of two different variables count.
+    // For two different variables, one entry represents both orders of the pair.
     let of_pose = bends.iter().filter(|b| b.by <= b.and_by && b.and_by < N);
     let mut pose_bends: Vec<_> = of_pose
         .map(|b| {
@@ -211,7 +211,7 @@ impl Quadratic {
         })
     }
 
-    /// Jacobian J(z) by the pose, and by the travel as the drive.
+    /// Jacobian J(z) with respect to the pose, and the derivatives with respect to the travel as the drive.
     pub(crate) fn jacobian(&self, z: &Displacement) -> (Jacobian, [Interval; N]) {
         let gradients = self.gradients(z);
         (
@@ -220,7 +220,7 @@ impl Quadratic {
         )
     }
 
-    /// Jacobian J(z) by all variables.
+    /// Jacobian J(z) with respect to all variables.
     fn gradients(&self, z: &Displacement) -> [[Interval; V]; N] {
         let mut gradients = self.linear;
         for b in &self.bends {
@@ -253,7 +253,7 @@ impl Quadratic {
     ) -> ([[Interval; N]; 3], Jacobian) {
         let mut over: Displacement = array_of(|j| from[j].hull(to[j]));
         let mut along: Displacement = array_of(|j| to[j] - from[j]);
-        // Half the second derivatives of the variables.
+        // Half the second derivatives of the drive's variables.
         let mut curved = [Interval::point(0.0); 2];
         let mut along_anywhere = along;
         if self.drive == Drive::ArmAngle {
@@ -304,8 +304,8 @@ fn by_pose(gradient: [Interval; V]) -> [Interval; N] {
 /// Largest distance of a number in the interval from `middle`.
 pub(crate) fn radius(interval: Interval, middle: f64) -> f64 {
     let reach = (interval.high - middle).max(middle - interval.low);
-    // A difference of doubles is zero only if they are equal. The next number after zero would make all products with it
-    // subnormal, and slow.
+    // A difference of doubles is zero only if they are equal. `next_up` of zero would make all products with it subnormal,
+    // and slow.
     if reach > 0.0 { reach.next_up() } else { 0.0 }
 }
 
@@ -323,7 +323,7 @@ mod tests {
     use std::path::Path;
 
     /// The certificate assumes that every closure equation is a polynomial of second degree along any line through the
-    /// pose's twelve numbers, the rack and the drive. Any other row would have a third derivative.
+    /// pose's twelve numbers, the rack and the drive. An equation of another kind would have a third derivative.
     #[test]
     fn every_row_of_every_topology_is_quadratic() {
         // Numbers in [-1, 1) from a linear congruential sequence.
@@ -334,7 +334,7 @@ mod tests {
                 .wrapping_add(1);
             (state >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
         };
-        // The hinge of a twist beam is not quadratic, and studies of twist beams have no proofs.
+        // The hinge of a twist beam is not quadratic, so studies of twist beams have no certificates.
         for topology in Topology::ALL.iter().filter(|t| !t.is_twist_beam()) {
             let study = Study::from_text("row.toml", topology.template, Path::new("."));
             let suspension = study.expect("a template is valid").into_wheel();

@@ -1,9 +1,9 @@
 //! One application of the theorem of Newton and Kantorovich.
 //!
-//! The sums with many terms, |A F|, |1 - A J| and |A H|, are computed in plain doubles from middles and radii, and a bound
-//! of the rounding error is added. With the unit roundoff u, a sum of n products has an error of at most n u/(1 - n u) times
-//! the sum of their absolute values (N. J. Higham, *Accuracy and Stability of Numerical Algorithms*, 3.1). All sums here
-//! have at most sixteen terms.
+//! The sums with many terms are |A F|, |1 - A J| and |A H|. They are computed in plain doubles from the middles and radii of
+//! intervals. Then a bound of the rounding error is added. With the unit roundoff u, a sum of n products has an error of at
+//! most n u/(1 - n u) times the sum of their absolute values (N. J. Higham, *Accuracy and Stability of Numerical
+//! Algorithms*, 3.1). All sums here have at most sixteen terms.
 
 use super::quadratic::{Jacobian, PoseBend, middles, radius};
 use super::{N, Square};
@@ -18,9 +18,10 @@ pub(crate) struct Radii {
     pub uniqueness: f64,
 }
 
-/// Rounding bound: sixteen units of roundoff, doubled for the quotient and the bound's own products.
+/// Bound on rounding errors: sixteen units of roundoff, doubled to include the quotient and the products in the bound.
 pub(crate) const ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// Upward factor for sums of up to two hundred non-negative terms, each rounded a few times. They lose less than this.
+/// Factor that rounds sums upward. The sums have up to two hundred non-negative terms, each rounded a few times, and lose
+/// less than this.
 const UPWARD: f64 = 1.0 + 1e-12;
 
 /// Applies the theorem with the approximate inverse A of the middles. `residual` bounds |A F|.
@@ -95,10 +96,10 @@ fn curvature(inverse: &Square, bends: &[PoseBend]) -> f64 {
     largest((0..N).map(row))
 }
 
-/// Largest of some sums of non-negative terms, rounded up. Underflow is included.
+/// Largest of several sums of non-negative terms, rounded up. The bound includes underflow.
 fn largest(sums: impl Iterator<Item = f64>) -> f64 {
     sums.fold(0.0, |most: f64, sum| {
-        // With this form of the test, NaN becomes infinite.
+        // NaN fails this test and becomes infinite.
         let bound = sum * UPWARD + f64::MIN_POSITIVE;
         if bound <= f64::MAX {
             most.max(bound)

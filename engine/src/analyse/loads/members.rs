@@ -1,4 +1,4 @@
-//! Members: the forces that appear in results, by name.
+//! Members: named forces in results.
 
 use super::super::beam_loads::BeamForce;
 use super::{FAR, Support};
@@ -22,7 +22,7 @@ pub enum Carried {
     WattRod(RockerId),
     /// Tension of the drag link of a steered axle.
     DragLink,
-    /// Tension of its tie rod.
+    /// Tension of the tie rod of a steered axle.
     TieRod,
     /// Force or moment of a twist beam.
     Beam(BeamForce),
@@ -50,7 +50,7 @@ impl Carried {
         }
     }
 
-    /// Factor from the kernel's frame of the loaded wheel to the study's axes.
+    /// Sign that converts the reaction from the kernel's frame of the loaded wheel to the study's axes.
     pub(crate) fn sign(&self, frame: &Frame) -> f64 {
         match self {
             Carried::Force(_, axis) => frame.sign(*axis),
@@ -74,12 +74,12 @@ impl Carried {
     }
 }
 
-/// A force in the results, for every load.
+/// A force in the results. Every load has this force.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Member {
-    /// Part of its column's name after the load's name.
+    /// Name of the member. The name of its column is the load's name followed by this name.
     pub name: String,
-    /// Reaction that is the force.
+    /// Reaction that gives the force.
     pub what: Carried,
 }
 
@@ -107,14 +107,14 @@ fn components(name: &str, point: PointId) -> [Member; 3] {
     })
 }
 
-/// Members in the order of the constraints that they meet.
+/// Members of the constraints, in the order of the constraints.
 fn members_of_constraints(mechanism: &Mechanism) -> Vec<Member> {
     let mut members = Vec::new();
     for constraint in &mechanism.constraints {
         match *constraint {
             // These rods represent the far half of a twist beam.
             Constraint::Link { .. } if mechanism.topology.is_twist_beam() => {}
-            // The legs of an arm with a spring or a link on it are bent, and no force along them is the whole load.
+            // The legs of an arm that carries a spring or a link are bent. So a leg's axial force is not its whole load.
             Constraint::Link { outer, .. } if is_joint_of_bent_arm(mechanism, outer) => {}
             Constraint::Link { inner, outer } => {
                 members.push(Member {
@@ -137,7 +137,7 @@ fn members_of_constraints(mechanism: &Mechanism) -> Vec<Member> {
     members
 }
 
-/// Forces in the outer joints of arms at which a link to the carrier ends.
+/// Forces in the outer joints of arms that carry the end of a link to the wheel carrier.
 fn joints_of_arms_with_links(mechanism: &Mechanism) -> impl Iterator<Item = Member> + use<'_> {
     let ends_a_link = |arm: &&Arm| {
         let at_joint =
@@ -198,7 +198,7 @@ fn supports(mechanism: &Mechanism, support: Support) -> Vec<Member> {
 }
 
 /// Returns true for the outer joint of an arm that carries another part. Such parts are the spring, the rod of its rocker, a
-/// link to the knuckle and a second joint to the knuckle.
+/// link to the knuckle, and a second joint to the knuckle.
 fn is_joint_of_bent_arm(mechanism: &Mechanism, joint: PointId) -> bool {
     let arms = mechanism.constraints.iter();
     let mut arms = arms.filter_map(|constraint| mechanism.arm_under(constraint));

@@ -1,4 +1,4 @@
-//! Curves of an axle with elastic parts: its equilibria over the motion.
+//! Curves of an axle with elastic parts: equilibria at all stations of the motion.
 
 use super::super::places::{motion_columns, place};
 use super::super::{Axle, AxleColumn, AxleCurves, AxlePlan};
@@ -11,14 +11,14 @@ use crate::mechanism::{DesignFault, NoPose};
 use crate::model::{Axis, Side};
 use crate::study::AxleComplianceStudy;
 
-/// Curves of an axle under a plan. An error if the axle has no elastic model.
+/// Computes the curves of an axle for a plan. An error if the axle has no elastic model.
 pub(in crate::axle) fn curves(
     axle: &Axle,
     elastic: &AxleComplianceStudy,
     plan: &AxlePlan,
 ) -> Result<AxleCurves, (Side, DesignFault)> {
     let equilibria = axle.own_equilibria(elastic)?;
-    // Forces under loads have their own columns here, because elastic parts distribute them differently from rigid parts.
+    // Forces under loads have separate columns here, because elastic parts distribute loads differently from rigid parts.
     let mut columns = plan.columns(axle);
     columns.retain(|column| column.read().is_some());
     let reads: Vec<AxleRead> = columns.iter().filter_map(AxleColumn::read).collect();
@@ -112,7 +112,7 @@ impl StationReader<'_> {
         station: usize,
         at: ([f64; 2], f64),
     ) -> Result<Vec<Sensitivity>, NoEquilibrium> {
-        // Mirror-image wheels, and the halves of a solid axle, move together. Other wheels move independently.
+        // Mirror-image wheels move together, and so do the halves of a solid axle. Other wheels move independently.
         let sides = match self.axle.right {
             None => &[None][..],
             Some(_) if self.axle.is_rigid() => &[None],

@@ -1,30 +1,30 @@
-//! Test figures as quantities of an axle.
+//! Test results as quantities of an axle.
 
 use crate::ask::{Info, Unit};
 use crate::compliance::{HeldQuantity, KcSubject, KcTest, TestLoad, TestMode, sign_of_figure};
 use crate::model::Side;
 
-/// Figure of a test on both wheels: a derivative at a station, or a secant over the window of the test.
+/// Result of a test on both wheels: a derivative at a station, or a secant over the window of the test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TestFigure {
-    /// Test of the figure.
+    /// Test that gives the result.
     pub test: KcTest,
-    /// Name in the tables of the rig.
+    /// Name in the tables of the test rig.
     pub quantity: &'static str,
     /// Kind of unit.
     pub unit: Unit,
     /// Subject: the axle, or one of its wheels.
     pub of: KcSubject,
-    /// True if the figure is the secant over the window of the test.
+    /// True if the result is the secant over the window of the test.
     pub is_secant: bool,
-    /// True if its name ends with the load, because tests with other loads have the same quantity.
+    /// True if the name ends with the load, because tests with other loads have results with the same name.
     pub names_load: bool,
 }
 
 impl TestFigure {
-    /// Name without the side. It contains only differences from the default test, and the load if others have the same
-    /// quantity. In the default test the load acts on both wheels in one direction, without trail, with the bar connected
-    /// and the steering wheel fixed.
+    /// Name without the side. It contains only differences from the default test, and the load if tests with other loads
+    /// have results with the same name. In the default test, the load acts on both wheels in one direction, without trail,
+    /// with the bar connected and the steering wheel fixed.
     pub fn stem(&self) -> String {
         let test = &self.test;
         let mut name = self.quantity.to_owned();
@@ -60,7 +60,7 @@ impl TestFigure {
         name
     }
 
-    /// Wheel of the figure, if it concerns one.
+    /// Wheel of the result. `None` for a result of the axle.
     pub fn side(&self) -> Option<Side> {
         match self.of {
             KcSubject::Wheel(side) => Some(side),
@@ -76,7 +76,7 @@ impl TestFigure {
         }
     }
 
-    /// Catalogue entry of the figure.
+    /// Catalogue entry of the test result.
     pub(in crate::axle) fn info(&self) -> Info {
         Info {
             name: self.quantity,

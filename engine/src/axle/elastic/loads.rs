@@ -8,7 +8,7 @@ use crate::model::{Axis, Side};
 use crate::number::Each;
 use crate::study::{AxleComplianceStudy, Load};
 
-/// Loads with one name: they act together.
+/// Loads with the same name, which act together.
 struct Case<'a> {
     name: &'a str,
     held: HeldQuantity,
@@ -88,8 +88,8 @@ impl<'a> AxleLoads<'a> {
         columns
     }
 
-    /// Values of the columns at these travels and this rack displacement along the kernel's +y. A load without equilibrium has
-    /// none.
+    /// Values of the columns at these travels and this rack displacement along the kernel's +y. `None` for the columns of a
+    /// load under which the axle has no equilibrium.
     pub(super) fn values(&self, (travels, rack): ([f64; 2], f64)) -> Vec<Option<f64>> {
         if self.cases.is_empty() {
             return Vec::new();

@@ -1,4 +1,4 @@
-//! Quantities of an axle in an equilibrium, and their derivatives along its motions and by its design.
+//! Quantities of an axle in an equilibrium, and their derivatives along motions and with respect to the design.
 //!
 //! With toe t, camber, contact points C and vertical forces F at the wheels, each in the frame of its side,
 //!
@@ -7,8 +7,8 @@
 //! track = C_l.y + C_r.y                                                                           (2)
 //! ```
 //!
-//! A characteristic that contains velocities is evaluated along heave: both wheels rise together. A solid axle also has its line,
-//! pitch and place, and a roll centre from equal opposite travels.
+//! A characteristic that contains velocities is evaluated along heave: both wheels rise together. A solid axle also has a
+//! direction, a pitch and a displacement. Its roll centre follows from equal and opposite travels.
 
 use super::super::formulas::rigid::{pitch_of, steer_of};
 use super::super::{Axle, AxleColumn, AxleKind, AxleQuantity, Motion, Quantity, WheelQuantity};
@@ -24,8 +24,8 @@ use crate::model::Side;
 use crate::number::{Each, Jet, Matrix3, Real, Scalar, Tape, Tracked, Valued, Vector3};
 use crate::study::AxleComplianceStudy;
 
-/// The reason why an equilibrium of an axle of this kind does not have a quantity, and the alternatives; `None` if it has
-/// it. `is_derivative` asks for derivatives along a motion.
+/// Reason why an equilibrium of an axle of this kind does not have a quantity, and alternatives to the quantity. `None` if
+/// the equilibrium has it. `is_derivative` asks for derivatives along a motion.
 pub fn not_in_equilibrium(
     quantity: Quantity,
     kind: AxleKind,
@@ -82,14 +82,14 @@ impl From<Quantity> for AxleRead {
 }
 
 impl AxleColumn {
-    /// Value of the column, if it can be evaluated in equilibrium.
+    /// Quantity or derivative in the column. `None` if it cannot be evaluated in equilibrium.
     pub(crate) fn read(&self) -> Option<AxleRead> {
         let (quantity, by) = (self.quantity()?, self.by);
         Some(AxleRead { quantity, by })
     }
 }
 
-/// Conditions for quantities that are no test figures: bar connected, steering wheel fixed.
+/// Conditions for all quantities except test results: bar connected, steering wheel fixed.
 const USUAL: Conditions = (true, false);
 
 impl AxleRead {
@@ -110,7 +110,7 @@ struct Moving<T> {
 /// Reads quantities at one station, under the conditions of one kind of test.
 struct Reader<'h, T: Valued> {
     here: &'h mut Here<T>,
-    /// Rotation of a solid axle in its design position from the position that its direction counts from.
+    /// Rotation of a solid axle from its reference direction to its design position.
     home: Option<Matrix3<f64>>,
     known: Vec<(Motion, Option<Moving<T>>)>,
 }
@@ -126,7 +126,7 @@ impl<T: Scalar> Reader<'_, T> {
         found?.1.as_ref()
     }
 
-    /// Change of an equilibrium along a motion. `None` for a motion that an equilibrium does not have.
+    /// Change of an equilibrium along a motion. `None` for a motion that is not defined in an equilibrium.
     fn change(&self, by: Motion) -> Option<AxleChange<T>> {
         let zero = self.here.axle.travel(&self.here.at, Side::Left).zero();
         let one = zero.one();
@@ -213,7 +213,7 @@ impl<T: Scalar> Reader<'_, T> {
         }
     }
 
-    /// A quantity that is no figure of a test.
+    /// A quantity that is not a test result.
     fn quantity(&mut self, read: &AxleRead) -> Option<T> {
         let AxleRead { quantity, by } = *read;
         let kind = if self.here.axle.is_joined() {
@@ -261,7 +261,7 @@ impl<T: Scalar> Reader<'_, T> {
     }
 }
 
-/// A quantity that follows from the position of a solid axle.
+/// A quantity that follows from the pose of a solid axle.
 fn place_quantity<T: Scalar>(of: AxleQuantity, place: &AxlePlace<T>) -> Option<T> {
     match of {
         AxleQuantity::AxleSteer => Some(steer_of(place.line)),
@@ -272,8 +272,8 @@ fn place_quantity<T: Scalar>(of: AxleQuantity, place: &AxlePlace<T>) -> Option<T
     }
 }
 
-/// Values of a station under one kind of conditions; `None` for those that it does not have. `secants` gives the
-/// differences over the window of a test.
+/// Values of a station under one kind of conditions. `None` for missing values. `secants` returns the differences over the
+/// window of a test.
 fn read<T: Scalar>(
     run: &AxleKcRun<'_>,
     here: &mut Here<T>,
@@ -322,7 +322,7 @@ fn of<T: Copy>(figure: &TestFigure, all: &[AxleFigure<T>]) -> Option<T> {
     }
 }
 
-/// Tests of the figures among these values.
+/// Tests whose results are among these values.
 fn tests(wanted: &[AxleRead]) -> impl Iterator<Item = &KcTest> {
     wanted.iter().filter_map(|read| match &read.quantity {
         Quantity::Figure(figure) => Some(&figure.test),
@@ -347,13 +347,13 @@ fn by_conditions(wanted: &[AxleRead]) -> Vec<(Conditions, Vec<usize>)> {
 /// An axle with elastic parts, ready for the evaluation of stations.
 pub(crate) struct Equilibria<'a> {
     run: AxleKcRun<'a>,
-    /// Rotation of a solid axle in its design position from the position that its direction counts from; `None` if that is the design
-    /// position.
+    /// Rotation of a solid axle from its reference direction to its design position. `None` if the design position is the
+    /// reference.
     home: Option<Matrix3<f64>>,
 }
 
 impl Axle {
-    /// Both wheels for the tests of a rig, on tyres with this rate (force per length).
+    /// Both wheels for tests on a rig, on tyres with this rate (force per length).
     pub fn on_rig(&self, tyre_rate: Option<f64>) -> AxleVehicle<'_> {
         AxleVehicle {
             suspensions: Side::ALL.each(|side| self.suspension(side)),
@@ -387,7 +387,8 @@ impl Axle {
 }
 
 impl Equilibria<'_> {
-    /// These equilibria, with the direction of a solid axle counted from a position from which the design position is turned by `home`.
+    /// These equilibria, with another reference for the direction of a solid axle. `home` is the rotation from the reference
+    /// to the design position.
     pub(crate) fn counted_from(self, home: Option<Matrix3<f64>>) -> Self {
         Equilibria { home, ..self }
     }
@@ -404,7 +405,7 @@ impl Equilibria<'_> {
         }))
     }
 
-    /// Elastic model of the axle, with its bar and its own steering.
+    /// Elastic model of the axle, with its anti-roll bar and steering.
     pub(in crate::axle) fn axle(&self) -> &ElasticAxle {
         self.run.axle()
     }
@@ -434,8 +435,8 @@ impl Equilibria<'_> {
         Ok(found)
     }
 
-    /// Values at given travels and a rack displacement towards the kernel's +y, with their derivatives with respect to inputs. `receive` gets
-    /// the index of each existing value, the value and its derivatives.
+    /// Values at given travels and a rack displacement towards the kernel's +y, with their derivatives with respect to
+    /// inputs. `receive` gets the index of each existing value, the value and its derivatives.
     pub(crate) fn gradients(
         &self,
         (travels, rack): ([f64; 2], f64),

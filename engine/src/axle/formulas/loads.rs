@@ -1,8 +1,8 @@
 //! Wheel loads and stiffnesses, from the forces of springs and anti-roll bars by virtual work.
 //!
-//! With U the energy of springs and bars, F_i = U_zi/(n.C_i') is the load of a wheel along the normal of the ground. Parts
-//! have no weight. The bar adds the energy k_b (b_l - b_r)^2/2, with b the angles of its levers. Springs between the rockers
-//! add the energies of [`RockerSprings`](crate::axle::RockerSprings).
+//! With U the energy of springs and bars, F_i = U_zi/(n.C_i') is the load of a wheel along the normal of the ground. The
+//! weight of suspension parts is neglected. The bar adds the energy k_b (b_l - b_r)^2/2, with b the angles of its levers.
+//! Springs between the rockers add the energies of [`RockerSprings`](crate::axle::RockerSprings).
 
 use super::rigid;
 use crate::axle::reading::WheelParts;
@@ -35,7 +35,7 @@ pub(crate) fn bar_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -
     (angle(Side::Left) - angle(Side::Right)).scaled(rate)
 }
 
-/// Springs between the rockers of both wheels.
+/// Forces of the springs between the rockers of both wheels.
 fn rocker_forces<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> RockerForces<T> {
     let motions = state.readings.each_ref().each(RockerMotion::read);
     let laws = &state.setup.rocker_springs;
@@ -52,7 +52,7 @@ pub(crate) fn heave_spring_length<T: Scalar, W: WheelParts<T>>(state: &AxleState
     rocker_forces(state).heave_spring_length
 }
 
-/// Shortening of the heave spring by equal travels of both wheels on level pads.
+/// Shortening of the heave spring per travel, if both wheels rise equally on level pads.
 pub(crate) fn heave_spring_motion_ratio<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let pads = state.on_pads();
     -heave_spring_length(&pads.moving(Motion::Heave))[1]
@@ -102,8 +102,8 @@ pub(crate) fn wheel_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, s
     }
 }
 
-/// Rate of the wheel load by the height of its pad, from its spring alone. The body is level, the other wheel does not move,
-/// and bar and tyre are left out.
+/// Derivative of the wheel load with respect to the height of its pad, from its spring alone. The body is level, the other
+/// wheel does not move, and bar and tyre are left out.
 pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     if state.carriers.is_rigid() {
         return rigid::wheel_rate(state, side);
@@ -129,7 +129,7 @@ pub(crate) fn axle_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) ->
     left + right
 }
 
-/// Moment of the wheel loads about the vehicle's middle.
+/// Moment of the wheel loads about the vehicle's centre line.
 pub(crate) fn roll_moment<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let [left, right] = loads(state);
     (state.track() * (right - left)).scaled(0.5)
@@ -170,13 +170,13 @@ pub(crate) fn roll_stiffness_at_load<T: Scalar, W: WheelParts<T>>(state: &AxleSt
     roll_moment(&rolling)[1] - roll_moment(&derivative_by_heave)[1] * sinking
 }
 
-/// Half the rate of the axle load by heave of the wheel centres, from the springs alone. The rack is fixed. On a plane
-/// ground the roll angle is fixed, too; on pads both travels change equally.
+/// Half the derivative of the axle load with respect to heave of the wheel centres, from the springs alone. The rack is
+/// fixed. On a plane ground the roll angle is fixed, too; on pads both travels change equally.
 pub(crate) fn ride_rate_without_tyres<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     axle_load(&state.moving(Motion::Heave))[1].scaled(0.5)
 }
 
-/// Ride rate: the rate of the springs in series with a tyre, if there is one.
+/// Ride rate: the rate of the springs in series with a tyre, if the study gives a tyre rate.
 pub(crate) fn ride_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let rate = ride_rate_without_tyres(state);
     match state.setup.tyre_rate {
@@ -185,7 +185,7 @@ pub(crate) fn ride_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) ->
     }
 }
 
-/// Natural frequency in Hz, for `rate` at each wheel and a mass of the axle.
+/// Natural frequency in Hz, for `rate` at each wheel and the mass of the axle.
 fn frequency<T: Scalar, W: WheelParts<T>>(
     state: &AxleState<T, W>,
     rate: T,
@@ -203,7 +203,7 @@ pub(crate) fn ride_frequency<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W
 /// Natural frequency of the wheels between springs and tyres, with the body fixed.
 pub(crate) fn wheel_hop_frequency<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let tyre = state.setup.tyre_rate.unwrap_or(f64::NAN);
-    // Both wheels of a solid axle hop together. For independent wheels the rate is the same either way.
+    // Both wheels of a solid axle hop together. For independent wheels the rate does not depend on this.
     let rate = if state.carriers.is_rigid() {
         axle_load(&state.on_pads().moving(Motion::Heave))[1].scaled(0.5)
     } else {

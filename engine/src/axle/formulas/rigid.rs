@@ -1,8 +1,8 @@
 //! Quantities of a rigid axle.
 //!
 //! The axle has two travels: the mean h, and the difference d, by which the left wheel centre rises while the right one
-//! falls. C_b,h and C_b,d are the velocities of the axle's point at contact point b. Normal forces f_b at both contact
-//! points balance forces that do the work q_h and q_d along both travels if
+//! falls. C_b,h and C_b,d are the velocities of the axle's point at contact point b. Other forces do the work q_h per unit
+//! of h and q_d per unit of d. Normal forces f_b at both contact points balance them if
 //!
 //! ```text
 //! f_l n.C_l,h + f_r n.C_r,h = -q_h        f_l n.C_l,d + f_r n.C_r,d = -q_d                     (1)
@@ -14,8 +14,8 @@
 //! | a unit force forward, half at each wheel | q = (i.D_l + i.D_r)/2, D = C if the axle carries the torque, W if shafts do |
 //! | springs and anti-roll bar of the energy U | q = -U |
 //!
-//! The roll centre is the centre of the axle's motion by d in front view, at the middle of both contact points. With v the
-//! velocity there and w the angular velocity, it is at
+//! The roll centre is the instant centre of the axle's motion along d in front view. With v the velocity at the midpoint of
+//! both contact points and w the angular velocity, its position from that midpoint is
 //!
 //! ```text
 //! height v.e/(w.i)        to the left -v.n/(w.i)                                               (2)
@@ -30,8 +30,8 @@
 //! dp_l = (n.C_l,h + n.C_l,d)/2 dz_l + (n.C_l,h - n.C_l,d)/2 dz_r, and the same for p_r with l and r exchanged   (3)
 //! ```
 //!
-//! Each wheel has its own frame. That of the right wheel is the mirror image, in which its difference is -d. So n.C_r,d is
-//! the negative of the value in that frame, and e.C_r,d is the outboard component there.
+//! Each wheel has its own frame. The right wheel's frame is the mirror image, in which the difference is -d. So n.C_r,d is
+//! the negative of its value in that frame, and e.C_r,d is the outboard component in that frame.
 
 use super::loads::{bar_torque, spring_force};
 use super::roll::FARTHEST_MEETING;
@@ -42,13 +42,13 @@ use crate::characteristics::NumberPart;
 use crate::model::Side;
 use crate::number::{Each, Matrix3, Real, Scalar, Vector3};
 
-/// Work along the difference of travels and along the mean travel.
+/// Work of forces along the difference of travels and along the mean travel.
 struct Work<T> {
     difference: T,
     mean: T,
 }
 
-/// Velocities of a point of each wheel in its own frame, by the wheel's own difference and by the mean travel.
+/// Velocities of a point of each wheel in its own frame, with respect to the wheel's own difference and to the mean travel.
 type Velocities<T> = [[Vector3<T>; 2]; 2];
 
 #[inline(always)]
@@ -83,7 +83,7 @@ pub(crate) fn side_force_loads<T: Real, W: WheelParts<T>>(state: &AxleState<T, W
     balancing(state, &work)
 }
 
-/// Height of the roll centre, and its distance to the left of the middle of both contact points: equation (2).
+/// Height of the roll centre, and its distance to the left of the midpoint of both contact points: equation (2).
 #[inline(always)]
 pub(crate) fn roll_centre<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
     if let Carriers::Steered(_) = state.carriers {
@@ -114,7 +114,7 @@ fn steered_roll_centre<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T
     ]
 }
 
-/// Column of the axle's rotation along x (0) or y (1).
+/// Column of the axle's rotation matrix along x (0) or y (1).
 #[inline(always)]
 fn axle_column<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, i: usize) -> Vector3<T> {
     match state.carriers {
@@ -123,7 +123,7 @@ fn axle_column<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, i: usize) -> 
     }
 }
 
-/// Angular velocity of the axle about the vehicle's x, by the difference of travels.
+/// Angular velocity of the axle about the vehicle's x, with respect to the difference of travels.
 #[inline(always)]
 fn rolling<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let [_, turn] = state.readings[0].twist(state.carriers.by_difference());
@@ -143,8 +143,8 @@ pub(crate) fn wheel_loads<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) 
     loads_of(state, state.setup.bar_rate.is_some())
 }
 
-/// Rate of the wheel load by the height of its level pad, from the springs alone. The other pad does not move, so both
-/// travels change by the inverse of the matrix of (3).
+/// Derivative of the wheel load with respect to the height of its level pad, from the springs alone. The other pad does not
+/// move, so both travels change by the inverse of the matrix of (3).
 pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let pads = state.on_pads();
     let by_travel = |motion: Motion| loads_of(&pads.moving(motion), false)[side as usize][1];
@@ -154,7 +154,7 @@ pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, s
     );
     let rises = |wheel: WheelState<'_, T, W>| {
         let (difference, mean) = (wheel.rise_by_difference(), wheel.rise_by_mean());
-        // Derivatives with respect to the wheel's own travel and by the other one.
+        // Derivatives with respect to the travels of this wheel and of the other one.
         [mean + difference, mean - difference].each(|c| c.scaled(0.5))
     };
     let [left, right] = pads.wheels();
@@ -221,7 +221,7 @@ fn forward_force_loads<T: Real, W: WheelParts<T>>(
     balancing(state, &work)
 }
 
-/// Percentage 100 share (L/h) (f_l + f_r) for a unit force forward.
+/// Returns 100 share (L/h) (f_l + f_r) for a unit force forward, in percent.
 #[inline(always)]
 fn supported<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, share: f64, by_carrier: f64) -> T {
     let c = &state.setup.constants;
@@ -271,8 +271,8 @@ pub(crate) fn drive_load_transfer<T: Real, W: WheelParts<T>>(state: &AxleState<T
     (right - left).scaled(0.5)
 }
 
-/// Twist of a twist beam. Each half is read as the near one, and the far half rotates against it. The two angles are
-/// opposite. They are positive if the far wheel falls.
+/// Twist angle of a twist beam: half the difference of the angles at both wheels. The angle at a wheel is the rotation of
+/// the other half against this half, positive if the other wheel falls. The angles at both wheels are opposite.
 #[inline(always)]
 pub(crate) fn beam_twist<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let [left, right] = state
@@ -282,7 +282,8 @@ pub(crate) fn beam_twist<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -
     (right - left).scaled(0.5)
 }
 
-/// Torque of a twist beam. In other formulas the beam is a bar with a quarter of its rate and twice its angle.
+/// Torque in a twist beam. In other formulas, the beam acts like an anti-roll bar with a quarter of its rate and twice its
+/// angle.
 #[inline(always)]
 pub(crate) fn beam_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     -bar_torque(state).scaled(2.0)
@@ -294,7 +295,7 @@ pub(crate) fn axle_steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> 
     steer_of(axle_column(state, 1))
 }
 
-/// Angle to the left of an axle's line, seen from above.
+/// Angle of an axle's line to the left, seen from above.
 #[inline(always)]
 pub(crate) fn steer_of<T: Real>(line: Vector3<T>) -> T {
     (-line.x).atan2(line.y)
@@ -306,13 +307,13 @@ pub(crate) fn pinion_angle<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -
     pitch_of(axle_column(state, 0))
 }
 
-/// Angle, nose up, of a direction that is forward in the design position.
+/// Nose-up angle of a direction that is forward in the design position.
 #[inline(always)]
 pub(crate) fn pitch_of<T: Real>(forward: Vector3<T>) -> T {
     forward.z.atan2(forward.x)
 }
 
-/// Quantities that count from the design position: [`place_of`] has their values in this order.
+/// Quantities that are measured from the design position. [`place_of`] returns their values in this order.
 pub(crate) const FROM_DESIGN: [AxleQuantity; 4] = [
     AxleQuantity::AxleSteer,
     AxleQuantity::AxleLateral,
@@ -320,8 +321,8 @@ pub(crate) const FROM_DESIGN: [AxleQuantity; 4] = [
     AxleQuantity::PinionAngle,
 ];
 
-/// Values of [`FROM_DESIGN`] for an axle with this rotation from the design position and this displacement of the middle of both
-/// wheel centres, in the left wheel's frame.
+/// Values of [`FROM_DESIGN`] for an axle, in the left wheel's frame. `rotation` is the axle's rotation from the design
+/// position, and `displacement` the displacement of the midpoint of both wheel centres.
 pub(crate) fn place_of<T: Scalar>(rotation: &Matrix3<T>, displacement: Vector3<T>) -> [T; 4] {
     let [forward, line, _] = rotation.columns;
     [
@@ -332,7 +333,7 @@ pub(crate) fn place_of<T: Scalar>(rotation: &Matrix3<T>, displacement: Vector3<T
     ]
 }
 
-/// Displacement of the middle of both wheel centres, in the left wheel's frame.
+/// Displacement of the midpoint of both wheel centres, in the left wheel's frame.
 #[inline(always)]
 fn displacement<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> Vector3<T> {
     let [left, right] = state
@@ -342,7 +343,7 @@ fn displacement<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> Vector3<T
     sum.map(|c| c.scaled(0.5))
 }
 
-/// Displacement of the middle of both wheel centres to the left.
+/// Displacement of the midpoint of both wheel centres to the left.
 #[inline(always)]
 pub(crate) fn axle_lateral<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     displacement(state).y

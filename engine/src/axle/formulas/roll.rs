@@ -14,7 +14,8 @@
 //! where d is the height of the left contact point above the right one. It is 0 on a plane; else zeta is measured from the
 //! mean height of both.
 //!
-//! Equal side forces make the same roll moment at the height track (j_l + j_r)/4, which stays finite.
+//! If both wheels carry equal side forces, their resultant at this height has the same roll moment: track (j_l + j_r)/4,
+//! which stays finite.
 
 use super::rigid;
 use crate::axle::reading::WheelParts;
@@ -37,7 +38,8 @@ pub(crate) fn jacking_coefficient<T: Real, W: WheelParts<T>>(
     )
 }
 
-/// Wheel load added per side force across the wheel, not across the vehicle.
+/// Wheel load added per side force, for a side force along the wheel's spin axis on the ground instead of across the
+/// vehicle.
 #[inline(always)]
 pub(crate) fn side_force_jacking<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -107,7 +109,7 @@ pub(crate) fn roll_centre_lateral<T: Real, W: WheelParts<T>>(state: &AxleState<T
     (state.track().scaled(0.5) * (left - right) + state.mismatch()) / (left + right)
 }
 
-/// Height at which the side force makes the same roll moment, if both wheels carry equal shares of it.
+/// Height at which the resultant side force has the same roll moment, if both wheels carry equal side forces.
 #[inline(always)]
 pub(crate) fn force_roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     if state.carriers.is_rigid() {
@@ -118,7 +120,7 @@ pub(crate) fn force_roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleSt
     (state.track() * (left + right)).scaled(0.25)
 }
 
-/// Upward force on the body per side force to the left, if both wheels carry equal shares of the side force.
+/// Upward force on the body per side force to the left, if both wheels carry equal side forces.
 #[inline(always)]
 pub(crate) fn jacking_force_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     if state.carriers.is_rigid() {
@@ -129,7 +131,7 @@ pub(crate) fn jacking_force_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T
     (right - left).scaled(0.5)
 }
 
-/// Derivative of the kinematic roll centre's height by the roll angle.
+/// Derivative of the kinematic roll centre's height with respect to the roll angle.
 #[inline(always)]
 pub(crate) fn roll_centre_migration_vertical<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -137,7 +139,7 @@ pub(crate) fn roll_centre_migration_vertical<T: Real, W: WheelParts<T>>(
     roll_centre_height(&state.moving(Motion::Roll))[1]
 }
 
-/// Derivative of the kinematic roll centre's lateral position by the roll angle.
+/// Derivative of the kinematic roll centre's lateral position with respect to the roll angle.
 #[inline(always)]
 pub(crate) fn roll_centre_migration_lateral<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -145,21 +147,21 @@ pub(crate) fn roll_centre_migration_lateral<T: Real, W: WheelParts<T>>(
     roll_centre_lateral(&state.moving(Motion::Roll))[1]
 }
 
-/// Derivative of the force-based roll centre height by the roll angle.
+/// Derivative of the force-based roll centre height with respect to the roll angle.
 #[inline(always)]
 pub(crate) fn force_roll_centre_migration<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     force_roll_centre_height(&state.moving(Motion::Roll))[1]
 }
 
-/// Largest lateral distance of the intersection of the normals through both contact points, in half tracks. Beyond a hundred
-/// tracks they are nearly parallel, and their intersection is meaningless.
+/// Largest lateral distance of the intersection of the normals to C' through both contact points, in half tracks. Beyond a
+/// hundred tracks, the normals are nearly parallel, and their intersection is meaningless.
 pub(crate) const FARTHEST_MEETING: f64 = 200.0;
 
-/// Sum of the jacking coefficients below which both normals count as vertical. Rounding of about 1e-15 could then move their
-/// intersection anywhere along the ground.
+/// Sum of the jacking coefficients below which both normals to C' count as vertical. Rounding of about 1e-15 could then move
+/// their intersection anywhere along the ground.
 pub(crate) const UPRIGHT: f64 = 1e-8;
 
-/// Returns true if the normals are vertical or meet beyond the largest distance.
+/// Returns true if the normals to C' are vertical or meet beyond the largest distance.
 pub(crate) fn normals_are_parallel(state: &AxleState<f64>) -> bool {
     if state.carriers.is_rigid() {
         return rigid::rolls_about_infinity(state);
@@ -181,7 +183,7 @@ pub(crate) fn camber_to_road<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>,
     -wheel.reading.spin_axis().dot(wheel.ground.normal()).asin()
 }
 
-/// Derivative of camber by the roll angle.
+/// Derivative of camber with respect to the roll angle.
 #[inline(always)]
 pub(crate) fn roll_camber<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let rolling = state.moving(Motion::Roll);
@@ -189,7 +191,7 @@ pub(crate) fn roll_camber<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, si
     (-a.z.asin())[1]
 }
 
-/// Derivative of camber to the road by the roll angle.
+/// Derivative of camber to the road with respect to the roll angle.
 #[inline(always)]
 pub(crate) fn roll_camber_to_road<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -202,8 +204,8 @@ pub(crate) fn roll_camber_to_road<T: Real, W: WheelParts<T>>(
 mod tests {
     use super::*;
 
-    /// Normals with coefficients a and b meet at (a - b)/(a + b) half tracks beside the middle. They count as meeting within
-    /// a hundred tracks, unless they are vertical.
+    /// Normals with coefficients a and b meet (a - b)/(a + b) half tracks beside the middle. They count as meeting up to a
+    /// hundred tracks, unless they are vertical.
     #[test]
     fn normals_meet_within_a_hundred_tracks() {
         for sign in [1.0, -1.0] {

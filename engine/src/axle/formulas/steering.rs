@@ -1,15 +1,16 @@
-//! Steer angles, Ackermann, turning circle.
+//! Steer angles, Ackermann and turning circle.
 //!
 //! Seen from above, in the body's axes, each spin axis meets the line of the other axle. Let i and o be the steer angles of
-//! the inner and outer wheel, positive to the inside. L_i and L_o are the distances of their centres ahead of that line, and
-//! T is the distance of the centres across the vehicle. The inner spin axis meets the line at L_i cot i from the inner
-//! wheel. The ideal outer spin axis passes through the same point:
+//! the inner and outer wheel, positive to the inside of the turn. L_i and L_o are the distances of their centres ahead of
+//! that line, and T is the distance of the centres across the vehicle. The inner spin axis meets the line at L_i cot i from
+//! the inner wheel. The ideal outer spin axis passes through the same point:
 //!
 //! ```text
 //! ideal = atan2(L_o sin i, L_i cos i + T sin i)
 //! ```
 //!
-//! A steered rear axle is the front axle of the vehicle driven backwards: forward and the sense of steer change sign.
+//! A steered rear axle is treated as the front axle of the vehicle driven backwards: the forward direction and the sign of
+//! steer change.
 
 use crate::axle::reading::WheelParts;
 use crate::axle::state::{AxleState, Motion};
@@ -18,7 +19,8 @@ use crate::model::{AxlePosition, Side};
 use crate::number::{Each, Real, Vector3, outlined};
 use std::f64::consts::PI;
 
-/// Mean steer in rad below which percentages have no value. They are quotients of two angles that vanish straight ahead.
+/// Mean steer in rad below which percentages have no value. They are quotients of two angles, and both vanish straight
+/// ahead.
 pub(crate) const STRAIGHT_AHEAD: f64 = 0.02;
 
 /// Steer angle of a wheel, positive to the left.
@@ -55,19 +57,19 @@ pub(crate) fn total_toe_at_rim<T: Real, W: WheelParts<T>>(state: &AxleState<T, W
     sum.scaled(state.setup.constants.rim_diameter)
 }
 
-/// Derivative of steer by the roll angle.
+/// Derivative of steer with respect to the roll angle.
 #[inline(always)]
 pub(crate) fn roll_steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     steer(&state.moving(Motion::Roll), side)[1]
 }
 
-/// Derivative of mean steer by the roll angle.
+/// Derivative of mean steer with respect to the roll angle.
 #[inline(always)]
 pub(crate) fn axle_roll_steer<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     mean_steer(&state.moving(Motion::Roll))[1]
 }
 
-/// Angle of the steering wheel per mean steer. On a plane ground, roll angle and mean travel are constant; on pads, both
+/// Angle of the steering wheel per mean steer. On a plane ground, roll angle and mean travel are constant. On pads, both
 /// travels are constant.
 #[inline(always)]
 pub(crate) fn steering_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
@@ -76,7 +78,7 @@ pub(crate) fn steering_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>)
     by_rack.one() / by_rack.scaled(per_angle)
 }
 
-/// A turn, seen from above. Angles are positive to its inside.
+/// Geometry of a turn, seen from above. Angles are positive to its inside.
 struct Turn<T> {
     /// Sine and cosine of the inner wheel's steer, times a common positive factor.
     inner: [T; 2],
@@ -92,8 +94,7 @@ struct Turn<T> {
     outer_contact: [T; 2],
 }
 
-/// Returns the numbers of the left and right wheel as [inner, outer]. `side` is 1 if the left wheel is the inner one, else
-/// -1.
+/// Sorts the numbers of the left and right wheel as [inner, outer]. `side` is 1 if the left wheel is the inner one, else -1.
 #[inline(always)]
 fn inner_and_outer<T: Real>(side: T, left: T, right: T) -> [T; 2] {
     let is_left = (side.one() + side).scaled(0.5);
@@ -105,7 +106,7 @@ fn inner_and_outer<T: Real>(side: T, left: T, right: T) -> [T; 2] {
 }
 
 impl<T: Real> Turn<T> {
-    /// Compiled as a separate function, because several formulas use it.
+    /// The compiler makes a separate function, because several formulas use it.
     #[inline(always)]
     fn of<W: WheelParts<T>>(state: &AxleState<T, W>) -> Self {
         outlined!(
@@ -127,7 +128,7 @@ impl<T: Real> Turn<T> {
         let [left, right] = state.wheels();
         let [left_design, right_design] =
             [left.reading.design().centre, right.reading.design().centre];
-        // The wheels of the other axle are a wheelbase behind the design positions of these wheels.
+        // The other axle's line is a wheelbase away from the design position of these wheels.
         let middle = (left_design.x + right_design.x).scaled(0.5);
         let (left_centre, right_centre) = (left.reading.centre(), right.reading.centre());
         let [inner_x, outer_x] = inner_and_outer(side, left_centre.x, right_centre.x);
@@ -187,7 +188,8 @@ pub(crate) fn ackermann<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T
     ((inner - outer) / (inner - turn.ideal_outer())).scaled(100.0)
 }
 
-/// Difference of the steer angles in percent of the ideal difference for the present outer wheel, as in Simscape.
+/// Difference of the steer angles in percent of the ideal difference, which follows from the outer wheel's angle as in
+/// Simscape.
 #[inline(always)]
 pub(crate) fn ackermann_by_inner<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
@@ -198,7 +200,7 @@ pub(crate) fn ackermann_by_inner<T: Real, W: WheelParts<T>>(state: &AxleState<T,
     ((inner - outer) / (ideal - outer)).scaled(100.0)
 }
 
-/// Difference of the cotangents in percent of the ideal difference.
+/// Difference of the cotangents of the steer angles in percent of the ideal difference.
 #[inline(always)]
 pub(crate) fn ackermann_by_cotangents<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
@@ -225,13 +227,13 @@ pub(crate) struct FromAbove {
     pub wheels: [[[f64; 2]; 2]; 2],
     /// Points where the spin axis of each wheel meets the other axle's line. `None` straight ahead.
     pub meets: Option<[[f64; 2]; 2]>,
-    /// Midpoint of both points.
+    /// Midpoint of both points `meets`.
     pub centre: Option<[f64; 2]>,
     /// Position of the other axle, along x.
     pub other_axle: f64,
 }
 
-/// The turn, if the study gives a wheelbase and the wheels' radius.
+/// Geometry of the turn. `None` unless the study gives a wheelbase and the wheels' radius.
 pub(crate) fn turn(state: &AxleState<f64>) -> Option<FromAbove> {
     let wheelbase = state.setup.wheelbase?;
     let radius = state.setup.wheel_radius?;

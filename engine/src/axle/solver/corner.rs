@@ -1,4 +1,4 @@
-//! One wheel of the axle during the solution.
+//! Solver state of one wheel of the axle.
 
 use super::*;
 
@@ -7,21 +7,22 @@ use super::*;
 pub(super) struct Corner<'a, const N: usize> {
     pub(super) mechanism: &'a Mechanism,
     pub(super) solver: Solver<'a>,
-    /// Series of poses by travel, for heights of contact points.
+    /// Series of poses in the travel, for heights of contact points.
     pub(super) slopes: DesignSeries<TERMS>,
     pub(super) series: DesignSeries<N>,
     /// Sign of the rack in the wheel's own frame: 1 for the left wheel, -1 for the right. For a rigid axle the mean travel
     /// replaces the rack and needs no sign.
     pub(super) rack_sign: f64,
     pub(super) toggles: Toggles,
-    /// Rack displacement, in this wheel's own frame, at which the search for toggles started; `None` before the first search.
+    /// Rack displacement, in this wheel's own frame, at which the search for toggles started. `None` before the first
+    /// search.
     pub(super) begun: Option<f64>,
-    /// Ends of travel found for this design, by rack position.
+    /// Ends of travel found for this design, each with its rack displacement.
     pub(super) ends: Vec<End>,
     pub(super) side: Side,
-    /// Points that are read with the wheel.
+    /// Points whose positions are read with the wheel.
     pub(super) points: Vec<PointId>,
-    /// Displacement of the steering gear of a steered axle.
+    /// State of the steering gear of a steered axle.
     pub(super) steered: Steered,
 }
 
@@ -30,7 +31,7 @@ pub(super) struct Corner<'a, const N: usize> {
 pub(super) struct Steered {
     /// Displacement of the steering gear.
     pub(super) displacement: f64,
-    /// The failure, if a rod cannot follow the steering gear.
+    /// Failure, if a rod cannot follow the steering gear.
     pub(super) failure: Option<Failure>,
     /// Travels of the wheel centres after their knuckles have turned, with the axle at rest. The travel that drives the axle
     /// comes first, then the held travel.
@@ -38,7 +39,7 @@ pub(super) struct Steered {
 }
 
 impl Steered {
-    /// The design position.
+    /// State with the steering gear in the middle.
     pub(super) const MIDDLE: Steered = Steered {
         displacement: 0.0,
         failure: None,
@@ -46,8 +47,8 @@ impl Steered {
     };
 }
 
-/// End of the travel at one rack displacement, both in the wheel's own frame. It is kept because a search takes as long as a
-/// hundred poses. A search for a roll angle that does not exist needs this end many times.
+/// End of the travel at one rack displacement, both in the wheel's own frame. It is stored, because a search takes as long
+/// as a hundred poses. A search for a roll angle that does not exist needs the same end many times.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct End {
     pub(super) rack: f64,
@@ -55,7 +56,7 @@ pub(super) struct End {
     pub(super) failure: Failure,
 }
 
-/// Pose of a wheel with its derivatives with respect to travel, and the height of its contact point over the origin.
+/// Pose of a wheel with its derivatives with respect to travel, and the height of its contact point above the origin.
 pub(super) struct WheelSeries {
     pub(super) pose: Pose<Jet<f64, TERMS>>,
     pub(super) height: Jet<f64, TERMS>,
@@ -90,10 +91,10 @@ impl WheelSeries {
     }
 }
 
-/// Change of half the difference of travels that brings both contact points to the same height. It is computed from the series of
-/// both wheels.
+/// Change of half the difference of travels that brings both contact points to the same height. It follows from the series
+/// of both wheels.
 pub(super) fn solve_level(left: &Jet<f64, TERMS>, right: &Jet<f64, TERMS>) -> f64 {
-    // The right wheel moves the opposite way.
+    // The right wheel moves in the opposite direction.
     let f = [0, 1, 2, 3].each(|k| match k % 2 {
         0 => left[k] - right[k],
         _ => left[k] + right[k],
@@ -136,7 +137,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         })
     }
 
-    /// Moves the steering gear of a steered axle. Other axles stay as they are.
+    /// Moves the steering gear of a steered axle. Other axles do not change.
     pub(super) fn steer(&mut self, displacement: f64) -> Result<(), NoPose> {
         let Some(steering) = self.mechanism.axle_steering() else {
             return Ok(());
@@ -169,7 +170,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
         let mut design = designed;
         let offsets = displace(self.mechanism, &mut design, displacement);
-        // The design could be solved before its steering gear moved.
+        // The design was solvable before its steering gear moved.
         if self.prepare_design(&design).is_err() {
             return fails(Failure::Singular);
         }
@@ -202,7 +203,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         Ok(())
     }
 
-    /// Failure at a travel beyond a known end; `None` if the travel is not beyond one.
+    /// Failure at a travel beyond a known end. `None` if the travel is within all known ends.
     pub(super) fn beyond_an_end(&self, travel: f64, rack: f64) -> Option<Failure> {
         let is_beyond =
             |end: &&End| end.rack == rack && (travel - end.travel) * end.travel.signum() > 0.0;
@@ -222,7 +223,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         Ok(())
     }
 
-    /// Failure of this wheel at a travel. For a rigid axle, whose mean travel is held, the travel is its drive.
+    /// Failure of this wheel at a travel. For a rigid axle whose mean travel is held, the travel is its drive.
     pub(super) fn fails(&self, travel: f64, failure: Failure) -> NoPose {
         if self.mechanism.rigid_axle.is_some() {
             return NoPose::RigidAxle {
@@ -275,7 +276,8 @@ impl<'a, const N: usize> Corner<'a, N> {
         found.map_err(|failure| self.fails(travel, failure))
     }
 
-    /// Converts a failure of the closure equations. Its limit becomes a travel of the wheel centres from their hardpoints.
+    /// Converts a failure of the closure equations. Its limit becomes a travel of the wheel centres, measured from their
+    /// hardpoints.
     fn outer(&self, failure: Failure) -> Failure {
         let [drive, held] = self.steered.offsets;
         match failure {
@@ -318,7 +320,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         })
     }
 
-    /// Solves the wheel at many travels, each on its own ground; `None` for a travel out of reach.
+    /// Solves the wheel at many travels, each on its own ground. `None` for a travel out of reach.
     pub(super) fn heights(
         &mut self,
         travels: &[f64],
@@ -393,7 +395,7 @@ pub(super) fn read_wheel<const N: usize>(
     (lines, parts, points): (&[Line], &Parts, &[PointId]),
 ) -> Result<WheelRead, Failure> {
     let mut snapshots = [Snapshot::<N>::unknown(); 4];
-    // Each line gives a series for every point of a wheel.
+    // Each line gives one series per point of the wheel.
     let mut ways = Vec::new();
     let (mut condition, mut toggle) = (0.0_f64, None);
     for (number, line) in lines.iter().enumerate() {

@@ -1,8 +1,8 @@
-//! Wheels of a position, prepared for gradients with respect to the hardpoints.
+//! Both wheels of a position, linearised for gradients with respect to the hardpoints.
 
 use super::*;
 
-/// Both wheels of a position, prepared for gradients of formulas by the hardpoints.
+/// Both wheels of a position, linearised for gradients of formulas with respect to the hardpoints.
 pub(crate) struct LinearisedAxle<'s, const N: usize> {
     /// Linearised wheel along each line, for both wheels.
     pub(super) wheels: [Vec<Linearised<'s, N>>; 2],
@@ -79,7 +79,7 @@ pub(super) fn linearise<'s, const N: usize>(
     })
 }
 
-/// Derivative of a requested number by the mean travel.
+/// Derivative of a requested number with respect to the mean travel.
 pub(super) fn derivative_by_heave<const N: usize>(
     state: &AxleState<'_, f64>,
     linearised: &[Vec<Linearised<'_, N>>; 2],
@@ -90,7 +90,7 @@ pub(super) fn derivative_by_heave<const N: usize>(
         Sought::Point(side, id, axis) => {
             let place = linearised[side as usize][0].at.point(id)[axis];
             let by_travel = place.0.get(1).copied().unwrap_or(f64::NAN);
-            // The second line of a rigid axle follows the held travel.
+            // The second line of a rigid axle is the held travel.
             let by_rack = match (state.carriers.is_rigid(), linearised[side as usize].get(1)) {
                 (false, _) => 0.0,
                 (true, None) => f64::NAN,

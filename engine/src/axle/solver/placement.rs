@@ -1,8 +1,9 @@
-//! Placements at which an axle is solved.
+//! Placements of an axle: the coordinates at which it is solved.
 
 use super::*;
 
-/// Required position of an axle. Lengths are in the study's unit. The rack is positive to the outside of the left wheel.
+/// Required position of an axle. Lengths are in the study's unit. The rack is positive in the outboard direction of the left
+/// wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Placement {
     /// The body is rolled on a plane ground.
@@ -14,8 +15,8 @@ pub enum Placement {
         /// Displacement of the rack.
         rack: f64,
     },
-    /// The body is rolled on a plane ground, and the mean travel follows from the load. The axle carries the same load as
-    /// when it stands level at `heave`, with the rack centred.
+    /// The body is rolled on a plane ground, and the mean travel follows from the load. The axle carries the same load as in
+    /// the level position at `heave`, with the rack centred.
     AtLoad {
         /// Mean travel of the wheel centres at which the level axle carries the same load.
         heave: f64,
@@ -36,7 +37,7 @@ pub enum Placement {
 }
 
 impl Placement {
-    /// Travels and rack of wheels on level pads at given heights; `None` for another placement.
+    /// Travels and rack of wheels on level pads at given heights. `None` for another placement.
     pub fn on_level_pads(&self) -> Option<([f64; 2], f64)> {
         match *self {
             Placement::Travels {
@@ -57,7 +58,7 @@ impl Placement {
         }
     }
 
-    /// Mean travel of both wheel centres. A placement at a load has the mean travel of the level axle.
+    /// Mean travel of both wheel centres. For a placement at a load, it is the mean travel of the level axle.
     pub(in crate::axle) fn mean(&self) -> f64 {
         match *self {
             Placement::Roll { heave, .. } | Placement::AtLoad { heave, .. } => heave,
@@ -68,7 +69,7 @@ impl Placement {
         }
     }
 
-    /// Quantities that stay fixed in motions from this placement.
+    /// Coordinates that stay constant in motions from this placement.
     pub fn hold(&self) -> Hold {
         match self {
             Placement::Roll { .. } | Placement::AtLoad { .. } => Hold::MeanTravel,

@@ -1,4 +1,4 @@
-//! Proofs that poses lie on the branch of the design position.
+//! Certifies that poses lie on the branch of the design position.
 
 use super::AxleSolver;
 use crate::analyse::Certifier;
@@ -8,8 +8,8 @@ use crate::solve::StationOrder;
 use std::ops::ControlFlow;
 
 impl<const N: usize> AxleSolver<'_, N> {
-    /// Proves that poses of one wheel lie on the branch of its design position. The poses have these values of the drive and
-    /// one rack displacement. For a rigid axle the mean travel replaces the rack.
+    /// Certifies that poses of one wheel lie on the branch of its design position. The poses have these values of the drive
+    /// and one rack displacement. For a rigid axle, the mean travel replaces the rack.
     pub(in crate::axle) fn prove_branch(
         &mut self,
         certifier: &Certifier,

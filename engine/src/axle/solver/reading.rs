@@ -5,11 +5,12 @@ use super::super::series::ByGear;
 use super::linearised::derivative_by_heave;
 use super::*;
 
-/// Receives the index of a requested quantity, and its gradients with respect to every point of the left and of the right wheel.
+/// Callback that receives the index of a requested quantity, and its gradients with respect to every point of the left and
+/// of the right wheel.
 pub(in crate::axle) type ReceiveOwnGradients<'r> = dyn FnMut(usize, [&mut [Vector3<f64>]; 2]) + 'r;
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// Reads a position.
+    /// Reads the state of the axle in a position.
     pub fn read(&mut self, placed: &AxlePose) -> Result<Read<'a>, NoPose> {
         self.steer(placed.rack)?;
         let (lines, parts) = (self.lines, self.parts);
@@ -26,8 +27,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(self.both([&left, &right], placed))
     }
 
-    /// Reads one wheel at many travels and one rack displacement, outward from the design position. A curve of one wheel is
-    /// read in the same way.
+    /// Reads one wheel at many travels and one rack displacement, outward from the design position. The curves of a single
+    /// wheel are computed in the same way.
     pub fn wheel_curve(
         &mut self,
         side: Side,
@@ -44,7 +45,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         };
         let unvisited = |travel: &f64| Err(fails(*travel, Failure::Singular));
         let mut found: Vec<_> = travels.iter().map(unvisited).collect();
-        // The constructor has checked the design position. Stations that cannot be reached keep their failure.
+        // The constructor has checked the design position. Unreachable stations keep their failure.
         if corner.begin(rack).is_err() {
             return found;
         }
@@ -68,7 +69,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         found
     }
 
-    /// Position of two wheels that were read at their travels.
+    /// Combines two wheels, which were read at their travels, into a position.
     pub fn pair(
         &self,
         wheels: [&WheelRead; 2],
@@ -119,8 +120,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Computes gradients of quantities in a position by every hardpoint coordinate of each side, in the frame of that side.
-    /// `receive` gets the index of the quantity and both gradients, by point.
+    /// Computes gradients of quantities in a position with respect to every hardpoint coordinate of each side, in the frame
+    /// of that side. `receive` gets the index of the quantity and both gradients. Each gradient has one entry per point.
     ///
     /// A gradient is NaN if its quantity needs terms beyond the `N` of the series.
     pub fn gradients(
@@ -133,8 +134,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.gradients_of(placed, &sought, &mut receive)
     }
 
-    /// Computes gradients of quantities if each point of both sides moves separately. For a rigid axle, the first gradient is by
-    /// all points of the left design. The second one is by all points of the axle as seen from its right wheel.
+    /// Computes gradients of quantities if each point of both sides moves separately. For a rigid axle, the first gradient
+    /// is with respect to all points of the left design. The second one is with respect to all points of the axle as seen
+    /// from its right wheel.
     pub(crate) fn gradients_by_each_point(
         &mut self,
         placed: &AxlePose,
@@ -148,7 +150,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// Derivatives of the mean travel by the points. `None` unless the mean travel follows from a load.
+    /// Derivatives of the mean travel with respect to the points. `None` unless the mean travel follows from a load.
     fn heave_by_points(
         &mut self,
         placed: &AxlePose,
@@ -159,7 +161,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(Some(self.loads()?.heave_by_design(level, placed)?))
     }
 
-    /// Computes gradients of quantities and of coordinates of points. Those of coordinates are in the frame of their side.
+    /// Computes gradients of quantities and of coordinates of points. Gradients of coordinates are in the frame of their
+    /// side.
     pub(in crate::axle) fn gradients_of(
         &mut self,
         placed: &AxlePose,
@@ -176,8 +179,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// First and second derivatives of columns by the displacement of a steered axle's steering gear. The second ones are NaN if no
-    /// column reads them. `None` for a column that does not move with the gear. Empty for an axle that no drag link steers.
+    /// First and second derivatives of columns with respect to the displacement of a steered axle's steering gear. Second
+    /// derivatives are NaN if no column needs them. `None` for a column that is not differentiated along the rack. Empty for
+    /// an axle without a drag link.
     pub(crate) fn by_drag_link(
         &mut self,
         placed: &AxlePose,
@@ -210,7 +214,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         if numbers.is_empty() {
             return Ok(found);
         }
-        // The adjoint also has the first derivatives of velocities.
+        // Unlike the series, the adjoint also gives first derivatives of quantities that contain velocities.
         for (number, by) in numbers
             .into_iter()
             .zip(self.by_steering_gear(placed, &sought)?)
@@ -221,8 +225,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(found)
     }
 
-    /// The derivatives of quantities and of coordinates of points by the displacement of a steered axle's steering gear: (2) of
-    /// `model/steered_axle.rs`. The other numbers of the station are held.
+    /// Derivatives of quantities and of coordinates of points with respect to the displacement of a steered axle's steering
+    /// gear: (2) of `model/steered_axle.rs`. The other coordinates of the station stay constant.
     fn by_steering_gear(
         &mut self,
         placed: &AxlePose,
@@ -237,8 +241,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(found)
     }
 
-    /// The gradients with respect to every point of both sides, also by points that follow other points. `by_heave` has the derivatives of the
-    /// mean travel by the points, if the mean travel follows from a load.
+    /// Computes gradients with respect to every point of both sides, including points that follow other points. `by_heave`
+    /// has the derivatives of the mean travel with respect to the points, if the mean travel follows from a load.
     pub(in crate::axle) fn each_gradient(
         &mut self,
         placed: &AxlePose,
@@ -262,7 +266,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let state = self.state(readings, placed).settled(slopes);
         let value = |sought: &Sought| match sought {
             Sought::Quantity(quantity) => quantity.evaluate(&state),
-            // A point moves with its wheel's travel. That travel depends on the design if it follows from the ground.
+            // A point moves with its wheel's travel, which depends on the design if the ground determines it.
             Sought::Point(side, ..) => state.readings[*side as usize].travel(),
         };
         let values: Vec<_> = sought.iter().map(value).collect();
@@ -278,7 +282,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 let linearised = &linearised.wheels[side as usize][0];
                 let by_travel = linearised.at.point(id)[axis].0.get(1).copied();
                 for by in self.gradients.iter_mut().flatten() {
-                    // On pads, travels do not follow from the ground.
+                    // On pads, the ground does not determine the travels.
                     *by = *by * by_travel.unwrap_or(0.0);
                 }
                 let zero = Vector3::new(0.0, 0.0, 0.0);

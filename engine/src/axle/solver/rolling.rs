@@ -1,13 +1,14 @@
-//! Positions from roll angles, travels and heights.
+//! Solution of positions from roll angles, travels and heights.
 
 use super::corner::{WheelSeries, solve_level};
 use super::*;
 
 impl<const N: usize> AxleSolver<'_, N> {
-    /// Finds positions. Placements in roll at one rack displacement are solved together. Each round solves both wheels at
-    /// the travels that the series of the last round predict.
+    /// Finds positions for all placements. Placements in roll at one rack displacement are solved together. Each round
+    /// solves both wheels at the travels that the series of the last round predict.
     pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<AxlePose, NoPose>> {
-        // Indices of the placements for each pair of values: rack of the closure equations, displacement of the steering gear.
+        // Indices of the placements for each pair of values: rack in the closure equations, and displacement of the steering
+        // gear.
         let mut by_rack: Vec<([f64; 2], Vec<usize>)> = Vec::new();
         for (number, placement) in placements.iter().enumerate() {
             if let Placement::Roll { heave, rack, .. } = *placement {
@@ -22,7 +23,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         }
         let mut found: Vec<Option<AxlePose>> = vec![None; placements.len()];
         for ([rack, steered], numbers) in by_rack {
-            // If the gear cannot be moved, the positions are placed one by one, which returns the failure.
+            // If the gear cannot move, the placements are solved one by one, which returns the failure.
             if self.steer(steered).is_ok() {
                 self.roll_together(rack, &numbers, placements, &mut found);
             }
@@ -32,7 +33,7 @@ impl<const N: usize> AxleSolver<'_, N> {
             .collect()
     }
 
-    /// Finds a position.
+    /// Finds the position for a placement.
     pub fn place(&mut self, placement: &Placement) -> Result<AxlePose, NoPose> {
         let mut found = self.place_all(std::slice::from_ref(placement));
         found.swap_remove(0)
@@ -54,7 +55,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         -0.5 * slope * (half(Side::Left) + half(Side::Right))
     }
 
-    /// Solves placements in roll at one rack displacement together; `numbers` are their indices. Placements that need more
+    /// Solves placements in roll at one rack displacement together. `numbers` are their indices. Placements that need more
     /// than a few rounds stay unsolved.
     pub(super) fn roll_together(
         &mut self,
@@ -105,7 +106,7 @@ impl<const N: usize> AxleSolver<'_, N> {
                 let (Some(left), Some(right)) = wheels else {
                     continue;
                 };
-                // This form of the condition also skips NaN, so that placement is solved alone.
+                // NaN also fails this condition, so that this placement is solved alone.
                 if !rise(is_rigid, [left.height[1], right.height[1]]) {
                     continue;
                 }
@@ -131,7 +132,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         }
     }
 
-    /// Finds one position alone.
+    /// Finds the position for one placement alone.
     pub(super) fn place_alone(&mut self, placement: &Placement) -> Result<AxlePose, NoPose> {
         checkpoint();
         let rack = placement.rack();
@@ -179,7 +180,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         let size = self.corners[0].solver.size();
         let mut half = self.straight_half(roll);
         let (level, rack) = self.level(heave, rack);
-        // Last solution with poses for both wheels. A failed step goes back towards it.
+        // Last travels at which both wheels have poses. A failed step goes back towards them.
         let mut reached = None;
         let mut smallest = f64::INFINITY;
         for _ in 0..MOST_STEPS {
@@ -188,7 +189,8 @@ impl<const N: usize> AxleSolver<'_, N> {
                 left.height(level + half, rack, ground, radius),
                 right.height(level - half, rack, ground.mirrored(), radius),
             );
-            // If a contact point falls as its travel grows, the wheels are beyond the required position. NaN counts as falling.
+            // If a contact point falls as its travel grows, the travels are beyond the required position. NaN counts as
+            // falling.
             let rises =
                 |l: &WheelSeries, r: &WheelSeries| rise(is_rigid, [l.height[1], r.height[1]]);
             let found = found.and_then(|[l, r]| {
@@ -200,7 +202,7 @@ impl<const N: usize> AxleSolver<'_, N> {
             });
             let (left_wheel, right_wheel) = match found {
                 Ok(found) => found,
-                // Go halfway back to the last travels that both wheels could reach.
+                // Goes halfway back to the last travels that both wheels could reach.
                 Err(failure) => {
                     let back = reached.unwrap_or(0.0);
                     if (half - back).abs() <= 1e-9 * size {

@@ -1,4 +1,4 @@
-//! Steering gear of a steered axle, in a design over any number type.
+//! Steering gear of a steered axle, for designs in any number type.
 
 use super::AxleSolver;
 use crate::analyse::{Limit, Range, RangeEnd};
@@ -6,8 +6,9 @@ use crate::mechanism::constraint::heights_at_rest;
 use crate::model::{AxleTravel, Drive, Mechanism};
 use crate::number::{Dual, Real, Vector3};
 
-/// Moves the drag link's end in a design: (1) of `model/steered_axle.rs`. Returns the lift of both wheel centres by (4) and (5):
-/// the change of the travel that drives the axle, then that of the held travel. Both are 0 if no drag link steers the axle.
+/// Moves the drag link's end in a design: (1) of `model/steered_axle.rs`. Returns the lift of both wheel centres by (4) and
+/// (5): the change of the travel that drives the axle, then the change of the held travel. Both are 0 if no drag link steers
+/// the axle.
 #[inline(always)]
 pub(crate) fn displace<T: Real>(
     mechanism: &Mechanism,
@@ -55,25 +56,27 @@ impl<const N: usize> AxleSolver<'_, N> {
         of_held.or_else(|| before(corner.solver.drive_range(Drive::Travel, held).ok()?, drive))
     }
 
-    /// Fold at which the axle can no longer follow its steering gear: level at its hardpoints' height, it folds between these two
-    /// displacements. `None` if the equations of the axle do not fold there.
+    /// Fold at which the axle can no longer follow its steering gear: the level axle at zero travel folds between these two
+    /// displacements of the gear. `None` if the equations of the axle do not fold there.
     ///
-    /// With T(p, s) the travel at the fold, the design p and the gear at s, T = 0 is the end. The axle takes its held travel first.
-    /// Meanwhile its drive d is that of the axle at rest, the lift l(p, s) by (4) or (5) of `model/steered_axle.rs`. With the gradient
-    /// g of T by the hardpoints, g' its gradient with respect to the drag link's end p' and n the direction of the gear,
+    /// With T(p, s) the travel at the fold, the design p and the displacement s of the gear, T = 0 at the end. The axle
+    /// reaches its held travel first. Meanwhile, its drive d is the drive of the axle at rest. It equals the lift l(p, s) by
+    /// (4) or (5) of `model/steered_axle.rs`. With the gradient g of T with respect to the hardpoints, g' its gradient with
+    /// respect to the drag link's end p' and n the direction of the gear,
     ///
     /// ```text
     /// ds/dp = -(g + T_d l_p)/(g'.n + T_d l_s)                                                     (1)
     /// ```
     ///
-    /// If the fold is one of the drive, T_d is 0.
+    /// If the fold is a fold of the drive, T_d is 0.
     pub(in crate::axle) fn gear_fold(&mut self, value: f64, beyond: f64) -> Option<Limit> {
         self.steer(beyond).ok()?;
         let fold = self.level_fold()?;
         let mechanism = &self.axle.left.mechanism;
         let steering = mechanism.axle_steering()?;
         let design = self.corners[0].solver.design();
-        // Derivatives of the lift by a point, or by the gear as the first of three.
+        // Derivatives of the lift with respect to a point. For `None`, the derivative with respect to the gear is the first
+        // of the three numbers.
         let lift_by = |point: Option<usize>| -> [f64; 3] {
             let mut moved: Vec<_> = design.iter().map(|p| p.map(Dual::constant)).collect();
             let gear = match point {

@@ -7,7 +7,8 @@ use crate::number::{Jet, Outlined, SimdReal, outlined};
 use std::hint::black_box;
 
 impl LaneReader<'_> {
-    /// Writes the values of all quantities. Each is `stride` numbers after the previous one. NaN if a value is not finite.
+    /// Writes the values of all quantities. The values of successive quantities are `stride` numbers apart. NaN replaces a
+    /// value that is not finite.
     #[inline(always)]
     pub fn values<B: SimdReal>(&self, read: &LaneInputs<B>, to: &mut [f64], stride: usize) {
         read.inputs.turn.x.outlined(Evaluating {
@@ -18,8 +19,8 @@ impl LaneReader<'_> {
         });
     }
 
-    /// Writes the derivatives of all quantities by the drive, like [`LaneReader::values`], from inputs with rates. NaN for
-    /// quantities that contain velocities, because their derivatives need accelerations.
+    /// Writes the derivatives of all quantities with respect to the drive, in the order of [`LaneReader::values`]. The
+    /// inputs must have rates. NaN for quantities that contain velocities, because their derivatives need accelerations.
     #[inline(always)]
     pub fn slopes<B: SimdReal>(&self, read: &LaneInputs<B>, to: &mut [f64], stride: usize) {
         let inputs = &read.inputs;
@@ -45,7 +46,7 @@ impl LaneReader<'_> {
         if !takes_series {
             return;
         }
-        // If one function contained all formulas as series, it would take too long to compile.
+        // One function for all formulas as series would take too long to compile.
         for lane in 0..B::LANES {
             let series = series(inputs, lane);
             for (k, quantity) in self.quantities.iter().enumerate() {
@@ -59,7 +60,7 @@ impl LaneReader<'_> {
     }
 }
 
-/// Evaluates quantities.
+/// Task that evaluates quantities.
 struct Evaluating<'i, B> {
     rules: &'i [EvaluationRule],
     read: &'i LaneInputs<B>,
@@ -73,8 +74,8 @@ impl<B: SimdReal> Outlined for Evaluating<'_, B> {
     fn work(self) {
         let mut first = 0;
         for rule in self.rules {
-            // Otherwise the compiler moves work that does not depend on the characteristic out of the loop. It would then
-            // compute the divisions and roots of all formulas for each of them.
+            // Without `black_box`, the compiler moves work that does not depend on the characteristic out of the loop. It
+            // would then compute the divisions and roots of all formulas for each characteristic.
             let read = black_box(self.read);
             let value = match rule {
                 EvaluationRule::Formula(c) => c.evaluate(&read.inputs),
@@ -90,7 +91,7 @@ impl<B: SimdReal> Outlined for Evaluating<'_, B> {
     }
 }
 
-/// One lane as series in the drive.
+/// Inputs of one lane as series in the drive.
 #[inline(always)]
 fn series<B: SimdReal>(inputs: &Inputs<B>, lane: usize) -> Inputs<Jet<f64, 2>> {
     let one = inputs.map(
@@ -108,7 +109,7 @@ fn series<B: SimdReal>(inputs: &Inputs<B>, lane: usize) -> Inputs<Jet<f64, 2>> {
 }
 
 impl Characteristic {
-    /// The slope by the drive in one lane, from inputs as series.
+    /// Slope with respect to the drive in one lane, from inputs as series.
     #[inline(never)]
     fn slope(self, inputs: &Inputs<Jet<f64, 2>>) -> f64 {
         if self.info().reads_rates() {

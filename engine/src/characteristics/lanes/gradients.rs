@@ -1,4 +1,4 @@
-//! Gradients of quantities by the hardpoints: seeds of an adjoint in lanes.
+//! Gradients of quantities with respect to the hardpoints: seeds of an adjoint in lanes.
 
 use super::{LaneInputs, LaneReader, LaneWheels};
 use crate::characteristics::gains::{angle_of_gain, by_direction, by_direction_along};
@@ -9,8 +9,8 @@ use crate::model::{Axis, PointId, SteeringAxis};
 use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, Vector3};
 
 impl LaneReader<'_> {
-    /// Returns true if lanes provide the derivatives with respect to the hardpoints. They do not for an instantaneous steering axis, nor
-    /// for quantities that contain velocities of springs and rockers.
+    /// Returns true if lanes provide the derivatives with respect to the hardpoints. They do not for an instantaneous
+    /// steering axis, and not for quantities that contain velocities of springs and rockers.
     pub fn has_gradients(&self) -> bool {
         let instantaneous = self.mechanism.steering_axis == Some(SteeringAxis::Instantaneous);
         let can_be_had = |q: &Quantity| {
@@ -28,11 +28,11 @@ impl LaneReader<'_> {
         self.of_rates[number]
     }
 
-    /// Differentiates a quantity y(u, u') that contains velocities, at a configuration along the travel. The gradient with respect to the
-    /// hardpoints is the derivative with respect to the travel (coefficient 1) of the result of the seeds.
+    /// Differentiates a quantity y(u, u') that contains velocities. The configuration is a series in the travel. Coefficient
+    /// 1 of the adjoint's result is the gradient with respect to the hardpoints.
     ///
-    /// With h and g the derivatives of y by u and u', dy/dp = h.u_p + g.u_p' is that coefficient of S.u_p for the seed S = g
-    /// + h e, with constant g and h.
+    /// Let h and g be the derivatives of y with respect to u and u'. Then dy/dp = h.u_p + g.u_p' is coefficient 1 of the
+    /// series S.u_p for the seed S = g + h e, with constant g and h.
     #[inline(always)]
     pub fn differentiate_rates<B: SimdReal, G: Gradient<Jet<B, 2>> + ?Sized>(
         &self,
@@ -51,8 +51,8 @@ impl LaneReader<'_> {
         });
     }
 
-    /// Adds `weight` times the derivative of one of the four angles by the direction that it reads. Returns false if the
-    /// quantity with this index is no such angle; [`LaneReader::differentiate`] is then the right function.
+    /// Adds `weight` times the derivative of one of the four angles with respect to the direction that it reads. Returns
+    /// false if the quantity with this index is not one of these angles. Then use [`LaneReader::differentiate`].
     #[inline(always)]
     pub fn add_by_directions<B: SimdReal>(
         &self,
@@ -76,7 +76,8 @@ impl LaneReader<'_> {
         true
     }
 
-    /// Adds `weight` times the derivatives of a quantity other than the four angles by the configuration from which it was read.
+    /// Adds seeds for a quantity other than the four angles: `weight` times its derivatives with respect to the
+    /// configuration from which it was read.
     #[inline(always)]
     pub fn differentiate<B: SimdReal, G: Gradient<B> + ?Sized>(
         &self,
@@ -106,7 +107,7 @@ impl LaneReader<'_> {
     }
 }
 
-/// Derivatives with respect to the two directions that the angles read. `None` for a direction that no angle reads.
+/// Derivatives with respect to the two directions that angles read. `None` for a direction that no angle reads.
 #[derive(Clone, Copy, Debug)]
 pub struct ByDirections<B> {
     spin_axis: Option<Vector3<B>>,
@@ -123,7 +124,7 @@ impl<B> Default for ByDirections<B> {
 }
 
 impl<B: SimdReal> ByDirections<B> {
-    /// Adds the seeds to the configuration from which the inputs were read.
+    /// Adds the derivatives as seeds, at the configuration from which the inputs were read.
     #[inline(always)]
     pub fn seed<G: Gradient<B> + ?Sized>(
         &self,
@@ -144,7 +145,7 @@ impl<B: SimdReal> ByDirections<B> {
     }
 }
 
-/// Work piece that seeds an adjoint with the inputs of a characteristic.
+/// Task that seeds an adjoint with the inputs of a characteristic.
 struct Seeding<'i, 'c, 's, 'a, B, G: ?Sized> {
     characteristic: Characteristic,
     weight: B,
@@ -164,7 +165,7 @@ impl<B: SimdReal, G: Gradient<B> + ?Sized> Outlined for Seeding<'_, '_, '_, '_, 
     }
 }
 
-/// Work piece that seeds an adjoint along the travel with the inputs of a quantity that contains velocities.
+/// Task that seeds an adjoint along the travel with the inputs of a quantity that contains velocities.
 struct SeedingRates<'i, 'c, 's, 'a, B, G: ?Sized> {
     quantity: Quantity,
     weight: B,
@@ -211,8 +212,8 @@ impl<B: SimdReal, G: Gradient<Jet<B, 2>> + ?Sized> Outlined for SeedingRates<'_,
     }
 }
 
-/// Derivatives of a characteristic by the slots that it reads, lane by lane. If one function contained all formulas over
-/// dual numbers, it would take too long to compile.
+/// Derivatives of a characteristic with respect to the slots that it reads, lane by lane. One function for all formulas over
+/// dual numbers would take too long to compile.
 #[inline(always)]
 fn gradient<B: SimdReal>(c: Characteristic, inputs: &Inputs<B>) -> [Vector3<B>; Slot::MOST] {
     let mut lanes = [[[0.0; MOST_LANES]; 3]; Slot::MOST];
@@ -238,7 +239,7 @@ fn gradient<B: SimdReal>(c: Characteristic, inputs: &Inputs<B>) -> [Vector3<B>; 
     gradient
 }
 
-/// Work piece that seeds an adjoint with a coordinate of a point.
+/// Task that seeds an adjoint with a coordinate of a point.
 struct SeedingPoint<'i, 's, 'a, B, G: ?Sized> {
     id: PointId,
     axis: Axis,

@@ -1,4 +1,4 @@
-//! Quantities of many designs at a time, one in each lane.
+//! Quantities of several designs at a time. Each design is in one SIMD lane.
 //!
 //! The reader computes only the [`Slot`]s that the formulas of its quantities need. A slot that is not read is NaN, so a
 //! formula that reads an undeclared slot has no value.
@@ -33,13 +33,13 @@ pub struct LaneReader<'a> {
     slots: Slots,
     /// Points whose coordinates are read.
     points: Vec<PointId>,
-    /// `carried`: all points on the knuckle that are read. `place[id]`: index in `carried` of point `id` of the mechanism,
-    /// or `None` if it is not read.
+    /// `carried` has all points on the knuckle that are read. `place[id]` is the index in `carried` of the mechanism's point
+    /// `id`, or `None` if the point is not read.
     carried: Vec<PointId>,
     place: Vec<Option<usize>>,
     /// True if the reader needs a part outside the knuckle: another body's point, or a rocker.
     reads_others: bool,
-    /// Rockers that move a part which is read, and the rockers that move those rockers. Their positions need velocities.
+    /// Rockers that move any part that is read, and rockers that move those rockers. Their positions need velocities.
     rockers: Vec<RockerId>,
     rates: bool,
     /// True if the reader also reads derivatives with respect to the rack.
@@ -57,7 +57,7 @@ pub struct LaneReader<'a> {
 enum EvaluationRule {
     /// The quantity's own formula.
     Formula(Characteristic),
-    /// Slope of this angle by the drive. If the travel is the drive, it is the angle's gain.
+    /// Slope of this angle with respect to the drive. If the travel is the drive, it is the angle's gain.
     Slope(Characteristic),
     /// A coordinate of one of the points.
     Coordinate(usize, Axis),
@@ -68,11 +68,11 @@ enum EvaluationRule {
 /// The body of a rigid axle, read from poses in lanes.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneAxle<B> {
-    /// Columns of its rotation from the design position along x and y.
+    /// Columns along x and y of its rotation from the design position.
     pub columns: [Vector3<B>; 2],
-    /// Angular velocities by the drive and by the held travel.
+    /// Angular velocities with respect to the drive and to the held travel.
     pub turns: [Vector3<B>; 2],
-    /// Velocity of the steering axis's point by the held travel.
+    /// Velocity of the steering axis's point with respect to the held travel.
     pub kingpin_by_held: Vector3<B>,
     /// True if the wheel is on a knuckle that turns in the axle.
     pub is_steered: bool,
@@ -84,14 +84,14 @@ pub struct LaneInputs<B> {
     inputs: Inputs<B>,
     /// Positions of the points, and their velocities.
     points: Vec<[Vector3<B>; 2]>,
-    /// Velocity of the wheel centre and angular velocity by the rack, at constant travel.
+    /// Velocity of the wheel centre and angular velocity with respect to the rack, at constant travel.
     by_rack: [Vector3<B>; 2],
     axle: LaneAxle<B>,
     rods: ToggleWatch<B>,
 }
 
 impl<B> LaneInputs<B> {
-    /// Prepares for the stations at another rack displacement. They are visited outward from the design position.
+    /// Prepares for the stations at another rack displacement, which are visited outward from the design position.
     #[inline(always)]
     pub fn begin(&mut self) {
         self.rods.begin();
@@ -103,7 +103,7 @@ impl<B> LaneInputs<B> {
         &self.inputs
     }
 
-    /// Velocity of the wheel centre and angular velocity by the rack, at constant travel. NaN if not requested.
+    /// Velocity of the wheel centre and angular velocity with respect to the rack, at constant travel. NaN if not requested.
     #[inline(always)]
     pub fn by_rack(&self) -> &[Vector3<B>; 2] {
         &self.by_rack
@@ -125,7 +125,7 @@ pub struct LaneWheels<B: SimdReal> {
 }
 
 impl<'a> LaneReader<'a> {
-    /// Makes a reader of these quantities. `None` if lanes cannot read one of them.
+    /// Makes a reader of these quantities. `None` if lanes cannot read one of the quantities.
     pub fn new(
         mechanism: &'a Mechanism,
         batch: &CornerTracker<'_>,
@@ -163,8 +163,8 @@ impl<'a> LaneReader<'a> {
         })
     }
 
-    /// Makes a reader of slots, with their velocities if `rates` is true, for formulas that are evaluated elsewhere. `None`
-    /// if lanes cannot read one of them.
+    /// Makes a reader of slots, for formulas that are evaluated elsewhere. It includes the slots' velocities if `rates` is
+    /// true. `None` if lanes cannot read one of the slots.
     pub fn of_slots(
         mechanism: &'a Mechanism,
         batch: &CornerTracker<'_>,
@@ -233,16 +233,16 @@ impl<'a> LaneReader<'a> {
         })
     }
 
-    /// If `is_wanted`, the reader also reads the body of a rigid axle. It reads the body's motion only if it reads velocities by
-    /// the rack.
+    /// If `is_wanted`, the reader also reads the body of a rigid axle. It reads the body's motion only together with
+    /// velocities with respect to the rack.
     #[must_use]
     pub fn with_axle(mut self, is_wanted: bool) -> Self {
         self.of_axle = is_wanted;
         self
     }
 
-    /// If `is_wanted`, the reader also reads velocities by the rack. It does so only if it reads velocities by the drive and
-    /// the wheel centre.
+    /// If `is_wanted`, the reader also reads velocities with respect to the rack. It needs velocities with respect to the
+    /// drive and the wheel centre, so without them it reads no velocities with respect to the rack.
     #[must_use]
     pub fn with_derivatives_by_rack(mut self, is_wanted: bool) -> Self {
         let knows_centre = self.slots.contain_either(Slot::Centre, Slot::CentreRate);
@@ -250,8 +250,8 @@ impl<'a> LaneReader<'a> {
         self
     }
 
-    /// Returns true if poses must be read in the order of their stations, because rods of rockers are checked from station to
-    /// station.
+    /// Returns true if poses must be read in the order of their stations. This is necessary because the rods of rockers are
+    /// checked from station to station.
     #[inline]
     pub(crate) fn watches_rods(&self) -> bool {
         !self.rockers.is_empty()
@@ -269,7 +269,7 @@ impl<'a> LaneReader<'a> {
         &self.quantities
     }
 
-    /// Returns true if the quantities read velocities.
+    /// Returns true if the quantities contain velocities.
     #[inline]
     pub fn reads_rates(&self) -> bool {
         self.rates
@@ -295,7 +295,7 @@ impl<'a> LaneReader<'a> {
         }
     }
 
-    /// Storage for the inputs, all NaN.
+    /// Makes storage for the inputs. All numbers are NaN.
     #[inline(always)]
     pub fn inputs<B: SimdReal>(&self, like: B) -> LaneInputs<B> {
         let unknown = like.constant(f64::NAN);
@@ -315,7 +315,7 @@ impl<'a> LaneReader<'a> {
         }
     }
 
-    /// Reads the slots that depend only on the designs, before the first of their poses.
+    /// Reads the slots that depend only on the designs. Call it before the first pose of these designs.
     #[inline(always)]
     pub fn read_designs<B: SimdReal>(&self, design: &[Vector3<B>], into: &mut LaneInputs<B>) {
         into.inputs.read_design(self.mechanism, design, self.slots);

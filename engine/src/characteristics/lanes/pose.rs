@@ -7,12 +7,12 @@ use crate::model::{PointId, RockerId};
 use crate::number::{Outlined, SimdReal, Vector3};
 use crate::solve::{LanePose, LaneRates};
 
-/// Smallest squared leverage of a rocker. With more leverage, the rocker is far from its toggle and rotates at most four times as
-/// fast as with full leverage.
+/// Smallest squared leverage of a rocker in an accepted lane. With a larger leverage, the rocker is far from its toggle and
+/// rotates at most four times as fast as with full leverage.
 const LEAST_LEVERAGE: f64 = 0.0625;
 
-/// Largest inclination of a spin axis, as its sine. Beyond it the wheel nearly lies on its side, and neither camber nor toe
-/// is accurate.
+/// Largest accepted inclination of a spin axis, as its sine. Beyond it the wheel nearly lies on its side, and neither camber
+/// nor toe is accurate.
 const STEEPEST_SPIN_AXIS: f64 = 0.9;
 
 impl LaneReader<'_> {
@@ -39,7 +39,7 @@ impl LaneReader<'_> {
     }
 }
 
-/// Work piece for reading a pose, compiled as a separate function, so that all visitors of poses share the code.
+/// Task that reads a pose. It is compiled as a separate function, so that all visitors of poses share the code.
 struct ReadingPose<'r, 'm, B: SimdReal, P> {
     reader: &'r LaneReader<'m>,
     wheels: &'r LaneWheels<B>,
@@ -133,11 +133,11 @@ struct PoseInLanes<'r, 'm, 'c, B: SimdReal, P> {
     at: &'r P,
     /// Velocities, if requested.
     rates: Option<&'r LaneRates<B>>,
-    /// Configuration. Needed if a part is read that is not on the knuckle.
+    /// Configuration. It is needed to read a part that is not on the knuckle.
     configuration: Option<&'r Configuration<'c, B>>,
     /// Knuckle that carries the wheel of a steered axle.
     carrier: Option<&'r MovingBody<B>>,
-    /// Lanes in which all inputs read so far are accurate.
+    /// Mask of the lanes in which all inputs read so far are accurate.
     accepted: B::Mask,
 }
 
@@ -150,7 +150,7 @@ impl<B: SimdReal, P: LanePose<B>> PoseInLanes<'_, '_, '_, B, P> {
         }
     }
 
-    /// Accepts lanes in which a rocker is far from its toggle.
+    /// Rejects lanes in which a rocker may be near its toggle.
     #[inline(always)]
     fn require_leverage(&mut self, squared: B) {
         self.accepted = self.accepted & squared.constant(LEAST_LEVERAGE).less(squared);

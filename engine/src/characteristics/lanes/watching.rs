@@ -1,4 +1,4 @@
-//! Watches the rods of rockers from station to station.
+//! Checks the rods of rockers for toggles from station to station.
 
 use crate::mechanism::{Configuration, RodReach, Twist};
 use crate::model::RockerId;
@@ -22,7 +22,7 @@ impl<B> ToggleWatch<B> {
 }
 
 impl<B: SimdReal> ToggleWatch<B> {
-    /// Makes the record for this number of rockers, before any rod has been read. `nothing` is NaN.
+    /// Makes a record for this number of rockers, without any rod positions. `nothing` is NaN.
     #[inline(always)]
     pub(super) fn of(rockers: usize, nothing: B) -> Self {
         ToggleWatch {
@@ -66,14 +66,15 @@ impl<B: SimdReal> Outlined for Watching<'_, B> {
         for ([first, last], id) in rods.iter_mut().zip(self.rockers) {
             let rod = self.at.moving_rod(*id, self.motion);
             let before = if *has_begun {
-                // This station may lie on the other side of the first one.
+                // If the visit changes to the other side of the first station, the first station is nearer than the previous
+                // one.
                 rod.nearer(first, last)
             } else {
-                // At the start, the rack has moved since the design position, so the path begins with the rod in that
-                // position.
+                // Before the first station, the rack has moved from the design position. So the path begins with the rod in
+                // the design position.
                 *first = rod;
                 if self.at.mechanism.axle_steering().is_some() {
-                    // The steering gear has moved since the design position.
+                    // Before the first station, the steering gear has moved from the design position.
                     self.at.rod_at_rest(*id)
                 } else {
                     self.at.designed_rod(*id)

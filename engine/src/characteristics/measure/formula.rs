@@ -1,10 +1,10 @@
-//! Formulas of the geometric measures, over vectors.
+//! Formulas of the geometric measures as functions of vectors.
 
 use super::{Measure, Vectors};
 use crate::number::{Each, Scalar, Vector3, array_of};
 
 impl Measure {
-    /// Evaluates the formula for the vectors that `inputs` names.
+    /// Evaluates the formula for the vectors that `Measure::inputs` lists.
     pub(crate) fn formula<T: Scalar>(&self, v: &Vectors<T>) -> T {
         match self {
             Measure::Quantity(_)
@@ -88,8 +88,8 @@ fn of_ball_joint<T: Scalar>(v: &Vectors<T>) -> T {
     versine(now, carried)
 }
 
-/// Distance from the spin axis at which a member crosses the plane `offset` outboard of the wheel centre, or that of its
-/// nearer end.
+/// Distance from the spin axis at which a member crosses the plane `offset` outboard of the wheel centre. If it does not
+/// cross the plane, distance of the end nearer to the plane.
 #[inline]
 fn from_spin_axis_at<T: Scalar>(v: &Vectors<T>, offset: f64) -> T {
     let [outer, inner, centre, axis, ..] = *v;
@@ -151,8 +151,8 @@ fn outside<T: Scalar>(excess: &[T]) -> T {
     }
 }
 
-/// Distance of two segments. Their nearest places move with the ends, so derivatives of any order are exact. The distance has
-/// its minimum there, so to first order it does not depend on a move of these places.
+/// Distance of two segments. Their nearest points move with the ends, so derivatives of any order are exact. At these points
+/// the distance has its minimum, so it does not depend on their position to first order.
 pub(super) fn between_segments<T: Scalar>(first: [Vector3<T>; 2], second: [Vector3<T>; 2]) -> T {
     let (p, q) = (first[0], second[0]);
     let (u, w) = (first[1] - p, second[1] - q);
@@ -167,7 +167,7 @@ pub(super) fn between_segments<T: Scalar>(first: [Vector3<T>; 2], second: [Vecto
         let t = on_second(s);
         (on_first(t), t)
     } else {
-        // Parallel members: the middle of their overlap.
+        // For parallel members, take the middle of their overlap.
         let ends = [uu.zero(), uu.one()].each(on_first);
         let s = (ends[0] + ends[1]).scaled(0.5);
         (s, on_second(s))
@@ -176,7 +176,7 @@ pub(super) fn between_segments<T: Scalar>(first: [Vector3<T>; 2], second: [Vecto
     (place(first, s) - place(second, t)).norm()
 }
 
-/// Share of a segment's length, at its ends if it would be beyond them.
+/// Limits a fraction of a segment's length to the range from 0 to 1.
 #[inline]
 fn on_segment<T: Scalar>(share: T) -> T {
     let value = share.value();

@@ -1,4 +1,4 @@
-//! Vectors that the formulas read, in a pose.
+//! Vectors that the formulas of measures read in a pose.
 
 use crate::derive::Seeds;
 use crate::mechanism::Configuration;
@@ -35,7 +35,7 @@ impl Stud {
 /// A vector that a formula reads.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Input {
-    /// Present position of a point.
+    /// Position of a point in the present pose.
     Now(PointId),
     /// Position of a point in the design position.
     Designed(PointId),

@@ -46,7 +46,8 @@ fn a_box_is_negative_inside_and_round_outside() {
     assert_eq!(at(4.0, 6.0, 0.0), 5.0);
 }
 
-/// Inside the edge of a rim, a member is farthest from the spin axis at its outer end or in the plane of that edge.
+/// Over the part of a member within a rim, the distance from the spin axis is largest at the member's outer end or in the
+/// plane of the rim's edge.
 #[test]
 fn a_member_is_inside_of_a_rim_where_its_outer_end_and_its_entry_are() {
     let mut seed = 1_u64;
@@ -143,11 +144,11 @@ fn cases_at_kinks() -> Vec<AtKink> {
     ]
 }
 
-/// Derivatives near a kink are those of their own side. The test passes each of these kinks at t = 0:
+/// Near a kink, the derivatives belong to the side on which the point lies. The test passes each of these kinks at t = 0:
 ///
 /// - edge and middle of a box,
 /// - rim of the end of a tube,
-/// - change of the nearest place of a member to its end,
+/// - change of a member's nearest point to its end,
 /// - parallel members,
 /// - end of a member on the edge of a rim.
 #[test]
@@ -178,7 +179,7 @@ fn derivatives_beside_kinks_are_those_of_their_side() {
             (sides[0] - sides[1]).abs() > 1e-3,
             "{number} has a kink: {sides:?}"
         );
-        // At the kink itself the derivative lies between those of both sides, up to their change near the kink.
+        // At the kink itself, the derivative lies between the derivatives of both sides, up to their change near the kink.
         let (low, high) = (sides[0].min(sides[1]), sides[0].max(sides[1]));
         assert!((low - 0.02..=high + 0.02).contains(&slope(0.0)), "{number}");
     }

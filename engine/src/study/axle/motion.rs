@@ -12,7 +12,7 @@ use crate::number::Each;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Returns true if the roll motion keeps the load constant, not the mean travel.
+/// Returns true if the roll motion keeps the load constant instead of the mean travel.
 fn at_load(
     file: &File,
     section: &file::Motion,
@@ -76,7 +76,7 @@ fn over_time(
     Some(Some((AxleTime { coordinate, law }, values)))
 }
 
-/// Stations that the lists of a motion give.
+/// Rule that combines the lists of a motion into stations.
 fn combine(section: &file::Motion, problems: &mut Problems) -> Option<Combine> {
     let Some(text) = &section.combine else {
         return Some(Combine::All);
@@ -114,7 +114,7 @@ impl MotionKeys<'_> {
         problems.refuse(place, message)
     }
 
-    /// Makes all lists as long as the longest one. A single value is repeated. Reports a list of another length.
+    /// Repeats single values, so that all lists are as long as the longest one. Reports a list of another length.
     fn in_rows(&self, read: &mut [Given], problems: &mut Problems) -> Option<()> {
         let rows = read.iter().flatten().map(Vec::len).max().unwrap_or(1);
         let written = Coordinate::ALL.into_iter().zip(coordinates!(self.section));
@@ -142,7 +142,7 @@ impl MotionKeys<'_> {
             .collect()
     }
 
-    /// Positions of the wheels, from roll, heave and both travels.
+    /// Motion of the wheels, from roll, heave and both travels.
     fn wheels(
         &self,
         given: (Given, Given, Given, Given),

@@ -17,7 +17,7 @@ use toml::Spanned;
 /// Largest number of builds. The values of all builds are kept in memory.
 const MOST_BUILDS: i64 = 100_000;
 
-/// Difference between the seeds of front axle, rear axle and figures.
+/// Difference between the seeds of front axle, rear axle and values of the car.
 const STREAM: u32 = 0x9e37_79b9;
 
 /// `between`, `at_least` and `at_most` of an entry.
@@ -57,7 +57,7 @@ impl Resolver<'_> {
         if met.is_empty() {
             let mut needs: Vec<&str> = Vec::new();
             for need in found.iter().flat_map(|q| q.info().needs) {
-                // A result of both axles needs the same keys at each.
+                // A result of both axles needs the same keys at each axle.
                 if !needs.contains(&need.key()) {
                     needs.push(need.key());
                 }
@@ -68,7 +68,7 @@ impl Resolver<'_> {
         Some(met)
     }
 
-    /// Index of the case with this name, in which the results have values.
+    /// Index of the case with this name, in which the results are evaluated.
     pub(super) fn case_of(
         &mut self,
         quantities: &[CarQuantity],
@@ -182,7 +182,7 @@ impl Resolver<'_> {
         let seed = u32::try_from(seed).ok()?;
         let of_axle = |number: u32| Tolerance {
             builds: builds as u64,
-            // Both axles and the figures have separate random streams.
+            // The random streams of both axles and of the car's values are separate.
             seed: seed.wrapping_add(number.wrapping_mul(STREAM)),
             aligned: false,
             scatter: Vec::new(),
@@ -209,7 +209,7 @@ impl Resolver<'_> {
         sound.then_some(Some(tolerance))
     }
 
-    /// Adds the sources of scatter that an entry of `scatter` names.
+    /// Adds the tolerance sources that an entry of `scatter` names.
     fn scatter(
         &mut self,
         car: &Car,
@@ -282,7 +282,7 @@ impl Resolver<'_> {
         Some(())
     }
 
-    /// Adds the scattering parts of one axle, as in a study of the axle.
+    /// Adds the scattering parts of one axle, like a study of this axle.
     fn scattered_parts(
         &mut self,
         written: &Spanned<car_file::Scatter>,

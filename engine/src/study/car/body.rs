@@ -1,4 +1,4 @@
-//! `[car]`: axles, masses, tyres and air.
+//! `[car]`: axles, masses, tyres and aerodynamics.
 
 use super::super::suspension::accepted;
 use super::*;
@@ -108,8 +108,9 @@ impl Resolver<'_> {
         Some(car)
     }
 
-    /// Refuses a mass of the whole car that is not above that of its axles. Also refuses a centre of gravity under the ground, and
-    /// one of the whole car that is not between the axles: one axle would then bear a negative load at rest.
+    /// Refuses a mass of the whole car that is not above the unsprung mass of its axles. Also refuses a centre of gravity
+    /// below the ground. The centre of gravity of the whole car must also be between the axles. Otherwise one axle would
+    /// bear a negative load at rest.
     fn check_masses(&mut self, car: &Car) -> Option<()> {
         let section = self.file.car.get_ref();
         let (mass, cg) = match car.masses {

@@ -69,7 +69,7 @@ impl Resolver<'_> {
         Some(case)
     }
 
-    /// Reads a speed in m/s; 0 if the study gives none.
+    /// Reads a speed in m/s. 0 if the study does not give it.
     fn speed(&mut self, written: &Option<Number>) -> Option<f64> {
         let Some(number) = written else {
             return Some(0.0);
@@ -173,7 +173,8 @@ impl Resolver<'_> {
         Some(setting)
     }
 
-    /// Refuses a case with longitudinal forces but without their distribution on the axles. A car at rest needs none.
+    /// Refuses a case with longitudinal forces if their distribution between the axles is missing. A car at rest needs no
+    /// distribution.
     fn share_is_given(
         &mut self,
         car: &Car,

@@ -1,4 +1,4 @@
-//! The tuning of a study of a car.
+//! Tuning of the car in a study.
 
 use super::{CarOptimise, CarStudy};
 use crate::car::{CarTuning, CarVariable, Moves, moved, tune};
@@ -12,7 +12,7 @@ pub struct TunedCar {
     pub fit: Fit,
     /// Study with the tuned car.
     pub study: CarStudy,
-    /// Misfit of the given car. `None` if its cases have no solution, or if a variable is outside of its range.
+    /// Misfit of the original car. `None` if its cases have no solution, or if a variable is outside of its range.
     pub misfit_before: Option<f64>,
     /// Number of starts that were interrupted, and total number of starts.
     pub interrupted: [usize; 2],
@@ -21,14 +21,14 @@ pub struct TunedCar {
 }
 
 impl CarStudy {
-    /// Tunes the car on the threads of the current rayon pool. Errors say why its cases cannot be solved.
+    /// Tunes the car on the threads of the current rayon pool. An error says why the cases cannot be solved.
     pub fn tuned(&self, wanted: &CarOptimise, control: Control<'_>) -> Result<TunedCar, String> {
         let CarTuning {
             starts: tuning,
             contradiction,
         } = tune(&self.car, self.goals(wanted), wanted.run, control)?;
         let interrupted = [tuning.interrupted(), tuning.starts.len()];
-        // The first start is the given car, moved into the ranges.
+        // The first start is the original car, moved into the ranges.
         let first = &tuning.starts[0];
         let given = wanted.variables.iter().map(|v| v.moves.value(&self.car));
         let is_given = given.eq(first.x.iter().map(|value| Some(*value)));
@@ -49,8 +49,8 @@ impl CarStudy {
         })
     }
 
-    /// Returns the study with other designs of the axles, [front, rear]. If the study gives the wheelbase, it does not
-    /// change.
+    /// Returns the study with other designs of the axles, [front, rear]. If the study gives a wheelbase, the wheelbase does
+    /// not change.
     pub fn at_design(&self, designs: [Vec<Vector3<f64>>; 2]) -> CarStudy {
         let mut study = self.clone();
         for (end, design) in designs.into_iter().enumerate() {
@@ -67,7 +67,7 @@ impl CarStudy {
 }
 
 impl CarOptimise {
-    /// Keeps only these variables, also in the lists of the axles alone.
+    /// Keeps only the variables for which `keeps` returns true, also in the lists of the axles alone.
     pub fn retain(&mut self, keeps: impl Fn(&CarVariable) -> bool) {
         let kept: Vec<bool> = self.variables.iter().map(&keeps).collect();
         self.variables.retain(&keeps);

@@ -1,4 +1,4 @@
-//! `[optimise]` of a car: variables; targets and constraints of load cases and of the axles alone.
+//! `[optimise]` of a car: variables, and targets and constraints of load cases and of each axle alone.
 
 use super::super::constraints::{each_constraint, visible_change};
 use super::super::names::choose;
@@ -23,9 +23,9 @@ use toml::Spanned;
 /// Largest number of starts.
 const MOST_STARTS: i64 = 10_000;
 
-/// Subject of an entry.
+/// Subject of an entry: a case or an axle.
 enum Place {
-    /// A case, by its name. The index is looked up later.
+    /// A case, by its name. Its index is looked up later.
     Case(Text),
     /// A single axle.
     Axle(usize),
@@ -142,7 +142,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Refuses keys that an entry for a case does not have.
+    /// Refuses keys that an entry for a case does not accept.
     fn refuse_rig_keys<const N: usize>(
         &mut self,
         given: [(&str, Option<Span<usize>>); N],
@@ -319,7 +319,7 @@ impl Resolver<'_> {
         Some(quantities.into_iter().map(constraint).collect())
     }
 
-    /// Goals of a single axle, read like those of a study of the axle.
+    /// Targets and constraints of a single axle, read like those in a study of this axle.
     fn rig(
         &mut self,
         end: usize,
@@ -342,7 +342,7 @@ impl Resolver<'_> {
             name: study.name.clone(),
             text: study.text.clone(),
         });
-        // The file has already been read, so its errors are already reported.
+        // The file was read before, so its errors are already reported.
         let file = parse::parse(&source).ok()?;
         let still = Motion::still();
         let context = Context {
@@ -373,7 +373,8 @@ impl Resolver<'_> {
         }))
     }
 
-    /// Refuses quantities of an axle alone that depend on a rate which is a variable. The rig uses the rates of the axle's study.
+    /// Refuses a quantity of an axle alone if it depends on a rate that is a variable. The calculation of the axle alone
+    /// uses the rates of the axle's study.
     fn refuse_moved_rates(
         &mut self,
         end: usize,

@@ -1,4 +1,4 @@
-//! Variables of a car as written: hardpoints, rates and figures of the car, with their ranges.
+//! Variables of a car as written: hardpoints, rates and values of the car, with their ranges.
 
 use super::super::moves::{self, range};
 use super::super::names::choose;
@@ -12,7 +12,7 @@ use hardpoint_study_file::value::{Number, OneOrMore, Text};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Keys that name a part of the car and its move.
+/// Keys that name a part of the car and its change.
 pub(super) struct Written<'a> {
     place: Span<usize>,
     axle: Option<(Span<usize>, Vec<&'a str>)>,
@@ -63,7 +63,7 @@ impl<'a> Written<'a> {
         moved_by!(written)
     }
 
-    /// Reads the keys of a rate or figure that scatters.
+    /// Reads the keys of a scatter entry for a rate or a value of the car.
     pub(super) fn of_scatter(written: &'a Spanned<car_file::Scatter>) -> Self {
         let own = written.get_ref();
         let axle = own.axle.as_ref();
@@ -102,7 +102,7 @@ impl Resolver<'_> {
         Some(ends)
     }
 
-    /// Moving part of the car that an entry names: hardpoints with their direction, a rate, or a figure of the car.
+    /// Changing part of the car that an entry names: hardpoints with a direction, a rate, or a value of the car.
     pub(super) fn moves(&mut self, car: &Car, own: &Written<'_>) -> Option<Moves> {
         let ends = self.ends(own)?;
         let has_points = own.hardpoint.is_some() || own.hardpoints.is_some();
@@ -131,8 +131,8 @@ impl Resolver<'_> {
         }
     }
 
-    /// Coordinates of hardpoints. If two axles are named, both have points with these names. The factors are those of the
-    /// first axle's points, then those of the second axle's.
+    /// Coordinates of hardpoints. If an entry names two axles, both must have points with these names. The factors are those
+    /// of the first axle's points, then those of the second axle's points.
     fn points(&mut self, car: &Car, ends: &[usize], own: &Written<'_>) -> Option<Moves> {
         if own.axis.is_none() && own.direction.is_none() {
             let message = "a hardpoint needs axis = \"x\", \"y\" or \"z\", or a direction";
@@ -184,7 +184,7 @@ impl Resolver<'_> {
         Some(factors)
     }
 
-    /// A figure of the car.
+    /// A value of the car, such as a mass.
     fn figure(&mut self, figure: &Text) -> Option<Moves> {
         let figures = [
             ("mass", Moves::Body(BodyParameter::Mass)),
@@ -204,7 +204,7 @@ impl Resolver<'_> {
         choose(figure, "value of the car", &figures, self.problems)
     }
 
-    /// Percentage of a value of the study. `instead` is the key to use for a value of 0.
+    /// Percentage of a value of the study. `instead` is the key to use if the value is 0.
     pub(super) fn percent_of(&mut self, part: &Number, now: f64, instead: &str) -> Option<f64> {
         let percent = above_zero(part, self.problems)?;
         if now == 0.0 {

@@ -1,4 +1,4 @@
-//! The elastic parts of an axle and their tests.
+//! Elastic parts of an axle, and their tests.
 
 use super::super::error::Problems;
 use super::super::file;
@@ -28,7 +28,7 @@ pub struct AxleComplianceStudy {
     pub link_names: Vec<String>,
     /// Tests of the parts.
     pub tests: Vec<KcTest>,
-    /// Figures of the tests.
+    /// Results of the tests.
     pub figures: Vec<TestFigure>,
     /// Rate of the tyre, in force per length unit.
     pub tyre_rate: Option<f64>,
@@ -43,8 +43,8 @@ impl AxleComplianceStudy {
     }
 }
 
-/// Elastic parts of an axle. `None` if they have an error, `Some(None)` if there are none. `motions` are those of the study,
-/// each with its place in the file.
+/// Elastic parts of an axle. `None` if they have an error, `Some(None)` if there are none. `motions` are the motions of the
+/// study, each with its position in the file.
 pub(in super::super) fn axle_compliance<'m>(
     file: &File,
     axle: &Axle,
@@ -138,7 +138,7 @@ fn refuse_springs_between_rockers(file: &File, problems: &mut Problems) -> Optio
     Some(())
 }
 
-/// Parts of the right wheel. They equal those of the left wheel, except for rates that the study gives.
+/// Parts of the right wheel. They equal the parts of the left wheel, except for rates that the study gives separately.
 fn right_parts(
     file: &File,
     left: &WheelParts,
@@ -209,7 +209,7 @@ fn right_parts(
     sound.then_some(right)
 }
 
-/// Figures of the tests. A test with a motion has no window, and so no secants.
+/// Results of the tests. A test with a motion has no window, so it has no secants.
 fn figures(run: &AxleKcRun<'_>, tests: &[KcTest]) -> Vec<TestFigure> {
     let of_test = |test: &KcTest| {
         let kinds = if test.load.is_motion() {
@@ -241,7 +241,7 @@ fn figures(run: &AxleKcRun<'_>, tests: &[KcTest]) -> Vec<TestFigure> {
     });
     let mut figures: Vec<TestFigure> = Vec::new();
     for figure in named {
-        // If tests differ only in their window, figures of the first one get the name.
+        // If tests differ only in their window, the name belongs to the results of the first one.
         if !figures.iter().any(|known| known.name() == figure.name()) {
             figures.push(figure);
         }
@@ -262,7 +262,7 @@ fn refuse_stiffness(file: &File, problems: &mut Problems) -> Option<()> {
     }
 }
 
-/// Stiffness of the rack and the steering column; `None` in place of a rigid one.
+/// Stiffness of the rack and of the steering column. `None` for a rigid part.
 fn steering(
     file: &File,
     axle: &Axle,
@@ -297,7 +297,7 @@ fn steering(
     Some((rack, Some(column)))
 }
 
-/// Refuses motions of elastic axles other than travels on level pads, and the rack.
+/// Refuses motions of elastic axles except travels on level pads and displacements of the rack.
 fn refuse_motion(place: Span<usize>, motion: &AxleMotion, problems: &mut Problems) -> Option<()> {
     let on_plane = matches!(motion.wheels, WheelMotion::Travels { on_plane: true, .. });
     let message = if motion.time.is_some() {

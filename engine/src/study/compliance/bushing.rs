@@ -1,4 +1,4 @@
-//! `[bushings.NAME]`: point, laws and axes of a bushing.
+//! `[bushings.NAME]`: point, force laws and axes of a bushing.
 
 use super::super::axle;
 use super::super::error::{Problems, Source, StudyError, StudyErrors};
@@ -16,13 +16,14 @@ use std::path::Path;
 use std::sync::Arc;
 use toml::Spanned;
 
-/// Sine of the smallest angle, 1 degree, between an x axis and the vertical. Below it the study must give the z axis.
+/// Sine of the smallest angle, 1 degree, between an x axis and the vertical. Below this angle the study must give the z
+/// axis.
 const UPRIGHT: f64 = 0.01745;
 
 /// Keys of the force and torque curves of a bushing.
 const CURVES: [&str; 6] = ["fx", "fy", "fz", "tx", "ty", "tz"];
 
-/// Six numbers that satisfy `is_right`. `default` is used if the key is missing.
+/// Reads six numbers that satisfy `is_right`. Returns `default` if the key is missing.
 fn six(
     written: &Option<Spanned<Vec<Number>>>,
     default: f64,
@@ -197,7 +198,7 @@ fn is_free_about_z(shapes: &[Shape; 6], preload: &[f64; 6]) -> bool {
     is_free && preload[5] == 0.0
 }
 
-/// A curve that rises in both numbers.
+/// Checks that both numbers of a curve rise from point to point.
 fn rising(
     written: &Spanned<Vec<Spanned<Vec<Number>>>>,
     problems: &mut Problems,
@@ -372,7 +373,7 @@ fn shape_of_points(
     Ok(Shape::Curve { curve, scale })
 }
 
-/// Laws of a bushing from a file, in a form that can be written into the study's text.
+/// Laws of a bushing from a file, in a form that a study's text can contain.
 #[derive(Clone, Debug)]
 pub(in super::super) struct BushingText {
     /// Name.

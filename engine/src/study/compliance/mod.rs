@@ -1,5 +1,5 @@
-//! `[compliance]`, `[bushings.NAME]` and `[links.NAME]`: elastic parts of one wheel and their tests. `axle.rs` reads those
-//! of both wheels.
+//! `[compliance]`, `[bushings.NAME]` and `[links.NAME]`: elastic parts of one wheel, and their tests. `axle.rs` reads the
+//! parts of both wheels.
 
 mod axle;
 mod bushing;
@@ -41,7 +41,8 @@ pub struct ComplianceStudy {
 }
 
 impl ComplianceStudy {
-    /// Returns the parts with a spring that stays the same part in another design. `suspension` has the design of these parts.
+    /// Returns the parts with a spring that keeps its force-length curve if the design changes. `suspension` has the design
+    /// of these parts.
     pub fn with_kept_spring(&self, suspension: &Suspension) -> Self {
         let mut kept = self.clone();
         if let (Some(law), Some(length)) = (
@@ -54,7 +55,7 @@ impl ComplianceStudy {
     }
 }
 
-/// Section `[compliance]`. `None` if it has an error, `Some(None)` if it is missing or has no elastic parts.
+/// Section `[compliance]`. `None` if it has an error. `Some(None)` if it is missing or has no elastic parts.
 fn section<'f>(
     file: &'f File,
     suspension: &Suspension,
@@ -131,7 +132,7 @@ struct WheelParts {
     relaxed: Relaxed,
 }
 
-/// Bushings, except those at these mounts, and links.
+/// Reads the bushings, except those at these mounts, and the links.
 fn wheel_parts(
     file: &File,
     section: &Spanned<file::Compliance>,
@@ -165,7 +166,7 @@ impl WheelParts {
         self.links.iter().map(|(name, _)| name.clone()).collect()
     }
 
-    /// Returns the parts with a spring.
+    /// Combines the parts with a spring.
     fn with(self, spring: Option<SpringLaw>) -> Compliance {
         Compliance {
             relaxed: self.relaxed,
@@ -190,7 +191,7 @@ fn check_design_load(
     Some(())
 }
 
-/// Rate of the tyre. The inner `None` means that the study gives none.
+/// Rate of the tyre. The inner `None` means that the study does not give it.
 fn tyre_rate(file: &File, problems: &mut Problems) -> Option<Option<f64>> {
     let rate = file.tyre.as_ref().map(|tyre| tyre.get_ref().rate.clone());
     positive(&rate, problems)
@@ -244,7 +245,7 @@ pub(super) fn compliance(
     }
 }
 
-/// Hint for a missing `relaxed`.
+/// Hint for a missing key `relaxed`.
 const RELAXED: &str = "relaxed = \"at_design_load\" if the hardpoints describe the loaded car, \"free\" if no bushing has a force there";
 
 fn relaxed(section: &Spanned<file::Compliance>, problems: &mut Problems) -> Option<Relaxed> {
@@ -260,7 +261,7 @@ fn relaxed(section: &Spanned<file::Compliance>, problems: &mut Problems) -> Opti
     choose(text, "value of relaxed", &options, problems)
 }
 
-/// Refuses motions of elastic wheels other than travel and rack.
+/// Refuses motions of elastic wheels except travel and rack.
 fn refuse_motions(file: &File, problems: &mut Problems) -> Option<()> {
     let named = file.motions.values().map(Spanned::get_ref);
     std::iter::once(file.motion.get_ref())

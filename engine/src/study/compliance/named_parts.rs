@@ -1,4 +1,4 @@
-//! Elastic parts of a study with their names.
+//! Elastic parts of a study, with their names.
 
 use super::{AxleComplianceStudy, ComplianceStudy};
 use crate::compliance::{AxialStiffness, Parameter, Relaxed, Shape};
@@ -27,7 +27,7 @@ pub struct NamedLink<'s> {
     pub preload: f64,
 }
 
-/// Elastic parts of a wheel. For an axle: those of the left wheel, and the mounts of the subframe.
+/// Elastic parts of a wheel. For an axle: parts of the left wheel, and mounts of the subframe.
 #[derive(Clone, Debug)]
 pub struct NamedParts<'s> {
     /// Bushings, then mounts, in the order of the indices in [`crate::compliance::Parameter`].
@@ -40,7 +40,7 @@ pub struct NamedParts<'s> {
     pub relaxed: Relaxed,
 }
 
-/// The only rate of a part.
+/// Rate of a part that has only one rate.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct NamedRate {
     /// Name of the part.
@@ -49,12 +49,12 @@ pub struct NamedRate {
     pub key: [&'static str; 2],
     /// The rate as an input of equilibria.
     pub parameter: Parameter,
-    /// The value.
+    /// Value of the rate.
     pub value: f64,
 }
 
 impl<'s> NamedParts<'s> {
-    /// Parts of a wheel, or else of an axle. `None` if both are missing.
+    /// Parts of a wheel, or otherwise of an axle. `None` if both are missing.
     pub(in super::super) fn of(
         suspension: &'s Suspension,
         of_wheel: Option<&'s ComplianceStudy>,
@@ -130,7 +130,7 @@ impl<'s> NamedParts<'s> {
 }
 
 impl Study {
-    /// Elastic parts with their names. `None` if the study has none.
+    /// Elastic parts with their names. `None` if the study has no elastic parts.
     pub fn elastic_parts(&self) -> Option<NamedParts<'_>> {
         let of_axle = self.axle().and_then(|both| both.axle.elastic.as_deref());
         NamedParts::of(self.wheel(), self.compliance(), of_axle)

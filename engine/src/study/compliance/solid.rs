@@ -1,4 +1,4 @@
-//! Elastic parts of a solid axle: links of both halves, and those that exist only once.
+//! Elastic parts of a solid axle: parts of both halves, and parts that exist only once.
 
 use super::super::error::Problems;
 use super::super::file;
@@ -22,7 +22,7 @@ impl WheelParts {
         sort_by_key(&mut self.links, |(_, part)| is_single_link(mechanism, part));
     }
 
-    /// Removes the parts that exist only once, because they belong to the left half.
+    /// Removes the parts that exist only once. They belong to the left half.
     pub(super) fn remove_singles(&mut self, mechanism: &Mechanism) {
         self.bushings
             .retain(|part| !mechanism.is_single(part.point));
@@ -31,7 +31,7 @@ impl WheelParts {
     }
 }
 
-/// Refuses rates of the right half for a part that exists only once. Returns true if there are none.
+/// Refuses rates of the right half for a part that exists only once. Returns true if there are no such rates.
 pub(super) fn refuse_single_rates(
     own: &file::OwnRight,
     mechanism: &Mechanism,

@@ -12,7 +12,7 @@ use crate::number::Vector3;
 use std::path::Path;
 use toml::Spanned;
 
-/// Reads the subframe. The inner `None` means that there is none.
+/// Reads the subframe. The inner `None` means that the study has no subframe.
 pub(super) fn subframe(
     file: &File,
     suspension: &Suspension,
@@ -83,7 +83,8 @@ pub(super) fn subframe(
     Some(Some(found))
 }
 
-/// Refuses a subframe that holds only a part of an arm, a hinge or the anti-roll bar, or that holds the top of a strut.
+/// Refuses a subframe that carries only a part of an arm, a hinge or the anti-roll bar. Also refuses a subframe that carries
+/// the top of a strut.
 fn check_held(
     section: &Spanned<file::Subframe>,
     subframe: &Subframe,
@@ -130,7 +131,7 @@ fn check_held(
     Some(())
 }
 
-/// Refuses springs and anti-roll bars between bodies that the elastic axle cannot connect.
+/// Refuses springs and anti-roll bars between bodies that they must not connect in an elastic axle.
 pub(super) fn check_reach(
     section: &Spanned<file::Compliance>,
     subframe: Option<&Subframe>,

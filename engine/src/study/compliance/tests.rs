@@ -46,7 +46,7 @@ fn refuse_none(
     Some(())
 }
 
-/// Refuses loads and keys of both wheels in a study of one wheel.
+/// Refuses loads and keys that concern both wheels in a study of one wheel.
 fn refuse_of_axles(written: &file::ComplianceTest, problems: &mut Problems) -> Option<()> {
     let is_roll = written.load.get_ref() == TestLoad::Roll.name();
     let keys = [
@@ -153,7 +153,7 @@ fn in_modes(
     Some(modes.iter().map(of).collect())
 }
 
-/// Returns true if two tests have the same name in results.
+/// Returns true if the results of two tests have the same names.
 fn is_twin(a: &KcTest, b: &KcTest) -> bool {
     let key = |t: &KcTest| {
         (

@@ -30,8 +30,8 @@ impl Reader<'_> {
         let angle = most.value.to_radians();
         let degree = 1.0_f64.to_radians();
         let of = joint_angle(name, self.context.file, self.suspension(), problems)?;
-        // The versine 1 - cos a = 2 sin^2(a/2) is smooth at a = 0, where the angle itself has a kink. At the limit the
-        // constraint's value changes by 1 per degree, so that the multiplier of a limit is per degree. Elsewhere
+        // The versine 1 - cos a = 2 sin^2(a/2) is smooth at a = 0, where the angle itself has a kink. The scale is such that
+        // the constraint's value changes by 1 per degree at the limit, so that multipliers are per degree. Elsewhere
         // `Limited::margin` converts to degrees.
         let (lower, upper, scale) = if of.is_versine() {
             let most = 2.0 * (0.5 * angle).sin().powi(2);
@@ -55,7 +55,7 @@ impl Reader<'_> {
         Some((title, vec![part]))
     }
 
-    /// Change of a length along the motion.
+    /// Constraint on the plunge: the change of a length along the motion.
     pub(super) fn plunge(
         &self,
         written: &Spanned<MemberName>,
@@ -76,7 +76,7 @@ impl Reader<'_> {
     }
 }
 
-/// Measure of the angle of a joint: of the wheel carrier with an arm or a rod, or of a drive shaft.
+/// Measure of a joint's angle. The joint connects the wheel carrier with an arm or a rod, or belongs to a drive shaft.
 pub(crate) fn joint_angle(
     name: &Text,
     file: &File,
@@ -114,7 +114,7 @@ pub(crate) fn joint_angle(
     }
 }
 
-/// Angle of a drive shaft's joint, if `name` is such a joint.
+/// Joint of a drive shaft with this name. `None` for another name.
 fn shaft_joint(
     name: &Text,
     joint: PointId,
@@ -139,8 +139,8 @@ fn shaft_joint(
     Some(Some(of([inner, outer])))
 }
 
-/// Stud of a joint, fixed in the wheel carrier. In the design position it has the direction of `[suspension.studs]`, or
-/// of the steering axis.
+/// Stud of a joint, fixed in the wheel carrier. `[suspension.studs]` gives its direction in the design position. Otherwise
+/// it has the direction of the steering axis.
 fn stud(
     name: &Text,
     joint: PointId,

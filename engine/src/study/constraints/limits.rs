@@ -1,4 +1,4 @@
-//! Limits of a constraint, and the keys that it may have.
+//! Limits of a constraint, and its permitted keys.
 
 use super::super::error::Problems;
 use super::super::value::Number;
@@ -43,7 +43,7 @@ impl Reader<'_> {
         Some(limits)
     }
 
-    /// Reads limits. At least one is required.
+    /// Reads limits, and requires at least one limit.
     pub(super) fn needed_limits(&self, problems: &mut Problems) -> Option<Limits> {
         let limits = self.limits(problems)?;
         if limits == [None, None] {

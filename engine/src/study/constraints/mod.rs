@@ -63,7 +63,7 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// Reads the constraint. With a motion of an axle there is one for each wheel.
+    /// Reads the constraint. With a motion of an axle, the result has one constraint for each wheel.
     fn constraint(&self, problems: &mut Problems) -> Option<Vec<Constraint>> {
         let written = self.written;
         if let (Some(both), Some(name)) = (self.context.axle, &written.characteristic)
@@ -100,7 +100,7 @@ impl Reader<'_> {
                            and travel_right in [motions.NAME]; or at = \"design\"";
             return problems.refuse(self.place.clone(), message);
         }
-        // Without a named motion, a test figure is limited at the design height.
+        // Without a named motion, limits of a test result apply at the design height.
         let of_figure =
             |part: &Limited| matches!(part.of, Measure::Elastic(KcValue::Figure { .. }));
         let is_design = is_design || parts.iter().any(of_figure) && written.motion.is_none();
@@ -117,7 +117,7 @@ impl Reader<'_> {
         Some(sites.into_iter().map(of_wheel).collect())
     }
 
-    /// Returns true if the constraint holds in the design position only.
+    /// Returns true if the constraint applies only to the design position.
     fn is_of_design(&self, problems: &mut Problems) -> Option<bool> {
         match &self.written.at {
             None => Some(false),
@@ -223,7 +223,7 @@ impl Reader<'_> {
         Some((name, vec![self.limited_as_printed(of, unit, limits)]))
     }
 
-    /// A measure with limits in its printed unit.
+    /// A measure with limits in the unit of printed results.
     fn limited_as_printed(&self, of: Measure, unit: Unit, limits: Limits) -> Limited {
         let length = self.suspension().length_unit;
         let (visible, symbol) = visible_change(unit, length);
@@ -276,7 +276,7 @@ impl Reader<'_> {
         Some((name, vec![of]))
     }
 
-    /// Radii of `count` members. All zero if none are given.
+    /// Radii of `count` members. All are zero if the study gives no radii.
     fn radii(&self, count: usize, problems: &mut Problems) -> Option<Vec<f64>> {
         let Some(radii) = &self.written.radii else {
             return Some(vec![0.0; count]);
@@ -318,7 +318,7 @@ impl Reader<'_> {
     }
 }
 
-/// Change of a printed value that counts as 1 in the rows of a tuning: a visible change. Also returns its unit in words.
+/// Change of a printed value that counts as 1 in the rows of a tuning, and its unit in words. It is a visible change.
 pub(super) fn visible_change(unit: Unit, length: LengthUnit) -> (f64, String) {
     let millimetre = length.per_metre() / 1000.0;
     let symbol = length.symbol();

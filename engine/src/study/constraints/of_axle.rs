@@ -14,7 +14,7 @@ use crate::number::Each;
 use toml::Spanned;
 
 impl Reader<'_> {
-    /// Limits of a quantity of an elastic axle in the design position, one for each wheel that has it.
+    /// Limits of a quantity of an elastic axle in the design position: one constraint for each wheel that has the quantity.
     pub(super) fn of_elastic_axle(
         &self,
         both: &AxleStudy,
@@ -118,8 +118,8 @@ impl Reader<'_> {
         Some(sides.map(|side| (Some(side), of_side(side))).collect())
     }
 
-    /// Reads the wheel of the constraint. `None` for both wheels. If the wheels have different dimensions, the study must name
-    /// the left one, because constraints are not available for the dimensions of the right one.
+    /// Reads the wheel of the constraint. `None` for both wheels. If the wheels have different dimensions, the study must
+    /// name the left wheel, because constraints do not support the dimensions of the right wheel.
     fn side(&self, moves_axle: bool, problems: &mut Problems) -> Option<Option<Side>> {
         let written = self.written;
         let Some(both) = self.context.axle else {

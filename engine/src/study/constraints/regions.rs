@@ -66,7 +66,7 @@ impl Reader<'_> {
         Some((format!("{} {word} the {what}", name.get_ref()), parts))
     }
 
-    /// A box, as its centre and half its edges.
+    /// A box, given by its centre and half its edges.
     fn corners(
         &self,
         corners: &Spanned<Vec<Coordinates>>,
@@ -243,8 +243,8 @@ impl Reader<'_> {
         away.cross(axis).norm() <= 1e-9 * suspension.size() * axis.norm()
     }
 
-    /// Members that must stay inside the rim over the length that reaches into it. For a straight member inside a round rim,
-    /// the nearest points are its ends, or one end and the point where it enters the rim.
+    /// Members that must stay inside the rim, over the part of the member that is within the rim. For a straight member
+    /// inside a round rim, the points closest to the rim are its ends, or one end and the point where it enters the rim.
     pub(super) fn members_inside(
         &self,
         names: &Spanned<Vec<Text>>,
@@ -266,7 +266,7 @@ impl Reader<'_> {
         let mut parts = Vec::new();
         for (name, thick) in list.iter().zip(radii) {
             let mut ends = member(name, self.suspension(), problems)?;
-            // Sorts the outer end first.
+            // Puts the outer end first.
             if design[ends[0].0].y < design[ends[1].0].y {
                 ends.reverse();
             }
@@ -277,7 +277,7 @@ impl Reader<'_> {
                 Some(from) => self.limited(Measure::FromSpinAxisAt(ends, from), None, upper),
                 None => self.limited(Measure::FromSpinAxis(inner), None, upper),
             };
-            // A member that ends on the axis, like a drive shaft, is limited only where it enters the rim.
+            // A member that ends on the axis, like a drive shaft, has a limit only where it enters the rim.
             if !self.is_on_spin_axis(outer) {
                 parts.push(self.limited(Measure::FromSpinAxis(outer), None, upper));
             }
@@ -307,7 +307,7 @@ fn rim_ends(
     Some(ends)
 }
 
-/// Returns `room` less a gap.
+/// Subtracts a gap from a dimension of the region. Refuses a result that is not positive.
 fn room_beside(room: f64, gap: f64, place: Span<usize>, problems: &mut Problems) -> Option<f64> {
     if room > gap {
         return Some(room - gap);

@@ -50,7 +50,7 @@ fn refused<T>(key: &'static str, reason: impl Into<String>) -> Result<T, Refused
     Err(Refused { key, reason })
 }
 
-/// Quantities of the numbers of an entry.
+/// Units and directions of an entry's numbers.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Entry {
     pub(super) conversion: Conversion,
@@ -58,7 +58,7 @@ pub(super) struct Entry {
     pub(super) drive: Measured,
 }
 
-/// The text of a key.
+/// Text at a key. `None` if the key has no text.
 fn text<'t>(table: &'t dyn TableLike, key: &str) -> Option<&'t str> {
     table.get(key)?.as_str()
 }
@@ -68,7 +68,7 @@ fn axis(table: &dyn TableLike) -> Option<Axis> {
     Axis::ALL.into_iter().find(|axis| axis.name() == name)
 }
 
-/// Unit and direction of a drive or of a coordinate of a motion.
+/// Unit and direction of a drive, or of a coordinate of a motion.
 fn drive(name: &str, conversion: &Conversion) -> Measured {
     let along = Measured::plain(Powers::LENGTH);
     match name {
@@ -87,8 +87,8 @@ fn rate(name: &str) -> Option<Powers> {
     }
 }
 
-/// Sign of a result in the new axes, relative to the old ones. Results of the catalogues do not depend on the axes; some figures of
-/// tests do.
+/// Sign of a result in the new axes, relative to the old axes. Results of the catalogues do not depend on the axes, but some
+/// test results do.
 fn sign_of_name(name: &str, conversion: &Conversion) -> f64 {
     if follows_y_axis(name) {
         conversion.sign(Axis::Y)
@@ -97,7 +97,7 @@ fn sign_of_name(name: &str, conversion: &Conversion) -> f64 {
     }
 }
 
-/// Number of entries of a list that precede an entry, in all and with each axle of a car.
+/// Number of entries that precede an entry in its list: all entries, and entries of each axle of a car.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Before {
     pub(super) all: usize,
@@ -107,7 +107,7 @@ pub(super) struct Before {
 /// Facts about the study that entries refer to.
 pub(super) struct Facts<'a> {
     pub(super) subject: Subject<'a>,
-    /// Conversions of the front and the rear study of a car. A single study has two equal ones.
+    /// Conversions of the front and the rear study of a car. For a single study, both are equal.
     pub(super) ends: [Conversion; 2],
     /// The text before the conversion.
     pub(super) before: &'a Item,
@@ -127,7 +127,8 @@ impl Facts<'_> {
         }
     }
 
-    /// Conversion of the axes that an entry uses. An entry with an axle uses the axes of the axle, others the axes of the study or the car.
+    /// Conversion of the axes that an entry uses. An entry for an axle uses the axes of this axle. Other entries use the
+    /// axes of the study or the car.
     pub(super) fn conversion(&self, table: &dyn TableLike) -> Result<Conversion, Refused> {
         let axles = Facts::axles(table);
         let own = axles.first().map_or(self.ends[0], |end| self.ends[*end]);
@@ -164,7 +165,7 @@ impl Facts<'_> {
         }
     }
 
-    /// Quantities of an entry at this place. `None` if its numbers do not depend on each other.
+    /// Units and directions for an entry at this position of the text. `None` if they do not depend on other keys.
     pub(super) fn entry(
         &self,
         place: &str,
@@ -246,7 +247,7 @@ impl Facts<'_> {
         }
         if let Some(name) = text(table, "link") {
             let link = self.before.get("links").and_then(|links| links.get(name));
-            // Its variable is the modulus times the area.
+            // The variable is the modulus times the area.
             let by_area = link.is_some_and(|link| link.get("modulus").is_some());
             let powers = if by_area { Powers::FORCE } else { Powers::RATE };
             return Ok(Measured::plain(powers));
@@ -272,7 +273,8 @@ impl Facts<'_> {
         Ok(length.signed(sign))
     }
 
-    /// Unit and direction of a scatter. A scatter of all three coordinates has one law, so the signs of its axes must not matter.
+    /// Unit and direction of a scatter entry. An entry for all three coordinates has one law, which is valid only if the
+    /// signs of the axes do not matter.
     fn scatter(&self, table: &dyn TableLike, conversion: &Conversion) -> Result<Measured, Refused> {
         let own = self.part(table, conversion)?;
         let of_point = table.contains_key("hardpoint") || table.contains_key("hardpoints");
@@ -294,7 +296,7 @@ impl Facts<'_> {
         Ok(own)
     }
 
-    /// Quantity of a target, and position in its motion.
+    /// Units and directions of a target's quantity and of the drive values in its motion.
     fn of_target(&self, target: &Target, conversion: &Conversion) -> (Measured, Measured) {
         let [from, to] = conversion.frames();
         let sign = match &target.of.kind {
@@ -314,7 +316,7 @@ impl Facts<'_> {
         (Measured::printed(target.of.unit).signed(sign), at)
     }
 
-    /// Position in the study's own motion.
+    /// Unit and direction of the drive values in the study's own motion.
     fn own_drive(&self, conversion: &Conversion) -> Measured {
         match self.subject {
             Subject::Study(study) => drive(study.motion().drive.key(), conversion),
@@ -334,7 +336,7 @@ impl Facts<'_> {
         }
     }
 
-    /// Position of a band in the motion.
+    /// Unit and direction of a band's drive value in the motion.
     fn drive_of_band(
         &self,
         table: &dyn TableLike,
@@ -388,7 +390,8 @@ impl Facts<'_> {
     }
 }
 
-/// Unit of the quantity with this name, without a side: of the axle, of a test of elastic parts, or of a wheel.
+/// Unit of the quantity with this name, without a side. It is a quantity of the axle, a test result of elastic parts, or a
+/// quantity of a wheel.
 pub(super) fn unit_named(study: &Study, name: &str) -> Option<Unit> {
     let of_wheel = || Characteristic::named(name).map(|own| own.info().unit);
     match study.axle() {

@@ -1,7 +1,7 @@
 //! Writes a study in other units and axes, as an edit of its text.
 //!
-//! The crate `hardpoint-study-file` gives the dimension of each number ([`dimension`](hardpoint_study_file::dimension)). Here the
-//! numbers are converted ([`scale`]), and entries such as targets name the quantity of their numbers ([`entry`]).
+//! The crate `hardpoint-study-file` gives the dimension of each number ([`dimension`](hardpoint_study_file::dimension)).
+//! Module [`scale`] converts the numbers. In entries such as targets, other keys determine the unit ([`entry`]).
 
 mod entry;
 mod scale;
@@ -31,7 +31,7 @@ pub struct Units {
     pub frame: FrameConvention,
 }
 
-/// Requested units and axes. `None` keeps those of the study.
+/// Requested units and axes. `None` keeps the unit or the axes of the study.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct UnitChoice {
     /// Unit of lengths: millimetres, metres or inches.
@@ -83,8 +83,8 @@ impl Study {
         }
     }
 
-    /// Returns the text of the same study in other units and axes, with its comments. It needs no file of target curves. `name` is the
-    /// file name in messages. Errors name the keys that cannot be converted.
+    /// Returns the text of the same study in other units and axes, with its comments. It does not read files of target
+    /// curves. `name` is the file name in messages. Errors name the keys that cannot be converted.
     pub fn in_units(&self, name: &str, choice: &UnitChoice) -> Result<String, StudyErrors> {
         let from = self.units();
         let source = source(name, &self.text);
@@ -93,7 +93,7 @@ impl Study {
             let message = "a study with elastic parts cannot have forces in lbf";
             return Err(refusal(&source, &["suspension", "force_unit"], message));
         }
-        // Entries of the text, which has target curves of other files inside, in the order of the resolved entries.
+        // Entries of the text in the order of the resolved entries. The text contains the target curves of other files.
         let study = Study::elastic_from_text(name, &self.text, Path::new(""))?;
         let conversion = Conversion::new(from, to, self.wheel().frame.meaning().1);
         let walk = Walk::new(Root::Suspension, Subject::Study(&study), [conversion; 2]);
@@ -134,8 +134,8 @@ impl CarStudy {
         [car, front, rear]
     }
 
-    /// Returns the texts of the same car in other units and axes: the car, its front axle and its rear axle. `names` are their file
-    /// names in messages.
+    /// Returns the texts of the same car in other units and axes: the car, its front axle and its rear axle. `names` are
+    /// their file names in messages.
     pub fn in_units(
         &self,
         names: [&str; 3],
@@ -155,7 +155,7 @@ impl CarStudy {
         });
         let [first, second] = ends;
         let walk = Walk::new(Root::Car, Subject::Car(self), [first?, second?]);
-        // Masses of the car have a unit of their own.
+        // The car has a separate unit of mass.
         let walk = walk.with_masses(from.mass, to.mass);
         let text = walk.text(&source, |root| {
             let section = root.get_mut("car").and_then(Item::as_table_like_mut);
@@ -207,7 +207,7 @@ fn mass_unit(section: Option<&Item>) -> MassUnit {
     named.next().unwrap_or_default()
 }
 
-/// Writes the name of a unit or of axes that changes. `both` are the old and the new name.
+/// Writes the name of a unit or of axes, if it changes. `both` has the old and the new name.
 fn write_unit(section: &mut dyn TableLike, key: &str, both: [&str; 2]) {
     if both[0] == both[1] {
         return;

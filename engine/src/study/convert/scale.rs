@@ -29,7 +29,7 @@ impl Conversion {
         }
     }
 
-    /// Axes of the old and of the new text.
+    /// Axes of the old text and of the new text.
     pub(super) fn frames(&self) -> [Frame; 2] {
         self.frames
     }
@@ -40,7 +40,7 @@ impl Conversion {
         from.sign(axis) * to.sign(axis)
     }
 
-    /// Sign of a component about an axis.
+    /// Sign of a component about an axis in the new text, relative to the old text.
     pub(super) fn turn_sign(&self, axis: Axis) -> f64 {
         let [from, to] = self.frames;
         from.turn_sign(axis) * to.turn_sign(axis)
@@ -57,7 +57,7 @@ impl Conversion {
         value * (length * force.powi(of.force) * mass.powi(of.mass))
     }
 
-    /// Converts the size of a value.
+    /// Converts a value without its sign.
     pub(super) fn scaled(&self, value: f64, scale: Scale) -> f64 {
         let [from, to] = self.lengths;
         match scale {
@@ -80,7 +80,7 @@ pub(super) enum Scale {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Measured {
     pub(super) scale: Scale,
-    /// Sign of the number in the new axes, relative to the old ones.
+    /// Sign of the number in the new axes, relative to the old axes.
     pub(super) sign: f64,
 }
 
@@ -110,10 +110,11 @@ impl Measured {
     }
 }
 
-/// Relative error below which a shorter number replaces a converted one: a few units in the last place.
+/// Relative error below which a shorter number replaces a converted one. It is a few units in the last place.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Number with fewer digits that differs by rounding only, so that 240 mm in inches and back are 240 mm. Zero has no sign.
+/// Number with fewer digits that differs only by rounding. So 240 mm stay 240 mm after conversion to inches and back. Zero
+/// has no sign.
 pub(super) fn without_rounding(value: f64) -> f64 {
     let short: f64 = format!("{value:.13e}").parse().unwrap_or(value);
     if (short - value).abs() <= ROUNDING * value.abs() {

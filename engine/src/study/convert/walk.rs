@@ -19,7 +19,7 @@ pub(super) fn number(value: &Value) -> Option<f64> {
         .or_else(|| value.as_integer().map(|whole| whole as f64))
 }
 
-/// Places of texts that are names of results.
+/// Positions of texts that are names of results.
 const NAMES: [&str; 6] = [
     "outputs.characteristics[]",
     "optimise.front[]",
@@ -31,7 +31,7 @@ const NAMES: [&str; 6] = [
 
 /// Position in the text.
 struct At {
-    /// Place of the key, with marks for lists and names.
+    /// Position of the key, with marks for lists and names.
     place: String,
     /// Keys and indices from the root.
     path: Vec<String>,
@@ -62,7 +62,7 @@ impl At {
 pub(super) struct Walk<'a> {
     root: Root,
     subject: Subject<'a>,
-    /// Conversions of the front and the rear study of a car. A single study has two equal ones.
+    /// Conversions of the front and the rear study of a car. For a single study, both are equal.
     ends: [Conversion; 2],
 }
 
@@ -135,7 +135,7 @@ impl Pass<'_> {
         self.problems.add(place_of(self.text, &steps), message);
     }
 
-    /// Converts a table. An entry within another one, such as a region, uses the axes of the outer entry.
+    /// Converts a table. An entry within another entry, such as a region, uses the axes of the outer entry.
     fn table(&mut self, table: &mut dyn TableLike, at: &At, before: Before, outer: Option<Entry>) {
         let entry = match self.facts.entry(&at.place, table, before) {
             Ok(entry) => entry.or(outer),
@@ -260,7 +260,7 @@ impl Pass<'_> {
         }
     }
 
-    /// Converts a value whose key names its quantity.
+    /// Converts a value whose key determines its quantity.
     fn by_key(&mut self, value: &mut Value, at: &At) {
         let name = at.path.last().map_or("", |name| name);
         let unit = match self.facts.subject {
@@ -273,7 +273,7 @@ impl Pass<'_> {
         }
     }
 
-    /// Converts a range `{ from, to, steps }`. `from` stays the lower end.
+    /// Converts a range `{ from, to, steps }`. `from` remains the lower end.
     fn range(&mut self, range: &mut dyn TableLike, of: Dimension, entry: Option<Entry>) {
         let conversion = entry.map_or(self.facts.ends[0], |entry| entry.conversion);
         let own = match of {
@@ -314,13 +314,13 @@ fn after(mut before: Before, axles: &[usize]) -> Before {
     before
 }
 
-/// Replaces a value. Spaces and comments around it stay.
+/// Replaces a value. Keeps the spaces and comments around it.
 fn put(place: &mut Value, mut new: Value) {
     *new.decor_mut() = place.decor().clone();
     *place = new;
 }
 
-/// Converts one number. A number that does not change stays as written.
+/// Converts one number. A number that does not change keeps its written form.
 fn one(value: &mut Value, conversion: &Conversion, of: Measured) {
     let Some(old) = number(value) else {
         return;
@@ -341,7 +341,7 @@ fn every(value: &mut Value, conversion: &Conversion, of: Measured) {
     }
 }
 
-/// Converts the numbers of a list, each by its index.
+/// Converts the numbers of a list. The index of a number determines its unit.
 fn each(value: &mut Value, conversion: &Conversion, of: impl Fn(usize) -> Measured) {
     let list = value.as_array_mut().into_iter();
     for (k, element) in list.flat_map(Array::iter_mut).enumerate() {
@@ -375,7 +375,7 @@ fn curve(value: &mut Value, conversion: &Conversion, of: [Measured; 2]) {
     }
 }
 
-/// Reverses the elements of a list. Spaces and comments stay.
+/// Reverses the elements of a list. Keeps the spaces and comments.
 fn reverse(list: &mut Array) {
     let values: Vec<Value> = list.iter().cloned().collect();
     for (place, value) in list.iter_mut().zip(values.into_iter().rev()) {
@@ -391,7 +391,7 @@ fn limit(value: &mut Value, entry: &Entry) {
     }
 }
 
-/// Converts a value whose quantity the entry names.
+/// Converts a value whose entry determines its quantity.
 fn of_entry(value: &mut Value, role: Role, entry: &Entry) {
     let Entry {
         conversion,
@@ -433,8 +433,8 @@ fn exchange_limits(table: &mut dyn TableLike) {
     }
 }
 
-/// Name of a result in the new units, because the name of a figure contains the trail of its test. `trails` lists the trail of each
-/// test of the study.
+/// Name of a result in the new units. The name of a test result can change, because it contains the trail of the test.
+/// `trails` lists the trail of each test of the study.
 fn renamed(name: &str, conversion: &Conversion, trails: &[f64]) -> String {
     const TRAIL: &str = "_trail_";
     let Some((stem, rest)) = name.split_once(TRAIL) else {

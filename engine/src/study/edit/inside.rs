@@ -1,4 +1,4 @@
-//! Text of a study, with the content of other files written into it.
+//! Inserts the content of other files into the text of a study.
 
 use super::super::compliance::BushingText;
 use super::super::sheet_file::SheetTarget;
@@ -7,7 +7,7 @@ use super::{table, target};
 use toml_edit::{Array, DocumentMut, InlineTable, Item, Table, TableLike, Value};
 
 /// Returns the text with the points of target curves written into it, so that it needs no other files. `files` holds the
-/// curves that were read, with the index of their target.
+/// curves that were read, with the index of the target for each curve.
 pub(in crate::study) fn with_curves_inside(text: &str, files: &[(usize, FromFile)]) -> String {
     let Ok(mut document) = text.parse::<DocumentMut>() else {
         return text.to_owned();
@@ -77,7 +77,7 @@ fn put_sheet_inside(root: &mut dyn TableLike, place: usize, targets: &[SheetTarg
     }
 }
 
-/// Returns the text with the laws of bushings written out in place of their files.
+/// Returns the text with the laws of bushings in place of the names of their files.
 pub(in crate::study) fn with_bushings_inside(text: String, bushings: &[BushingText]) -> String {
     if bushings.is_empty() {
         return text;

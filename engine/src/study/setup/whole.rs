@@ -1,5 +1,5 @@
-//! Set-up of an axle as a whole: adjustments of its halves and of its single parts, and target values of the whole axle. The axle is
-//! solid, or it has elastic parts and wheels that differ.
+//! Set-up of an axle as a whole: adjustments of its halves and of parts that exist only once, and target values of the axle.
+//! The axle is solid, or it has elastic parts and different wheels.
 
 use super::super::AxleStudy;
 use super::super::axle::{lacks_nothing, quantities};
@@ -14,7 +14,7 @@ use crate::sorting::sort_by_key;
 use crate::study::names::choose;
 use toml::Spanned;
 
-/// Adjustments of an entry: one of each half, or one of a part that exists only once.
+/// Adjustments of an entry: one for each half, or one for a part that exists only once.
 pub(super) fn adjustments(
     written: &Spanned<file::Adjustment>,
     both: &AxleStudy,
@@ -32,7 +32,7 @@ pub(super) fn adjustments(
         if only.is_some_and(|only| only != side) {
             continue;
         }
-        // Uses the left wheel's axes, because amounts of the right half are those of its mirror image.
+        // Uses the left wheel's axes, because amounts of the right half refer to its mirror image.
         let of_side = Suspension {
             frame: suspension.frame,
             ..both.axle.suspension(side).clone()
@@ -65,7 +65,7 @@ pub(super) fn adjustments(
     Some(found)
 }
 
-/// Returns true for a seat of the spring.
+/// Returns true if the dimension is a coordinate of a spring end.
 fn holds_spring(parameter: BuildParameter, mechanism: &Mechanism) -> bool {
     let BuildParameter::Coordinate(id, _) = parameter else {
         return false;
@@ -74,7 +74,7 @@ fn holds_spring(parameter: BuildParameter, mechanism: &Mechanism) -> bool {
     seats.is_some_and(|seats| seats.contains(&id))
 }
 
-/// Target values of the axle, in the order of the catalogue. A target for a quantity of a wheel applies to both wheels.
+/// Target values of the axle, in the order of the catalogue. A target for a wheel quantity applies to both wheels.
 pub(super) fn want(
     section: &file::Setup,
     both: &AxleStudy,

@@ -1,4 +1,4 @@
-//! Rows of a sheet about an axle: their figure and their station.
+//! Rows of a sheet for an axle: their test result and their station.
 
 use super::super::AxleStudy;
 use super::super::axle_targets::{self, AxleSite};
@@ -8,7 +8,8 @@ use crate::axle::{Coordinate, Quantity, TestFigure, WheelMotion};
 use crate::model::Side;
 
 impl Reader<'_> {
-    /// Figure of a row: of one wheel, of the axle, or of both wheels if the row names none.
+    /// Test result of a row. It belongs to one wheel or to the axle. If the row names no wheel, it can belong to both
+    /// wheels.
     pub(super) fn figure_of_axle(
         &self,
         both: &AxleStudy,
@@ -38,7 +39,7 @@ impl Reader<'_> {
                 found.push(*figure);
             }
         }
-        // A row without a wheel means the axle's own figure, if there is one.
+        // A row without a wheel denotes the result of the axle itself, if there is one.
         if let Some(own) = found.iter().find(|figure| figure.side().is_none()).copied()
             && wheel.is_empty()
         {

@@ -5,7 +5,7 @@ use super::super::{Motion, Site};
 use super::ends;
 use crate::number::Each;
 
-/// Drive values of a motion, as a study writes them: angles are in the motion's `angle_unit`.
+/// Drive values of a motion as written in a study: angles are in the motion's `angle_unit`.
 pub(super) struct DriveValues<'a> {
     motion: &'a Motion,
     is_in_radians: bool,

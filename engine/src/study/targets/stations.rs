@@ -12,8 +12,8 @@ pub(super) fn rack_displacements(site: &Site, motion: &Motion) -> Vec<f64> {
     }
 }
 
-/// Stations in addition to those of the motion. They are needed if a curve has fewer stations between its ends than points
-/// within the motion. Otherwise too few stations would represent the curve.
+/// Stations in addition to those of the motion. They are needed if the motion has fewer stations within a curve than the
+/// curve has points within the motion. Otherwise too few stations would represent the curve.
 pub(super) fn added_stations(wanted: &Wanted, motion: &Motion) -> Vec<f64> {
     let (lowest, highest) = ends(&motion.values);
     let curves: Vec<&[[f64; 2]]> = match wanted {

@@ -1,12 +1,12 @@
-//! Scatter of the parts of a solid axle: parts that exist only once, and parts of its halves.
+//! Tolerances of the parts of a solid axle: parts that exist only once, and parts of its halves.
 
 use super::super::Contributor;
 use super::super::error::Problems;
 use crate::model::{Side, Suspension};
 use std::ops::Range as Span;
 
-/// Returns true for a part that exists only once, and false for a part of a half or of another vehicle. Refuses a jig that holds
-/// parts of both kinds.
+/// Returns true for a part that exists only once. Returns false for a part of a half, or of another vehicle. Refuses a jig
+/// that holds parts of both kinds.
 pub(super) fn is_single(
     contributor: &Contributor,
     suspension: &Suspension,
@@ -28,14 +28,14 @@ pub(super) fn is_single(
     Some(first)
 }
 
-/// Assigns the random numbers of a part that exists only once to the left wheel.
+/// Assigns the tolerance sources of a part that exists only once to the left wheel.
 pub(super) fn scatter_once(contributor: &mut Contributor, side: Side) {
     if side == Side::Right {
         contributor.sources.clear();
     }
 }
 
-/// Stores the dimensions of each source in the mechanism of a solid axle's other wheel.
+/// Stores the dimensions of each source as they are in the mechanism of a solid axle's other wheel.
 pub(super) fn note_other_view(contributor: &mut Contributor, suspension: &Suspension) {
     for source in &mut contributor.sources {
         let seen = source.changes.iter().filter_map(|(parameter, share)| {

@@ -3,14 +3,14 @@
 use super::TableFormat;
 use super::exit::{Exit, Stop};
 use super::interrupt;
-use super::output::kept_study;
+use super::output::{kept_study, say_set_aside};
 use super::terminal::{eprint, is_quiet, note, print, width};
 use crate::compared::{FirstMotion, compared};
 use crate::report::{
     Compared, ComparedKc, Comparison, CurveTable, Format, KcComparison, Tables, comparison_page,
     counted, printable,
 };
-use crate::results::{Claim, RunDirectory};
+use crate::results::{Claim, RunDirectory, digest_of_texts};
 use crate::study::{LONGEST_TABLE, Study, read_bytes};
 use clap::Args;
 use std::io::Write;
@@ -26,14 +26,23 @@ pub(super) struct CompareArguments {
     #[arg(required = true, num_args = 2.., value_name = "STUDY_OR_RUN")]
     pub(super) sources: Vec<PathBuf>,
     /// Directory for comparison.csv and report.html, or - for the CSV on standard output
-    #[arg(long, value_name = "DIR", default_value = "out/compare")]
-    pub(super) out: PathBuf,
+    /// [default: out/compare]
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
     /// Replace files of other commands
     #[arg(long)]
     pub(super) force: bool,
     /// Format of printed tables
     #[arg(long, value_enum, default_value_t = TableFormat::Text)]
     pub(super) format: TableFormat,
+}
+
+impl CompareArguments {
+    /// Directory of the results. `None` if the CSV goes to standard output.
+    pub(super) fn directory(&self) -> Option<&Path> {
+        let out = self.out.as_deref().unwrap_or(Path::new("out/compare"));
+        (out != Path::new("-")).then_some(out)
+    }
 }
 
 pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
@@ -50,7 +59,7 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
     let mut is_complete = true;
     for (path, label) in arguments.sources.iter().zip(labels) {
         let (compared, complete) = if path.is_dir() {
-            (of_run(path, label)?, true)
+            of_run(path, label, designs.first(), &mut motion)?
         } else {
             of_study(path, label, &mut motion)?
         };
@@ -76,10 +85,13 @@ pub(super) fn run(arguments: &CompareArguments) -> Result<Exit, Stop> {
         tables.push("moved", moved);
     }
     print_tables(arguments, &tables)?;
-    if arguments.out != Path::new("-") {
+    if let Some(missing) = comparison.missing_stations() {
+        note(&format!("\n{missing}\n"));
+    }
+    if let Some(out) = arguments.directory() {
         note(&format!(
             "\n{}: comparison.csv, report.html\n",
-            arguments.out.display()
+            out.display()
         ));
     }
     for (column, labels) in &comparison.partial {
@@ -95,18 +107,22 @@ pub(super) fn write(
     csv: &[u8],
     page: Option<&str>,
 ) -> Result<(), Stop> {
-    if arguments.out == Path::new("-") {
+    let Some(path) = arguments.directory() else {
         std::io::stdout().write_all(csv)?;
         return Ok(());
-    }
+    };
     let claim = Claim {
         command: "compare",
+        // A comparison has no study of its own: its results say whether it is another one.
+        digest: digest_of_texts(&[&String::from_utf8_lossy(csv)]),
         files: &["comparison.csv", "report.html"],
         inputs,
         force: arguments.force,
+        set_aside: arguments.out.is_none(),
         ..Claim::default()
     };
-    let directory = RunDirectory::claim(&arguments.out, &claim).map_err(Stop::wrong_input)?;
+    let directory = RunDirectory::claim(path, &claim).map_err(Stop::wrong_input)?;
+    say_set_aside(path, &directory);
     let written = directory.write("comparison.csv", csv);
     let written = written.and_then(|()| match page {
         Some(page) => directory.write("report.html", page.as_bytes()),
@@ -149,8 +165,8 @@ fn of_kc_runs(arguments: &CompareArguments) -> Result<Exit, Stop> {
         "\nEqual to four digits: {}\n",
         counted(comparison.equal(), "figure")
     ));
-    if arguments.out != Path::new("-") {
-        note(&format!("{}: comparison.csv\n", arguments.out.display()));
+    if let Some(out) = arguments.directory() {
+        note(&format!("{}: comparison.csv\n", out.display()));
     }
     Ok(Exit::Done)
 }
@@ -159,7 +175,7 @@ fn of_kc_runs(arguments: &CompareArguments) -> Result<Exit, Stop> {
 pub(super) fn print_tables(arguments: &CompareArguments, tables: &Tables) -> Result<(), Stop> {
     let format: Format = arguments.format.into();
     let text = tables.render(format, width());
-    match (format, arguments.out == Path::new("-")) {
+    match (format, arguments.directory().is_none()) {
         (Format::Text, true) => note(&text),
         (Format::Text, false) if is_quiet() => (),
         (Format::Text, false) => print(&text)?,
@@ -202,8 +218,39 @@ fn of_study(
     crate::compared::of_study(study, label, first).map_err(|why| Stop::in_file(path, why))
 }
 
-/// Reads a finished run: the curves that it wrote, and the points of the study that it keeps.
-fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
+/// Returns a finished run, and true if every curve is complete. If the run has other stations than the first design, its study is
+/// solved again over the motion of the first design.
+fn of_run(
+    path: &Path,
+    label: String,
+    first: Option<&Compared>,
+    motion: &mut Option<FirstMotion>,
+) -> Result<(Compared, bool), Stop> {
+    let study = kept_study(path, &[])?;
+    let compared = curves_of_run(path, label.clone(), study.as_ref())?;
+    let Some((first, study)) = first.zip(study.as_ref()) else {
+        *motion = study.as_ref().map(FirstMotion::of);
+        return Ok((compared, true));
+    };
+    if motion.is_none() || Comparison::has_all_stations(first, &compared) {
+        return Ok((compared, true));
+    }
+    match crate::compared::of_study(study.clone(), label, motion) {
+        Ok(solved) => {
+            note(&format!(
+                "{}: its stations are others than those of {}, so its study is solved again over the same motion\n",
+                path.display(),
+                first.label
+            ));
+            Ok(solved)
+        }
+        // The study cannot follow this motion. Its own curves may have some of the stations.
+        Err(_) => Ok((compared, true)),
+    }
+}
+
+/// Reads the curves that a run wrote, and the points of the study that it keeps.
+fn curves_of_run(path: &Path, label: String, study: Option<&Study>) -> Result<Compared, Stop> {
     let file = path.join("curves.csv");
     if !file.exists() {
         let reason = "there is no curves.csv; `hardpoint solve` and `hardpoint optimise` write one";
@@ -213,8 +260,8 @@ fn of_run(path: &Path, label: String) -> Result<Compared, Stop> {
     let csv = csv.map_err(|reason| Stop::in_file(&file, reason))?;
     let refused = |reason: String| Stop::in_file(path, format!("curves.csv: {reason}"));
     let table = CurveTable::read(&csv).map_err(refused)?;
-    if let Some(study) = kept_study(path, &[])? {
-        return Ok(compared(label, &study, table));
+    if let Some(study) = study {
+        return Ok(compared(label, study, table));
     }
     let first = table.header.first().map_or("", String::as_str);
     let unit = first.rsplit('_').next().and_then(crate::exchange::unit_of);

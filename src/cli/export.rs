@@ -172,7 +172,7 @@ pub(super) fn run_of(arguments: &ExportArguments, given: Option<&Study>) -> Resu
             note_saved(out);
         }
     }
-    Ok(Exit::Done)
+    Ok(Exit::of(source.keeps_constraints()))
 }
 
 /// Refuses options that cannot be combined.

@@ -7,11 +7,11 @@ use super::terminal::{note, width};
 use crate::checked::{Checked, motion_alone};
 use crate::exchange::{
     Grid, Outgoing, Page, Rounded, Value, curves_in, moved_coordinates, page_of_csv, point_rows,
-    rounded, tuned_coordinates,
+    ranges_of_coordinates, rounded, tuned_coordinates,
 };
 use crate::model::{FrameConvention, LengthUnit};
 use crate::number::Vector3;
-use crate::report::{Cell, Table, motion_names, split_unit};
+use crate::report::{Cell, Table, brief, counted, motion_names, split_unit};
 use crate::results::Manifest;
 use crate::solved::Solved;
 use crate::study::{LONGEST_TABLE, Study, read_bytes};
@@ -205,7 +205,13 @@ impl Source {
         let unit = self.unit.unwrap_or(study.wheel().length_unit);
         let grid = Grid { step, unit };
         let refused = |reason: String| Stop::in_file(&self.path, reason);
-        let rounded = rounded(study, grid, &free).map_err(refused)?;
+        let origin = if before.len() == design.len() {
+            before
+        } else {
+            design
+        };
+        let ranges = ranges_of_coordinates(study, origin);
+        let rounded = rounded(study, grid, &free, &ranges).map_err(refused)?;
         let after = study.at_design(rounded.design.clone());
         say_loss(study, &after, &rounded, &free);
         self.study = Some(after);
@@ -244,6 +250,12 @@ impl Source {
                 table.clone_from(&name);
             }
         }
+    }
+
+    /// True if the exported design keeps all constraints, or was not rounded.
+    pub(super) fn keeps_constraints(&self) -> bool {
+        let mut rounded = self.rounded.iter();
+        rounded.all(|rounded| rounded.broken.is_empty())
     }
 
     pub(super) fn study(&self) -> Result<&Study, Stop> {
@@ -359,12 +371,30 @@ fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
             let ordinary = loss
                 .ordinary
                 .map_or("no curve".to_owned(), |misfit| format!("{misfit:.4}"));
+            let otherwise = match loss.otherwise {
+                0 => "each coordinate rounded to its nearest multiple".to_owned(),
+                count => format!(
+                    "nearest multiples give {ordinary}, so {} went the other way",
+                    counted(count, "coordinate")
+                ),
+            };
             note(&format!(
-                "{rounded_to}: misfit {:.4} -> {:.4} tolerances ({ordinary} with each coordinate \
-                 rounded to its nearest multiple; {} are rounded in the other direction)\n",
-                loss.exact, loss.best, loss.otherwise
+                "{rounded_to}: misfit {:.4} -> {:.4} tolerances; {otherwise}\n",
+                loss.exact, loss.best
             ));
         }
+    }
+    for broken in &rounded.broken {
+        let was = match broken.missed_before {
+            0.0 => "satisfied before rounding".to_owned(),
+            missed => format!("{} before rounding", brief(missed)),
+        };
+        note(&format!(
+            "violated after rounding: {}, missed by {} {} ({was})\n",
+            broken.name,
+            brief(broken.missed),
+            broken.unit
+        ));
     }
     let curves = [before, after].map(|study| {
         let solved = Solved::of(study).ok()?;

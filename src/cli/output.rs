@@ -202,13 +202,7 @@ impl Output {
         };
         let path = destination.path();
         let directory = RunDirectory::claim(path, &claim).map_err(Stop::wrong_input)?;
-        if let Some(place) = directory.set_aside() {
-            terminal::note(&format!(
-                "The results that were in {} are now in {}.\n",
-                path.display(),
-                place.display()
-            ));
-        }
+        say_set_aside(path, &directory);
         Ok(Output {
             directory: Some(directory),
             format,
@@ -430,6 +424,17 @@ pub(super) fn kept_study(directory: &Path, overrides: &[String]) -> Result<Optio
     Ok(kept
         .map(|file| Study::read_elastic(file, overrides))
         .transpose()?)
+}
+
+/// Says where earlier results are now, if the run has moved them aside.
+pub(super) fn say_set_aside(path: &Path, directory: &RunDirectory) {
+    if let Some(place) = directory.set_aside() {
+        terminal::note(&format!(
+            "The results that were in {} are now in {}.\n",
+            path.display(),
+            place.display()
+        ));
+    }
 }
 
 /// All files that a run reads.

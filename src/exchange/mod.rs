@@ -81,7 +81,10 @@ pub use optimum_table::{RowsAndNotes, optimum_k_rows};
 pub use outgoing::Outgoing;
 pub use property_file::property_file;
 pub use refusal::{Question, Refusal, for_shell};
-pub use rounding::{Grid, Loss, Rounded, moved_coordinates, rounded, tuned_coordinates};
+pub use rounding::{
+    Broken, Grid, Loss, Rounded, moved_coordinates, ranges_of_coordinates, rounded,
+    tuned_coordinates,
+};
 pub use source::{bytes_of, read as read_points, read_map};
 pub use subsystem::{Written, into_subsystem, subsystem};
 pub use suspensions_ini::{suspensions_ini, suspensions_ini_of_car};

@@ -18,10 +18,15 @@
 //!
 //! The result depends on the order of the coordinates. The program tries three orders and also ordinary rounding, and computes
 //! the misfit of each exactly.
+//!
+//! Constraints and ranges come before the misfit. A coordinate with a range takes a neighbour within its range, if there is one.
+//! Of the candidates, the program keeps the one with the smallest violation of the constraints, and among equals the one with the
+//! smallest misfit. If this candidate violates a constraint, single coordinates go to their other neighbour while that is better.
 
 use crate::model::LengthUnit;
 use crate::number::Vector3;
-use crate::optimise::{Linearisation, TargetLayout, evaluated};
+use crate::optimise::{Linearisation, TargetLayout, assessed, evaluated};
+use crate::report::{ConstraintMargin, constraint_margins};
 use crate::study::{Optimise, Study, Variable};
 use nalgebra::{DMatrix, DVector};
 
@@ -39,6 +44,8 @@ pub struct Rounded {
     pub grid: Grid,
     /// Change of the misfit by rounding, if the study has targets.
     pub loss: Option<Loss>,
+    /// Constraints that the rounded design violates.
+    pub broken: Vec<Broken>,
 }
 
 /// Misfits in tolerances. `None` if a design cannot be solved.
@@ -54,23 +61,42 @@ pub struct Loss {
     pub otherwise: usize,
 }
 
+/// A constraint that the rounded design violates. Lengths and angles in its unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Broken {
+    /// Name of the constraint, with its limits.
+    pub name: String,
+    /// Distance between the value and the nearest limit.
+    pub missed: f64,
+    /// The same distance before rounding. Zero if the constraint was satisfied.
+    pub missed_before: f64,
+    /// Unit of both distances.
+    pub unit: String,
+}
+
 /// Rounds the free coordinates of a study's design to multiples of a grid. `free` has a flag for each coordinate, point by point.
+/// `ranges` has the smallest and largest value of each coordinate, in the study's axes and unit.
 ///
 /// # Errors
 ///
 /// If the design cannot be solved before or after the rounding.
-pub fn rounded(study: &Study, grid: Grid, free: &[bool]) -> Result<Rounded, String> {
-    let problem = Problem::new(study, grid, free);
+pub fn rounded(
+    study: &Study,
+    grid: Grid,
+    free: &[bool],
+    ranges: &[[f64; 2]],
+) -> Result<Rounded, String> {
+    let problem = Problem::new(study, grid, free, ranges);
     let ordinary = problem.nearest();
     let Some(optimise) = &study.optimise else {
-        return Ok(problem.result(&ordinary, None));
+        return Ok(problem.result(&problem.within_ranges(&ordinary), None));
     };
     let targets = problem.targets(optimise);
     let at_design = targets.evaluated(&study.wheel().design)?;
     let exact = at_design.misfit();
-    let mut best: Option<(f64, Vec<f64>)> = None;
-    let mut of_ordinary = None;
-    let mut candidates = vec![ordinary.clone()];
+    let missed_before = targets.missed(&study.wheel().design)?;
+    let mut best: Option<Candidate> = None;
+    let mut candidates = vec![problem.within_ranges(&ordinary)];
     let lengths: Vec<f64> = at_design
         .jacobian
         .column_iter()
@@ -85,30 +111,54 @@ pub fn rounded(study: &Study, grid: Grid, free: &[bool]) -> Result<Rounded, Stri
             candidates.push(nearest_plane(&problem, &at_design, &order));
         }
     }
-    for (number, steps) in candidates.iter().enumerate() {
-        // A design outside the limits of the motion has no misfit.
-        let moved = problem.result(steps, None).design;
-        let misfit = targets.evaluated(&moved).ok();
-        let misfit = misfit.map(|evaluation| evaluation.misfit());
-        if number == 0 {
-            of_ordinary = misfit;
-        }
-        if let Some(misfit) = misfit
-            && best.as_ref().is_none_or(|(least, _)| misfit < *least)
+    for steps in candidates {
+        let candidate = targets.candidate(&problem, steps);
+        if let Some(candidate) = candidate
+            && best.as_ref().is_none_or(|best| candidate.is_better(best))
         {
-            best = Some((misfit, steps.clone()));
+            best = Some(candidate);
         }
     }
-    let (misfit, steps) =
-        best.ok_or("the design cannot be solved if it is rounded to this grid")?;
-    let otherwise = steps.iter().zip(&ordinary).filter(|(a, b)| a != b).count();
+    let best = best.ok_or("the design cannot be solved if it is rounded to this grid")?;
+    let best = targets.repaired(&problem, best);
+    let (steps, pairs) = (&best.steps, best.steps.iter().zip(&ordinary));
+    let of_ordinary = targets.evaluated(&problem.result(&ordinary, None).design);
     let loss = Loss {
         exact,
-        ordinary: of_ordinary,
-        best: misfit,
-        otherwise,
+        // A design outside the limits of the motion has no misfit.
+        ordinary: of_ordinary.ok().map(|evaluation| evaluation.misfit()),
+        best: best.misfit,
+        otherwise: pairs.filter(|(a, b)| a != b).count(),
     };
-    Ok(problem.result(&steps, Some(loss)))
+    let mut rounded = problem.result(steps, Some(loss));
+    let margins = targets.margins(&rounded.design)?;
+    let margins = margins.into_iter().zip(missed_before);
+    let violated = margins.filter(|(margin, _)| margin.is_violated);
+    rounded.broken = violated
+        .map(|(margin, missed_before)| Broken {
+            name: margin.name,
+            missed: -margin.room,
+            missed_before,
+            unit: margin.unit,
+        })
+        .collect();
+    Ok(rounded)
+}
+
+/// A rounding with its misfit.
+struct Candidate {
+    steps: Vec<f64>,
+    /// Sum of the violations of all constraints, each in visible units.
+    violation: f64,
+    misfit: f64,
+}
+
+impl Candidate {
+    /// True if this rounding violates the constraints less, or equally at a smaller misfit.
+    fn is_better(&self, than: &Candidate) -> bool {
+        let own = (self.violation, self.misfit);
+        own < (than.violation, than.misfit)
+    }
 }
 
 /// Grid of multiples of a length.
@@ -144,22 +194,53 @@ struct Problem<'a> {
     free: &'a [bool],
     /// All coordinates in the study's axes, point by point, in the grid's unit.
     before: Vec<f64>,
+    /// Least and most steps of each coordinate within its range. They are not whole numbers.
+    ranges: Vec<[f64; 2]>,
 }
 
 impl<'a> Problem<'a> {
-    fn new(study: &'a Study, grid: Grid, free: &'a [bool]) -> Self {
+    fn new(study: &'a Study, grid: Grid, free: &'a [bool], ranges: &[[f64; 2]]) -> Self {
         let suspension = study.wheel();
         let points = suspension.design.iter();
         let before = points
             .flat_map(|point| suspension.frame.vector(*point).to_array())
             .map(|x| grid.unit.convert(x, suspension.length_unit))
             .collect();
+        let steps = |x: f64| grid.steps(grid.unit.convert(x, suspension.length_unit));
         Problem {
             study,
             grid,
             free,
             before,
+            ranges: ranges.iter().map(|range| range.map(steps)).collect(),
         }
+    }
+
+    /// Neighbours of a coordinate on the grid: both sides of its present value, without a side that leaves the range, unless both
+    /// leave it.
+    fn neighbours(&self, coordinate: usize) -> (f64, f64) {
+        let (below, above) = neighbours(self.grid.steps(self.before[coordinate]));
+        let [least, most] = self.ranges[coordinate];
+        // The ends of a range have rounding errors of their own.
+        let slack = 1e-9 * most.abs().max(least.abs()).max(1.0);
+        let is_within = |steps: f64| steps >= least - slack && steps <= most + slack;
+        match (is_within(below), is_within(above)) {
+            (true, false) => (below, below),
+            (false, true) => (above, above),
+            _ => (below, above),
+        }
+    }
+
+    /// Moves each free coordinate into its range.
+    fn within_ranges(&self, steps: &[f64]) -> Vec<f64> {
+        let mut within = steps.to_vec();
+        for (coordinate, steps) in within.iter_mut().enumerate() {
+            if self.free[coordinate] {
+                let (least, most) = self.neighbours(coordinate);
+                *steps = steps.clamp(least, most);
+            }
+        }
+        within
     }
 
     /// Steps of each coordinate, each rounded to its nearest multiple.
@@ -207,6 +288,7 @@ impl<'a> Problem<'a> {
             coordinates,
             grid: self.grid,
             loss,
+            broken: Vec::new(),
         }
     }
 
@@ -216,13 +298,15 @@ impl<'a> Problem<'a> {
             study,
             variables: Variable::every_coordinate(study.wheel(), [-1.0, 1.0]),
             layout: TargetLayout::nominal(optimise, &study.vehicle),
+            optimise: optimise.clone(),
         }
     }
 }
 
-/// Targets of a study as functions of all its coordinates.
+/// Targets and constraints of a study as functions of all its coordinates.
 struct Targets<'a> {
     study: &'a Study,
+    optimise: Optimise,
     variables: Vec<Variable>,
     layout: TargetLayout,
 }
@@ -236,6 +320,74 @@ impl Targets<'_> {
         evaluated(&suspension, &self.variables, &self.layout, &here)
             .map_err(|fault| fault.describe(&suspension.mechanism))?
             .map_err(|infeasible| infeasible.to_string())
+    }
+
+    /// Margins of the constraints.
+    fn margins(&self, design: &[Vector3<f64>]) -> Result<Vec<ConstraintMargin>, String> {
+        if self.optimise.constraints.is_empty() {
+            return Ok(Vec::new());
+        }
+        let mut suspension = self.study.wheel().clone();
+        suspension.design = design.to_vec();
+        let found = assessed(&suspension, &[], &self.layout)
+            .map_err(|fault| fault.describe(&suspension.mechanism))?
+            .map_err(|infeasible| infeasible.to_string())?;
+        Ok(constraint_margins(
+            &self.optimise,
+            &self.layout,
+            &found.rows.residuals,
+        ))
+    }
+
+    /// Violation of each constraint in its unit. Zero if the constraint is satisfied.
+    fn missed(&self, design: &[Vector3<f64>]) -> Result<Vec<f64>, String> {
+        let margins = self.margins(design)?;
+        let missed = margins.iter().map(|margin| match margin.is_violated {
+            true => -margin.room,
+            false => 0.0,
+        });
+        Ok(missed.collect())
+    }
+
+    /// Evaluates a rounding. `None` if the design cannot be solved.
+    fn candidate(&self, problem: &Problem<'_>, steps: Vec<f64>) -> Option<Candidate> {
+        let design = problem.result(&steps, None).design;
+        let missed = self.missed(&design).ok()?;
+        let missed = missed.iter().zip(&self.optimise.constraints);
+        Some(Candidate {
+            violation: missed.map(|(m, own)| m / own.parts[0].visible).sum(),
+            misfit: self.evaluated(&design).ok()?.misfit(),
+            steps,
+        })
+    }
+
+    /// Moves single coordinates to their other neighbour while the violation of the constraints falls. Each pass over the
+    /// coordinates must improve the rounding, and there are at most as many passes as coordinates.
+    fn repaired(&self, problem: &Problem<'_>, mut best: Candidate) -> Candidate {
+        for _ in 0..problem.before.len() {
+            let mut improves = false;
+            for coordinate in 0..problem.before.len() {
+                if best.violation == 0.0 {
+                    return best;
+                }
+                let (least, most) = problem.neighbours(coordinate);
+                if !problem.free[coordinate] || least == most {
+                    continue;
+                }
+                let mut steps = best.steps.clone();
+                steps[coordinate] = least + most - steps[coordinate];
+                if let Some(other) = self.candidate(problem, steps)
+                    && other.is_better(&best)
+                {
+                    best = other;
+                    improves = true;
+                }
+            }
+            if !improves {
+                break;
+            }
+        }
+        best
     }
 }
 
@@ -273,7 +425,7 @@ fn nearest_plane(problem: &Problem<'_>, at_design: &Linearisation, order: &[usiz
         let handed_on: f64 = (i + 1..columns).map(|j| r[(i, j)] * moves[j]).sum();
         let best = (y[i] - handed_on) / r[(i, i)];
         let at = problem.grid.steps(problem.before[order[i]]);
-        let (least, most) = neighbours(at);
+        let (least, most) = problem.neighbours(order[i]);
         let step = (at + best).round().clamp(least, most);
         steps[order[i]] = step;
         moves[i] = step - at;
@@ -304,6 +456,33 @@ pub fn tuned_coordinates(study: &Study) -> Vec<bool> {
         }
     }
     tuned
+}
+
+/// Smallest and largest value of each coordinate that the variables of `[optimise]` allow, in the study's axes and unit. `origin` is
+/// the design from which the ranges count. Rotations do not limit the points that they move.
+pub fn ranges_of_coordinates(study: &Study, origin: &[Vector3<f64>]) -> Vec<[f64; 2]> {
+    const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
+    let wheel = study.wheel();
+    let mut moves: Vec<Option<[f64; 2]>> = vec![None; 3 * wheel.design.len()];
+    let mut add = |coordinate: usize, ends: [f64; 2]| {
+        let [least, most] = moves[coordinate].unwrap_or_default();
+        moves[coordinate] = Some([least + ends[0].min(ends[1]), most + ends[0].max(ends[1])]);
+    };
+    for variable in study.optimise.iter().flat_map(|o| &o.variables) {
+        for step in variable.moves.iter().filter(|step| step.factor != 0.0) {
+            let ends = variable.range.map(|offset| step.factor * offset);
+            add(3 * step.point.0 + step.axis as usize, ends);
+        }
+        for point in variable.turn.iter().flat_map(|turn| &turn.points) {
+            (0..3).for_each(|axis| add(3 * point.0 + axis, ANY));
+        }
+    }
+    let origins = origin
+        .iter()
+        .flat_map(|point| wheel.frame.vector(*point).to_array());
+    let moves = moves.into_iter().zip(origins);
+    let ranges = moves.map(|(ends, from)| ends.map_or(ANY, |ends| ends.map(|end| from + end)));
+    ranges.collect()
 }
 
 #[cfg(test)]
@@ -369,6 +548,7 @@ mod tests {
     fn nearest_plane_loses_no_more_than_ordinary_rounding() {
         let study = front();
         let all = vec![true; 3 * study.wheel().design.len()];
+        let free = vec![[f64::NEG_INFINITY, f64::INFINITY]; all.len()];
         let mut better = 0;
         for (step, unit) in [
             (1.0, LengthUnit::Millimetre),
@@ -377,15 +557,15 @@ mod tests {
             (0.001, LengthUnit::Metre),
         ] {
             let grid = Grid { step, unit };
-            let rounded = rounded(&study, grid, &all).unwrap();
+            let rounded = rounded(&study, grid, &all, &free).unwrap();
             let loss = rounded.loss.unwrap();
             assert!(loss.best <= loss.ordinary.unwrap(), "{loss:?}");
             better += usize::from(loss.best < loss.ordinary.unwrap());
             // Rounding a second time does not change the design.
             let after = study.at_design(rounded.design.clone());
-            let again = super::rounded(&after, grid, &all).unwrap();
+            let again = super::rounded(&after, grid, &all, &free).unwrap();
             assert_eq!(again.coordinates, rounded.coordinates);
-            let before = Problem::new(&study, grid, &all).before;
+            let before = Problem::new(&study, grid, &all, &free).before;
             let written = rounded.coordinates.iter().flatten();
             for (before, after) in before.iter().zip(written) {
                 assert!(
@@ -411,15 +591,59 @@ mod tests {
         let study = front();
         let tuned = tuned_coordinates(&study);
         let count = tuned.iter().filter(|free| **free).count();
+        let free = vec![[f64::NEG_INFINITY, f64::INFINITY]; tuned.len()];
         assert!(count > 0 && count < tuned.len(), "{count}");
         for unit in LengthUnit::ALL {
             let step = unit.convert(1.0, LengthUnit::Millimetre);
             let grid = Grid { step, unit };
-            let rounded = rounded(&study, grid, &tuned).unwrap();
+            let rounded = rounded(&study, grid, &tuned, &free).unwrap();
             let moved = moved_coordinates(&study.wheel().design, &rounded.design);
             for (moved, tuned) in moved.iter().zip(&tuned) {
                 assert_eq!(moved, tuned);
             }
         }
+    }
+
+    /// A tuned semi-trailing arm: x of its outer pivot came from 380 to 347.696. Its box and its range reach from `least` on.
+    fn arm(range: f64, least: f64) -> (Study, Vec<Vector3<f64>>) {
+        let text = |x: f64| {
+            format!(
+                "[suspension]\ntopology = \"semi_trailing_arm\"\n\
+                 [suspension.hardpoints]\narm_pivot_inner = [420.0, 250.0, 280.0]\n\
+                 arm_pivot_outer = [{x:?}, 560.0, 290.0]\nwheel_centre = [0.0, 700.0, 300.0]\n\
+                 [wheel]\nstatic_camber = -1.0\nstatic_toe = 0.0\n\
+                 [motion]\ntravel = {{ from = -40.0, to = 40.0, steps = 9 }}\n\
+                 [optimise]\nvariables = [{{ hardpoint = \"arm_pivot_outer\", axis = \"x\", range = [-{range:?}, {range:?}] }}]\n\
+                 [[optimise.targets]]\ncharacteristic = \"camber_gain\"\nat = 0.0\nvalue = 0.05\ntolerance = 0.001\n\
+                 [[optimise.constraints]]\npoint = \"arm_pivot_outer\"\nat = \"design\"\n\
+                 inside = {{ box = [[{least:?}, 500.0, 200.0], [349.0, 600.0, 400.0]] }}\n"
+            )
+        };
+        let study = |x| Study::from_text("arm", &text(x), Path::new("")).unwrap();
+        let origin = study(380.0).wheel().design.clone();
+        (study(347.696), origin)
+    }
+
+    /// The nearest multiples of 1 mm and 5 mm are 348 and 350, and the target prefers smaller x. Constraints and ranges decide
+    /// first. If no multiple keeps the box, the rounding says by how much it misses the box.
+    #[test]
+    fn rounding_keeps_constraints_and_ranges() {
+        let millimetres = |step: f64, range: f64, least: f64| {
+            let (study, origin) = arm(range, least);
+            let free = tuned_coordinates(&study);
+            let ranges = ranges_of_coordinates(&study, &origin);
+            let unit = LengthUnit::Millimetre;
+            let rounded = rounded(&study, Grid { step, unit }, &free, &ranges).unwrap();
+            let broken: Vec<f64> = rounded.broken.iter().map(|own| own.missed).collect();
+            (rounded.coordinates[1][0], broken)
+        };
+        assert_eq!(millimetres(1.0, 60.0, 300.0), (347.0, vec![]));
+        assert_eq!(millimetres(1.0, 60.0, 347.6), (348.0, vec![]));
+        assert_eq!(millimetres(1.0, 32.5, 300.0), (348.0, vec![]));
+        // 345 misses the lower limit by 1 mm, 350 the upper one by 1 mm; with a lower limit of 344 there is a multiple inside.
+        let (at, broken) = millimetres(5.0, 60.0, 346.5);
+        assert_eq!(at, 350.0);
+        assert!((broken[0] - 1.0).abs() < 1e-9, "{broken:?}");
+        assert_eq!(millimetres(5.0, 60.0, 344.0), (345.0, vec![]));
     }
 }

@@ -9,9 +9,9 @@ use super::column::{ColumnAxes, ColumnConversion, split_unit};
 use super::common_motion::CommonMotion;
 use super::curve_table::CurveTable;
 use super::files::csv_of_rows;
-use super::optional;
 use super::record::{Record, readable_unit};
 use super::table::{Cell, Table};
+use super::{counted, optional};
 use crate::model::{FrameConvention, LengthUnit};
 pub use kc::{ComparedKc, KcComparison};
 use moved::{Moved, moved};
@@ -198,6 +198,30 @@ impl Comparison {
             unit: first.unit,
             moved: moved(designs),
             mechanisms: mechanisms(designs),
+        })
+    }
+
+    /// True if the second design has every station of the first one.
+    pub fn has_all_stations(first: &Compared, second: &Compared) -> bool {
+        Comparison::of(&[first.clone(), second.clone()])
+            .is_ok_and(|both| both.stations.len() == first.curves.rows())
+    }
+
+    /// Note on the stations that only some of the designs have. `None` if all designs have the same stations.
+    pub fn missing_stations(&self) -> Option<String> {
+        let common = self.stations.len();
+        let all = self.labels.iter().zip(&self.own_stations);
+        let others: Vec<String> = all
+            .filter(|(_, own)| own.len() != common)
+            .map(|(label, own)| format!("{label} has {}", own.len()))
+            .collect();
+        let common = counted(common, "common station");
+        (!others.is_empty()).then(|| {
+            format!(
+                "Minima, maxima and differences are those of {common} only ({}). For all stations, run the designs over \
+                 the same motion.",
+                others.join(", ")
+            )
         })
     }
 

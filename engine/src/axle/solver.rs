@@ -480,11 +480,16 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         left.configuration(left.solver.design_pose())
     }
 
-    /// Designs of both wheels, each in the frame of its side.
+    /// Designs of both wheels, each in the frame of its side. The steering gear of a steered axle is in the middle.
     pub(super) fn designs(&self) -> [Vec<Vector3<f64>>; 2] {
-        self.corners
-            .each_ref()
-            .map(|corner| corner.solver.design().to_vec())
+        let steering = self.axle.left.mechanism.axle_steering();
+        self.corners.each_ref().map(|corner| {
+            let mut design = corner.solver.design().to_vec();
+            if let Some(steering) = steering {
+                steering.displace(0.0, &mut design);
+            }
+            design
+        })
     }
 
     /// Size of the left wheel's mechanism, the reference for lengths.

@@ -5,7 +5,6 @@ use super::super::exit::{Exit, Stop};
 use super::super::terminal::note;
 use super::{solver, source};
 use crate::report::{CarComparison, CarResults, Format, Tables};
-use std::path::Path;
 
 /// True if all sources are cars. Refuses a mixture of cars and other studies.
 pub(in crate::cli) fn are_cars(arguments: &CompareArguments) -> Result<bool, Stop> {
@@ -54,8 +53,8 @@ pub(in crate::cli) fn compare(arguments: &CompareArguments) -> Result<Exit, Stop
     if is_equal {
         note("no differences\n");
     }
-    if arguments.out != Path::new("-") {
-        note(&format!("\n{}: comparison.csv\n", arguments.out.display()));
+    if let Some(out) = arguments.directory() {
+        note(&format!("\n{}: comparison.csv\n", out.display()));
     }
     Ok(Exit::of(
         all.iter().all(|(_, results)| results.is_complete()),

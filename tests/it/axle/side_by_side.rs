@@ -111,6 +111,25 @@ fn wheels_and_axles_and_other_motions_are_not_mixed() {
         ];
         run(&[&["solve", axle, "--out", out], &few[..]].concat(), 0);
     }
+    // A run that keeps its study is solved again over the motion of the first one, so its values are those of the first design.
+    for pair in [[runs[0], runs[1]], [runs[1], runs[0]]] {
+        let (csv, said) = run(&["compare", pair[0], pair[1], "--out", "-"], 0);
+        assert!(said.contains("solved again over the same motion"), "{said}");
+        let mut reader = csv::Reader::from_reader(csv.as_bytes());
+        let header = reader.headers().unwrap().clone();
+        let difference = header.iter().position(|name| name.contains(" - ")).unwrap();
+        let rows: Vec<_> = reader.records().map(Result::unwrap).collect();
+        assert_eq!(rows.len(), 2);
+        for row in rows {
+            assert!(
+                row[difference].parse::<f64>().unwrap().abs() < 1e-9,
+                "{row:?}"
+            );
+        }
+    }
+    for run in runs {
+        std::fs::remove_file(format!("{run}/study.toml")).unwrap();
+    }
     for pair in [[runs[0], runs[1]], [runs[1], runs[0]]] {
         let (_, said) = run(&["compare", pair[0], pair[1], "--out", "-"], 2);
         let said = said.split_whitespace().collect::<Vec<_>>().join(" ");

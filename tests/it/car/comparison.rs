@@ -72,7 +72,7 @@ fn cars_in_other_units_are_compared() {
         hardpoint(directory, &[&base[..], unit].concat()).success();
         let other = format!("{out}/car.toml");
         for [first, second] in [["car.toml", &other], [&other, "car.toml"]] {
-            let out = format!("sides_{number}");
+            let out = format!("sides_{number}_{}", usize::from(first == "car.toml"));
             let arguments = ["compare", first, second, "--out", &out, "--format", "csv"];
             let said = hardpoint(directory, &arguments).success();
             let said = text(&said.get_output().stdout);

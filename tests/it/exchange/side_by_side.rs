@@ -199,12 +199,13 @@ fn a_fixed_rack_is_part_of_the_station() {
     for (study, out) in [("all.toml", "all"), ("other.toml", "other")] {
         run(at, &["--quiet", "solve", study, "--out", out], 0);
     }
-    for sources in [
-        ["fixed.toml", "other.toml"],
-        ["all", "other"],
-        ["other", "all"],
+    for (sources, rows) in [
+        (["fixed.toml", "other.toml"], 3),
+        // The run lacks two of the racks, so its study is solved again.
+        (["all", "other"], 9),
+        (["other", "all"], 3),
     ] {
-        assert_same(at, sources, 3, 50);
+        assert_same(at, sources, rows, 50);
     }
 }
 
@@ -288,8 +289,11 @@ fn studies_follow_the_drive_of_the_first_study() {
         let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(said.contains(reason), "{said}");
     }
-    // Runs cannot be solved again.
+    // A run follows the first motion by the study that it keeps. Without its study it cannot be solved again.
     run(at, &["--quiet", "solve", "angle.toml", "--out", "run"], 0);
+    assert_same(at, ["run", "travel.toml"], 5, 10);
+    assert_same(at, ["travel.toml", "run"], 41, 9);
+    fs::remove_file(at.join("run/study.toml")).unwrap();
     let [_, said] = run(at, &["compare", "run", "travel.toml", "--out", "-"], 2);
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
@@ -323,7 +327,11 @@ fn rig_tests_are_the_same_in_other_axes() {
             0,
         );
         run(at, &["--quiet", "kc", &file, "--out", frame], 0);
-        run(at, &["compare", "own", frame, "--out", "sides"], 0);
+        run(
+            at,
+            &["compare", "own", frame, "--out", "sides", "--force"],
+            0,
+        );
         let mut reader = csv::Reader::from_path(at.join("sides/comparison.csv")).unwrap();
         let header = reader.headers().unwrap().clone();
         let column = |name: &str| header.iter().position(|own| own == name).unwrap();
@@ -361,7 +369,9 @@ fn a_car_is_the_same_in_other_axes() {
     for frame in FRAMES {
         run(at, &["convert", file, "--frame", frame, "--out", frame], 0);
         let other = format!("{frame}/{file}");
-        let arguments = ["compare", file, &other, "--out", "sides", "--format", "csv"];
+        let arguments = [
+            "compare", file, &other, "--out", "sides", "--force", "--format", "csv",
+        ];
         let [printed, _] = run(at, &arguments, 0);
         let rows = printed
             .lines()
@@ -388,7 +398,9 @@ fn a_car_is_the_same_in_other_axes() {
         place[2] + 10.0
     );
     fs::write(at.join(&other), text.replace(&centre, &lower)).unwrap();
-    let arguments = ["compare", file, &other, "--out", "sides", "--format", "csv"];
+    let arguments = [
+        "compare", file, &other, "--out", "sides", "--force", "--format", "csv",
+    ];
     let [printed, _] = run(at, &arguments, 0);
     let [up, lower] = [-place[2], -place[2] - 10.0];
     assert!(
@@ -463,4 +475,105 @@ fn columns(text: &str) -> BTreeMap<String, Vec<String>> {
 fn rounded(cell: &str) -> String {
     let number = cell.parse::<f64>();
     number.map_or(cell.to_owned(), |number| format!("{:.7}", number + 0.0))
+}
+
+/// A run with other stations is solved again, so the comparison has every station of the first design. A run that keeps no study is
+/// compared at the common stations, and the command says how many there are.
+#[test]
+fn runs_with_other_stations_are_compared_at_all_stations_of_the_first() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    let study = |pivot: &str, from: f64, to: f64, steps: u32| {
+        changed(
+            &sample("double_wishbone_solve.toml"),
+            &[
+                (
+                    "travel = ",
+                    &format!("travel = {{ from = {from:?}, to = {to:?}, steps = {steps} }}"),
+                ),
+                ("lower_arm_front", pivot),
+            ],
+        )
+    };
+    let text = sample("double_wishbone_solve.toml");
+    let pivot = text
+        .lines()
+        .find(|line| line.starts_with("lower_arm_front"))
+        .unwrap();
+    let moved = "lower_arm_front = [150.0, 350.0, 205.0]";
+    fs::write(directory.join("first.toml"), study(pivot, -40.0, 40.0, 5)).unwrap();
+    fs::write(directory.join("moved.toml"), study(moved, -40.0, 40.0, 5)).unwrap();
+    fs::write(directory.join("other.toml"), study(moved, -30.0, 60.0, 10)).unwrap();
+    run(directory, &["solve", "other.toml", "--out", "other"], 0);
+    let [whole, _] = run(
+        directory,
+        &["compare", "first.toml", "moved.toml", "--out", "-"],
+        0,
+    );
+    let [again, said] = run(
+        directory,
+        &["compare", "first.toml", "other", "--out", "-"],
+        0,
+    );
+    assert!(said.contains("solved again over the same motion"), "{said}");
+    assert_eq!(whole.replace("moved", "other"), again);
+    fs::remove_file(directory.join("other/study.toml")).unwrap();
+    fs::remove_file(directory.join("other/run.json")).unwrap();
+    let [few, said] = run(
+        directory,
+        &["compare", "first.toml", "other", "--out", "-"],
+        0,
+    );
+    // Stations -20, 0, 20 and 40 of the first: other has multiples of 10 from -30 on.
+    assert_eq!(few.lines().count(), 5, "{few}");
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        said.contains("those of 4 common stations only (first has 5, other has 10)"),
+        "{said}"
+    );
+}
+
+/// The default directory keeps an earlier comparison of other designs.
+#[test]
+fn another_comparison_replaces_no_earlier_one() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    fs::write(directory.join("a.toml"), wheel()).unwrap();
+    let text = wheel();
+    let pivot = text
+        .lines()
+        .find(|line| line.starts_with("lower_arm_front"))
+        .unwrap();
+    for (name, z) in [("b.toml", 205.0), ("c.toml", 206.0)] {
+        let line = format!("lower_arm_front = [150.0, 350.0, {z:?}]");
+        fs::write(directory.join(name), wheel().replace(pivot, &line)).unwrap();
+    }
+    let first = directory.join("out/compare/comparison.csv");
+    run(directory, &["compare", "a.toml", "b.toml"], 0);
+    let of_b = fs::read(&first).unwrap();
+    // The same comparison replaces itself.
+    run(directory, &["compare", "a.toml", "b.toml"], 0);
+    let [_, said] = run(directory, &["compare", "a.toml", "c.toml"], 0);
+    assert!(said.contains("are now in out/compare.1"), "{said}");
+    assert_eq!(
+        fs::read(directory.join("out/compare.1/comparison.csv")).unwrap(),
+        of_b
+    );
+    assert_ne!(fs::read(&first).unwrap(), of_b);
+    // A directory that the user names is not moved.
+    run(
+        directory,
+        &["compare", "a.toml", "b.toml", "--out", "mine"],
+        0,
+    );
+    run(
+        directory,
+        &["compare", "a.toml", "c.toml", "--out", "mine"],
+        2,
+    );
+    run(
+        directory,
+        &["compare", "a.toml", "c.toml", "--out", "mine", "--force"],
+        0,
+    );
 }

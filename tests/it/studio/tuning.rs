@@ -145,7 +145,8 @@ fn the_misfit_of_a_robust_study_is_that_of_its_nominal_design() {
         let free = vec![true; 3 * study.wheel().design.len()];
         let unit = hardpoint::model::LengthUnit::Millimetre;
         let grid = hardpoint::exchange::Grid { step: 1.0, unit };
-        hardpoint::exchange::rounded(&study, grid, &free)
+        let ranges = hardpoint::exchange::ranges_of_coordinates(&study, &study.wheel().design);
+        hardpoint::exchange::rounded(&study, grid, &free, &ranges)
             .unwrap()
             .loss
     };

@@ -180,3 +180,45 @@ fn members_balance_loads_on_steered_wheels() {
     // Positions of both programs agree to 1e-9 mm.
     assert!(worst < 1e-11, "{worst:e}");
 }
+
+/// In roll at constant load, the wheels carry the load of the level axle with the rack in the middle. This holds at every station,
+/// also at the first one, and a station does not depend on the stations before it.
+#[test]
+fn the_level_axle_gives_the_load_of_every_station() {
+    let mut generator = Random(466);
+    for number in 0..12 {
+        let mut world = random(&mut generator, number % 2 == 0, 30.0);
+        let hyper = |p: Point| p.map(super::Hyper::constant);
+        world
+            .points
+            .push(("spring_upper", hyper([20.0, 460.0, 850.0])));
+        world
+            .points
+            .push(("spring_lower", hyper([20.0, 470.0, 450.0])));
+        // Sum of both wheel loads at each rack displacement of the motion.
+        let sums = |motion: &str| -> Vec<f64> {
+            let further = format!(
+                "[motion]\n{motion}\n[spring]\nrate = 32.0\nforce = 4200.0\n\
+                 [outputs]\ncharacteristics = [\"wheel_load\"]\n"
+            );
+            let own = axle(&study(&world, &further));
+            let curves = axle_curves(&own.axle, &own.plan).unwrap().curves;
+            let loads = ["left", "right"].map(|side| {
+                let name = format!("{side}_wheel_load_N");
+                curves.columns.iter().position(|c| c.name == name).unwrap()
+            });
+            let stations = curves.stations.iter();
+            let sums = stations.map(|at| loads.map(|load| at.value(load).unwrap()).iter().sum());
+            sums.collect()
+        };
+        let (heave, roll) = (20.0 * generator.signed(), 3.0 * generator.signed());
+        let level = sums(&format!("heave = [{heave:?}]\nroll = [0.0]"))[0];
+        for racks in ["[40.0]", "[-40.0, 40.0]", "[0.0, 40.0]", "[40.0, 0.0]"] {
+            let rolled =
+                format!("heave = [{heave:?}]\nroll = [{roll:?}]\nrack = {racks}\nhold = \"load\"");
+            for sum in sums(&rolled) {
+                assert!((sum - level).abs() < 1e-9 * level, "{racks}: {sum} {level}");
+            }
+        }
+    }
+}

@@ -25,7 +25,7 @@ pub enum Singular {
     TieRodToggle,
     /// The paper's drive is at theta = k pi, or beyond the reach of the arm.
     DeadCentre,
-    /// The drive by travel is at the end of the travel.
+    /// The drive is the wheel travel, and the wheel is at the end of its travel.
     TravelLimit,
 }
 

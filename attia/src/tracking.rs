@@ -64,7 +64,7 @@ pub struct PointCoordinates {
     design: Pose,
     /// Ratio of smallest to largest pivot at which the condition number reaches [`WORST_CONDITION`].
     smallest_spread: f64,
-    /// Size of the left-hand sides at a solution. Rounding alone causes it.
+    /// Size of the left-hand sides at a solution. It is not zero because of rounding.
     rounding: f64,
     pub(crate) work: WorkCounter,
 }

@@ -92,7 +92,7 @@ pub(super) fn measure(
     Ok(found.into_iter().zip(timings).map(measurement).collect())
 }
 
-/// Copy of the study that asks for these quantities only.
+/// Copy of the study that requests only these quantities.
 fn asking(study: &Study, quantities: Vec<Quantity>) -> Study {
     let mut asking = study.clone();
     asking.optimise = None;

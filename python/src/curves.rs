@@ -193,7 +193,7 @@ fn set_sensitivities(
     result.set_item("sensitivity_points", names.collect::<Vec<_>>())
 }
 
-/// Array with the given values at their places and NaN everywhere else.
+/// Array with the given values at their indices and NaN everywhere else.
 pub(crate) fn mostly_nan<const N: usize>(
     py: Python<'_>,
     shape: [usize; N],

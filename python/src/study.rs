@@ -240,7 +240,8 @@ pub(crate) fn schema(py: Python<'_>) -> &'static str {
     py.detach(|| SCHEMA.get_or_init(|| hardpoint::study::schema().to_string()))
 }
 
-/// Checks a study as `hardpoint check` does. Returns doubts and remarks, one per line, and the stations that cannot be solved.
+/// Checks a study as `hardpoint check` does. Returns warnings and remarks, one per line, and the stations that cannot
+/// be solved.
 #[pyfunction]
 pub(crate) fn check(py: Python<'_>, study: &Study) -> PyResult<(Vec<String>, Vec<String>)> {
     let own = &study.study;

@@ -52,8 +52,8 @@ fn given(
     })
 }
 
-/// Variables with these names as columns of a table of designs. Without names, the variables that the study moves. Rates are those
-/// of the study's `[sweep]`.
+/// Variables with these names as columns of a table of designs. Without names, the variables that the study moves. Rates
+/// are those of the study's `[sweep]`.
 fn swept(own: &hardpoint::Study, names: Option<Vec<String>>) -> PyResult<Vec<SweepVariable>> {
     let of_sweep = match own.sweep.as_ref().map(|sweep| &sweep.designs) {
         Some(Designs::Sampled(sampled)) => &sampled.variables[..],

@@ -63,7 +63,7 @@ pub enum FormulationVisit {
     },
 }
 
-/// Equations that give the poses of a topology in another way than the knuckle pose.
+/// Equations that give the poses of a topology in unknowns other than the pose of the knuckle.
 pub trait Formulation: Sync {
     /// Visits the stations of a motion. At each displacement of the rack, the visit goes outward from the design position.
     /// Returns the work of the solver.

@@ -40,9 +40,9 @@
 //!
 //! with g' = d'/|d0| for a link and g' = 0 for a joint.
 //!
-//! In a built arm, a, b and c follow from the lengths of the two built legs and from the coordinates of the point in the
-//! frame of the nominal arm. This frame has its origin at the outer joint. Its directions are that of the axis, and that
-//! from the axis to the joint (7).
+//! In a built arm, a, b and c follow from the lengths of the two built legs and from the coordinates of the point in
+//! the frame of the nominal arm. This frame has its origin at the outer joint. Its directions are that of the axis,
+//! and that from the axis to the joint (7).
 
 use super::normals;
 use crate::mechanism::pose::Sink;

@@ -133,7 +133,8 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// Product d.d. An arm's joint keeps it constant, and (m.m - a.a)/2 and a.a contain it.
+    /// Product d.d. For an upper arm it is also a constant, a.a + 2 (m.m - a.a)/2; interval numbers are intersected
+    /// with it.
     #[inline(always)]
     pub(crate) fn length_squared(&self, d: Vector3<T>) -> T {
         match self {

@@ -187,7 +187,7 @@ pub(crate) fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
     }
 }
 
-/// Distance of two poses. A rotation counts as its angle times `size`.
+/// Distance between two poses. A rotation counts as its angle times `size`.
 pub(crate) fn distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let turned = a
         .rotation

@@ -27,7 +27,7 @@ use crate::number::{Each, Matrix3, Vector3};
 use crate::threads::checkpoint;
 use std::ops::ControlFlow;
 
-/// Range of sizes whose eighth powers, and their inverses, are ordinary doubles.
+/// Range of permitted sizes. The eighth powers of these sizes, and their inverses, neither overflow nor underflow.
 const SIZES: std::ops::Range<f64> = 1e-30..1e30;
 
 /// Finds the poses of a design. Its `prepare` takes the next design.
@@ -49,7 +49,8 @@ pub struct Solver<'m> {
     pub(crate) work: WorkCounter,
 }
 
-/// Callback with the index of a station and its pose, or the reason why it has none. It may end the visit.
+/// Callback that receives the index of a station and its pose, or the reason why it has no pose. It may end the
+/// visit.
 type Visitor<'v, 'm> =
     dyn FnMut(&Solver<'m>, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()> + 'v;
 
@@ -158,7 +159,8 @@ impl<'m> Solver<'m> {
     }
 
     /// Visits every station of the order with the rack at `rack` (towards the kernel's +y), outward from the design
-    /// position. `visit` receives the station's index and its pose, or the reason why it has none. It may end the visit.
+    /// position. `visit` receives the station's index and its pose, or the reason why it has no pose. It may end the
+    /// visit.
     pub fn for_each_pose(
         &mut self,
         drive: Drive,

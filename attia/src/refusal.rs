@@ -3,7 +3,7 @@
 use std::fmt;
 use thiserror::Error;
 
-/// A way in which the fifteen equations lose rank.
+/// Reason why the fifteen equations lose rank.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Singular {
     /// The strut's axis is horizontal. Equations (11) to (14) then fail, because they leave out the z-components of the vector

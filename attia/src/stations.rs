@@ -49,8 +49,8 @@ impl PointCoordinates {
         }
     }
 
-    /// Returns the pose of the knuckle as a series along the motion with these rates. Its origin is the ball joint. The series
-    /// has `N` coefficients, at most three.
+    /// Returns the pose of the knuckle as a Taylor series along the motion with these rates. Its origin is the ball
+    /// joint. The series has `N` coefficients, at most three.
     pub fn knuckle_pose<const N: usize>(
         &self,
         pose: &Pose,

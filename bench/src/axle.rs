@@ -31,7 +31,7 @@ struct Question<'s> {
     few: SweepPlan<'s>,
 }
 
-/// Measures an axle over its own motion, on up to `threads` threads.
+/// Measures an axle over its motion, on up to `threads` threads.
 pub(super) fn measure(
     study: &Study,
     both: &AxleStudy,

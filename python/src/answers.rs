@@ -59,7 +59,7 @@ pub(crate) fn as_json(record: &Record) -> Vec<u8> {
     (text + "\n").into_bytes()
 }
 
-/// Files of `solve`, over the study's own motion or over one of `[motions]`.
+/// Files of `solve`, over the motion of `[motion]` or over one of `[motions]`.
 #[pyfunction]
 #[pyo3(signature = (study, motion=None))]
 pub(crate) fn solve_files<'py>(

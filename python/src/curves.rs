@@ -70,7 +70,7 @@ pub(crate) fn reason(word: &str) -> Option<String> {
     Some(reason.to_owned())
 }
 
-/// Curves over the study's own motion or over one of `[motions]`: columns, stations, statuses, and sensitivities if the study
+/// Curves over the motion of `[motion]` or over one of `[motions]`: columns, stations, statuses, and sensitivities if the study
 /// requests them.
 #[pyfunction]
 #[pyo3(signature = (study, motion=None, threads=None))]

@@ -387,7 +387,7 @@ impl Residuals {
 }
 
 impl Residuals {
-    /// Evaluates the targets, or targets and constraints, at `x`. An error explains why the study's own design cannot be solved.
+    /// Evaluates the targets, or targets and constraints, at `x`. An error explains why the design of the study cannot be solved.
     fn at<T: Send>(
         &self,
         py: Python<'_>,

@@ -63,7 +63,7 @@ impl Assembler {
         }
     }
 
-    /// Turns the far half of a twist beam about the hinge of the near half in its nominal pose, until its mount is as
+    /// Turns the far half of a twist beam about the hinge, with the near half in its nominal pose. The far mount is then as
     /// near to its position on the body as the hinge allows. The far half keeps its shape, including the distances of
     /// its mount from the points of the hinge.
     #[inline(always)]
@@ -228,8 +228,8 @@ impl<T: Real> ArmFrame<T> {
     }
 }
 
-/// Smallest rotation from one direction to another. With k = a x b and c = a.b of the unit vectors it is v + k x v + k x (k
-/// x v)/(1 + c).
+/// Smallest rotation from one direction to another. With k = a x b and c = a.b of the unit vectors a and b, it takes v to
+/// v + k x v + k x (k x v)/(1 + c).
 struct Tilt<T> {
     across: Vector3<T>,
     factor: T,

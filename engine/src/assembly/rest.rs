@@ -196,7 +196,7 @@ impl Assembler {
         Some(tensions.each(|tension| tension.partials[0]))
     }
 
-    /// Returns the built design as a series to second order along a direction, at constant height.
+    /// Returns the built design as a Taylor series to second order along a direction, at constant height.
     pub fn design_series(&self, built: &Built, direction: &Direction) -> Vec<Vector3<Jet<f64, 3>>> {
         let number = |value, by| Jet([value, by, 0.0]);
         self.design_along(built, number, 2, direction, 0.0).1

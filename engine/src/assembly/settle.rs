@@ -199,8 +199,8 @@ impl Assembler {
         }
     }
 
-    /// Writes the built designs of assembled builds as series. The values of `parts` must be those after assembly. Returns the
-    /// accepted lanes.
+    /// Writes the built designs of assembled builds as Taylor series. The values of `parts` must be those after assembly.
+    /// Returns the accepted lanes.
     #[inline(always)]
     pub(crate) fn series_in_lanes<B: SimdReal>(
         &self,

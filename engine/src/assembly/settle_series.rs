@@ -20,14 +20,14 @@ const FINE: f64 = 1e-15;
 /// derivative has converged.
 const COARSE: f64 = 1e-12;
 
-/// A series.
+/// A first-order Taylor series.
 type Series<B> = Jet<B, 2>;
 
-/// Corrects the derivative of a settled pose and writes the built design as a series.
+/// Corrects the derivative of a settled pose and writes the built design as a Taylor series.
 pub(super) struct SettlingSeries<'s, B> {
     pub(super) assembler: &'s Assembler,
     pub(super) alignment: Option<&'s Alignment>,
-    /// The parts as series. If they are aligned, they receive the derivatives of the adjustments.
+    /// The parts as Taylor series. If they are aligned, they receive the derivatives of the adjustments.
     pub(super) parts: &'s mut Parts<Series<B>>,
     pub(super) pose: &'s Pose<B>,
     /// Buffer for the points of the undisplaced carrier.

@@ -9,8 +9,8 @@
 //! ```
 //!
 //! While only the drive moves, C has its full rank 5 there. (Otherwise [C 0; g -1] would have a rank below 6, and the path would
-//! not be a single path.) So t is the free motion of the mechanism, and by (2) the drive value does not change along it. The
-//! wheel centre is at its highest or lowest point. In general no single part causes this. If any one of the constraints is
+//! not be a single path.) So t is the free motion of the mechanism. By (2) the drive value does not change along t: the wheel
+//! centre is at its highest or lowest point. In general no single part causes this. If any one of the constraints is
 //! removed, t is still one of the free motions, and it is orthogonal to the removed constraint. So this does not single out one
 //! part.
 //!
@@ -80,7 +80,7 @@ impl Curve<'_> {
         match (self.moving, self.held.drive) {
             (Moving::Rack, _) => LimitCause::RackStandsStill,
             (Moving::Drive, Drive::ArmAngle) => LimitCause::ArmStandsStill,
-            // Sign of the second coefficient of the travel as a series in the arc length.
+            // Sign of the second coefficient of the travel as a Taylor series in the arc length.
             (Moving::Drive, Drive::Travel) if fold.moved[2] < 0.0 => LimitCause::CentreHighest,
             (Moving::Drive, Drive::Travel) => LimitCause::CentreLowest,
         }

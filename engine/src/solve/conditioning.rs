@@ -95,10 +95,10 @@ impl Solver<'_> {
         })
     }
 
-    /// Configuration series as in [`Solver::configuration_series`], with the condition number of its Jacobian. If the
-    /// Jacobian's factors are needed anyway, the number comes from them. If the closed form gave the pose far from
-    /// any singularity ([`Conditioning::ESTIMATED`]), the number is an estimate that costs almost nothing and is
-    /// correct within a factor of ten.
+    /// Taylor series of the configuration as in [`Solver::configuration_series`], with the condition number of its
+    /// Jacobian. If the Jacobian's factors are needed anyway, the number comes from them. If the closed form gave the
+    /// pose far from any singularity ([`Conditioning::ESTIMATED`]), the number is an estimate that costs almost nothing
+    /// and is correct within a factor of ten.
     pub fn conditioned_series<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,

@@ -55,9 +55,9 @@ pub(crate) struct Curve<'a> {
 /// A point of the curve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CurvePoint {
-    /// The pose as a series in the arc length.
+    /// The pose as a Taylor series in the arc length.
     pub series: Pose<Jet<f64, 3>>,
-    /// Moving quantity as a series in the arc length.
+    /// Moving quantity as a Taylor series in the arc length.
     pub moved: Jet<f64, 3>,
     /// Tangent: displacement, rotation, moving quantity; lengths are relative to the mechanism's size.
     tangent: [f64; 7],

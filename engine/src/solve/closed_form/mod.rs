@@ -14,8 +14,8 @@
 //! the 2x2 Gram system and ga^2 |n|^2 = t.t - al t.d - be t.g. The sign of ga tells on which side of the plane through
 //! steering axis and rack joint the rod's outer end lies. It changes only at ga = 0 (toggle).
 //!
-//! *Any knuckle vector* x0: the rotation takes v to d and t0 to t, so its image is x = a d + b t + k (d x t), with a, b from
-//! x0.v, x0.t0 and k from x0.(v x t0).
+//! *Any knuckle vector* x0. The rotation takes v to d and t0 to t, so the image of x0 is x = a d + b t + k (d x t). a and b
+//! follow from x0.v and x0.t0, and k follows from x0.(v x t0).
 //!
 //! These numbers can vanish:
 //!
@@ -375,8 +375,8 @@ impl<const N: usize> ArmState<Jet<f64, N>> {
 
 impl<T: Real> ArmState<T> {
     /// Squares by which the closed form divides, or of which it takes the root. Each comes with the factor that makes
-    /// it the squared sine of an angle. The angles are those of the steering arm to the plane through steering axis
-    /// and rack joint, the rack joint to the steering axis, and the steering arm to the steering axis.
+    /// it the squared sine of an angle. These are the angles between the steering arm and the plane through steering
+    /// axis and rack joint, the rack joint and the steering axis, and the steering arm and the steering axis.
     #[inline(always)]
     pub(crate) fn squares(&self) -> [(T, T); 3] {
         [

@@ -1,6 +1,6 @@
 //! Upper end of the steering axis: a strut's mount or an upper arm's ball joint.
 //!
-//! From the lower ball joint r it gives the vector d to the upper end, and the knuckle vector v = m + s u, whose image is d.
+//! The lower ball joint r determines the vector d to the upper end, and the knuckle vector v = m + s u, whose image is d.
 //!
 //! *Strut.* u is the direction of the strut line in the knuckle. m is the vector from the ball joint to the foot of its
 //! perpendicular on the line. The mount p is fixed: d = p - r, and |m + s u| = |d| gives the strut length s = sqrt(d.d -

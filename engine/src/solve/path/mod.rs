@@ -40,7 +40,7 @@ pub struct Solver<'m> {
     tracker: Option<PoseTracker<'m>>,
     /// Poses of the tracker from the last visit.
     tracked: TrackedPoses,
-    /// Series of the design, for predictions of the continuation. Made when first needed.
+    /// Taylor series of the design, for predictions of the continuation. Made when first needed.
     design_series: Option<DesignSeries<3>>,
     series_is_current: bool,
     size: f64,
@@ -283,7 +283,7 @@ impl<'m> Solver<'m> {
         }
     }
 
-    /// Makes the series of the present design, unless they are up to date.
+    /// Makes the Taylor series of the present design, unless they are up to date.
     fn prepare_series(&mut self) {
         if !self.series_is_current {
             match &mut self.design_series {

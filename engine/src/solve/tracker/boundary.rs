@@ -61,7 +61,7 @@ pub(super) struct Judgement {
 /// Slack that counts as zero. It exceeds the rounding errors of a design and is far below the slack of other guards.
 const NONE: f64 = 1e-6;
 
-/// Searches for boundaries on lines from the study's own design. The rack is alternately in the middle and displaced.
+/// Searches for boundaries on lines from the design of the study. The rack is alternately in the middle and displaced.
 /// `judge` returns the decisions of all guards at all waypoints of an accepted design. Exactly one of these decisions
 /// must have zero slack. Its reason must be that of the rejected neighbour. Returns the number of boundaries of each
 /// guard.

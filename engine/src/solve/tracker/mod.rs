@@ -19,9 +19,9 @@
 //! - the mechanism rotates far, in one step or from the design position;
 //! - a fold is near: the slope of an arm is large, or a knuckle in six unknowns rotates fast per unit of travel.
 //!
-//! Code that reads a pose also rejects lanes whose quantity is poorly determined. Examples are the axis of a knuckle
-//! that the rack hardly rotates or that rotates about a horizontal axis, the angles of a wheel on its side, and a
-//! rocker close to its toggle.
+//! Code that reads a pose also rejects lanes whose quantity is poorly determined. Examples are the
+//! steering axis if the rack hardly rotates the knuckle, a horizontal steering axis, the angles of a wheel on its side,
+//! and a rocker close to its toggle.
 //!
 //! So a lane is either correct or rejected. The decision depends only on the design in the lane.
 
@@ -161,7 +161,7 @@ pub trait LanePose<B: SimdReal> {
     }
 }
 
-/// A pose of a single wheel, which also yields gradients with respect to the hardpoints.
+/// A pose of a single wheel, which also gives gradients with respect to the hardpoints.
 pub trait AdjointPose<B: SimdReal>: LanePose<B> {
     /// Prepares gradients in this pose, driven by the travel, from its configuration and rates.
     fn adjoint<'p>(

@@ -94,7 +94,7 @@ pub struct GroundContact<B> {
 
 /// Receives the poses of both wheels.
 pub trait VisitPair<B: SimdReal> {
-    /// Receives the poses of the left and right wheel, each in its own frame, like [`Visit::pose`](super::Visit::pose).
+    /// Receives the poses of the left and right wheel, each in the frame of its wheel, like [`Visit::pose`](super::Visit::pose).
     fn pair<P: LanePose<B>, Q: LanePose<B>>(
         &mut self,
         station: usize,
@@ -189,7 +189,7 @@ fn height<B: SimdReal>(ground: Ground<B>, radius: f64, wheel: &Linear<B>) -> [B;
 }
 
 impl<'a> AxleTracker<'a> {
-    /// Prepares to solve axles of these mechanisms near `bases`, left and right, each in its own frame. `None` if they
+    /// Prepares to solve axles of these mechanisms near `bases`, left and right, each in the frame of its wheel. `None` if they
     /// cannot be solved in lanes.
     pub fn new(
         mechanisms: [&'a Mechanism; 2],

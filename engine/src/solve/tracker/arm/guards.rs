@@ -17,7 +17,7 @@ fn reason(check: impl FnOnce(&mut Acceptance<f64>)) -> Option<Rejection> {
     accepted.reason(0)
 }
 
-/// Slope of the half tangent with respect to the travel, from differences of the closed form's own travel.
+/// Slope of the half tangent with respect to the travel, from differences of the travel that the closed form computes.
 fn slope_by_travel(form: &ClosedForm<f64>, tangent: f64, rack: f64) -> f64 {
     let travel = |t: f64| form.travel(&form.at_half_tangent(t, rack));
     let h = 1e-3;

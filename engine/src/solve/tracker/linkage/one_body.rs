@@ -80,7 +80,8 @@ impl<B: SimdReal> WheelOnBody<B> {
 }
 
 impl<'w, 'd, B: SimdReal, V> OneBody<'w, 'd, B, V> {
-    /// Equations of designs of a tracker. `axes` are the spin axes of both wheels in the design position, each in its own frame.
+    /// Equations of designs of a tracker. `axes` are the spin axes of both wheels in the design position, each in the
+    /// frame of its wheel.
     #[inline(always)]
     pub(in crate::solve::tracker) fn new(
         tracker: &'w AxleTracker<'w>,

@@ -143,7 +143,7 @@ impl<B: SimdReal> AdjointPose<B> for LinkagePose<'_, '_, B> {
     }
 }
 
-/// The first derivatives of a vector of series.
+/// The first derivatives of a vector of Taylor series.
 #[inline(always)]
 fn slope<B: Real>(vector: Vector3<Jet<B, 2>>) -> Vector3<B> {
     Vector3::new(vector.x[1], vector.y[1], vector.z[1])

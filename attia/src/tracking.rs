@@ -192,8 +192,8 @@ impl PointCoordinates {
         })
     }
 
-    /// Newton's method from the position `start`. `None` if it does not contract from its first step on, or if it arrives on
-    /// another branch.
+    /// Applies Newton's method from the position `start`. `None` if it does not contract from its first step on, or if it
+    /// arrives on another branch.
     ///
     /// The iteration always ends: every step is at most a quarter of the previous one, until the equations hold to rounding. The
     /// method makes at least one step, so that it does not accept a double root as a solution.

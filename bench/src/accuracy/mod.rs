@@ -37,7 +37,7 @@ pub struct Measurement {
 pub enum Family {
     /// Poses by formulation, arithmetic and tolerance. Error in degrees of camber.
     Pose,
-    /// Start of Newton's method. Error in degrees of camber.
+    /// Starting points of Newton's method. Error in degrees of camber.
     Start,
     /// Curves interpolated between few exact poses. Error in degrees of camber.
     Curve,

@@ -13,7 +13,7 @@ use hardpoint_engine::solve::{Solver, StationOrder};
 use std::cell::{Cell, RefCell};
 use std::hint::black_box;
 
-/// Start of Newton's method at a station.
+/// Starting point of Newton's method at a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Start {
     /// The design position.

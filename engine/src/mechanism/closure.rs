@@ -25,7 +25,8 @@ pub enum Driver<T> {
     },
 }
 
-/// Set of closure equations, with one bit for each: the five constraints, the drive by travel, the drive by arm angle.
+/// Set of closure equations, with one bit for each: the five constraints, the drive with the wheel travel, the drive with
+/// the arm angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct RowSet(u8);
 
@@ -227,7 +228,7 @@ impl<T: Real> Closure<T> {
     }
 
     /// Rates of the rows of [`Closure::wrenches`] along a motion of the knuckle, with the rack held. The sixth row is the
-    /// drive by travel.
+    /// drive with the wheel travel.
     #[inline(always)]
     pub(crate) fn wrench_rates(&self, at: &Configuration<T>, along: &Twist<T>) -> [Wrench<T>; 6] {
         let mut rates = [Wrench::zero(at.rack); 6];
@@ -356,7 +357,7 @@ impl Closure<f64> {
             set.0 |= u8::from(touches.found) << number;
         }
         for driver in drivers {
-            // A mechanism without an arm has no drive by arm angle.
+            // The arm angle cannot drive a mechanism without an arm.
             if mechanism.arms.is_empty() && matches!(driver, Driver::ArmAngle { .. }) {
                 continue;
             }

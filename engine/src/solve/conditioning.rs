@@ -83,7 +83,7 @@ pub fn rate_digits(number: f64) -> f64 {
     (-(number * number * f64::EPSILON).log10()).clamp(0.0, 15.0)
 }
 
-/// Smallest number of digits. Rates and sensitivities with fewer are flagged.
+/// Smallest number of reliable digits. Rates and sensitivities with fewer digits are flagged.
 pub const LEAST_DIGITS: f64 = 6.0;
 
 impl Solver<'_> {

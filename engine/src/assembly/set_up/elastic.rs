@@ -123,7 +123,7 @@ impl From<NoEquilibrium> for SetUpError {
 }
 
 impl<'a> Elastic<'a> {
-    /// A wheel, with these values. `lifts` is true if an adjustment lifts the car.
+    /// Set-up of one wheel with elastic parts, for these static values. `lifts` is true if an adjustment lifts the car.
     pub(super) fn wheel(
         assembler: &'a Assembler,
         elastic: &ComplianceStudy,
@@ -158,7 +158,8 @@ impl<'a> Elastic<'a> {
         .keeping(keeps)
     }
 
-    /// An axle with independent wheels, with these values. Adjustments without a side act on both wheels.
+    /// Set-up of an axle with independent wheels and elastic parts, for these static values. Adjustments without a side
+    /// act on both wheels.
     pub(super) fn axle(
         assemblers: [&'a Assembler; 2],
         nominal: &Axle,

@@ -131,7 +131,7 @@ impl Problem<'_> {
                 End::Settled(state) => return Err(self.out_of_reach(&state, aims)),
                 End::Stuck(state) => {
                     let errors = self.errors(&state, &left);
-                    // An error without a value counts as the largest.
+                    // A NaN error counts as the largest error.
                     let sizes = errors
                         .iter()
                         .map(|e| if e.is_nan() { f64::INFINITY } else { e.abs() });
@@ -185,7 +185,7 @@ impl Problem<'_> {
     }
 }
 
-/// Least-squares step of smallest norm. `None` if an error or an effect has no value.
+/// Least-squares step of smallest norm. `None` if an error or an effect is not finite.
 pub(super) fn least_step(effects: DMatrix<f64>, errors: &DVector<f64>) -> Option<DVector<f64>> {
     if errors.iter().chain(effects.iter()).any(|v| !v.is_finite()) {
         return None;

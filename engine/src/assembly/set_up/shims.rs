@@ -58,7 +58,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Gauss-Newton method (5) over shims of any thickness. Every trial meets the aims of the threads.
+    /// Applies the Gauss-Newton method (5) to shims of any thickness. Every trial meets the aims of the threads.
     fn serve(
         &self,
         state: AdjustedSuspension,

@@ -70,7 +70,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// A solid axle, with these values.
+    /// Makes the subject of a solid axle with these quantities.
     pub(super) fn axle(
         assemblers: [&'a Assembler; 2],
         both: &AxleStudy,

@@ -95,7 +95,7 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// Returns d, s and a margin. At margin zero d is at its limit; beyond it, all values are NaN. `square` is, if given, a
+    /// Returns d, s and a margin. At margin zero d is at its limit; beyond it, all values are NaN. `square`, if given, is a
     /// more accurate value of [`Upper::square`] than the one computed from the joint.
     #[inline(always)]
     pub(crate) fn at(&self, ball_joint: Vector3<T>, square: Option<T>) -> (Vector3<T>, T, T) {

@@ -302,7 +302,7 @@ impl<'m> Solver<'m> {
         self.start(drive).map(drop)
     }
 
-    /// Design position, if the drive can move the mechanism from there.
+    /// Start of the path at the design position, if the drive can move the mechanism from there.
     fn start(&self, drive: Drive) -> Result<Station, DesignFault> {
         let (pose, point) = self.design_place(drive);
         let lu = self

@@ -131,7 +131,7 @@ impl ByArm {
         });
     }
 
-    /// Equations of a single wheel, for a design of this tracker.
+    /// Equations of a single wheel, for a design that this tracker has made.
     #[inline(always)]
     pub(super) fn corner<'w, 'd, B: SimdReal, V: Visit<B>>(
         &'w self,
@@ -247,7 +247,7 @@ impl<B: SimdReal> BranchGuard<B> {
 }
 
 impl ByArm {
-    /// Equations of one wheel of a pair, for a design of this tracker.
+    /// Equations of one wheel of a pair, for a design that this tracker has made.
     #[inline(always)]
     pub(super) fn wheel<'w, 'd, B: SimdReal>(
         &'w self,

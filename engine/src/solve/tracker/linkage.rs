@@ -171,7 +171,7 @@ impl ByLinkage {
         });
     }
 
-    /// Equations of a single wheel, for a design of this tracker.
+    /// Equations of a single wheel, for a design that this tracker has made.
     #[inline(always)]
     pub(super) fn corner<'w, 'd, B: SimdReal, V: Visit<B>>(
         &'w self,
@@ -187,7 +187,7 @@ impl ByLinkage {
         }
     }
 
-    /// Equations of one wheel of a pair, for a design of this tracker.
+    /// Equations of one wheel of a pair, for a design that this tracker has made.
     #[inline(always)]
     pub(super) fn wheel<'w, 'd, B: SimdReal>(
         &'w self,

@@ -358,7 +358,7 @@ impl<'a> CornerTracker<'a> {
         }
     }
 
-    /// Terms shared by the gradients in all poses of designs. The design must be of this tracker.
+    /// Terms shared by the gradients in all poses of designs. This tracker must have made the design.
     #[inline(always)]
     pub fn members<B: SimdReal>(&self, design: &LaneDesign<'_, B>) -> AdjointConstants<B> {
         AdjointConstants(match (&self.method, &design.form) {
@@ -367,7 +367,7 @@ impl<'a> CornerTracker<'a> {
         })
     }
 
-    /// Visits every station with the rack at its `rack`-th displacement. The design must be of this tracker.
+    /// Visits every station with the rack at its `rack`-th displacement. This tracker must have made the design.
     #[inline(always)]
     pub fn solve<B: SimdReal>(
         &self,

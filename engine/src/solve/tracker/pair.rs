@@ -350,7 +350,7 @@ impl<'a> AxleTracker<'a> {
         like.constant(OF_HEIGHTS * coarser)
     }
 
-    /// Equations of both wheels, for designs of this tracker.
+    /// Equations of both wheels, for designs that this tracker has made.
     #[inline(always)]
     fn pair<'w, B, W, V, const N: usize>(
         &'w self,

@@ -386,8 +386,8 @@ def limits(
 
 def check(study: Study | Car | str | PathLike[str]) -> list[str]:
     """Solves the study like `hardpoint check`. Returns a line for each warning and remark, and for each part of the motion
-    without a pose. A line for a missing pose begins with "not solved" (for a named motion "motion NAME: not solved"). For a `Car` it
-    solves the position at rest. A wrong study raises an error when it is loaded."""
+    without a pose. A line for a missing pose begins with "not solved" (for a named motion "motion NAME: not solved"). For
+    a `Car` it solves the position at rest. A wrong study raises an error when it is loaded."""
     if is_car(study):
         remarks, failures = _hardpoint.car_check(study._car)
         return [*remarks, *(f"not solved: {failure}" for failure in failures)]

@@ -10,9 +10,10 @@ use super::{Moving, Singular};
 /// position is singular. For a given arm the signs make the pose unique, because only two square roots have a choice of sign: the
 /// strut's length, and the distance of the tie-rod end from the plane 3-4-5. All other points follow rigidly.
 ///
-/// So a check of these signs excludes wrong roots for [`Drive::ArmAngle`]. For [`Drive::PaperTheta`] the check also needs the
-/// side of the arm. The sign of the Jacobian's determinant tells that side. The drive by travel could pass through a strut of
-/// zero length, as it passes through a tie-rod toggle. No real strut has zero length, so the branch ends there, too.
+/// So a check of these signs excludes wrong roots for [`Drive::ArmAngle`]. For [`Drive::PaperTheta`] the check also needs
+/// the side of the arm. The sign of the Jacobian's determinant tells that side. The drive with the wheel travel could
+/// pass through a strut of zero length, as it passes through a tie-rod toggle. No real strut has zero length, so the
+/// branch ends there, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Branch {
     /// Handedness of the knuckle. Its mirror image has the other sign.
@@ -21,7 +22,8 @@ pub(crate) struct Branch {
     rod: bool,
     /// True if 4 is on the positive side of the foot of 5 on the strut's axis.
     strut: bool,
-    /// True if 8 is on the positive side of the plane 3-4-5. `None` for the drive by travel, which passes the toggle regularly.
+    /// True if 8 is on the positive side of the plane 3-4-5. `None` for the drive with the wheel travel, which passes the
+    /// toggle regularly.
     tie_rod: Option<bool>,
 }
 
@@ -62,7 +64,7 @@ impl Volumes {
 /// Returns the nearest singularity of this position. Each singularity has a margin between 0 (singular) and 1.
 ///
 /// `arm_to_travel` is the wheel centre's vertical velocity while the arm is driven, in units of d51 times the arm's angular
-/// velocity. Only the drive by travel uses it.
+/// velocity. Only the drive with the wheel travel uses it.
 pub(crate) fn nearest_singularity(
     driving: &Driving,
     fixed: &Fixed,
@@ -99,7 +101,7 @@ pub(crate) fn nearest_singularity(
         Drive::ArmAngle => {}
         Drive::PaperTheta => margins[8].1 = driving.arm_sine(moving).abs(),
         Drive::Travel => {
-            // The drive by travel passes a tie-rod toggle regularly.
+            // The drive with the wheel travel passes a tie-rod toggle regularly.
             margins[7].1 = 1.0;
             margins[9].1 = arm_to_travel.map_or(1.0, f64::abs);
         }

@@ -34,7 +34,8 @@ pub(crate) struct Driving {
     kind: Drive,
     /// Centre of the circle, on the line 1-2.
     centre: Vector3<f64>,
-    /// Unit vectors in the plane of the circle: one towards the design position, one 90 degrees ahead of it.
+    /// Unit vectors in the plane of the circle: one towards the design position of point 5, one 90 degrees ahead of
+    /// it.
     ahead: [Vector3<f64>; 2],
     radius: f64,
     z1: f64,
@@ -110,7 +111,8 @@ impl Driving {
         self.radius / self.d51
     }
 
-    /// Equation of the drive by arm angle at this position, as a length. Its left-hand side changes at the speed of point 5.
+    /// Equation of the drive with the arm angle, at this position, as a length. Its left-hand side changes at the
+    /// speed of point 5.
     pub(crate) fn along_the_arm(&self, moving: &Moving) -> Driver {
         let [e1, e2] = self.ahead;
         let ahead = e1.cross(e2).cross(moving[0] - self.centre).normalised();
@@ -152,8 +154,8 @@ impl Driving {
         }
     }
 
-    /// Scale of the drive by travel. The division by the sum of the weights keeps its rounding error as small as that of the
-    /// other equations.
+    /// Scale of the drive with the wheel travel. The division by the sum of the weights keeps its rounding error as
+    /// small as that of the other equations.
     fn travel_scale(&self) -> f64 {
         self.d51 / self.wheel_centre.shares().map(f64::abs).iter().sum::<f64>()
     }

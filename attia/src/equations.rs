@@ -87,7 +87,7 @@ fn axis_vectors(fixed: &Fixed, moving: &Moving) -> [[Vector3<f64>; 2]; 2] {
     [[p7 - p6, b], [p9 - p7, b]]
 }
 
-/// Partial derivatives of equations (1) to (15) by the unknowns.
+/// Partial derivatives of equations (1) to (15) with respect to the unknowns.
 pub(crate) fn jacobian(fixed: &Fixed, moving: &Moving, driver: &Driver) -> Jacobian {
     let mut out = [[0.0; 15]; 15];
     let points = fixed.all(moving);
@@ -99,8 +99,8 @@ pub(crate) fn jacobian(fixed: &Fixed, moving: &Moving, driver: &Driver) -> Jacob
         }
     }
 
-    // Gradients of a.y b.z - a.z b.y and a.x b.z - a.z b.x by a. The gradients with respect to b have the same form with a in place of b, and
-    // the opposite sign.
+    // Gradients of a.y b.z - a.z b.y and a.x b.z - a.z b.x with respect to a. The gradients with respect to b have
+    // the same form with a in place of b, and the opposite sign.
     let by_first = |b: Vector3<f64>| [Vector3::new(0.0, b.z, -b.y), Vector3::new(b.z, 0.0, -b.x)];
     let [[a, b], [c, _]] = axis_vectors(fixed, moving);
     for k in 0..2 {
@@ -126,8 +126,8 @@ fn add(jacobian: &mut Jacobian, row: usize, point: usize, gradient: Vector3<f64>
     }
 }
 
-/// `-C_t` of equations (1) to (14). Only equation (3) depends on the rack; `motion` is the velocity of point 3. With the
-/// acceleration of point 3 as `motion`, the result is the rack's part of the acceleration equations.
+/// Column `-C_t` of equations (1) to (14). Only equation (3) depends on the rack; `motion` is the velocity of point
+/// 3. With the acceleration of point 3 as `motion`, the result is the rack's part of the acceleration equations.
 pub(crate) fn rack_column(fixed: &Fixed, moving: &Moving, motion: f64) -> Column {
     let mut out = Column::zeros();
     out[TIE_ROD] = 2.0 * (moving[3] - fixed.0[2]).y * motion;

@@ -109,7 +109,7 @@ impl Driven {
         Failure::PointCoordinates(failure_of(refusal, self.drive))
     }
 
-    /// Series of the knuckle pose along the drive of the study.
+    /// Taylor series of the knuckle pose along the drive of the study.
     fn series(&self, pose: &Pose) -> Result<mechanism::Pose<Jet<f64, 3>>, Refusal> {
         let rates = Rates {
             drive: self.sense,

@@ -28,7 +28,7 @@ impl KnucklePoint {
         self.0
     }
 
-    /// Position, velocity or acceleration of the point, from the same quantity of the unknown points.
+    /// Position, velocity or acceleration of the point. `moving` holds the same quantity of the unknown points.
     pub fn of(&self, moving: &Moving) -> Vector3<f64> {
         combined(self.0, moving)
     }

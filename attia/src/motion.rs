@@ -5,7 +5,7 @@ use super::equations::{Column, DRIVE, quadratic, rack_column};
 use super::tracking::{PointCoordinates, Pose, moving_of};
 use super::{AngularMotion, Refusal};
 
-/// Rates of the drive and the rack, by time or by another parameter.
+/// Rates of the drive and the rack with respect to time or another parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Default)]
 pub struct Rates {
     /// First derivative of the drive's value.
@@ -19,14 +19,14 @@ pub struct Rates {
 }
 
 impl Rates {
-    /// Unit rate of the drive with the rack held: gives derivatives with respect to the drive's value.
+    /// Unit rate of the drive with the rack held. With it, derivatives are with respect to the drive's value.
     pub const BY_DRIVE: Rates = Rates {
         drive: 1.0,
         drive_acceleration: 0.0,
         rack: 0.0,
         rack_acceleration: 0.0,
     };
-    /// Unit rate of the rack with the drive held: gives derivatives with respect to the rack's displacement.
+    /// Unit rate of the rack with the drive held. With it, derivatives are with respect to the rack's displacement.
     pub const BY_RACK: Rates = Rates {
         drive: 0.0,
         drive_acceleration: 0.0,

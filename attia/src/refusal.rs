@@ -3,7 +3,7 @@
 use std::fmt;
 use thiserror::Error;
 
-/// A way in which the fifteen equations lose rank.
+/// Reason why the fifteen equations lose rank.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Singular {
     /// The strut's axis is horizontal. Equations (11) to (14) then fail, because they leave out the z-components of the vector
@@ -25,7 +25,7 @@ pub enum Singular {
     TieRodToggle,
     /// The paper's drive is at theta = k pi, or beyond the reach of the arm.
     DeadCentre,
-    /// The drive by travel is at the end of the travel.
+    /// The drive is the wheel travel, and the wheel is at the end of its travel.
     TravelLimit,
 }
 

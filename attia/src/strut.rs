@@ -45,7 +45,7 @@ pub enum StrutPoints {
 }
 
 impl Strut {
-    /// Reads the strut off the arm and the constraints of a mechanism. `None` for any other topology.
+    /// Takes the strut's hardpoints from the arm and the constraints of a mechanism. `None` for any other topology.
     pub fn of(mechanism: &Mechanism, design: &[Vector3<f64>]) -> Option<Self> {
         let [arm] = mechanism.arms[..] else {
             return None;
@@ -74,8 +74,8 @@ impl Strut {
         })
     }
 
-    /// Sign, 1 or -1, of a turn of [`Drive::ArmAngle`](crate::Drive::ArmAngle) that raises the ball joint. The drive
-    /// turns the arm about the axis from front to rear.
+    /// Sign, 1 or -1, of the rotation by [`Drive::ArmAngle`](crate::Drive::ArmAngle) that raises the ball joint. The
+    /// drive turns the arm about the axis from front to rear.
     pub fn raising_turn(&self) -> f64 {
         let axis = self.lower_arm_rear - self.lower_arm_front;
         let rise = axis.cross(self.lower_ball_joint - self.lower_arm_front).z;

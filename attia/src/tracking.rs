@@ -64,7 +64,7 @@ pub struct PointCoordinates {
     design: Pose,
     /// Ratio of smallest to largest pivot at which the condition number reaches [`WORST_CONDITION`].
     smallest_spread: f64,
-    /// Size of the left-hand sides at a solution. Rounding alone causes it.
+    /// Size of the left-hand sides at a solution. It is not zero because of rounding.
     rounding: f64,
     pub(crate) work: WorkCounter,
 }
@@ -192,8 +192,8 @@ impl PointCoordinates {
         })
     }
 
-    /// Newton's method from the position `start`. `None` if it does not contract from its first step on, or if it arrives on
-    /// another branch.
+    /// Applies Newton's method from the position `start`. `None` if it does not contract from its first step on, or if it
+    /// arrives on another branch.
     ///
     /// The iteration always ends: every step is at most a quarter of the previous one, until the equations hold to rounding. The
     /// method makes at least one step, so that it does not accept a double root as a solution.

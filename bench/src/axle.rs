@@ -31,7 +31,7 @@ struct Question<'s> {
     few: SweepPlan<'s>,
 }
 
-/// Measures an axle over its own motion, on up to `threads` threads.
+/// Measures an axle over its motion, on up to `threads` threads.
 pub(super) fn measure(
     study: &Study,
     both: &AxleStudy,
@@ -92,7 +92,7 @@ pub(super) fn measure(
     Ok(found.into_iter().zip(timings).map(measurement).collect())
 }
 
-/// Copy of the study that asks for these quantities only.
+/// Copy of the study that requests only these quantities.
 fn asking(study: &Study, quantities: Vec<Quantity>) -> Study {
     let mut asking = study.clone();
     asking.optimise = None;

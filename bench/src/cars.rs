@@ -1,5 +1,5 @@
-//! Solved states of a car per second: started from a neighbouring state, in lanes, or without one, with results, member loads and
-//! derivatives; a whole map on two threads; and a tuning.
+//! Solved states of a car per second, started from a neighbouring state or without one, and in lanes. Also with
+//! results, member loads and derivatives. Also times a whole map on two threads, and a tuning.
 
 use super::{Clock, Job, JobTime, Unmeasurable};
 use hardpoint_engine::car::{
@@ -10,9 +10,9 @@ use hardpoint_engine::study::{CarStudy, GgMap};
 use hardpoint_engine::threads::pool;
 use std::hint::black_box;
 
-/// Number of accelerations of each axis, if the study has no g-g map.
+/// Number of accelerations on each axis of the map, if the study has no g-g map.
 const COUNT: usize = 9;
-/// Accelerations forward and to the left in that case, g.
+/// Ranges of the forward and lateral acceleration in that case, g.
 const AX: [f64; 2] = [-0.6, 0.3];
 const AY: [f64; 2] = [0.0, 0.6];
 
@@ -23,7 +23,7 @@ pub struct Cars {
     pub measurements: Vec<JobTime>,
 }
 
-/// Number of accelerations of each axis of a whole map.
+/// Number of accelerations on each axis of a whole map.
 const WHOLE: usize = 41;
 /// Largest number of samples of a whole map.
 const WHOLE_SAMPLES: usize = 5;
@@ -36,8 +36,8 @@ fn between([from, to]: [f64; 2], count: usize) -> Vec<f64> {
     (0..count).map(at).collect()
 }
 
-/// Cases of a map, row by row: each row has one ax, and each case follows its neighbour. `count` replaces the numbers of
-/// accelerations of the study's map.
+/// Cases of a map, row by row: each row has one ax, and each case follows its neighbour. `count` replaces the numbers
+/// of accelerations of the study's map.
 fn map(study: &CarStudy, count: Option<usize>) -> Vec<Vec<Case>> {
     let usual = || {
         let mut case = Case::at_rest("map");
@@ -65,8 +65,8 @@ struct Step {
     before: Option<Equilibrium>,
 }
 
-/// Solves the cases of a row, each from the state before it. `take` gets each case with a state, this state, and the one
-/// before.
+/// Solves the cases of a row, each from the state before it. `take` receives each case with a state, this state, and
+/// the previous state.
 fn along<'c>(
     solver: &mut CarSolver<'c>,
     row: &[Case],
@@ -131,8 +131,8 @@ fn each<'a>(steps: &'a [&Step], mut work: impl FnMut(&Step) + 'a) -> Job<'a> {
 }
 
 impl Cars {
-    /// Times the states of a car over its g-g map, or over a usual one, and the tuning of the study, if it has one. Returns an
-    /// error if a design cannot be solved, or if no state exists.
+    /// Times the states of a car over its g-g map, or over a default map, and the tuning of the study, if it has one.
+    /// Returns an error if a design cannot be solved, or if no state exists.
     pub fn measure(study: &CarStudy, clock: &Clock) -> Result<Self, Unmeasurable> {
         let car = &study.car;
         let solver = || {

@@ -108,8 +108,8 @@ impl Div for DoubleDouble {
 }
 
 impl DoubleDouble {
-    /// Sine and cosine of an angle within a full turn of zero. The method sums the Taylor series of a 32nd of the angle and
-    /// doubles the angle five times. It carries 1 - cos in place of the cosine, so that no digit is lost.
+    /// Sine and cosine of an angle within a full turn of zero. The method sums the Taylor series of a 32nd of the
+    /// angle and doubles the angle five times. It uses 1 - cos instead of the cosine, so that no digit is lost.
     fn sin_cos(self) -> (Self, Self) {
         let x = self.scaled(1.0 / 32.0);
         let square = x * x;
@@ -149,8 +149,9 @@ impl Real for DoubleDouble {
         let cosine = ((self.one() - self) * (self.one() + self)).sqrt();
         self.atan2(cosine)
     }
-    /// Sum of the double's angle and a small remainder. The tangent of the remainder is the vector's component across the
-    /// double's angle over its component along it. The remainder is so small that it equals its tangent.
+    /// Sum of the double's angle and a small remainder. The tangent of the remainder is the vector's component normal
+    /// to the double's direction, divided by the component along that direction. The remainder is so small that it
+    /// equals its tangent.
     fn atan2(self, x: Self) -> Self {
         let angle = DoubleDouble::from(self.high.atan2(x.high));
         let (sine, cosine) = angle.sin_cos();

@@ -1,4 +1,4 @@
-//! Cost of each effect, alone and added to the previous ones, relative to positions alone.
+//! Cost of each effect, alone and added to the previous effects, relative to the cost of positions alone.
 
 use super::accuracy::{Subject, unchecked_and_checked};
 use super::{Clock, Job, Timing, Unmeasurable, wheel_travel};

@@ -155,7 +155,7 @@ impl Equilibria {
         let items = [LOADS, LOADS * width.lanes()];
         equilibria_in_lanes(width, own, &loads(), &levels, &mut |work| {
             for (number, job) in names.into_iter().enumerate() {
-                // A job is counted only if every equilibrium was found.
+                // The program times a job only if the job finds every equilibrium.
                 let mut found = 0;
                 work(&mut |_| found += 1, number);
                 if found != items[number] {

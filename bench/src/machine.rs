@@ -50,7 +50,7 @@ impl Machine {
     }
 }
 
-/// Name of the processor, on Linux only: Linux has it in a file, other systems would need a library.
+/// Name of the processor, on Linux only. Linux provides it in a file; other systems would need a library.
 fn processor() -> Option<String> {
     let text = std::fs::read_to_string("/proc/cpuinfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("model name"))?;

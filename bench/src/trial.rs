@@ -1,4 +1,4 @@
-//! Bare equations for any number type, tolerance and start, to measure their cost.
+//! Equations without checks for any number type, tolerance and start, to measure their cost.
 //!
 //! The program itself uses [`Solver`](hardpoint_engine::solve::Solver), which also checks its steps. This module runs the
 //! formulas of the closed form and of the closure equations without checks, so that a measurement can change one thing at a time.

@@ -175,7 +175,7 @@ class Car:
         return Sweep(found["columns"], found)
 
     def optimise(self, *, threads: int | None = None) -> CarTuning:
-        """Tunes the car by the study's [optimise]. Results equal those of `hardpoint optimise`."""
+        """Tunes the car as the study's [optimise] requests. Results equal those of `hardpoint optimise`."""
         found = _hardpoint.car_optimise(self._car, threads)
         names = ("optimised.toml", "optimised_front.toml", "optimised_rear.toml")
         return CarTuning(

@@ -58,9 +58,9 @@ def kc(study: Study | Place, values: Overrides | None = None, /, *, names: str |
     """Runs the tests of a kinematics and compliance rig on a wheel or an axle. The elastic parts of [compliance] are
     optional. `values` replace fields of the study.
 
-    Tables: "kc" has a row for each station, test and figure, with value, secant and unit. "levels" has the equilibria at
+    Tables: "kc" has a row for each station, test and result, with value, secant and unit. "levels" has the equilibria at
     each level of a load, with the forces of bushings and links. "compliance_matrix" has displacement and rotation of the
-    wheel centre per force and moment there. "sensitivities" has exact derivatives of the figures, if [outputs] requests
+    wheel centre per force and moment there. "sensitivities" has exact derivatives of the results, if [outputs] requests
     them. `names` ("adams", "altair") adds names and values by the definitions of these programs. `summary["design_load_N"]`
     is the wheel load of the design position. `summary["without_equilibrium"]` lists loads at which the wheel has no
     equilibrium."""

@@ -25,9 +25,9 @@ class Curves(Frame):
     outputs: tuple[str, ...]
     """Columns of the study's outputs."""
     sensitivities: Floats | None
-    """Derivatives (S, C, P, 3) of the C `outputs` by the study's sensitivity hardpoints, in the column's unit per length
-    unit. An axle has (sides, S, C, P, 3). There is one side if the right wheel is a mirror image and moves with the left
-    wheel. Otherwise the sides are derivatives by the left and by the right hardpoints."""
+    """Derivatives (S, C, P, 3) of the C `outputs` with respect to the study's sensitivity hardpoints, in the column's unit
+    per length unit. An axle has (sides, S, C, P, 3). There is one side if the right wheel is a mirror image and moves with
+    the left wheel. Otherwise the derivatives are with respect to the left hardpoints, then to the right ones."""
     sensitivity_points: tuple[str, ...]
     """Names of the P hardpoints."""
 

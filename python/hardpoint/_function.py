@@ -207,7 +207,7 @@ class Function(_Constrained):
         return values[0] if single else values
 
     def value_and_jacobian(self, x: Designs, threads: int | None = None) -> tuple[Floats, Floats]:
-        """Values with their exact derivatives by the variables: (A, S, k) or (n, A, S, k)."""
+        """Values with their exact derivatives with respect to the variables: (A, S, k) or (n, A, S, k)."""
         rows, single = self._rows(x)
         values, jacobian, _ = self._function.value_and_jacobian(rows, threads)
         return (values[0], jacobian[0]) if single else (values, jacobian)

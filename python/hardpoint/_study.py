@@ -48,7 +48,7 @@ def _is_tables(value: Any) -> bool:
 
 
 def _lines(section: Mapping[str, Any], path: str = "") -> Iterator[str]:
-    """Mapping as lines of TOML: a header for each table and a line for each value, so errors have useful places."""
+    """Mapping as lines of TOML: a header for each table and a line for each value, so errors have useful positions."""
     tables: list[tuple[str, str, Any]] = []
     for key, value in section.items():
         name = key if _BARE.fullmatch(key) else json.dumps(key)
@@ -385,9 +385,9 @@ def limits(
 
 
 def check(study: Study | Car | str | PathLike[str]) -> list[str]:
-    """Solves the study like `hardpoint check`. Returns a line for each doubt and remark, and for each part of the motion
-    without a pose. The latter begins with "not solved" (for a named motion with "motion NAME: not solved"). For a `Car` it
-    solves the position at rest. A wrong study raises an error when it is loaded."""
+    """Solves the study like `hardpoint check`. Returns a line for each warning and remark, and for each part of the motion
+    without a pose. A line for a missing pose begins with "not solved" (for a named motion "motion NAME: not solved"). For
+    a `Car` it solves the position at rest. A wrong study raises an error when it is loaded."""
     if is_car(study):
         remarks, failures = _hardpoint.car_check(study._car)
         return [*remarks, *(f"not solved: {failure}" for failure in failures)]

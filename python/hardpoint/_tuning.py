@@ -129,9 +129,10 @@ def optimise(
     threads: int | None = None,
     callback: Callable[[int, int, float], object] | None = None,
 ) -> Tuning | CarTuning:
-    """Tunes the hardpoints by the study's [optimise]; for a `Car` also rates. Results equal those of `hardpoint optimise`.
+    """Tunes the hardpoints as the study's [optimise] requests; for a `Car` also rates. Results equal those of
+    `hardpoint optimise`.
 
-    `front` names targets for a trade-off, in place of those of the study; False computes no front. With `prices`, the
+    `front` names targets for a trade-off, instead of those of the study; False computes no front. With `prices`, the
     smallest misfit for each size of the move is found as well. `callback(start, iteration, misfit)` is called on this
     thread about twenty times a second, once for each iteration since the last call; `StopIteration` or a true result ends the
     tuning with its present result. A tuning that converges sooner than that is complete.

@@ -59,7 +59,7 @@ pub(crate) fn as_json(record: &Record) -> Vec<u8> {
     (text + "\n").into_bytes()
 }
 
-/// Files of `solve`, over the study's own motion or over one of `[motions]`.
+/// Files of `solve`, over the motion of `[motion]` or over one of `[motions]`.
 #[pyfunction]
 #[pyo3(signature = (study, motion=None))]
 pub(crate) fn solve_files<'py>(
@@ -85,7 +85,7 @@ pub(crate) fn solve_files<'py>(
     answer.map_err(failure)?.into_dict(py)
 }
 
-/// Page of a run whose files are in memory, and on request the pictures of its curves by name.
+/// Makes the page of a run whose files are in memory, and on request the pictures of its curves by name.
 #[pyfunction]
 #[pyo3(signature = (files, pictures=false))]
 pub(crate) fn page_of_files<'py>(
@@ -289,7 +289,8 @@ pub(crate) fn swept_design(py: Python<'_>, study: &Study, number: u64) -> PyResu
     Study::of(py.detach(|| hardpoint::Study::elastic_from_text(&file, &text, "".as_ref())))
 }
 
-/// All positions in which the parts of the design can be assembled, as CSV, and the places where the search could not decide.
+/// All positions in which the parts of the design can be assembled, as CSV, and the regions in which the search could
+/// not decide.
 #[pyfunction]
 pub(crate) fn assemblies<'py>(
     py: Python<'py>,

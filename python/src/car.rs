@@ -173,8 +173,8 @@ pub(crate) fn car_solve<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py, 
     }))
 }
 
-/// Derivatives of the results of all cases by the variables, as an array (cases, results, variables). NaN if a result is not
-/// defined.
+/// Derivatives of the results of all cases with respect to the variables, as an array (cases, results, variables).
+/// NaN if a result is not defined.
 #[pyfunction]
 pub(crate) fn car_derivatives<'py>(py: Python<'py>, car: &Car) -> PyResult<Bound<'py, PyAny>> {
     let study = &car.study;
@@ -276,7 +276,7 @@ pub(crate) fn car_optimise<'py>(
     Ok(result)
 }
 
-/// Doubts about the car's static position, one per line, and the cases that have no equilibrium.
+/// Warnings about the car's static position, one per line, and the cases that have no equilibrium.
 #[pyfunction]
 pub(crate) fn car_check(py: Python<'_>, car: &Car) -> PyResult<(Vec<String>, Vec<String>)> {
     let study = &car.study;

@@ -70,7 +70,7 @@ pub(crate) fn reason(word: &str) -> Option<String> {
     Some(reason.to_owned())
 }
 
-/// Curves over the study's own motion or over one of `[motions]`: columns, stations, statuses, and sensitivities if the study
+/// Curves over the motion of `[motion]` or over one of `[motions]`: columns, stations, statuses, and sensitivities if the study
 /// requests them.
 #[pyfunction]
 #[pyo3(signature = (study, motion=None, threads=None))]
@@ -193,7 +193,7 @@ fn set_sensitivities(
     result.set_item("sensitivity_points", names.collect::<Vec<_>>())
 }
 
-/// Array with the given values at their places and NaN everywhere else.
+/// Array with the given values at their indices and NaN everywhere else.
 pub(crate) fn mostly_nan<const N: usize>(
     py: Python<'_>,
     shape: [usize; N],

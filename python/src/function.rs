@@ -63,7 +63,7 @@ impl Drop for InUse<'_> {
     }
 }
 
-/// Designs of one chunk, and the places for their results.
+/// Designs of one chunk, and the slices for their results.
 struct Chunk<'a> {
     x: &'a [f64],
     values: &'a mut [f64],

@@ -22,7 +22,7 @@ pub(crate) struct Study {
     pub(crate) study: hardpoint::study::Study,
     /// The original study, if this study was made by moving its points instead of reading a text.
     moved_from: Option<Py<Study>>,
-    /// Cache of the study with its own text, for a study whose points were moved.
+    /// Cache of the study with a text of its points, for a study whose points were moved.
     whole: OnceLock<hardpoint::study::Study>,
 }
 
@@ -191,7 +191,7 @@ impl Study {
         Self::loads(py, &text, &this.file_name(), None)
     }
 
-    /// Study whose text contains its own points.
+    /// Study whose text contains its present points.
     pub(crate) fn whole(&self) -> &hardpoint::study::Study {
         match &self.moved_from {
             None => &self.study,
@@ -207,7 +207,7 @@ impl Study {
         format!("{}.toml", self.study.name)
     }
 
-    /// Exception for a fault of the study's own design.
+    /// Exception for a fault in the design of the study.
     pub(crate) fn fault(&self, fault: &hardpoint::mechanism::DesignFault) -> PyErr {
         failure(fault.describe(&self.study.wheel().mechanism))
     }
@@ -240,7 +240,8 @@ pub(crate) fn schema(py: Python<'_>) -> &'static str {
     py.detach(|| SCHEMA.get_or_init(|| hardpoint::study::schema().to_string()))
 }
 
-/// Checks a study as `hardpoint check` does. Returns doubts and remarks, one per line, and the stations that cannot be solved.
+/// Checks a study as `hardpoint check` does. Returns warnings and remarks, one per line, and the stations that cannot
+/// be solved.
 #[pyfunction]
 pub(crate) fn check(py: Python<'_>, study: &Study) -> PyResult<(Vec<String>, Vec<String>)> {
     let own = &study.study;

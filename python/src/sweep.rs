@@ -27,7 +27,7 @@ pub(crate) fn not_begun(study: &Study, error: NotBegun) -> PyErr {
     }
 }
 
-/// Sweep in the study's own `[sweep]`.
+/// Sweep in the study's `[sweep]`.
 pub(crate) fn own_sweep(study: &Study) -> PyResult<&Sweep> {
     let sweep = study.study.sweep.as_ref();
     sweep.ok_or_else(|| {
@@ -52,8 +52,8 @@ fn given(
     })
 }
 
-/// Variables with these names as columns of a table of designs. Without names, the variables that the study moves. Rates are those
-/// of the study's `[sweep]`.
+/// Variables with these names as columns of a table of designs. Without names, the variables that the study moves. Rates
+/// are those of the study's `[sweep]`.
 fn swept(own: &hardpoint::Study, names: Option<Vec<String>>) -> PyResult<Vec<SweepVariable>> {
     let of_sweep = match own.sweep.as_ref().map(|sweep| &sweep.designs) {
         Some(Designs::Sampled(sampled)) => &sampled.variables[..],
@@ -145,7 +145,7 @@ impl Table {
 }
 
 /// Rows of a sweep: one column per variable and output, the status of each design, and the reason for each failed design. The
-/// designs are the study's own or the rows of `x`. `progress(done, all)` is called on this thread.
+/// designs are those of `[sweep]` or the rows of `x`. `progress(done, all)` is called on this thread.
 #[pyfunction]
 #[pyo3(signature = (study, x=None, variables=None, threads=None, progress=None))]
 pub(crate) fn sweep<'py>(
@@ -174,7 +174,7 @@ pub(crate) fn sweep<'py>(
     )
 }
 
-/// Page of a sweep. The designs are the study's own or the rows of `x`. The function solves them again.
+/// Page of a sweep. The designs are those of `[sweep]` or the rows of `x`. The function solves them again.
 #[pyfunction]
 #[pyo3(signature = (study, x=None, variables=None))]
 pub(crate) fn sweep_page(
@@ -204,8 +204,8 @@ pub(crate) fn sweep_page(
     made.map_err(|e| not_begun(study, e))
 }
 
-/// Writes a sweep into a directory as `hardpoint sweep` does. The designs are the study's own or the rows of `x`. `part` selects
-/// one part: its number from 0, and the number of parts. Returns true if every requested part is complete.
+/// Writes a sweep into a directory as `hardpoint sweep` does. The designs are those of `[sweep]` or the rows of `x`.
+/// `part` selects one part: its number from 0, and the number of parts. Returns true if every requested part is complete.
 #[pyfunction]
 #[pyo3(signature = (study, directory, x=None, variables=None, part=None, threads=None))]
 pub(crate) fn sweep_into(

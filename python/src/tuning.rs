@@ -105,7 +105,8 @@ fn stops(callback: &Bound<'_, PyAny>, progress: (usize, u64, f64)) -> PyResult<b
     }
 }
 
-/// Yields that a tuning for yield expects. `None` if the tuning does not raise the yield.
+/// Expected yields of a tuning for yield. `None` for other tunings. Raises an exception if the yield could not be
+/// increased.
 fn expected_yield<'py>(py: Python<'py>, tuning: &Tuning) -> PyResult<Option<Bound<'py, PyDict>>> {
     Ok(match &tuning.expected_yield {
         None => None,
@@ -363,7 +364,7 @@ impl Residuals {
         Study::moved(self.study.bind(py), own.moved(&x))
     }
 
-    /// Residuals and their derivatives at `x`, or the reason in words if the design there has none.
+    /// Residuals and their derivatives at `x`, or the reason in words why the design at `x` has no residuals.
     fn value_and_jacobian<'py>(
         &self,
         py: Python<'py>,
@@ -372,8 +373,9 @@ impl Residuals {
         in_arrays(py, self.at(py, &x, evaluated)?)
     }
 
-    /// Rows of the constraints and their derivatives at `x`. A row is at most 0 if the constraint holds, or 0 for an equality. It
-    /// is 1 for a visible violation such as a millimetre. Returns a reason in words if the design there has no rows.
+    /// Rows of the constraints and their derivatives at `x`. A row is at most 0 if the constraint holds, or 0 for an
+    /// equality. It is 1 for a visible violation such as a millimetre. Returns a reason in words if the design at `x`
+    /// has no rows.
     fn constraints<'py>(
         &self,
         py: Python<'py>,
@@ -385,7 +387,7 @@ impl Residuals {
 }
 
 impl Residuals {
-    /// Evaluates the targets, or targets and constraints, at `x`. An error explains why the study's own design cannot be solved.
+    /// Evaluates the targets, or targets and constraints, at `x`. An error explains why the design of the study cannot be solved.
     fn at<T: Send>(
         &self,
         py: Python<'_>,
@@ -407,7 +409,7 @@ impl Residuals {
     }
 }
 
-/// Values and derivatives as arrays, or the reason why there are none.
+/// Values and derivatives as arrays, or the reason why they do not exist.
 fn in_arrays(py: Python<'_>, found: Result<Linearisation, Infeasible>) -> PyResult<Evaluated<'_>> {
     let found = match found {
         Ok(found) => found,
@@ -424,7 +426,7 @@ fn in_arrays(py: Python<'_>, found: Result<Linearisation, Infeasible>) -> PyResu
     Ok(Evaluated::Found((values.into_pyarray(py), jacobian)))
 }
 
-/// Residuals with their Jacobian, or the reason why there are none.
+/// Residuals with their Jacobian, or the reason why they do not exist.
 #[derive(IntoPyObject)]
 enum Evaluated<'py> {
     Found((Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>)),

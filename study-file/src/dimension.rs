@@ -1,8 +1,9 @@
 //! Dimensions of the numbers in a study: how each number changes if the file uses other units or axes.
 //!
-//! The two tables have one line for each number that the reader accepts. A test compares them with the reader, so a new key cannot be
-//! forgotten. Places are written as in [`schema`](crate::schema): `suspension.hardpoints{}` is each value of a table whose keys are
-//! names, and `optimise.targets[]` is each element of a list. A line covers everything below its place.
+//! The two tables have one line for each number that the reader accepts. A test compares them with the reader, so a
+//! new key cannot be forgotten. Paths are written as in [`schema`](crate::schema): `suspension.hardpoints{}` is each
+//! value of a table whose keys are names, and `optimise.targets[]` is each element of a list. A line covers
+//! everything below its path.
 
 use crate::schema::Root;
 
@@ -51,9 +52,10 @@ pub enum Dimension {
     Moment,
     /// A displacement along the study's y axis.
     AlongY,
-    /// The direction `[x, y, z]` of a displacement that counts as one along the study's y axis.
+    /// Direction `[x, y, z]` of a displacement that is given as a displacement along the study's y axis.
     DirectionForY,
-    /// Six numbers of a bushing: forces along its axes, then torques about them, each by this power of the deflection.
+    /// Six numbers of a bushing: forces along its axes, then torques about them, each divided by this power of the
+    /// deflection.
     Bushing {
         /// Power of the deflection in the denominator.
         by_deflection: i32,
@@ -75,7 +77,7 @@ pub enum Role {
     DrivePolynomial,
     /// Value of the quantity.
     Value,
-    /// Size of a difference of the quantity. It has no sign.
+    /// Size of a difference of the quantity, without a sign.
     Size,
     /// `[lowest, highest]` of the quantity. Each may be a curve.
     Between,
@@ -85,7 +87,7 @@ pub enum Role {
     AtMost,
     /// Curve of `[drive, value]` pairs.
     Curve,
-    /// Target of the characteristic that is the key.
+    /// Target value of the characteristic that the key names.
     ByKey,
 }
 
@@ -257,7 +259,7 @@ const OF_CAR: &[Line] = &[
     ("car.aero.rear.point", POSITION),
     ("car.aero.rear.downforce", ByTwoLengths),
     ("car.aero.drag.point", POSITION),
-    // Areas of the air are in m2.
+    // Aerodynamic areas are in m2.
     ("car.aero.drag.drag_area", FIXED),
     ("cases[].ax", FIXED),
     ("cases[].ay", FIXED),
@@ -348,13 +350,13 @@ fn lines(root: Root) -> impl Iterator<Item = &'static Line> {
     own.iter().chain(OF_TUNING)
 }
 
-/// Dimension of the value at exactly this place. `None` for texts, counts and tables of other keys.
+/// Dimension of the value at exactly this path. `None` for texts, counts and tables of other keys.
 pub fn dimension(root: Root, place: &str) -> Option<Dimension> {
     let line = lines(root).find(|(own, _)| *own == place);
     line.map(|(_, dimension)| *dimension)
 }
 
-/// Place of the value with this key in the table at a place. In a table whose keys are names, all values have one place.
+/// Path of the value with this key in the table at a path. In a table whose keys are names, all values have one path.
 pub fn place_of_key(root: Root, table: &str, key: &str) -> String {
     let named = format!("{table}{{}}");
     if lines(root).any(|(own, _)| is_at_or_below(own, &named)) {
@@ -363,7 +365,7 @@ pub fn place_of_key(root: Root, table: &str, key: &str) -> String {
     crate::schema::key_path(table, key)
 }
 
-/// Returns true if `place` is `root` itself or a part of the value there.
+/// Returns true if `place` is `root` itself or a path below it.
 fn is_at_or_below(place: &str, root: &str) -> bool {
     let rest = place.strip_prefix(root);
     rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[', '{']))
@@ -374,7 +376,7 @@ mod tests {
     use super::*;
     use crate::schema::number_places;
 
-    /// The reader accepts a number at exactly the places that the tables name, and one line applies to each.
+    /// The reader accepts a number at exactly the paths that the tables name, and one line applies to each.
     #[test]
     fn every_number_of_a_study_has_one_dimension() {
         for root in Root::ALL {
@@ -396,7 +398,7 @@ mod tests {
         let of = |table: &str, key: &str| place_of_key(Root::Suspension, table, key);
         assert_eq!(of("", "motion"), "motion");
         assert_eq!(of("motion", "travel"), "motion.travel");
-        // A motion may be called like a key.
+        // A motion may have the same name as a key.
         assert_eq!(of("motions", "travel"), "motions{}");
         assert_eq!(
             of("suspension.hardpoints", "rate"),

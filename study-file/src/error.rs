@@ -1,4 +1,4 @@
-//! Errors in a study, with their place and remedy.
+//! Errors in a study, with their position in the file and their remedy.
 
 use crate::source::advice;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
@@ -37,7 +37,7 @@ impl StudyError {
         Self::new(Arc::new(source), None, message)
     }
 
-    /// Makes an error at a place, or about the source as a whole.
+    /// Makes an error at a position in the source, or about the source as a whole.
     pub fn new(
         source: Arc<Source>,
         span: Option<Range<usize>>,
@@ -82,7 +82,7 @@ impl StudyError {
         self
     }
 
-    /// Adds another place that is related to the error.
+    /// Adds another position that is related to the error.
     pub fn related(&mut self, span: Range<usize>, label: impl Into<String>) -> &mut Self {
         let span = within_line(&self.source.text, span);
         self.related.push((span, label.into()));
@@ -119,8 +119,8 @@ impl StudyError {
         self.help.as_deref()
     }
 
-    /// Message with the file, the line number, the line itself, and a mark under the faulty part. With `colour` it has colours
-    /// for a terminal.
+    /// Message with the file, the line number, the line itself, and a mark under the faulty text. With `colour` the
+    /// message has colours for a terminal.
     pub fn render(&self, colour: bool) -> String {
         let title = match &self.key {
             Some(key) => format!("{key}: {}", self.message),
@@ -157,7 +157,7 @@ impl StudyError {
     }
 }
 
-/// Part of a span within its first line, at character boundaries, so that excerpts stay short.
+/// Piece of a span within its first line, at character boundaries, so that excerpts stay short.
 fn within_line(text: &str, span: Range<usize>) -> Range<usize> {
     let boundary = |mut at: usize| {
         at = at.min(text.len());
@@ -220,7 +220,7 @@ impl Problems {
         }
     }
 
-    /// Records an error at a place of the study file.
+    /// Records an error at a position in the study file.
     pub fn add(&mut self, span: Range<usize>, message: impl Into<String>) -> &mut StudyError {
         let key = crate::parse::key_at(&self.source.text, span.start);
         let mut error = StudyError::new(self.source.clone(), Some(span), message);
@@ -229,7 +229,7 @@ impl Problems {
         self.errors.last_mut().expect("just pushed")
     }
 
-    /// Records an error at a place of the study file. Returns `None` as the missing value.
+    /// Records an error at a position in the study file. Returns `None` as the missing value.
     pub fn refuse<T>(&mut self, span: Range<usize>, message: impl Into<String>) -> Option<T> {
         self.add(span, message);
         None

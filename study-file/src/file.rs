@@ -1,7 +1,7 @@
 //! The study file as written: its sections and keys. Unknown keys are refused.
 //!
-//! Names are still texts, and numbers are in the file's units and axes. Each value that may be faulty has its place in the file.
-//! `flatten` and tagged enums are not used, because they lose these places.
+//! Names are still texts, and numbers are in the file's units and axes. Each value that may be faulty has its
+//! position in the file. `flatten` and tagged enums are not used, because they lose these positions.
 
 mod compliance;
 mod constraint;

@@ -3,7 +3,7 @@
 use crate::error::Problems;
 use crate::value::Text;
 
-/// Usual names that do not resemble our names, with our names.
+/// Usual names that do not resemble the names in this program, each with the name in this program.
 const SYNONYMS: [(&str, &str); 24] = [
     ("kpi", "kingpin_inclination"),
     ("sai", "kingpin_inclination"),
@@ -31,7 +31,7 @@ const SYNONYMS: [(&str, &str); 24] = [
     ("beam_axle", "solid_axle"),
 ];
 
-/// Candidate that `name` probably means.
+/// Candidate that the user probably meant by `name`.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let candidates: Vec<&str> = candidates.into_iter().collect();
     nearest_of(name, &candidates)
@@ -53,7 +53,7 @@ fn nearest_of<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
             let target = plain(candidate);
             let distance = strsim::damerau_levenshtein(&name, &target);
             let close = 3 * distance <= length.max(target.chars().count());
-            // An abbreviation, or one part of the name: "kingpin", "ball_joint".
+            // The name may be an abbreviation, or one part of the candidate: "kingpin", "ball_joint".
             let part = length >= 3 && target.contains(&name);
             (close || part).then_some((!close, distance, candidate))
         })
@@ -61,7 +61,7 @@ fn nearest_of<'a>(name: &str, candidates: &[&'a str]) -> Option<&'a str> {
     if let Some((.., candidate)) = near {
         return Some(candidate);
     }
-    // All or most of the same words, in another order.
+    // Otherwise, finds a candidate that shares all or most of the words, in any order.
     let words: Vec<&str> = name.split('_').collect();
     let shared = |candidate: &str| {
         let own: Vec<&str> = candidate.split('_').collect();
@@ -96,8 +96,8 @@ pub fn choose<T: Clone>(
     Some(options[chosen].1.clone())
 }
 
-/// Returns the index of this name among the options, or records an error that lists them. It does not depend on the type of the
-/// options, so it is compiled only once.
+/// Returns the index of this name among the options, or records an error that lists them. The function does not
+/// depend on the type of the options, so it is compiled only once.
 fn place_of(text: &Text, what: &str, names: &[&str], problems: &mut Problems) -> Option<usize> {
     let name = text.get_ref();
     if let Some(found) = names.iter().position(|option| option == name) {

@@ -3,7 +3,7 @@
 use crate::error::{StudyError, StudyErrors};
 use toml_edit::{DocumentMut, Item, Key, Table, TableLike, Value};
 
-/// Applies overrides to a text, in order. A text that is not TOML stays unchanged, because the reader will report its error
+/// Applies overrides to a text, in order. A text that is not TOML stays unchanged; the reader reports its error
 /// later.
 pub fn apply(name: &str, text: &str, overrides: &[String]) -> Result<String, StudyErrors> {
     let Ok(mut document) = text.parse::<DocumentMut>() else {
@@ -38,7 +38,7 @@ fn set(document: &mut DocumentMut, written: &str) -> Result<(), String> {
     place.put(last, value)
 }
 
-/// A place in a document.
+/// A position in a document.
 enum KeyPath<'a> {
     Item(&'a mut Item),
     Table(&'a mut dyn TableLike),

@@ -1,4 +1,4 @@
-//! Parses a text into the file as written. Messages of the parser are turned into plain words.
+//! Parses a text into the file as written. Rewrites the parser's messages in plain words.
 
 use crate::car_file::CarFile;
 use crate::error::{Source, StudyError, StudyErrors};
@@ -22,7 +22,7 @@ pub fn parse_car(source: &Arc<Source>) -> Result<CarFile, StudyErrors> {
     parse_as(source)
 }
 
-/// Place of `[car]` in a text, if the text is the study of a car.
+/// Position of `[car]` in a text, if the text is the study of a car.
 pub fn car_section(text: &str) -> Option<std::ops::Range<usize>> {
     let root = DeTable::parse(text).ok()?;
     let (key, _) = root.get_ref().get_key_value("car")?;
@@ -44,7 +44,7 @@ fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors>
         error
     })?;
     let file = toml::from_str(text).map_err(|error| {
-        // A section that is completely missing has no place.
+        // A section that is completely missing has no position.
         let span = error.span().filter(|span| *span != root.span());
         let place = span.clone().and_then(|span| text.get(span)).unwrap_or("");
         let key = span.as_ref().and_then(|span| key_at(text, span.start));
@@ -110,7 +110,8 @@ fn key_in_table(table: &DeTable, at: usize, path: &str) -> Option<String> {
 fn key_in_value(value: &Spanned<DeValue>, at: usize, path: &str) -> Option<String> {
     let inner = match value.get_ref() {
         DeValue::Table(table) => key_in_table(table, at, path),
-        // The excerpt shows which number of a list is meant. Tables in a list are identified by their index.
+        // The excerpt shows the faulty number of a list, so a list of numbers needs no index. Tables in a list need
+        // their index.
         DeValue::Array(array) => array.iter().enumerate().find_map(|(i, element)| {
             let is_table = matches!(element.get_ref(), DeValue::Table(_));
             let path = if is_table {
@@ -128,7 +129,8 @@ fn key_in_value(value: &Spanned<DeValue>, at: usize, path: &str) -> Option<Strin
 /// Sections that only the study of a car has.
 const CAR_SECTIONS: [&str; 2] = ["cases", "gg_map"];
 
-/// Turns a serde message about a place into plain words. Adds help if possible.
+/// Rewrites a serde message in plain words, and adds help if possible. `place` is the text to which the message
+/// refers.
 fn in_plain_words(message: &str, place: &str) -> (String, Option<String>) {
     // The parser presents dates as tables with a key of this kind.
     if message.contains("$__toml_private") {
@@ -168,7 +170,7 @@ fn in_plain_words(message: &str, place: &str) -> (String, Option<String>) {
     (message.trim().replace('\n', "; "), None)
 }
 
-/// Kind of value that serde expected, in words.
+/// Words for the kind of value that serde expected.
 fn kind(expected: &str) -> &str {
     match expected {
         "i64" => "a whole number",
@@ -190,7 +192,7 @@ fn is_number(text: &str) -> bool {
             .all(|c| c.is_ascii_alphanumeric() || "._+-".contains(c))
 }
 
-/// Value that serde found at a place, in words.
+/// Words for the value that serde found. `place` is its text in the file.
 fn value(found: &str, place: &str) -> String {
     let quoted = |prefix: &str| Some(found.strip_prefix(prefix)?.trim_matches('`'));
     match found {

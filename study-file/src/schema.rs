@@ -1,15 +1,16 @@
 //! The JSON schema of studies, for editors.
 //!
-//! The reader itself gives the schema. The program reads the types of [`file`](mod@crate::file) from a source that has no text.
-//! The source records the kind of value that each type requests (a text, a list, a table with these keys), and returns a value of
-//! this kind. If a type accepts any kind, the source offers every kind. It withholds each key once to find out whether the key is
-//! required. So the schema has exactly the reader's keys, and no second list of them exists. The descriptions of keys come from
-//! `keys.md`, which the manual (`docs/study.md`) contains.
+//! The schema is derived from the reader itself. The program reads the types of [`file`](mod@crate::file) from an
+//! artificial source without text. The source records the kind of value that each type requests (a text, a list, a
+//! table with these keys), and returns a value of this kind. If a type accepts any kind, the source offers every
+//! kind. It withholds each key once to find out whether the key is required. So the schema has exactly the reader's
+//! keys, and no second list of them exists. The descriptions of keys come from `keys.md`, which the manual
+//! (`docs/study.md`) contains.
 //!
 //! A study of one wheel or an axle and the study of a car are two kinds of file ([`Root`]). The schema covers both.
 //!
-//! Paths give the place in a study: `motion.travel`; `optimise.targets[]` for each element; `suspension.hardpoints{}` for each
-//! value of a table whose keys are names.
+//! A place in a study is written as a path: `motion.travel`; `optimise.targets[]` for each element;
+//! `suspension.hardpoints{}` for each value of a table whose keys are names.
 
 mod book;
 mod source;
@@ -53,7 +54,7 @@ impl Root {
         }
     }
 
-    /// Tables of keys with their descriptions.
+    /// Text of the manual with tables of keys and their descriptions.
     fn manual(self) -> &'static str {
         match self {
             Root::Suspension => include_str!("../keys.md"),
@@ -65,13 +66,13 @@ impl Root {
 /// Permitted values of a text, or keys of a table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Allowed {
-    /// Names in full.
+    /// Complete names.
     pub names: Vec<String>,
     /// Regular expression (ECMA 262) of further values.
     pub pattern: Option<String>,
 }
 
-/// Values that the reader requests, by place, and the keys that it requires.
+/// Values that the reader requests, by path, and the keys that it requires.
 fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
     let notes = RefCell::new(Notes::default());
     let read = || {
@@ -82,7 +83,8 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
         };
         root.is_read(source)
     };
-    // If the reader refuses the offered kind of value, the next kind is offered, until it accepts one.
+    // If the reader refuses the offered kind of value, this function offers the next kind, until the reader accepts
+    // one.
     let settle = || {
         for _ in 0..1000 {
             if read() {
@@ -106,7 +108,7 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
     };
     let comes_through = settle();
     debug_assert!(comes_through, "the types of the reader have a schema");
-    // At each place that accepts any kind, all other kinds are offered, until nothing new appears.
+    // At each path that accepts any kind, this loop offers all other kinds, until nothing new appears.
     let mut tried = BTreeSet::new();
     loop {
         let open: Vec<(String, Kind)> = {
@@ -129,7 +131,7 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
             notes.borrow_mut().offers = before;
         }
     }
-    // This finds the required keys. At a place with several kinds, a table is offered.
+    // Finds the required keys. At a path with several kinds, a table is offered.
     let mut needed = BTreeSet::new();
     let found = notes.borrow().places.clone();
     for (path, place) in &found {
@@ -153,7 +155,7 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
     (found, needed)
 }
 
-/// Places at which the reader accepts a number that is not a count.
+/// Paths at which the reader accepts a number that is not a count.
 #[cfg(test)]
 pub(crate) fn number_places(root: Root) -> Vec<String> {
     let (places, _) = places(root);
@@ -167,8 +169,9 @@ pub fn keys(root: Root) -> Vec<(String, String)> {
     book::manual(root).into_keys().collect()
 }
 
-/// JSON schema (draft 4) of studies: keys, required keys, and types of values. In later drafts 8.0 is an integer, but not in
-/// TOML. `allowed` returns the allowed texts or table keys for a kind of study and a place, if they are limited.
+/// JSON schema (draft 4) of studies: keys, required keys, and types of values. Later drafts count 8.0 as an integer,
+/// but TOML does not. `allowed` returns the allowed texts or table keys for a kind of study and a path, if they are
+/// limited.
 pub fn schema(allowed: fn(Root, &str) -> Option<Allowed>) -> Value {
     let kinds = Root::ALL.map(|root| {
         let (places, needed) = places(root);

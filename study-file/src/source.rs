@@ -25,9 +25,9 @@ pub fn read_regular_text(path: &Path, longest: u64) -> Result<String, String> {
     }
 }
 
-/// Content of a file of at most `longest` bytes, or the reason why it cannot be read. A pipe of this process (`/dev/stdin`,
-/// `<(...)` of a shell) is read to its end. Devices are refused because they may have no end, named pipes because they may have
-/// no writer.
+/// Content of a file of at most `longest` bytes, or the reason why it cannot be read. A pipe of this process
+/// (`/dev/stdin`, `<(...)` of a shell) is read to its end. Devices are refused because they may have no end, named
+/// pipes because they may have no writer.
 pub fn read_bytes(path: &Path, longest: u64) -> Result<Vec<u8>, String> {
     let failed = |e: std::io::Error| match e.kind() {
         ErrorKind::NotFound => "the file does not exist".to_owned(),
@@ -92,7 +92,7 @@ fn text_of(bytes: Vec<u8>) -> Result<String, String> {
     })
 }
 
-/// Name of a kind of path that cannot be read to its end. `None` for a file.
+/// Name of the kind of path, if the path cannot be read to its end. `None` for a file.
 #[cfg(unix)]
 fn no_file(kind: std::fs::FileType, path: &Path) -> Option<&'static str> {
     use std::os::unix::fs::FileTypeExt;

@@ -1,4 +1,4 @@
-//! Values as written, with their places in the file.
+//! Values as written, with their positions in the file.
 
 use serde::de::value::{MapAccessDeserializer, SeqAccessDeserializer};
 use serde::de::{Error, MapAccess, SeqAccess, Unexpected, Visitor};
@@ -8,10 +8,10 @@ use std::marker::PhantomData;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// A text with its place.
+/// A text with its position in the file.
 pub type Text = Spanned<String>;
 
-/// An integer with its place. The resolver checks its limits.
+/// An integer with its position in the file. The resolver checks its limits.
 pub type Whole = Spanned<i64>;
 
 /// A finite number.
@@ -27,7 +27,7 @@ impl Number {
     /// Largest magnitude. It is far above any dimension, and far below the limit at which products overflow.
     pub const MOST: f64 = 1e12;
 
-    /// Returns the value, or the kind of value that is expected.
+    /// Checks a value. Returns it, or a description of the expected value.
     pub fn checked(value: f64) -> Result<f64, String> {
         let most = Number::MOST;
         if value.abs() <= most {
@@ -39,7 +39,7 @@ impl Number {
         }
     }
 
-    /// Parses a text. Returns its value, or the kind of value that is expected.
+    /// Parses a text. Returns its value, or a description of the expected value.
     pub fn parsed(text: &str) -> Result<f64, String> {
         Number::checked(text.parse().unwrap_or(f64::NAN))
     }
@@ -57,10 +57,10 @@ impl<'de> Deserialize<'de> for Number {
 
 struct Finite(f64);
 
-/// The visitor of a type that `written!` reads.
+/// Visitor for a type that `written!` makes readable.
 struct Written<T>(PhantomData<T>);
 
-/// Defines how a type is read from each kind of value that may represent it.
+/// Makes a type readable from each kind of value that may represent it.
 macro_rules! written {
     ([$($generics:tt)*] $type:ty, $expected:expr, $($kind:ident $make:expr),+) => {
         impl<'de, $($generics)*> Deserialize<'de> for $type {
@@ -162,7 +162,7 @@ written!(
     word RightWheel::Word, table RightWheel::Own
 );
 
-/// All items, none, or named ones.
+/// Selection of all items, of no item, or of named items.
 #[derive(Clone, Debug)]
 pub enum Selection {
     /// All items if true, none if false.
@@ -219,9 +219,9 @@ pub type Numbers = OneOr<Number>;
 /// A limit. It is one number for the whole motion, or a curve with pairs of drive value and limit.
 pub type LimitText = OneOr<Spanned<Vec<Number>>>;
 
-/// Types that may be listed in place of a single number.
+/// Types of which a study may give a list instead of a single number.
 pub trait Listed {
-    /// Expected value, for messages, where a number or a list is allowed.
+    /// Description of the expected value, for messages, where a number or a list is allowed.
     const EXPECTED: &str;
 }
 

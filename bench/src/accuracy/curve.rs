@@ -1,4 +1,4 @@
-//! Curves through few exact poses: effect of the number of poses and of the interpolation between them.
+//! Curves interpolated between few exact poses: effect of the number of poses and of the interpolation.
 
 use super::poses::lagrange;
 use super::subject::Subject;
@@ -20,7 +20,7 @@ enum Between {
     Linear,
     /// Cubic through the four nearest of evenly spaced stations.
     Cubic,
-    /// Polynomial through Chebyshev points.
+    /// Polynomial through stations at Chebyshev points.
     Chebyshev,
 }
 

@@ -1,5 +1,5 @@
-//! Derivatives of characteristics by hardpoint coordinates: analytic derivatives against difference quotients, and forward
-//! against adjoint differentiation.
+//! Derivatives of characteristics with respect to hardpoint coordinates: analytic derivatives against difference
+//! quotients, and forward against adjoint differentiation.
 
 use super::subject::{Measured, Subject};
 use super::{Clock, Family, Measurement, Unmeasurable};
@@ -51,7 +51,7 @@ impl Gradients {
     }
 }
 
-/// Outputs, and the points by whose coordinates they are differentiated.
+/// Outputs, and the points whose coordinates are the variables of the derivatives.
 struct Task<'t> {
     subject: &'t Subject<'t>,
     outputs: Vec<Characteristic>,
@@ -190,7 +190,7 @@ struct Adjoint {
     place: Vec<Option<usize>>,
 }
 
-/// A difference quotient: (sum of weight f(x + offset h))/h.
+/// A difference quotient: the sum of weight times f(x + offset h), divided by h.
 struct Quotient {
     name: &'static str,
     terms: &'static [(f64, f64)],
@@ -227,7 +227,7 @@ const QUOTIENTS: [Quotient; 4] = [
     },
 ];
 
-/// Name of the quotient that is used most.
+/// Name of the most common quotient.
 const CENTRAL: &str = "central difference";
 
 /// Step size of a coordinate in a difference quotient.
@@ -293,7 +293,7 @@ pub(super) fn measure(
     Ok(found)
 }
 
-/// Difference quotients of whole curves by the coordinates of a task.
+/// Difference quotients of whole curves with respect to the coordinates of a task.
 struct Differences<'t, 's, 'm> {
     task: &'t Task<'s>,
     station_order: &'t StationOrder,

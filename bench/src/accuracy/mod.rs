@@ -1,7 +1,8 @@
 //! Work and precision: computing time against correct digits.
 //!
-//! Each method is measured by its time and by its true error. The reference is the same number in twice the precision: the six
-//! closure equations, solved in pairs of doubles (see [`DoubleDouble`](crate::DoubleDouble)) with about thirty digits.
+//! Each method is measured by its time and by its true error. The reference value has twice the precision: the six
+//! closure equations, solved in pairs of doubles (see [`DoubleDouble`](crate::DoubleDouble)) with about thirty
+//! digits.
 
 mod curve;
 mod derivatives;
@@ -36,11 +37,12 @@ pub struct Measurement {
 pub enum Family {
     /// Poses by formulation, arithmetic and tolerance. Error in degrees of camber.
     Pose,
-    /// Start of Newton's method. Error in degrees of camber.
+    /// Starting points of Newton's method. Error in degrees of camber.
     Start,
-    /// Curves through few exact poses. Error in degrees of camber.
+    /// Curves interpolated between few exact poses. Error in degrees of camber.
     Curve,
-    /// Derivatives of four characteristics by every hardpoint coordinate. Error relative to the largest derivative.
+    /// Derivatives of four characteristics with respect to every hardpoint coordinate. Error relative to the largest
+    /// derivative.
     Derivative,
     /// Forward against adjoint sensitivities. Error relative to the largest derivative.
     Sensitivity,

@@ -13,7 +13,7 @@ use hardpoint_engine::solve::{Solver, StationOrder};
 use std::cell::{Cell, RefCell};
 use std::hint::black_box;
 
-/// Start of Newton's method at a station.
+/// Starting point of Newton's method at a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Start {
     /// The design position.
@@ -188,7 +188,7 @@ impl<'s, T: Measured, E: Equations<T>> Traversal<'s, T, E> {
     }
 }
 
-/// Tolerances in metres. Zero asks for the best accuracy that the arithmetic reaches.
+/// Tolerances in metres. Zero means the best accuracy that the arithmetic reaches.
 const TOLERANCES: [f64; 8] = [1e-3, 1e-5, 1e-7, 1e-9, 1e-11, 1e-13, 1e-15, 0.0];
 
 fn tolerance_name(metres: f64) -> String {
@@ -279,8 +279,8 @@ fn by_closed_form<T: Measured>(
     Some(traversal.measure(clock, Family::Pose, String::new(), setting))
 }
 
-/// Two jobs whose difference in time is the cost of the program's checks. The first solves the closed form to rounding from
-/// predictions of third order, without checks. The second finds the poses as the program does.
+/// Two jobs whose difference in time is the cost of the program's checks. The first job solves the closed form to
+/// rounding from predictions of third order, without checks. The second job finds the poses as the program does.
 pub(crate) fn unchecked_and_checked<'s>(
     subject: &'s Subject<'s>,
 ) -> Result<Option<[Job<'s>; 2]>, Unmeasurable> {

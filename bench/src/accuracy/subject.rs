@@ -63,12 +63,12 @@ pub struct Subject<'s> {
     pub camber: Vec<DoubleDouble>,
 }
 
-/// Smallest number of stations that make a curve.
+/// Smallest number of stations that form a curve.
 const FEWEST: usize = 5;
 
 impl<'s> Subject<'s> {
-    /// Collects the stations of a study that can be solved, with the rack at its first place. The drive is the wheel travel, even
-    /// if the study has another drive.
+    /// Collects the stations of a study that can be solved, with the rack at its first displacement. The drive is the
+    /// wheel travel, even if the study has another drive.
     pub fn of(study: &'s WheelStudy) -> Result<Self, Unmeasurable> {
         let suspension = &study.suspension;
         let plan = Plan::of(study);
@@ -130,7 +130,7 @@ impl<'s> Subject<'s> {
         Ok(found)
     }
 
-    /// Visits the poses at these travels as the program finds them, with the rack at its place.
+    /// Visits the poses at these travels as the program finds them, with the rack at the subject's displacement.
     pub fn for_each_pose<'m>(
         &self,
         solver: &mut Solver<'m>,
@@ -177,8 +177,8 @@ impl<'s> Subject<'s> {
         error.value().abs().to_degrees()
     }
 
-    /// Position characteristics that this suspension has, the four angles first. The steering axis is included only if it runs
-    /// through two joints.
+    /// Position characteristics that this suspension has, the four angles first. A characteristic that needs a
+    /// steering axis is included only if the axis runs through two joints.
     pub fn characteristics(&self) -> Vec<Characteristic> {
         let mechanism = &self.suspension.mechanism;
         let has = |need: &Need| match need {
@@ -197,7 +197,7 @@ impl<'s> Subject<'s> {
             .collect()
     }
 
-    /// Vehicle figures that formulas read.
+    /// Vehicle data that formulas need.
     pub fn constants(&self) -> Constants {
         Constants::of(self.suspension)
     }

@@ -30,7 +30,7 @@ const BLOCKS_OF_THREAD: usize = 512;
 /// Number of designs for slow methods.
 const FEW: usize = 16;
 
-/// The measured time of one way to solve poses.
+/// The measured time of one method for solving poses.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
     /// Outputs that are computed at each pose.
@@ -213,7 +213,7 @@ impl<'a> Planned<'a> {
         Ok(())
     }
 
-    /// Adds jobs that compute derivatives with respect to travel and by every hardpoint.
+    /// Adds jobs that compute derivatives with respect to travel and to every hardpoint.
     fn derivatives(&mut self, sweep: &Sweep<'a>, wanted: &'a Requested) {
         let angles = &wanted.angles;
         let one_by_one = || ONE_BY_ONE.to_owned();
@@ -277,7 +277,7 @@ fn quantities(suspension: &Suspension, characteristics: &[Characteristic]) -> Ve
     possible.map(|c| Quantity::Characteristic(*c)).collect()
 }
 
-/// Stations driven by the angle of the arm. Their number is that of the motion.
+/// Stations driven by the angle of the arm, as many as the motion has.
 fn at_arm_angles(motion: &Motion, frame: &Frame) -> Stations {
     let last = motion.values.len().saturating_sub(1).max(1) as f64;
     let angle = |k: usize| LIMIT_ANGLE * (2.0 * k as f64 / last - 1.0);
@@ -289,7 +289,7 @@ fn at_arm_angles(motion: &Motion, frame: &Frame) -> Stations {
     Stations::of(&motion, frame, &[])
 }
 
-/// One block of designs scattered about the suspension's own design.
+/// One block of designs scattered about the design of the suspension.
 fn scattered(suspension: &Suspension) -> Vec<Vector3<f64>> {
     let by = SCATTER * suspension.size();
     let points = suspension.design.len();

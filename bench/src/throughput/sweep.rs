@@ -47,8 +47,8 @@ impl<'a> Sweep<'a> {
             let block = Block::new(quantities.len(), stations.count());
             workers.push(Mutex::new((evaluator, block)));
         }
-        // The threads live long, as in a sweep, because a scheduler may take tens of milliseconds to give a new thread its own
-        // core.
+        // The threads are reused, as in a sweep, because a scheduler may take tens of milliseconds to give a new
+        // thread a separate core.
         let pool = (threads > 1).then(|| hardpoint_engine::threads::pool(threads));
         let pool = pool
             .transpose()
@@ -105,8 +105,8 @@ impl<'a> Sweep<'a> {
         vec![wanted; angles * self.stations.count()]
     }
 
-    /// Makes a job that computes derivatives with respect to every hardpoint coordinate, one design in each lane. With `wanted`, it
-    /// differentiates the sum of squared deviations from these targets, else each quantity.
+    /// Makes a job that computes derivatives with respect to every hardpoint coordinate, one design in each lane. With
+    /// `wanted`, it differentiates the sum of squared deviations from these targets, else each quantity.
     pub(super) fn gradients_in_lanes(
         &self,
         quantities: &[Quantity],
@@ -140,8 +140,8 @@ impl<'a> Sweep<'a> {
         })
     }
 
-    /// Makes a job that computes values and `N - 1` derivatives with respect to the travel, each with its gradient with respect to every hardpoint
-    /// coordinate.
+    /// Makes a job that computes values and `N - 1` derivatives with respect to the travel, each with its gradient
+    /// with respect to every hardpoint coordinate.
     pub(super) fn gradients<const N: usize>(&self, quantities: &'a [Quantity]) -> Job<'a> {
         let constants = Constants::of(self.suspension);
         let none = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);

@@ -1,14 +1,15 @@
 //! Toe and camber, set again after assembly.
 //!
-//! Adjustments a keep values w of the static position at their targets. With M the pseudo-inverse of dw/da of the nominal
-//! design,
+//! Adjustments a keep values w of the static position at their targets. M is the pseudo-inverse of dw/da of the
+//! nominal design. The iteration
 //!
 //! ```text
 //! a <- a - M (w(parts + a) - wanted)
 //! ```
 //!
-//! converges faster if the parts are closer to nominal. With derivative numbers it corrects order by order. Pose and
-//! adjustments settle together (module `settle`), with the derivative of the pose by each adjustment.
+//! converges faster if the parts are closer to nominal. With derivative numbers it corrects the derivatives order by
+//! order. Pose and adjustments settle together (module `settle`), with the derivative of the pose with respect to
+//! each adjustment.
 
 use super::assembler::Assembler;
 use super::assembly_error::AssemblyError;
@@ -39,14 +40,14 @@ pub(crate) struct Alignment {
     held: Vec<Characteristic>,
     /// Matrix M, with a row for each adjustment.
     inverse: DMatrix<f64>,
-    /// Derivative of the carrier's pose by each adjustment, at the nominal design.
+    /// Derivative of the carrier's pose with respect to each adjustment, at the nominal design.
     follow: Vec<Vector6<f64>>,
     size: f64,
 }
 
 impl Alignment {
-    /// Keeps toe and camber at nominal with the adjustments of the set-up that act on the wheel of this side, or on a single wheel.
-    /// A single adjustment keeps only toe. Other targets of the set-up are ignored.
+    /// Keeps toe and camber at nominal with the adjustments of the set-up that act on the wheel of this side, or on a
+    /// single wheel. A single adjustment keeps only toe. Other targets of the set-up are ignored.
     pub(crate) fn of(
         adjust: &[Adjustment],
         side: Option<Side>,
@@ -81,7 +82,8 @@ impl Alignment {
         }
     }
 
-    /// Matrix dw/da of a build, with a row for each held characteristic and a column for each adjustment.
+    /// Computes the matrix dw/da of a build, with a row for each held characteristic and a column for each
+    /// adjustment.
     fn by(&self, assembler: &Assembler, built: &Built) -> DMatrix<f64> {
         let mut by = DMatrix::zeros(self.held.len(), self.adjust.len());
         for (k, change) in self.adjust.iter().enumerate() {
@@ -93,8 +95,8 @@ impl Alignment {
         by
     }
 
-    /// The alignment with the matrix M of a build. Derivatives about that build are then exact after one correction for each
-    /// order.
+    /// Returns the alignment with the matrix M of a build. One correction for each order then makes derivatives about
+    /// that build exact.
     pub(crate) fn about(&self, assembler: &Assembler, built: &Built) -> Option<Self> {
         Some(Alignment {
             inverse: inverse(&self.by(assembler, built))?,
@@ -102,7 +104,7 @@ impl Alignment {
         })
     }
 
-    /// Corrects the adjustments of the parts once. Returns the corrections.
+    /// Corrects the adjustments of the parts once, and returns the corrections.
     fn adjust<T: Real>(
         &self,
         mechanism: &Mechanism,
@@ -171,7 +173,8 @@ impl Alignment {
         wanted
     }
 
-    /// Corrects the adjustments, and the pose with them. `apply` gets every correction and returns the one to apply.
+    /// Corrects the adjustments, and the pose with them. `apply` receives every correction and returns the correction
+    /// to apply.
     #[inline(always)]
     pub(super) fn correct<T: Real>(
         &self,
@@ -220,7 +223,7 @@ impl Alignment {
         design
     }
 
-    /// Returns the direction with the changes of the adjustments that keep the held characteristics.
+    /// Returns the direction, extended by the changes of the adjustments that keep the held characteristics.
     pub(crate) fn aligned_direction(
         &self,
         assembler: &Assembler,

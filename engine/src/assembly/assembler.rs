@@ -7,15 +7,16 @@
 //! q <- q - A F(q, parts)
 //! ```
 //!
-//! reduces the error in proportion to the deviation of the parts, to about a thousandth each time (module `settle`). The same
-//! code serves plain numbers, SIMD lanes and derivative numbers. For derivative numbers, it corrects the derivatives order by
-//! order. If a correction does not halve the error, the assembler changes the nominal parts to the built ones step by step, with
-//! the Jacobian of each step. The determinant keeps its sign. So a build is always the assembly connected to the nominal one.
+//! reduces the error in proportion to the deviation of the parts, to about a thousandth each time (module `settle`).
+//! The same code serves plain numbers, SIMD lanes and derivative numbers. For derivative numbers, it corrects the
+//! derivatives order by order. If a correction does not halve the error, the assembler changes the nominal parts to
+//! the built ones step by step, with the Jacobian of each step. The determinant keeps its sign. So a build is always
+//! the assembly connected to the nominal one.
 //!
 //! Other carriers then follow:
 //!
-//! - A point of an arm keeps its position in the frame of arm axis and outer joint. The origin is at the joint, one axis
-//!   along the pivots, one from them to the joint.
+//! - A point of an arm keeps its position in the frame of arm axis and outer joint. The origin of this frame is the joint. One
+//!   direction is along the arm's axis, another from the axis to the joint.
 //! - A point of a rocker keeps its position along and about the rocker's axis. The rod, with its own length, rotates the
 //!   rocker.
 //! - The upper part of a strut rotates with the knuckle about its mount.
@@ -106,7 +107,7 @@ impl Assembler {
         Ok(assembler)
     }
 
-    /// Changes to another nominal design of the same suspension. Fails if it cannot move.
+    /// Changes to another nominal design of the same suspension. Fails if that design cannot move.
     pub fn redraw(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         self.suspension.design.copy_from_slice(design);
         let softness = std::mem::take(&mut self.drawn.softness);
@@ -189,8 +190,8 @@ impl Assembler {
         self.check_rods(into)
     }
 
-    /// Checks that every member has a positive length, and names a member that has none. The equations contain squares of
-    /// lengths, so they would accept a negative length.
+    /// Checks that every member has a positive length, and names the first member that does not. The equations
+    /// contain squares of lengths, so they would accept a negative length.
     fn check_lengths(&self, parts: &Parts<f64>) -> Result<(), AssemblyError> {
         let mut pairs = parts.lengths.iter().zip(&self.drawn.lengths);
         // Only rods have a length; other constraints store 0.
@@ -205,7 +206,8 @@ impl Assembler {
         ))
     }
 
-    /// Derivative of the carrier's pose by a dimension of the parts, at the nominal design: displacement, then rotation.
+    /// Derivative of the carrier's pose with respect to a dimension of the parts, at the nominal design:
+    /// displacement, then rotation.
     pub(super) fn twist_by(&self, (parameter, share): (BuildParameter, f64)) -> Vector6<f64> {
         let mut parts = self.drawn.map(Dual::<f64, 1>::constant);
         let along = Dual {
@@ -221,8 +223,8 @@ impl Assembler {
         correction.each(|c| c.partials[0])
     }
 
-    /// Returns the pose of the carrier, starting from the nominal pose. For a solid axle, this function and those below take the
-    /// parts that [`Assembler::turned`] returns.
+    /// Returns the pose of the carrier, starting from the nominal pose. For a solid axle, this function and those
+    /// below take the parts that [`Assembler::turned`] returns.
     pub(crate) fn pose(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, AssemblyError> {
         if self.suspension.mechanism.has_extra_links() {
             return Ok(self.position(parts, height)?.pose);
@@ -359,8 +361,8 @@ impl Assembler {
         )
     }
 
-    /// Equation for the wheel centre at a height above its nominal height, for any position of it in the carrier. Both wheel
-    /// centres of a solid axle have this height.
+    /// Equation that holds the wheel centre at a height above its nominal height, wherever the wheel centre is in the
+    /// carrier. Both wheel centres of a solid axle have this height.
     #[inline(always)]
     fn driver<T: Real>(&self, parts: &Parts<T>, height: T) -> Driver<T> {
         if self.suspension.mechanism.rigid_axle.is_some() {

@@ -6,8 +6,8 @@ use crate::model::Rod;
 /// Reason why parts cannot be assembled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AssemblyError {
-    /// Between the nominal parts and the built parts, the mechanism reaches a singular position. Beyond it, the links are too
-    /// short or too long.
+    /// Between the nominal parts and the built parts, the mechanism reaches a singular position. Beyond this
+    /// position, the links are too short or too long.
     #[error(
         "the links cannot reach: the mechanism can be assembled with up to {:.0} % of these deviations",
         100.0 * share

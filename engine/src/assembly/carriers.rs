@@ -1,14 +1,14 @@
-//! Points of carriers in a build: of arms, rockers, struts and axles.
+//! Points in a build that are not on the knuckle: points of arms, rockers, struts and axles.
 //!
-//! A rocker of independent wheels does not hold the knuckle, so it follows once the knuckle has its pose. A rocker of a solid axle
-//! (Watt linkage, steered knuckles) holds it. Its closure equations use positions in which every rod has its own length. These are
-//! the points of the parts with the axle in its nominal pose ([`Assembler::turned`]). From them, the equations of designs turn the
-//! rockers in any pose of the axle.
+//! A rocker of an independent wheel does not hold the knuckle, so its angle is computed after the knuckle's pose. A
+//! rocker of a solid axle (Watt linkage, steered knuckles) holds the axle. The closure equations of such an axle use
+//! positions in which every rod has its own length. These are the points of the parts with the axle in its nominal
+//! pose ([`Assembler::turned`]). From them, the equations of designs turn the rockers in any pose of the axle.
 //!
-//! The far half of a twist beam is such a rocker. Its axis is the hinge, which both halves have at the shear centre. In a build the
-//! mounts are points of the body, and a point of the near arm ([`TwistBeam::eye`]) is where its mount is in the design. The rubber lets
-//! both arms move sideways until their displacements against the mounts are equal and opposite. With y_n and y_f the places of the arms
-//! at the mounts Y_n and Y_f,
+//! The far half of a twist beam is such a rocker. Its axis is the hinge at the shear centre, which both halves share.
+//! In a build the mounts are points of the body. A point of the near arm ([`TwistBeam::eye`]) coincides with its
+//! mount in the design. The rubber lets both arms move sideways until their displacements against the mounts are
+//! equal and opposite. Let y_n and y_f be the sideways positions of the arms at the mounts Y_n and Y_f:
 //!
 //! ```text
 //! y_n - Y_n = -(y_f - Y_f),   so y_n + y_f = Y_n + Y_f                                         (1)
@@ -28,8 +28,8 @@ use crate::number::{Each, Matrix3, Real, Vector3};
 use std::borrow::Cow;
 
 impl Assembler {
-    /// The parts of a solid axle with every rocker turned in the axle's nominal pose until its rod has its length. Other parts stay
-    /// as they are.
+    /// Parts of a solid axle with every rocker turned in the axle's nominal pose until its rod has its length. Parts
+    /// of other suspensions stay as they are.
     pub(super) fn turned<'p, T: Real>(&self, parts: &'p Parts<T>) -> Cow<'p, Parts<T>> {
         let mut turned = Cow::Borrowed(parts);
         if self.suspension().mechanism.rigid_axle.is_some() {
@@ -63,8 +63,9 @@ impl Assembler {
         }
     }
 
-    /// Turns the far half of a twist beam about the hinge of the near half in its nominal pose, until its mount is as near to its place
-    /// on the body as the hinge allows. The far half keeps its shape: so do the distances of its mount from the points of the hinge.
+    /// Turns the far half of a twist beam about the hinge, with the near half in its nominal pose. The far mount is then as
+    /// near to its position on the body as the hinge allows. The far half keeps its shape, including the distances of
+    /// its mount from the points of the hinge.
     #[inline(always)]
     fn turn_far_half<T: Real>(&self, beam: &TwistBeam, parts: &mut Parts<T>) {
         let mechanism = &self.suspension().mechanism;
@@ -186,7 +187,7 @@ impl<T: Real> BuiltRocker<T> {
         }
     }
 
-    /// Place of a point of the rocker, from its place in the part.
+    /// Position of a point of the rocker, from its position in the undisplaced part.
     #[inline(always)]
     fn place(&self, point: Vector3<T>) -> Vector3<T> {
         self.turn
@@ -227,8 +228,8 @@ impl<T: Real> ArmFrame<T> {
     }
 }
 
-/// Smallest rotation from one direction to another. With k = a x b and c = a.b of the unit vectors it is v + k x v + k x (k
-/// x v)/(1 + c).
+/// Smallest rotation from one direction to another. With k = a x b and c = a.b of the unit vectors a and b, it takes v to
+/// v + k x v + k x (k x v)/(1 + c).
 struct Tilt<T> {
     across: Vector3<T>,
     factor: T,
@@ -286,8 +287,8 @@ pub(super) fn with_spindle(suspension: &Suspension) -> Suspension {
     suspension
 }
 
-/// The suspension of a twist beam with a point of the near arm at its mount. The mount is then a point of the body alone. The points
-/// of the hinge move together. Other suspensions stay as they are.
+/// The suspension of a twist beam with a point of the near arm at its mount. The mount is then a point of the body
+/// alone. The points of the hinge move together. Other suspensions stay as they are.
 pub(super) fn with_eye(mut suspension: Suspension) -> Suspension {
     let mechanism = &mut suspension.mechanism;
     let beam = mechanism

@@ -1,17 +1,17 @@
 //! Assembly of a solid axle with one link more than rigid links allow.
 //!
-//! Five lengths and the heights of both wheel centres are seven conditions on the six unknowns of the axle's pose q. Parts with
-//! deviations therefore meet only if their links stretch. With the distances l_i of the ends of the links, their lengths L_i without
-//! force, softnesses c_i (inverse stiffnesses) and tensions t_i, the heights z_k of the wheel centres, and vertical forces f_k there,
-//!
+//! Five lengths and the heights of both wheel centres are seven conditions on the six unknowns of the axle's pose q.
+//! Parts with deviations therefore meet only if their links stretch. Link i has the distance l_i between its ends,
+//! the length L_i without force, the softness c_i (inverse stiffness) and the tension t_i. The wheel centres have
+//! heights z_k, and vertical forces f_k act there:
 //! ```text
 //! l_i(q) - L_i = c_i t_i,   z_k(q) = h_k                                                       (1)
 //! sum t_i dl_i/dq + sum f_k dz_k/dq = 0                                                        (2)
 //! ```
 //!
-//! This is the pose with the least energy of the links, sum c_i t_i^2/2, while a jig holds both heights. The link without constraint is
-//! number 5. J has the gradients of the first four distances and of both heights as its rows. Equation (2) then leaves one free number
-//! t_5, and
+//! This is the pose with the least energy of the links, sum c_i t_i^2/2, while a jig holds both heights. The link
+//! without constraint is number 5. J has the gradients of the first four distances and of both heights as its rows.
+//! Equation (2) then leaves one free number t_5, and
 //!
 //! ```text
 //! t_i = s_i t_5,   J's = -dl_5/dq,   s_5 = 1                                                   (3)
@@ -19,14 +19,15 @@
 //! q <- q - J^-1 (l_i - L_i - c_i t_i, z_k - h_k)                                               (5)
 //! ```
 //!
-//! By (3), sum s_i l_i changes only to second order with q. So an error of q changes (4) by its square, and each correction (5) reduces
-//! the error to a share of about c_i t_i/l_i: one thousandth for usual parts. For derivative numbers, s follows from the corrections
+//! By (3), sum s_i l_i changes only to second order with q. So an error of q changes (4) by its square. Each
+//! correction (5) reduces the error to a share of about c_i t_i/l_i: one thousandth for usual parts. For derivative
+//! numbers, s follows from the corrections
 //!
 //! ```text
 //! s <- s - J0'^-1 (J's + dl_5/dq)                                                              (6)
 //! ```
 //!
-//! with J0 of the assembled parts. They settle together with (5), as fast as the values did.
+//! with J0 of the assembled parts. The corrections (5) and (6) settle together, as fast as (5) did for plain numbers.
 
 use super::assembler::{Assembler, Linearised};
 use super::parts::{Member, Parts};
@@ -46,8 +47,8 @@ const MOST_ROUNDS: usize = 40;
 /// Largest move of the axle in the first correction, relative to its size.
 const FARTHEST: f64 = 0.2;
 
-/// Tensions of the five links of an assembled axle: those with constraints, in their order, then the one without constraint. `None` if
-/// rigid links fit.
+/// Tensions of the five links of an assembled axle: first the links with constraints, in their order, then the link
+/// without constraint. `None` if rigid links fit.
 pub type Tensions<T = f64> = Option<[T; LINKS]>;
 
 /// Deviations from (1) in a pose, with the gradients with respect to the pose.
@@ -99,7 +100,7 @@ impl<T: Real> Rows<T> {
         })
     }
 
-    /// Shares s after one correction (6).
+    /// Shares s after the correction (6).
     fn shares(&self, before: &Vector6<T>, inverse: &Matrix6<f64>) -> Vector6<T> {
         let rows = self.jacobian();
         let left: Vector6<T> = array_of(|j| {
@@ -120,8 +121,8 @@ fn moved<T: Real>(pose: &Pose<T>, correction: Vector6<T>) -> Pose<T> {
 }
 
 impl Assembler {
-    /// Prepares to assemble the axle of a study, as seen from the wheel of a side. Links of different stiffness share the misfit of
-    /// their parts accordingly.
+    /// Prepares to assemble the axle of a study, as seen from the wheel of a side. The links share the misfit of the
+    /// parts according to their stiffness.
     pub fn of_axle(axle: &Axle, side: Side) -> Result<Self, DesignFault> {
         let suspension = axle.suspension(side);
         let mut assembler = Assembler::new(suspension)?;
@@ -199,12 +200,12 @@ impl Assembler {
             let size = Vector3::new(x, y, z).norm().max(turn);
             let ahead = size * (size / before).min(1.0);
             if ahead < self.rounding() && size <= before {
-                // The last correction is below rounding, so the inverse of the pose before it serves.
+                // The last correction is below rounding, so the inverse from the pose before it is accurate enough.
                 at.pose = moved(&pose, correction);
                 at.rounds = round + 1;
                 return Some(at);
             }
-            // In this form, NaN is rejected.
+            // With this form of the test, NaN is rejected.
             let contracts = 2.0 * size < before;
             if !contracts {
                 return None;
@@ -214,7 +215,8 @@ impl Assembler {
         None
     }
 
-    /// The assembled pose in another number type, with the tensions of the links. It has the values of `at`.
+    /// Returns the assembled pose in another number type, with the tensions of the links. Its values are those of
+    /// `at`.
     pub(super) fn relaxed_series<T: Real>(
         &self,
         parts: &Parts<T>,
@@ -245,7 +247,8 @@ impl Assembler {
     }
 }
 
-/// Links of the elastic parts of an axle, in the mechanism as seen from the wheel of a side: the tension as an input, and the ends.
+/// Links of the elastic parts of an axle, in the mechanism as seen from the wheel of a side: the tension as an input,
+/// and the ends of the link.
 fn links(
     parts: &AxleCompliance,
     mechanism: &Mechanism,

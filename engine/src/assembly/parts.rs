@@ -31,7 +31,7 @@ impl Member {
         links.chain(rods).collect()
     }
 
-    /// Links with their ends, those without constraint last.
+    /// Links with their ends. The links without constraint come last.
     pub(crate) fn links(
         mechanism: &Mechanism,
     ) -> impl Iterator<Item = (Member, [PointId; 2])> + '_ {
@@ -91,8 +91,8 @@ pub enum BuildParameter {
 }
 
 impl BuildParameter {
-    /// Returns true for a dimension of a part that exists only once on a solid axle: a Panhard rod, a Watt linkage, a single
-    /// upper link, a drag link or a tie rod.
+    /// Returns true for a dimension of a part that exists only once on a solid axle: a Panhard rod, a Watt linkage, a
+    /// single upper link, a drag link or a tie rod.
     pub(crate) fn is_single(self, mechanism: &Mechanism) -> bool {
         let Some(rigid) = &mechanism.rigid_axle else {
             return false;
@@ -137,11 +137,11 @@ impl BuildParameter {
 pub struct Parts<T> {
     /// Position of every point in its part: the body, or its carrier in its nominal position.
     pub points: Vec<Vector3<T>>,
-    /// Lengths of members: by the index of the constraint, then of rockers, then of links without constraint. 0 for a constraint that
-    /// is not a rod.
+    /// Lengths of members: first by the index of the constraint, then rods of rockers, then links without constraint.
+    /// 0 for a constraint that is not a rod.
     pub lengths: Vec<T>,
-    /// Length by which a unit tension stretches each member, in the order of the lengths. Empty unless an axle has more links than rigid
-    /// links allow.
+    /// Length by which a unit tension stretches each member, in the order of the lengths. Empty unless an axle has
+    /// more links than rigid links allow.
     pub softness: Vec<f64>,
     /// Nominal position of every point. Carriers are defined in their nominal position.
     pub drawn: Vec<Vector3<T>>,
@@ -207,8 +207,8 @@ impl<T: Real> Parts<T> {
         }
     }
 
-    /// Changes a dimension. If angles give the spin axis, it moves with the wheel centre, in parallel. A sideways change of a twist
-    /// beam's mount acts at the far mount, by (1) of module `carriers`.
+    /// Changes a dimension. If the study gives the spin axis by angles, the axis moves parallel with the wheel
+    /// centre. A sideways change of a twist beam's mount acts at the far mount, by (1) of module `carriers`.
     #[inline(always)]
     pub fn change(&mut self, mechanism: &Mechanism, parameter: BuildParameter, by: T) {
         match parameter {
@@ -243,9 +243,9 @@ impl<T: Real> Parts<T> {
 }
 
 impl<B: SimdReal> Parts<B> {
-    /// Sets these parts to the nominal parts `drawn` plus scatter, one build per lane. Each source lists the dimensions that
-    /// change with one random number, with the change per unit. `draws` holds the random numbers, `[source][build]`. `first`
-    /// is the index of the first build, and `stride` the distance from source to source.
+    /// Sets these parts to the nominal parts `drawn` plus scatter, one build per lane. Each tolerance source lists
+    /// the dimensions that change with one random number, with the change per unit. `draws` holds the random numbers,
+    /// `[source][build]`. `first` is the index of the first build, and `stride` the distance from source to source.
     #[inline(always)]
     pub(crate) fn scatter<'c>(
         &mut self,

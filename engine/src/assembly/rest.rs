@@ -114,7 +114,8 @@ impl Assembler {
         Some([length.value, length.partials[0]])
     }
 
-    /// Pose of the carrier and built design in another number type along a direction. `number` makes a number from a value and its slope.
+    /// Pose of the carrier and built design along a direction, in another number type. `number` makes a number from a
+    /// value and its slope.
     fn design_along<T: Real>(
         &self,
         built: &Built,
@@ -195,14 +196,14 @@ impl Assembler {
         Some(tensions.each(|tension| tension.partials[0]))
     }
 
-    /// Returns the built design as a series to second order along a direction, at constant height.
+    /// Returns the built design as a Taylor series to second order along a direction, at constant height.
     pub fn design_series(&self, built: &Built, direction: &Direction) -> Vec<Vector3<Jet<f64, 3>>> {
         let number = |value, by| Jet([value, by, 0.0]);
         self.design_along(built, number, 2, direction, 0.0).1
     }
 
-    /// Rotation of a solid axle from the nominal design, and displacement of the middle of both wheel centres. Both have their
-    /// derivatives along a direction of the parts, at constant height. `None` for another suspension.
+    /// Rotation of a solid axle from the nominal design, and displacement of the midpoint between both wheel centres.
+    /// Both have their derivatives along a direction of the parts, at constant height. `None` for another suspension.
     pub(super) fn axle_by(
         &self,
         built: &Built,

@@ -13,9 +13,10 @@
 //! da = -M (w(q, parts) - wanted),   parts <- parts + da,   q <- q + T da                       (2)
 //! ```
 //!
-//! T is the derivative of the pose by an adjustment. So this is Newton's method in all unknowns, with one inverse. The
-//! method continues as long as each correction is at most half of the previous one. With adjustments, a quarter of the
-//! correction before the previous one also suffices. A settled lane no longer changes, so it depends on its own build alone.
+//! T is the derivative of the pose with respect to an adjustment. So this is Newton's method in all unknowns, with
+//! one inverse. The method continues as long as each correction is at most half of the previous one. With
+//! adjustments, it also continues if a correction is at most a quarter of the one before the previous one. A settled
+//! lane no longer changes, so it depends on its own build alone.
 
 use super::alignment::{Alignment, ROUNDING};
 use super::assembler::{Assembler, Linearised};
@@ -107,7 +108,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
             if alignment.is_some() {
                 contracts = contracts | (twice + twice).less(earlier);
             }
-            // With this form, NaN is rejected.
+            // With this form of the test, NaN is rejected.
             rejected = rejected | (open & !ends & !contracts);
             settled = settled | ends;
             round += 1;
@@ -198,8 +199,8 @@ impl Assembler {
         }
     }
 
-    /// Writes the built designs of assembled builds as series. The values of `parts` must be those after assembly. Returns the
-    /// accepted lanes.
+    /// Writes the built designs of assembled builds as Taylor series. The values of `parts` must be those after assembly.
+    /// Returns the accepted lanes.
     #[inline(always)]
     pub(crate) fn series_in_lanes<B: SimdReal>(
         &self,

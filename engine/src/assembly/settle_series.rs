@@ -1,8 +1,8 @@
-//! Derivatives of built designs by the nominal design, one build per lane.
+//! Derivatives of built designs with respect to the nominal design, one build per lane.
 //!
-//! The parts are series p + p' e in one variable of the nominal design. They settle like plain parts (module `settle`). Each
-//! correction uses the inverse of the nominal design. The closer the parts are to nominal, the more a correction reduces the
-//! error of the pose's derivative. The values are already settled.
+//! The parts are first-order Taylor series p + p' e in one variable of the nominal design. They settle like plain
+//! parts (module `settle`). Each correction uses the inverse of the nominal design. The closer the parts are to
+//! nominal, the more a correction reduces the error of the pose's derivative. The values are already settled.
 
 use super::alignment::Alignment;
 use super::assembler::Assembler;
@@ -16,17 +16,18 @@ const MOST_ROUNDS: usize = 40;
 /// A derivative has settled if its next correction would be below this limit. The limit is relative to the fastest
 /// nominal point or to the largest correction.
 const FINE: f64 = 1e-15;
-/// Limit on the last correction of a derivative. If corrections no longer shrink, a derivative below it has converged.
+/// Limit on the last correction of a derivative. If corrections no longer shrink and are below this limit, the
+/// derivative has converged.
 const COARSE: f64 = 1e-12;
 
-/// A series.
+/// A first-order Taylor series.
 type Series<B> = Jet<B, 2>;
 
-/// Corrects the derivative of a settled pose and writes the built design as a series.
+/// Corrects the derivative of a settled pose and writes the built design as a Taylor series.
 pub(super) struct SettlingSeries<'s, B> {
     pub(super) assembler: &'s Assembler,
     pub(super) alignment: Option<&'s Alignment>,
-    /// The parts as series. If they are aligned, they receive the derivatives of the adjustments.
+    /// The parts as Taylor series. If they are aligned, they receive the derivatives of the adjustments.
     pub(super) parts: &'s mut Parts<Series<B>>,
     pub(super) pose: &'s Pose<B>,
     /// Buffer for the points of the undisplaced carrier.
@@ -133,7 +134,7 @@ fn constant<B: SimdReal>(pose: &Pose<B>) -> Pose<Series<B>> {
     }
 }
 
-/// Values of `no`. Derivatives of `yes` in the lanes of the mask, and of `no` in the others.
+/// Selects per lane: values of `no`; derivatives of `yes` where the mask is set, else of `no`.
 #[inline(always)]
 fn selected<B: SimdReal>(
     mask: B::Mask,

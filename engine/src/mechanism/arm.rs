@@ -11,7 +11,7 @@
 
 use crate::number::{Real, Vector3};
 
-/// Inputs for the position of a point of an arm. They are the front, rear and outer joint and the point itself in the design
+/// Inputs for the position of a point of an arm: the front, rear and outer joint and the point itself in the design
 /// position, then the outer joint in the present pose.
 pub(super) type Inputs<T> = [Vector3<T>; 5];
 
@@ -61,7 +61,8 @@ pub(super) fn arm_point<T: Real>(inputs: Inputs<T>) -> Vector3<T> {
     inputs[3] - lever + lever * cosine + axis.cross(lever) * sine
 }
 
-/// Derivatives of `gradient . arm_point(inputs)` by each of the inputs: the formulas above, differentiated in reverse order.
+/// Derivatives of `gradient . arm_point(inputs)` with respect to each input: the formulas above, differentiated in
+/// reverse order.
 #[inline(always)]
 pub(super) fn arm_point_gradient<T: Real>(inputs: Inputs<T>, gradient: Vector3<T>) -> Inputs<T> {
     let ArmTurn {
@@ -107,8 +108,8 @@ pub(super) mod tests {
     use super::*;
     use crate::number::{Dual, Jet};
 
-    /// The gradient of one backward pass equals that of dual numbers, even if the outer joint has left its circle. So does
-    /// its rate along a motion.
+    /// One backward pass gives the same gradient as dual numbers, even if the outer joint has left its circle. It
+    /// also gives the same rate of the gradient along a motion.
     #[test]
     fn the_gradient_is_that_of_dual_numbers() {
         let at = |x: f64, y: f64, z: f64| {
@@ -129,7 +130,8 @@ pub(super) mod tests {
         });
     }
 
-    /// Asserts that the derivatives of an output by some points, and their rates, equal those of dual numbers.
+    /// Asserts that the derivatives of an output with respect to some points, and their rates, equal those of dual
+    /// numbers.
     pub(in crate::mechanism) fn assert_gradient<const K: usize>(
         inputs: [Vector3<Jet<f64, 2>>; K],
         found: [Vector3<Jet<f64, 2>>; K],

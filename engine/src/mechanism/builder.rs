@@ -57,7 +57,7 @@ fn topologies(name: &str) -> String {
     }
 }
 
-/// Suggests the hardpoint that was probably meant, or lists all hardpoints, after an unknown name.
+/// Suggests the hardpoint that was probably meant, or lists all hardpoints, if a name is unknown.
 fn meant(fault: &HardpointFault) -> String {
     let HardpointFault::Unknown { topology, name } = fault else {
         return String::new();
@@ -73,7 +73,8 @@ fn meant(fault: &HardpointFault) -> String {
     }
 }
 
-/// A suspension that is being built from hardpoints. They have names, and coordinates in the axes and the unit of the caller.
+/// A suspension under construction from hardpoints with names. Their coordinates are in the axes and the unit of the
+/// caller.
 ///
 /// ```
 /// # extern crate hardpoint_engine as hardpoint;

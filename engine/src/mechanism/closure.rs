@@ -1,8 +1,8 @@
 //! Six closure equations of a mechanism in the pose of its knuckle: five constraints (see [`crate::mechanism::constraint`])
 //! and a drive.
 //!
-//! The rows of their Jacobian J by the pose are the lines of the constraints. So J is singular exactly where the mechanism
-//! is.
+//! The rows of their Jacobian J with respect to the pose are the lines of the constraints. So J is singular exactly
+//! where the mechanism is singular.
 
 use super::constraint::{ArmAngle, PartDimensions, Row, TravelRow};
 use super::pose::{Configuration, Pose, Sink, Twist, Wrench};
@@ -13,7 +13,8 @@ use crate::number::{Each, Matrix3, Outlined, Real, Vector3};
 /// Sixth equation: the drive with its present value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Driver<T> {
-    /// Height of the wheel centre above its design position. For a rigid axle, the drive is the travel that is not held.
+    /// Height of the wheel centre above its design position. For a rigid axle, either the mean travel or the
+    /// difference of travels drives; this one does, and the other is held.
     Travel(T),
     /// Angle of the first arm, from its design position.
     ArmAngle {
@@ -24,7 +25,8 @@ pub enum Driver<T> {
     },
 }
 
-/// Set of closure equations, with one bit for each: the five constraints, the drive by travel, the drive by arm angle.
+/// Set of closure equations, with one bit for each: the five constraints, the drive with the wheel travel, the drive with
+/// the arm angle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct RowSet(u8);
 
@@ -65,8 +67,8 @@ pub struct Closure<T> {
     driven: Option<TravelRow<T>>,
 }
 
-/// Dimensions from which rows are made. With a trait instead of an enum, code for designs contains no code for built parts. Its
-/// function is inlined, because a call would not be compiled for SIMD lanes.
+/// Dimensions from which rows are made. With a trait instead of an enum, code for designs contains no code for built
+/// parts. The trait's function is inlined, because a call would not be compiled for SIMD lanes.
 trait Dimensions<T>: Copy {
     /// Any number of the dimensions. Constants get its number type and length.
     fn like(self) -> T;
@@ -226,7 +228,7 @@ impl<T: Real> Closure<T> {
     }
 
     /// Rates of the rows of [`Closure::wrenches`] along a motion of the knuckle, with the rack held. The sixth row is the
-    /// drive by travel.
+    /// drive with the wheel travel.
     #[inline(always)]
     pub(crate) fn wrench_rates(&self, at: &Configuration<T>, along: &Twist<T>) -> [Wrench<T>; 6] {
         let mut rates = [Wrench::zero(at.rack); 6];
@@ -319,7 +321,8 @@ impl<T: Real> Closure<T> {
 }
 
 impl Closure<f64> {
-    /// Set of equations that depend on one of these hardpoints, in the design position or elsewhere.
+    /// Set of equations that depend on one of these hardpoints, either on its design position or on its present
+    /// position.
     pub(crate) fn rows_holding(
         &self,
         mechanism: &Mechanism,
@@ -354,7 +357,7 @@ impl Closure<f64> {
             set.0 |= u8::from(touches.found) << number;
         }
         for driver in drivers {
-            // A mechanism without an arm has no drive by arm angle.
+            // The arm angle cannot drive a mechanism without an arm.
             if mechanism.arms.is_empty() && matches!(driver, Driver::ArmAngle { .. }) {
                 continue;
             }
@@ -435,8 +438,8 @@ static_toe = 0.0
 heave = [0.0]
 "#;
 
-    /// The rates of all rows along a motion of the knuckle equal the derivatives of series. The test covers rods on knuckles and
-    /// on a half of a twist beam, and both halves of an axle.
+    /// The rates of all rows along a motion of the knuckle equal the derivatives of Taylor series. The test covers
+    /// rods on knuckles and on a half of a twist beam, and both halves of an axle.
     #[test]
     fn rates_of_rows_are_those_of_series() {
         let beam = crate::model::Topology::named("twist_beam")

@@ -26,7 +26,7 @@ pub enum Failure {
     },
     /// The solver reached the pose, but its derivatives do not exist there.
     Singular,
-    /// A proof was requested but was not found.
+    /// A certificate was requested, but the pose could not be certified.
     Uncertified(Unproven),
     /// The solver reached the pose, but a rocker that a requested quantity reads is at its toggle there, or has passed it.
     Toggle(Rod),
@@ -36,8 +36,8 @@ pub enum Failure {
     PointCoordinates(FormulationFailure),
 }
 
-/// Reason why a formulation other than the knuckle pose (see [`crate::solve::Formulation`]) has no pose. A `cause` is a
-/// clause about a part, such as "the strut is horizontal".
+/// Reason why a formulation other than the knuckle pose (see [`crate::solve::Formulation`]) has no pose. The field
+/// `cause` of a variant is a clause about a part, such as "the strut is horizontal".
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FormulationFailure {
     /// Fewer than half of the digits would be correct in the requested pose.
@@ -131,7 +131,7 @@ impl LimitCause {
         )
     }
 
-    /// Event at the limit in words, without a note on singular parts.
+    /// Words for the event at the limit, without a note on singular parts.
     pub fn words(self) -> &'static str {
         match self {
             LimitCause::TieRodToggle => "the tie rod is at toggle",
@@ -175,18 +175,18 @@ pub struct PartMeasure {
 pub struct Toggle {
     /// Travel at the toggle, accurate to rounding.
     pub travel: f64,
-    /// Rod that is in line with its lever: that of the rocker, or of a rocker that moves it.
+    /// Rod that is in line with its lever: the rod of the rocker, or of a rocker that moves it.
     pub rod: Rod,
 }
 
-/// Reason why a proof failed.
+/// Reason why a pose could not be certified.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unproven {
     /// The pose is singular, or singular within double precision.
     Singular,
     /// The residual is too large compared with the distance to the next solution, so the inequality fails.
     TooClose,
-    /// The pose is proved, but it is not proved that it lies on the branch of the design position.
+    /// The pose is certified, but not its position on the branch of the design position.
     Branch,
 }
 

@@ -37,7 +37,7 @@ pub enum NoPose {
     /// reach it.
     #[error("there is no mean travel at which the wheels carry the held load")]
     NoLoad,
-    /// A proof was requested. The poses of both wheels are proved, but it is not proved that the ground under them is
+    /// A certificate was requested. The poses of both wheels are certified, but not that the ground under them is
     /// unique.
     #[error("both poses are proved, but not the uniqueness of the ground position")]
     Unproven,
@@ -56,9 +56,9 @@ pub enum NoPose {
 }
 
 impl NoPose {
-    /// Describes the reason in words, with lengths in this unit and the rack in the axes of this frame. The frame is that of a
-    /// single wheel, or of an axle's left wheel. If the rack is the limit, the text leaves out the wheel's travel, which is
-    /// irrelevant.
+    /// Describes the reason in words, with lengths in this unit and the rack in the axes of this frame. The frame is
+    /// that of a single wheel, or of an axle's left wheel. If the rack is the limit, the text omits the wheel's
+    /// travel, which is irrelevant.
     pub fn describe(&self, unit: LengthUnit, frame: Frame) -> String {
         let frame_of = |side: Side| match side {
             Side::Left => frame,
@@ -119,7 +119,7 @@ impl NoPose {
         }
     }
 
-    /// Returns true if there is a pose, but no proof of it.
+    /// Returns true if there is a pose, but it could not be certified.
     pub fn is_unproven(&self) -> bool {
         match self.of_wheel() {
             Some(failure) => matches!(failure, Failure::Uncertified(_)),

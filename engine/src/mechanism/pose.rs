@@ -24,7 +24,8 @@ impl<T: Real> Pose<T> {
         }
     }
 
-    /// The pose moved by a twist: `shift` displaces the origin; `rodrigues` = tan(angle/2) times the axis rotates about it.
+    /// Pose moved by a twist. `shift` displaces the origin. `rodrigues`, tan(angle/2) times the axis, rotates the
+    /// knuckle about the origin.
     #[inline(always)]
     pub fn moved(&self, shift: Vector3<T>, rodrigues: Vector3<T>) -> Self {
         Pose {
@@ -87,10 +88,10 @@ impl<T> Twist<T> {
     }
 }
 
-/// Collects the derivatives of a quantity by the pose and by the hardpoints.
+/// Collects the derivatives of a quantity with respect to the pose and to the hardpoints.
 ///
-/// A derivative with respect to the pose is a wrench on the knuckle. The force is the derivative with respect to the position of its origin, the
-/// moment the derivative with respect to its rotation.
+/// A derivative with respect to the pose is a wrench on the knuckle. The force is the derivative with respect to the
+/// position of its origin, the moment the derivative with respect to its rotation.
 pub(crate) trait Sink<T> {
     /// Adds a wrench at the knuckle's origin.
     fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>);
@@ -116,8 +117,8 @@ impl<T, S: Sink<T> + ?Sized> Sink<T> for &mut S {
     }
 }
 
-/// A wrench on the knuckle at its origin: a row of the Jacobian, or the derivative of an output by the pose. It includes the
-/// force along the rack, which is the derivative with respect to the rack's displacement.
+/// A wrench on the knuckle at its origin: a row of the Jacobian, or the derivative of an output with respect to the
+/// pose. It includes the force along the rack, which is the derivative with respect to the rack's displacement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wrench<T> {
     /// Derivative with respect to the position of the knuckle's origin.
@@ -216,7 +217,8 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Present position of a point of the chassis, the rack or the steering gear, or opposite to a point of the knuckle.
+    /// Present position of a point of the chassis, the rack or the steering gear, or of a mount that moves opposite
+    /// to a knuckle point.
     #[inline(always)]
     pub(crate) fn grounded(&self, id: PointId) -> Vector3<T> {
         let p = self.designed(id);
@@ -279,7 +281,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Present position of the place of the knuckle at which this point is in the design position.
+    /// Present position of the point of the knuckle that coincides with this point in the design position.
     #[inline(always)]
     pub(crate) fn carried(&self, id: PointId) -> Vector3<T> {
         if id == self.mechanism.origin {
@@ -316,7 +318,8 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// A separate function with a dynamic sink, so that it is compiled once.
+    /// Does the work of [`Configuration::push_point`]. A separate function with a dynamic sink, so that it is
+    /// compiled once.
     #[inline(never)]
     fn push_point_outlined(&self, id: PointId, gradient: Vector3<T>, mut sink: &mut dyn Sink<T>) {
         self.push_point_inline(id, gradient, &mut sink);

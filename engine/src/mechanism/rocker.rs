@@ -14,9 +14,10 @@
 //! H = A^2 + B^2, w^2 = H - C^2 = B^2 - E (2 A + E)                                              (4)
 //! ```
 //!
-//! In the design position E = 0, cos = 1 and sin = 0, so w = -B there, and w keeps that sign. |w| is the lever arm of the
-//! rod about the axis times |l|. The ratio |w|/(|r| |l|) is the rod's *leverage*: 1 if the rod is square to the lever, 0 at
-//! toggle. At a toggle, rod, lever and axis lie in one plane. A rocker stops there, and derivatives do not exist.
+//! In the design position E = 0, cos = 1 and sin = 0, so w = -B there, and w keeps that sign. |w| is the lever arm of
+//! the rod about the axis times |l|. The ratio |w|/(|r| |l|) is the rod's *leverage*: 1 if the rod is square to the
+//! lever, 0 at toggle. At a toggle, rod, lever and axis lie in one plane. A rocker stops there, and derivatives do
+//! not exist.
 //!
 //! # Derivatives
 //!
@@ -37,8 +38,8 @@
 //! M = (x' - f) x g - k (n' - f) x s',   h = g - k s'                                            (9)
 //! ```
 //!
-//! A couple m on the rocker, which is the derivative with respect to its rotation, is added to (x' - f) x g in (8) and (9). The derivatives of
-//! g.x' + t theta are
+//! A couple m on the rocker, which is the derivative with respect to its rotation, is added to (x' - f) x g in (8)
+//! and (9). The derivatives of g.x' + t theta are
 //!
 //! ```text
 //! by x: R'g    by n: k (l - R's')    by o: -k l    by o': k s'                                  (10)
@@ -62,8 +63,8 @@ use crate::model::Body;
 use crate::model::{Rocker, RockerId, Rod};
 use crate::number::{Each, Matrix3, Real, Vector3, outlined};
 
-/// Inputs for the rotation of a rocker. They are two points of its axis, the rod's inner and outer end in the design
-/// position, and the present outer end.
+/// Inputs for the rotation of a rocker: two points of its axis, the rod's inner and outer end in the design position,
+/// and the present outer end.
 pub(super) type Ends<T> = [Vector3<T>; 5];
 
 /// Rotation of a rocker about its axis; NaN beyond a toggle.
@@ -127,8 +128,8 @@ impl<T: Real> Turn<T> {
         v - lever + lever * self.cosine - self.axis.cross(lever) * self.sine
     }
 
-    /// Derivatives with respect to each of the inputs and by the point. The differentiated quantity is `gradient . moved(point)`, plus
-    /// `couple` times the rotation, plus `moment` times the angle.
+    /// Derivatives with respect to each of the inputs and to the point. The differentiated quantity is `gradient .
+    /// moved(point)`, plus `couple` times the rotation, plus `moment` times the angle.
     #[inline(always)]
     fn gradient(
         &self,
@@ -262,7 +263,7 @@ impl<T: Real> Configuration<'_, T> {
         )
     }
 
-    /// Rotation of a rocker from the design position: that of its base times that about its axis.
+    /// Rotation of a rocker from the design position: the rotation of its base times the rotation about its axis.
     #[inline(always)]
     pub(crate) fn rocker_rotation(&self, id: RockerId) -> Matrix3<T> {
         outlined!(
@@ -291,8 +292,8 @@ impl<T: Real> Configuration<'_, T> {
         )
     }
 
-    /// Adds the derivative of `gradient . rocker_point(id, point)` to the sink. It returns the part by the point's own
-    /// design position instead of adding it.
+    /// Adds the derivative of `gradient . rocker_point(id, point)` to the sink. The derivative with respect to the
+    /// point's own design position is returned instead of added.
     #[inline(always)]
     pub(crate) fn push_rocker_point(
         &self,
@@ -310,7 +311,7 @@ impl<T: Real> Configuration<'_, T> {
         self.push_rocker(id, RockerSeed::Angle(gradient), sink);
     }
 
-    /// Adds the derivative by a small rotation of a rocker to the sink.
+    /// Adds the derivative with respect to a small rotation of a rocker to the sink.
     #[inline(always)]
     pub(crate) fn push_rocker_turn(
         &self,
@@ -353,7 +354,7 @@ impl<T: Real> Configuration<'_, T> {
         by_point
     }
 
-    /// Seed in the base of the rocker. The other parts of (12) go to the sink first.
+    /// Converts the seed to the frame of the rocker's base. First adds the other terms of (12) to the sink.
     #[inline(always)]
     fn seed_in_base(
         &self,
@@ -380,7 +381,7 @@ impl<T: Real> Configuration<'_, T> {
         }
     }
 
-    /// Derivatives of the seed by the rod's ends and by the design position of its point.
+    /// Derivatives of the seed with respect to the rod's ends and to the design position of its point.
     #[inline(always)]
     fn rocker_gradient(&self, id: RockerId, seed: RockerSeed<T>) -> (Ends<T>, Vector3<T>) {
         let rocker = self.mechanism.rocker(id);
@@ -416,7 +417,7 @@ impl Configuration<'_, f64> {
         turn.leverage_squared.sqrt()
     }
 
-    /// Rod at a toggle that stops a rocker here: its own rod, or that of a rocker that turns it.
+    /// Rod at a toggle that stops a rocker here: the rocker's own rod, or the rod of a rocker that turns it.
     pub(crate) fn toggle(&self, id: RockerId) -> Option<Rod> {
         let before = self
             .mechanism
@@ -434,7 +435,7 @@ mod tests {
     use crate::mechanism::arm::tests::assert_gradient;
     use crate::number::{Dual, Jet};
 
-    /// The derivatives from the rod's tension equal those of dual numbers. So do their rates along a motion.
+    /// The derivatives from the rod's tension equal those of dual numbers. Their rates along a motion are also equal.
     #[test]
     fn the_gradient_is_that_of_dual_numbers() {
         let at = |x: f64, y: f64, z: f64| {

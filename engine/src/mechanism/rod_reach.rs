@@ -1,4 +1,4 @@
-//! Proof that a rod keeps its leverage while its outer end moves from one place to another.
+//! Certifies that a rod keeps its leverage while its outer end moves from one position to another.
 //!
 //! In the notation of [`rocker`](super::rocker), with s the squared distance of the rod's outer end from the axis,
 //!
@@ -6,10 +6,10 @@
 //! w^2 = r.r s - C^2,   C = (l.l - q.q - r.r)/2.                                                 (1)
 //! ```
 //!
-//! Along the chord c between two places, s and q.q are linear functions minus at most c^2/4. If s and C were linear, w^2
-//! would be concave, with its minimum at an end. An arc of at most 60 degrees differs from its chord by less than d = c/7.
-//! That changes the square root of s by at most d, and C by at most |q| d + d^2/2. So along the whole arc, with the largest
-//! s, |q| and |C| of the two ends,
+//! Along the chord c between two positions, s and q.q are linear functions minus at most c^2/4. If s and C were
+//! linear, w^2 would be concave, with its minimum at an end. An arc of at most 60 degrees differs from its chord by
+//! less than d = c/7. That changes the square root of s by at most d, and C by at most |q| d + d^2/2. So along the
+//! whole arc, with the largest s, |q| and |C| of the two ends,
 //!
 //! ```text
 //! w^2 >= least w^2 - r.r (c^2/4 + 2 d sqrt s) - k (2 |C| + k),   k = c^2/8 + |q| d + d^2/2.     (2)
@@ -36,7 +36,7 @@ pub struct RodReach<T> {
 }
 
 impl<B: SimdReal> RodReach<B> {
-    /// Makes a place in which every number is `number`.
+    /// Makes a position in which every number is `number`.
     #[inline(always)]
     pub fn filled(number: B) -> Self {
         RodReach {
@@ -68,7 +68,7 @@ impl<B: SimdReal> RodReach<B> {
         }
     }
 
-    /// Returns the nearer of two places of the rod, lane by lane.
+    /// Returns the nearer of two positions of the rod, lane by lane.
     #[inline(always)]
     pub fn nearer(&self, first: &Self, second: &Self) -> Self {
         let first_away = (first.outer - self.outer).norm_squared();
@@ -87,7 +87,7 @@ impl<B: SimdReal> RodReach<B> {
         }
     }
 
-    /// Lanes in which the rod certainly keeps its leverage on the whole path to another place. False for NaN.
+    /// Lanes in which the rod certainly keeps its leverage on the whole path to another position. False for NaN.
     #[inline(always)]
     pub fn keeps_leverage_to(&self, other: &Self) -> B::Mask {
         let largest = |a: B, b: B| B::select(a.less(b), b, a);

@@ -1,4 +1,4 @@
-//! The tension of the rod of a rocker: moments about the rocker's axis.
+//! Tension in the rod of a rocker, from the moments about the rocker's axis.
 
 use super::pose::Configuration;
 use super::rocker::Turn;

@@ -1,8 +1,8 @@
-//! Checks that hardpoints form a suspension: complete, distinct, arms and rockers that can rotate, a plausible size, and the
-//! correct side.
+//! Checks that hardpoints form a suspension: the set is complete, points are distinct, arms and rockers can rotate,
+//! the size is plausible, and the side is correct.
 //!
-//! The [builder](super::SuspensionBuilder) and the reader of studies share these checks. The reader adds the place in the
-//! file and the remedy.
+//! The [builder](super::SuspensionBuilder) and the reader of studies share these checks. The reader adds the position
+//! in the file and the remedy.
 
 use super::rocker::has_leverage;
 use crate::model::{Body, Group, LengthUnit, PointId, Rod, Suspension, Topology};
@@ -11,8 +11,8 @@ use thiserror::Error;
 /// Distance, as a share of the mechanism's size, below which points coincide.
 const COINCIDENT: f64 = 1e-9;
 
-/// Range of plausible sizes of a suspension, in metres: from a small model car to a haul truck. A wrong unit is a factor of
-/// a thousand.
+/// Range of plausible sizes of a suspension, in metres: from a small model car to a haul truck. Confusing mm with m
+/// changes the size by a factor of a thousand.
 const PLAUSIBLE_SIZE: [f64; 2] = [0.005, 50.0];
 
 /// Reason why the given hardpoints do not fit a topology.
@@ -35,7 +35,7 @@ pub enum HardpointFault {
         /// Missing hardpoints, each with its description.
         missing: Vec<String>,
     },
-    /// The hardpoints mix two alternatives of a group.
+    /// The given hardpoints belong to two alternatives of a group.
     #[error("{first} is given beside {second}: expected one or the other for {group}")]
     Both {
         /// A hardpoint of one alternative.
@@ -56,7 +56,7 @@ pub enum HardpointFault {
 }
 
 impl HardpointFault {
-    /// Reports the required hardpoints of a topology that are missing.
+    /// Lists the required hardpoints of a topology that are missing, as a fault.
     pub fn missing(
         topology: &'static Topology,
         is_given: impl Fn(&str) -> bool,
@@ -73,7 +73,7 @@ impl HardpointFault {
         })
     }
 
-    /// Reports the error of a group if the study gives only a part of it.
+    /// Returns the fault of a group if the study gives only a part of it.
     pub fn of_group(
         topology: &'static Topology,
         group: &'static Group,
@@ -187,7 +187,8 @@ impl GeometryFault {
         GeometryFault::all_of(suspension).into_iter().next()
     }
 
-    /// Finds the errors of a suspension. Only the first kind of error is reported, because other kinds follow from it.
+    /// Finds the faults of a suspension. Returns only faults of the first kind found, because other kinds follow from
+    /// it.
     pub fn all_of(suspension: &Suspension) -> Vec<GeometryFault> {
         let checks = [
             distinct_points,

@@ -25,7 +25,7 @@ pub struct Work {
     pub gradient_rows: u64,
     /// Evaluations of characteristics, each with its derivatives with respect to the drive.
     pub characteristic_evaluations: u64,
-    /// Gradients of characteristics by their inputs.
+    /// Gradients of characteristics with respect to their inputs.
     pub characteristic_gradients: u64,
 }
 

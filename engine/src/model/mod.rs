@@ -48,10 +48,10 @@ pub enum Body {
     Chassis,
     /// Moved sideways by the steering rack.
     Rack,
-    /// Fixed in the vehicle, except that it moves sideways by the opposite of a knuckle point's displacement. For the mounts of a
-    /// twist beam.
+    /// Fixed in the vehicle in x and z. Sideways it moves opposite to a knuckle point by the same distance. For the
+    /// mounts of a twist beam.
     Opposite(PointId),
-    /// Moved by the steering gear from the place that another point has in the design position.
+    /// Moved by the steering gear to the position that another point has in the design.
     SteeringGear(PointId),
     /// The wheel carrier.
     Knuckle,
@@ -131,8 +131,8 @@ pub enum Constraint {
         /// Point of the joint, common to arm and knuckle.
         at: PointId,
     },
-    /// One of the two travels of a rigid axle has a given value. This value takes the place of the rack's displacement in
-    /// other mechanisms. Removes one degree of freedom.
+    /// One of the two travels of a rigid axle has a given value. Other mechanisms have the rack's displacement
+    /// instead of this value. Removes one degree of freedom.
     AxleTravel {
         /// Centre of the near wheel.
         near: PointId,
@@ -250,8 +250,8 @@ pub struct Mechanism {
     pub wheel_centre: PointId,
     /// The wheel's spin axis.
     pub spin_axis: SpinAxis,
-    /// Wheel centres of a built carrier whose study gives the spin axis by angles: [centre, added point of the axis]. A deviation of the
-    /// centre moves the axis in parallel. Empty for other mechanisms.
+    /// Wheel centres of a built carrier, if the study gives the spin axis as angles: [centre, added point of the
+    /// axis]. A deviation of the centre moves the axis in parallel. Empty for other mechanisms.
     pub parallel_axes: Vec<[PointId; 2]>,
     /// The steering axis; `None` for a wheel that cannot be steered.
     pub steering_axis: Option<SteeringAxis>,
@@ -291,8 +291,8 @@ impl Mechanism {
             .map(|[_, beside]| *beside)
     }
 
-    /// Name of a point. A built wheel has an additional point if the study gives camber and toe as angles. Errors of builds may
-    /// refer to it, so it also has a name.
+    /// Name of a point. If the study gives camber and toe as angles, a built wheel has an additional point. Errors of
+    /// builds may refer to that point, so it also has a name.
     pub fn name(&self, id: PointId) -> &str {
         self.points
             .get(id.0)

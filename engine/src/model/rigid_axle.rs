@@ -1,8 +1,8 @@
 //! Rigid axle: one body carries both wheels.
 //!
-//! The mechanism of a rigid axle is that of one wheel, the near wheel, and its knuckle is the axle itself. It has the points
-//! of both halves. Two travels drive the axle. With the heights z_n and z_f of the near and the far wheel centre over their
-//! design positions, they are
+//! The mechanism of a rigid axle is that of one wheel, the near wheel, and its knuckle is the axle itself. It has the
+//! points of both halves. Two travels drive the axle. With the heights z_n and z_f of the near and the far wheel
+//! centre above their design positions, they are
 //!
 //! ```text
 //! mean        (z_n + z_f)/2                                                        (1)
@@ -54,8 +54,8 @@ pub struct RigidAxle {
     pub far_centre: PointId,
     /// Travel that a constraint holds. The other travel is the drive.
     pub held: AxleTravel,
-    /// Links of the far half that have no constraint. They would overconstrain the axle if they were rigid; as elastic links they
-    /// are possible.
+    /// Links of the far half that have no constraint. As rigid links they would overconstrain the axle; the study may
+    /// give them as elastic links.
     pub extra_links: Vec<[PointId; 2]>,
     /// Further points, if the axle is a twist beam.
     pub twist_beam: Option<TwistBeam>,
@@ -89,7 +89,7 @@ impl RigidAxle {
         pair.map(|[_, far]| *far)
     }
 
-    /// Puts a point of the far half at another place. Points that follow it keep their offsets from it.
+    /// Moves a point of the far half to another position. Points that follow it keep their offsets from it.
     pub(crate) fn put_far(&self, far: PointId, place: Vector3<f64>, design: &mut [Vector3<f64>]) {
         let way = place - design[far.0];
         design[far.0] = place;
@@ -98,8 +98,8 @@ impl RigidAxle {
         }
     }
 
-    /// Moves the far half with the near half. `own` is a design with both halves. Differences between its far half and a mirror
-    /// image stay constant.
+    /// Moves the far half with the near half. `own` is a design with both halves. The far half keeps its differences
+    /// from a mirror image in `own`.
     #[inline(always)]
     pub fn complete<T: Real>(&self, own: &[Vector3<f64>], design: &mut [Vector3<T>]) {
         for [near, far] in &self.pairs {
@@ -113,8 +113,8 @@ impl RigidAxle {
         }
     }
 
-    /// Writes the axle as seen from its other wheel, in the frame of that side, into `into`. Points that are neither in a pair
-    /// nor single are the same for both wheels.
+    /// Writes the axle as seen from its other wheel, in the frame of that side, into `into`. Points that are neither
+    /// in a pair nor single are the same for both wheels.
     #[inline(always)]
     pub fn turn_over<T: Real>(&self, design: &[Vector3<T>], into: &mut [Vector3<T>]) {
         into.copy_from_slice(design);
@@ -141,8 +141,8 @@ impl RigidAxle {
             && singles.all(|single| design[single.0] == mirrored(design[single.0]))
     }
 
-    /// Collects the derivatives with respect to all copies of a point at the left half. The copies are in the far half, and in the axle
-    /// as seen from the right wheel.
+    /// Collects the derivatives with respect to all copies of a point at the left half. The copies are in the far
+    /// half, and in the axle as seen from the right wheel.
     pub fn gather(&self, [left, right]: [&mut [Vector3<f64>]; 2]) {
         let zero = Vector3::new(0.0, 0.0, 0.0);
         for [point, beside] in self.followers() {

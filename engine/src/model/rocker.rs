@@ -1,8 +1,8 @@
 //! Rockers: parts on an axis fixed in the body or in a solid axle, which a rod rotates. Examples are the bell crank of a
 //! pushrod or pullrod, an anti-roll bar with its drop link, and the rocker of a Watt linkage.
 //!
-//! Their hardpoints form groups that a topology offers in addition to its own. A study gives every hardpoint of a group, or
-//! none.
+//! Their hardpoints form groups that a topology offers in addition to its own hardpoints. A study gives every
+//! hardpoint of a group, or none of them.
 
 use super::topology::{Group, optional};
 use super::{Body, Mechanism, PointId};

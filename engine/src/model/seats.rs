@@ -32,7 +32,8 @@ impl Mechanism {
         seats
     }
 
-    /// Present body of a hardpoint, and the nearest body. `None` unless the nearest is a different one and clearly nearer.
+    /// Assigned body of a hardpoint, and the nearest body. `None` unless the nearest body is a different one and
+    /// clearly nearer.
     pub fn doubtful_seat(&self, design: &[Vector3<f64>], id: PointId) -> Option<[Seat; 2]> {
         let seats = self.seats(design, id);
         let own = seats.iter().find(|seat| seat.body == self.body(id))?;
@@ -41,16 +42,16 @@ impl Mechanism {
         is_doubtful.then_some([*own, *nearest])
     }
 
-    /// Marks the bodies of all points with several candidates as assumed.
+    /// Marks the bodies of all points with several possible bodies as assumed.
     pub fn assume_seats(&mut self) {
         let points = (0..self.points.len()).map(PointId);
         let may_choose = |id: &PointId| self.possible_bodies(*id).len() > 1;
         self.unsaid_seats = points.filter(may_choose).collect();
     }
 
-    /// Assigns the drop link of an anti-roll bar to the body that is clearly nearest to it. This applies if the study does
-    /// not name its body and a rocker is among the candidates. On the wrong body the bar would rotate ten times too little
-    /// or too much.
+    /// Assigns the drop link of an anti-roll bar to the body that is clearly nearest to it. This applies if the study
+    /// does not name its body and a rocker is among the possible bodies. On the wrong body the bar would rotate ten
+    /// times too little or too much.
     pub fn seat_drop_link(&mut self, design: &[Vector3<f64>]) {
         if let Some(id) = self.unsaid_drop_link()
             && let Some([_, nearest]) = self.doubtful_seat(design, id)

@@ -8,16 +8,16 @@
 //!
 //! # The steering gear
 //!
-//! The steering gear has moved the drag link's end by the displacement s along the unit vector d. With its hardpoint p, the end is
-//! at
+//! The steering gear has moved the drag link's end by the displacement s along the unit vector d. With its hardpoint p,
+//! the end is at
 //!
 //! ```text
 //! p' = p + s d                                                                                 (1)
 //! ```
 //!
-//! The design contains p' as a separate point, so s is not an input of the mechanism. In `mechanism/rocker.rs`, p' is the present
-//! place o' of the rod's outer end, and p its place o in the design position. Let g be the gradient of a number y by p', as the
-//! adjoint of the closure equations yields it for every point. Then
+//! The design contains p' as a separate point, so s is not an input of the mechanism. In `mechanism/rocker.rs`, p' is
+//! the present position o' of the rod's outer end, and p its position o in the design. Let g be the gradient of a
+//! number y with respect to p', as the adjoint of the closure equations yields it for every point. Then
 //!
 //! ```text
 //! dy/ds = g.d                                                                                  (2)
@@ -26,18 +26,19 @@
 //!
 //! # Travels
 //!
-//! While the axle rests, steering lifts or lowers the wheel centres. Let w_n and w_f be the hardpoints of the near and the far
-//! wheel centre, and c_n and c_f their positions after the knuckles have turned, with the axle at rest. The closure equations
-//! count the travels from c_n and c_f. They compute both from p' for each new design; designs do not store them:
+//! While the axle rests, steering lifts or lowers the wheel centres. Let w_n and w_f be the hardpoints of the near
+//! and the far wheel centre, and c_n and c_f their positions after the knuckles have turned, with the axle at rest.
+//! The closure equations count the travels from c_n and c_f. They compute both positions from p' for each new design;
+//! designs do not store them:
 //!
 //! ```text
 //! mean of the equations        = mean travel - (c_n.z - w_n.z + c_f.z - w_f.z)/2               (4)
 //! difference of the equations  = difference of travels - (c_n.z - w_n.z - c_f.z + w_f.z)/2     (5)
 //! ```
 //!
-//! Both are 0 in the design pose, for every s. So the path to a station begins there: the knuckles turn first, then the axle
-//! moves. The travels of a station are always those of the wheel centres from their hardpoints. Derivatives with respect to hardpoints hold
-//! these travels.
+//! Both travels are 0 in the design pose, for every s. So the path to a station begins there: the knuckles turn
+//! first, then the axle moves. The travels of a station are always those of the wheel centres from their hardpoints.
+//! Derivatives with respect to hardpoints hold these travels.
 
 use super::topology::{Given, Group, NO_LINK, NO_TIE_ROD, optional};
 use super::{
@@ -89,14 +90,15 @@ pub struct AxleSteering {
     pub far_knuckle: RockerId,
     /// End of the drag link at the steering gear, in the design position.
     pub end: PointId,
-    /// Place of this end after a displacement of the steering gear: equation (1).
+    /// Position of this end after a displacement of the steering gear: equation (1).
     pub place: PointId,
     /// Unit vector along which the steering gear moves the end, in the kernel's frame of the near side.
     pub direction: Vector3<f64>,
 }
 
 impl AxleSteering {
-    /// Point that a study does not give, with the hardpoint at which it lies while the wheels are straight ahead.
+    /// Point that a study does not give, and the hardpoint with which it coincides while the wheels are straight
+    /// ahead.
     pub(super) fn follower(&self) -> [PointId; 2] {
         [self.place, self.end]
     }
@@ -223,7 +225,7 @@ impl Mechanism {
             }
         }
         for (number, point) in turned.points.iter_mut().enumerate() {
-            // Near and far points change places. The drag link's end is single and stays on the first knuckle.
+            // Near and far points are exchanged. The drag link's end is single and stays on the first knuckle.
             let is_single = own.singles.contains(&PointId(number));
             point.body = match point.body {
                 Body::Rocker(id) if id == first && !is_single => Body::Rocker(second),

@@ -118,8 +118,8 @@ pub struct Group {
 pub(super) struct Given(pub Vec<Point>);
 
 impl Given {
-    /// Given hardpoints of a topology, in its order. Those of spring and rockers are on their `carriers`, the others on a
-    /// `body`.
+    /// Given hardpoints of a topology, in its order. Hardpoints of spring and rockers are on their `carriers`, the
+    /// others on a `body`.
     pub(super) fn of(
         topology: &Topology,
         given: &[&'static str],
@@ -144,8 +144,9 @@ impl Given {
         self.0.iter().position(|p| p.name == name).map(PointId)
     }
 
-    /// Adds the points of the far half of an axle, each with `right_` before the name of its near point. `far_body` gives the
-    /// body of a far point from its near point and that point's body. Returns the points that both halves share, and the pairs.
+    /// Adds the points of the far half of an axle. Each gets `right_` before the name of its near point. `far_body`
+    /// returns the body of a far point from its near point and that point's body. Returns the points that both halves
+    /// share, and the pairs.
     pub(super) fn add_far_half(
         &mut self,
         is_single: impl Fn(&str) -> bool,

@@ -1,16 +1,16 @@
 //! Twist beam: two rigid halves that are hinged about the line of the cross member's shear centres.
 //!
-//! Each half is a trailing arm with half of the cross member. The hinge is the line along y through the shear centre S, or through S
-//! and a second point: a beam of parts with deviations stands a little askew. A
-//! mount holds its half in x and z. The rubber of the mounts lets them move sideways, by equal distances in opposite
-//! directions. Each half has six unknowns. The hinge removes five of these twelve, the mounts five, and the two travels
-//! determine the rest.
+//! Each half is a trailing arm with half of the cross member. The hinge is the line along y through the shear centre
+//! S. If a second point is given, the hinge runs through S and that point, because a beam of parts with deviations is
+//! slightly askew. A mount holds its half in x and z. The rubber of the mounts lets them move sideways, by equal
+//! distances in opposite directions. Each half has six unknowns. The hinge removes five of these twelve, the mounts
+//! five, and the two travels determine the rest.
 //!
-//! The mechanism is that of the near half. Let M be the far mount, and S and T two points of the hinge. The near mount gives two
-//! rows. M keeps its distances from S and T, each of which is a link. The travels are two rows (see `rigid_axle.rs`). The far
-//! half is a rocker on the near half, with the hinge as its axis. Every point P of the far half keeps its distance from M, so
-//! that a rod from M to P rotates this rocker. Every P gives the same motion. The program chooses it so that the rod is
-//! perpendicular to its lever.
+//! The mechanism is that of the near half. Let M be the far mount, and S and T two points of the hinge. The near
+//! mount gives two equations. M keeps its distances from S and T, and each of these distances is a link. The travels
+//! are two equations (see `rigid_axle.rs`). The far half is a rocker on the near half, with the hinge as its axis.
+//! Every point P of the far half keeps its distance from M, so a rod from M to P can rotate this rocker. Every P
+//! gives the same motion. The program chooses a P that makes the rod perpendicular to its lever.
 
 use super::rigid_axle::{AxleTravel, RigidAxle};
 use super::rocker::Carriers;
@@ -84,7 +84,8 @@ impl TwistBeam {
         hinge.into_iter().chain([rod]).chain(eye)
     }
 
-    /// Points of hinge and rod that a study does not give, with their places in a design with these mounts and this shear centre.
+    /// Points of hinge and rod that a study does not give, with their positions in a design with these mounts and
+    /// this shear centre.
     pub(crate) fn further_points(
         &self,
         design: &[Vector3<f64>],

@@ -1,4 +1,4 @@
-//! Reason why a path turns back at a fold: the part that is singular there, or none.
+//! Cause of a fold, where a path turns back: the part of the suspension that is singular there, or no part.
 //!
 //! Let C be the five constraints' rows of the Jacobian, with the rack fixed, and g the drive's row. At a fold of the drive
 //! there is a twist t of the wheel carrier with
@@ -9,8 +9,8 @@
 //! ```
 //!
 //! While only the drive moves, C has its full rank 5 there. (Otherwise [C 0; g -1] would have a rank below 6, and the path would
-//! not be a single path.) So t is the free motion of the mechanism, and by (2) the drive value does not change along it. The
-//! wheel centre is at its highest or lowest point. In general no single part causes this. If any one of the constraints is
+//! not be a single path.) So t is the free motion of the mechanism. By (2) the drive value does not change along t: the wheel
+//! centre is at its highest or lowest point. In general no single part causes this. If any one of the constraints is
 //! removed, t is still one of the free motions, and it is orthogonal to the removed constraint. So this does not single out one
 //! part.
 //!
@@ -29,15 +29,15 @@
 //!     T = k.((o - b) x (i - b)) / (|k x (o - b)| |k x (i - b)|)                                     (4)
 //! ```
 //!
-//! U is a sine. For an upper arm it is that of the angle between the arm, seen along its axis, and the steering axis. For a
-//! strut it is that of the deviation of strut and steering axis from a right angle. T is the sine of the angle between the
-//! half planes from the steering axis to the two ends of the tie rod. The determinant of the closure with the arm's angle as
-//! its drive is U T times lengths that are constants of the design. So:
+//! U and T are sines. For an upper arm, U belongs to the angle between the steering axis and the arm, seen along the
+//! arm's axis. For a strut, U belongs to the deviation of strut and steering axis from a right angle. T belongs to
+//! the angle between the half planes from the steering axis to the two ends of the tie rod. The determinant of the
+//! closure with the arm's angle as its drive is U T times lengths that are constants of the design. So:
 //!
 //! - every fold of the arm's angle has U T = 0, and the cause is the part whose factor is zero.
-//! - if U T = 0, the motion t is the one in which the arm does not move, because C has rank 5. So a fold of the travel, or
-//!   of the rack at fixed travel, has this cause if and only if U T = 0 there, too. (An example is an upright steering axis,
-//!   with which steering does not lift the wheel.) Otherwise no part is the cause.
+//! - if U T = 0, the arm does not move in the motion t, because C has rank 5. So a fold of the travel, or of the rack at fixed
+//!   travel, has this cause if and only if U T = 0 there, too. (An example is an upright steering axis, with which steering
+//!   does not lift the wheel.) Otherwise no part is the cause.
 //!
 //! The links of a rigid axle have no such parts. Its limit names the link with the largest multiplier w in w J = 0, where J
 //! is the whole Jacobian. This link carries the largest force that holds the axle at the fold.
@@ -80,14 +80,15 @@ impl Curve<'_> {
         match (self.moving, self.held.drive) {
             (Moving::Rack, _) => LimitCause::RackStandsStill,
             (Moving::Drive, Drive::ArmAngle) => LimitCause::ArmStandsStill,
-            // Sign of the second coefficient of the travel as a series in the arc length.
+            // Sign of the second coefficient of the travel as a Taylor series in the arc length.
             (Moving::Drive, Drive::Travel) if fold.moved[2] < 0.0 => LimitCause::CentreHighest,
             (Moving::Drive, Drive::Travel) => LimitCause::CentreLowest,
         }
     }
 
-    /// Reason for a fold of a twist beam. In heave without a difference of travels, the arms of both halves are vertical at a fold.
-    /// If they are not, the path has met that of twisted halves, along which the heave has an extreme.
+    /// Reason for a fold of a twist beam. In heave without a difference of travels, the arms of both halves are
+    /// vertical at a fold. If they are not, the path has met the path of twisted halves, along which the heave has an
+    /// extreme.
     fn cause_of_beam(&self, beam: &TwistBeam, fold: &CurvePoint) -> LimitCause {
         let at = self.configuration(fold);
         let arm = at.point(self.mechanism.wheel_centre) - at.point(beam.mount);
@@ -100,7 +101,7 @@ impl Curve<'_> {
         }
     }
 
-    /// The mechanism at a fold.
+    /// Configuration of the mechanism at a fold.
     pub(crate) fn configuration(&self, fold: &CurvePoint) -> Configuration<'_, f64> {
         Configuration::new(
             self.mechanism,
@@ -151,8 +152,8 @@ fn part_measures(at: &Configuration<f64>) -> Option<[PartMeasure; 2]> {
     Some([upper, tie_rod])
 }
 
-/// Links that depend on each other with the rack fixed. These links have m not 0 in m C = 0, if C has lost rank. The result
-/// lists their outer ends.
+/// Outer ends of the links whose constraints depend on each other with the rack fixed: the links with m not 0 in m C
+/// = 0. Empty if C has its full rank.
 pub(crate) fn dependent_links(
     closure: &Closure<f64>,
     at: &Configuration<f64>,

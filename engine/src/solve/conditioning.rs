@@ -83,7 +83,7 @@ pub fn rate_digits(number: f64) -> f64 {
     (-(number * number * f64::EPSILON).log10()).clamp(0.0, 15.0)
 }
 
-/// Smallest number of digits. Rates and sensitivities with fewer are flagged.
+/// Smallest number of reliable digits. Rates and sensitivities with fewer digits are flagged.
 pub const LEAST_DIGITS: f64 = 6.0;
 
 impl Solver<'_> {
@@ -95,9 +95,10 @@ impl Solver<'_> {
         })
     }
 
-    /// Configuration series as in [`Solver::configuration_series`], with the condition number. It comes from the factors of the
-    /// Jacobian if they are needed anyway. If the closed form gave the pose far from any singularity
-    /// ([`Conditioning::ESTIMATED`]), an estimate is used. It costs almost nothing and is correct within a factor of ten.
+    /// Taylor series of the configuration as in [`Solver::configuration_series`], with the condition number of its
+    /// Jacobian. If the Jacobian's factors are needed anyway, the number comes from them. If the closed form gave the
+    /// pose far from any singularity ([`Conditioning::ESTIMATED`]), the number is an estimate that costs almost nothing
+    /// and is correct within a factor of ten.
     pub fn conditioned_series<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,

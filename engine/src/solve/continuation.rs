@@ -12,8 +12,8 @@
 //! in the arc length, and corrections in the plane normal to the tangent. Where two paths nearly meet, a step that is too long
 //! ends on the other path. There the sign of the determinant gives the tangent the opposite direction, and the step is refused.
 //!
-//! At a fold q' = 0 by the arc length. Newton's method with the q'' of the series finds it. Since q is stationary there, its
-//! value is exact to rounding.
+//! At a fold, the derivative q' with respect to the arc length is 0. Newton's method finds the fold from the q'' of
+//! the Taylor series. Since q is stationary there, its value is exact to rounding.
 
 use super::conditioning::magnitude;
 use crate::derive::{DesignSeries, MotionPoint};
@@ -37,7 +37,7 @@ pub(crate) enum Moving {
     Rack,
 }
 
-/// Curve of one design.
+/// Path of one design: the poses that it takes while one quantity moves.
 pub(crate) struct Curve<'a> {
     pub mechanism: &'a Mechanism,
     pub design: &'a [Vector3<f64>],
@@ -55,9 +55,9 @@ pub(crate) struct Curve<'a> {
 /// A point of the curve.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct CurvePoint {
-    /// The pose as a series in the arc length.
+    /// The pose as a Taylor series in the arc length.
     pub series: Pose<Jet<f64, 3>>,
-    /// Moving quantity as a series in the arc length.
+    /// Moving quantity as a Taylor series in the arc length.
     pub moved: Jet<f64, 3>,
     /// Tangent: displacement, rotation, moving quantity; lengths are relative to the mechanism's size.
     tangent: [f64; 7],

@@ -25,14 +25,14 @@ pub struct FormulationMotion<'a> {
     pub values: &'a [f64],
     /// Displacements of the rack, towards the kernel's +y.
     pub racks: &'a [f64],
-    /// Number of series coefficients along the drive to compute, 1 to 3.
+    /// Number of Taylor coefficients along the drive to compute, 1 to 3.
     pub coefficients: usize,
 }
 
 /// A solved pose.
 #[derive(Clone, Copy, Debug)]
 pub struct FormulationPose {
-    /// Pose of the knuckle as a series along the drive. Coefficients that are not requested are 0.
+    /// Pose of the knuckle as a Taylor series along the drive. Coefficients that are not requested are 0.
     pub pose: Pose<Jet<f64, 3>>,
     /// Displacement of the rack, towards the kernel's +y.
     pub rack: f64,
@@ -63,7 +63,7 @@ pub enum FormulationVisit {
     },
 }
 
-/// Equations that give the poses of a topology in another way than the knuckle pose.
+/// Equations that give the poses of a topology in unknowns other than the pose of the knuckle.
 pub trait Formulation: Sync {
     /// Visits the stations of a motion. At each displacement of the rack, the visit goes outward from the design position.
     /// Returns the work of the solver.

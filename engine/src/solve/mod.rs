@@ -1,7 +1,7 @@
 //! Poses that are connected to the design position.
 //!
-//! The [`Solver`] follows a path from the design position to every station. A [`CornerTracker`] does the same for as many
-//! designs as the processor has lanes.
+//! The [`Solver`] follows a path from the design position to every station. A [`CornerTracker`] does the same for
+//! several designs at a time, one in each SIMD lane of the processor.
 
 pub(crate) mod cause;
 pub(crate) mod closed_form;

@@ -19,7 +19,8 @@ const DEPTH: usize = 3;
 #[derive(Clone, Debug, Default)]
 pub struct Toggles {
     watched: Vec<RockerId>,
-    /// Drive and rack displacement of the stations that are visited. `None` if poses between its stations cannot be computed.
+    /// Drive and rack displacement of the stations that are visited. `None` if poses between the stations cannot be
+    /// computed.
     way: Cell<Option<(Drive, f64)>>,
     /// Rockers at or beyond a toggle at the start of the visit, and the rods of all watched rockers there.
     at_start: Cell<RockerSet>,

@@ -30,7 +30,7 @@ pub struct ComplianceTest {
     pub hold: Option<Text>,
     /// Half-width of the range of the load.
     pub window: Option<Number>,
-    /// Number of levels of the load.
+    /// Number of load levels.
     pub levels: Option<Whole>,
     /// `all` or `nearest`.
     pub stations: Option<Text>,

@@ -31,9 +31,9 @@ pub struct Outputs {
     pub knuckle: Option<Spanned<bool>>,
     /// `position`, `velocity` or `acceleration`.
     pub order: Option<Text>,
-    /// Hardpoints by whose coordinates the outputs are differentiated.
+    /// Hardpoints for which sensitivities of the outputs are computed.
     pub sensitivities: Option<Selection>,
-    /// True if each pose must be proved.
+    /// True if each pose must be certified.
     pub certify: Option<Spanned<bool>>,
     /// Loads on the wheel for which forces in links and joints are reported.
     pub loads: Option<Spanned<Vec<Load>>>,
@@ -43,7 +43,7 @@ pub struct Outputs {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Load {
-    /// First part of the names of its columns.
+    /// First part of the names of the load's columns.
     pub name: Text,
     /// `contact_point` or `wheel_centre`.
     pub at: Text,

@@ -29,7 +29,7 @@ pub struct Adjustment {
     pub shim: Option<Text>,
     /// Direction in which shims move the hardpoint.
     pub axis: Option<Text>,
-    /// Change of length per turn, of both threads together.
+    /// Change of length per turn, of both threads of a turnbuckle together.
     pub per_turn: Option<Number>,
     /// Thickness of the thinnest shim.
     pub step: Option<Number>,

@@ -35,10 +35,10 @@ pub(super) fn manual(root: Root) -> BTreeMap<(String, String), String> {
     descriptions
 }
 
-/// Text in the manual for keys that a study of one wheel or an axle refuses with an explanation.
+/// Note in the manual at keys that a study of one wheel or an axle refuses with an explanation.
 const OF_CARS: &str = "only in the [study of a car](car.md)";
 
-/// All known facts, while the schema is written.
+/// Everything that is known about the keys, while the schema is written.
 pub(super) struct Book {
     pub(super) root: Root,
     pub(super) places: BTreeMap<String, Place>,

@@ -1,4 +1,5 @@
-//! Source of values for the reader of studies. It records the kind of value and the keys that each type requests.
+//! Artificial source of values for the reader of studies. It records the kind of value and the keys that each type
+//! requests.
 
 use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeSeed, Deserializer, MapAccess, SeqAccess, Visitor};
@@ -29,12 +30,12 @@ pub(super) const OFFERS: [Kind; 5] = [
     Kind::Table,
 ];
 
-/// Known properties of a place.
+/// Known properties of the value at a path.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Place {
     pub(super) kinds: BTreeSet<Kind>,
     pub(super) keys: Vec<&'static str>,
-    /// True if the type at this place accepts any kind of value.
+    /// True if the type at this path accepts any kind of value.
     pub(super) takes_any: bool,
 }
 
@@ -42,13 +43,13 @@ pub(super) struct Place {
 #[derive(Debug, Default)]
 pub(super) struct Notes {
     pub(super) places: BTreeMap<String, Place>,
-    /// Kind offered at each place that accepts any kind. Without an entry it is a number.
+    /// Kind offered at each path that accepts any kind. Without an entry, a number is offered.
     pub(super) offers: BTreeMap<String, Kind>,
     /// Keys of tables whose type did not announce them.
     keys: BTreeMap<String, Vec<&'static str>>,
     /// Key that is withheld in this reading.
     pub(super) withheld: Option<String>,
-    /// Place of the refused offer.
+    /// Path of the refused offer.
     pub(super) refused: Option<String>,
     /// True if the reading found new keys. Then the same offer may now succeed.
     pub(super) has_learnt: bool,
@@ -81,7 +82,7 @@ impl serde::de::Error for Refusal {
     }
 }
 
-/// Source without text, at a place.
+/// Source without text, at a path.
 pub(super) struct Source<'a> {
     pub(super) notes: &'a RefCell<Notes>,
     pub(super) path: String,
@@ -117,7 +118,7 @@ impl<'a> Source<'a> {
     }
 }
 
-/// Place of a key in the table at a place.
+/// Path of a key in the table at a path.
 pub(crate) fn key_path(table: &str, key: &str) -> String {
     match table {
         "" => key.to_owned(),
@@ -125,7 +126,7 @@ pub(crate) fn key_path(table: &str, key: &str) -> String {
     }
 }
 
-/// Keys of a table, and the places of their values.
+/// Keys of a table, and the paths of their values.
 struct Keys<'a> {
     notes: &'a RefCell<Notes>,
     left: std::collections::VecDeque<(&'static str, String)>,
@@ -155,7 +156,7 @@ impl<'de> MapAccess<'de> for Keys<'_> {
     }
 }
 
-/// A key of a table. Like a value, it can be read together with its place in the file.
+/// A key of a table. Like a value, it can be read together with its position in the file.
 struct Key(&'static str);
 
 impl<'de> Deserializer<'de> for Key {
@@ -184,10 +185,10 @@ impl<'de> Deserializer<'de> for Key {
     }
 }
 
-/// Name with which the crate `serde_spanned` identifies the type of such a value.
+/// Name by which the crate `serde_spanned` identifies a value with its position.
 const SPANNED: &str = "$__serde_spanned_private";
 
-/// A value between its first and its last byte, in the form of the TOML reader.
+/// A value with the positions of its first and its last byte, in the form of the TOML reader.
 struct Spanned<T> {
     fields: &'static [&'static str],
     next: usize,

@@ -1,30 +1,33 @@
-//! Suspensions with elastic parts: static values of the equilibrium at rest, and their derivatives with respect to each adjustment.
+//! Suspensions with elastic parts: static values of the equilibrium at rest, and their derivatives with respect to
+//! each adjustment.
 //!
-//! The adjusted parts are assembled without load, like builds ([`crate::assembly`]). The assembled position is the design of the
-//! elastic suspension: there its parts are relaxed, or have the forces of the design load. Both wheels of an axle are in
-//! equilibrium together. The wheel centres stay at the height h of the assembled parts. With p the built designs, x the amount of an
-//! adjustment and y a value in equilibrium,
+//! The adjusted parts are assembled without load, like builds ([`crate::assembly`]). The assembled position is the
+//! design of the elastic suspension. In this position its parts are relaxed, or have the forces of the design load.
+//! Both wheels of an axle are in equilibrium together. The wheel centres stay at the height h of the assembled parts.
+//! With p the built designs, x the amount of an adjustment and y a value in equilibrium,
 //!
 //! ```text
 //! dy/dx = dy/dp (dp/dx + dp/dh dh/dx)                                                        (9)
 //! ```
 //!
-//! The springs stay the same parts ([`SpringLaw::kept_from`]), so their force depends on their length l alone. The study gives h. If
-//! an adjustment lifts the car instead, the spring keeps the length of the nominal equilibrium, and with it its force:
+//! The springs stay the same parts ([`SpringLaw::kept_from`]), so their force depends on their length l alone. The study
+//! gives h. If an adjustment lifts the car instead, the spring keeps the length of the nominal equilibrium, and with it
+//! its force:
 //!
 //! ```text
 //! dh/dx = -(dl/dp dp/dx)/(dl/dp dp/dh)                                                       (10)
 //! ```
 //!
-//! A solid axle is assembled as a whole, once as each of its wheels sees it. Its place and direction count from the nominal design. The
-//! assembled axle is rotated by R and displaced by d from there. In equilibrium it is rotated by Q and displaced by u from the assembled
-//! position. Both together are
+//! A solid axle is assembled as a whole, once as seen from each of its wheels. Its position and direction count from
+//! the nominal design. The assembled axle is rotated by R and displaced by d from the nominal design. In equilibrium
+//! it is rotated by Q and displaced by u from the assembled position. Both displacements together are
 //!
 //! ```text
 //! Q R,   d + u                                                                               (11)
 //! ```
 //!
-//! The parts of an axle on five links cause tensions T in its links, which are further inputs: dy/dx gets the term (dy/dT) (dT/dx).
+//! The parts of an axle on five links cause tensions T in its links, which are further inputs: dy/dx gets the term
+//! (dy/dT) (dT/dx).
 //!
 //! [`SpringLaw::kept_from`]: crate::axle::SpringLaw::kept_from
 
@@ -53,7 +56,8 @@ pub(super) struct Elastic<'a> {
     reads: Reads,
     /// Factors from the kernel's units to printed ones.
     factors: Vec<f64>,
-    /// Length that the spring keeps, if an adjustment lifts the car. The last value read is then the spring's length.
+    /// Length that the spring keeps, if an adjustment lifts the car. The last of the values is then the spring's
+    /// length.
     kept: Option<f64>,
     /// True if the right wheel is the mirror image of the left one, with the same adjustments.
     is_mirrored: bool,
@@ -67,13 +71,14 @@ struct Half<'a> {
     changes: Vec<Change>,
 }
 
-/// Source of the values.
+/// Kind of equilibrium from which the values are read.
 enum Reads {
     Wheel(Box<ComplianceStudy>, Vec<KcValue>),
     Axle(Box<Axle>, Vec<AxleRead>),
 }
 
-/// Values in an equilibrium, each with its derivatives with respect to the coordinates of all points, wheel after wheel, and by tensions of links.
+/// Values in an equilibrium, each with its derivatives. The derivatives are with respect to the coordinates of all
+/// points, wheel after wheel, and to the tensions of links.
 struct Found {
     values: Vec<f64>,
     by: Vec<Vec<f64>>,
@@ -96,7 +101,7 @@ impl Found {
         }
     }
 
-    /// Derivative of a value as the points of all wheels move. NaN if it has no value.
+    /// Derivative of a value as the points of all wheels move. NaN if the derivative has no value.
     fn along(&self, number: usize, moves: &Moves) -> f64 {
         if self.by[number].is_empty() {
             return f64::NAN;
@@ -118,7 +123,7 @@ impl From<NoEquilibrium> for SetUpError {
 }
 
 impl<'a> Elastic<'a> {
-    /// A wheel, with these values. `lifts` is true if an adjustment lifts the car.
+    /// Set-up of one wheel with elastic parts, for these static values. `lifts` is true if an adjustment lifts the car.
     pub(super) fn wheel(
         assembler: &'a Assembler,
         elastic: &ComplianceStudy,
@@ -153,7 +158,8 @@ impl<'a> Elastic<'a> {
         .keeping(keeps)
     }
 
-    /// An axle with independent wheels, with these values. Adjustments without a side act on both wheels.
+    /// Set-up of an axle with independent wheels and elastic parts, for these static values. Adjustments without a side
+    /// act on both wheels.
     pub(super) fn axle(
         assemblers: [&'a Assembler; 2],
         nominal: &Axle,
@@ -210,7 +216,7 @@ impl<'a> Elastic<'a> {
         Ok(self)
     }
 
-    /// The nominal suspension of the wheel, or of the left one.
+    /// The nominal suspension of the wheel, or of the left wheel of an axle.
     pub(super) fn suspension(&self) -> &Suspension {
         self.wheels[0].assembler.suspension()
     }
@@ -243,7 +249,7 @@ impl<'a> Elastic<'a> {
             let placed = self.placed(&built, &found, Some(k));
             let slopes = self.factors.iter().enumerate();
             let slopes = slopes.map(|(number, factor)| factor * (slope(number) + placed[number]));
-            // The car is higher by as much as the wheel is lower. The form 0 - x avoids a negative zero.
+            // The car rises by the same amount by which the wheel falls. The form 0 - x avoids a negative zero.
             slopes.chain([0.0 - rise]).collect()
         });
         let by = by.collect();
@@ -271,8 +277,8 @@ impl<'a> Elastic<'a> {
         Ok((built, found))
     }
 
-    /// Applies Newton's method to the height at which the spring has a length in equilibrium, (10). It starts from the height of the
-    /// rigid mechanism and shortens steps that the parts cannot follow.
+    /// Applies Newton's method to the height at which the spring has a given length in equilibrium (10). It starts
+    /// from the height of the rigid mechanism and shortens steps that the parts cannot follow.
     fn settle(&self, amounts: &[f64], length: f64) -> Result<(Vec<Built>, Found), SetUpError> {
         let Half { assembler, changes } = &self.wheels[0];
         let size = assembler.suspension().size();
@@ -286,7 +292,7 @@ impl<'a> Elastic<'a> {
             if step.is_nan() || step.abs() > size {
                 break;
             }
-            // The last step is accepted if it no longer halves: it is rounding.
+            // If steps no longer halve, the last step is at rounding level and is accepted.
             if step.abs() <= 1e-13 * size || (step.abs() <= 1e-10 * size && step.abs() >= before) {
                 return Ok((built, found));
             }
@@ -314,7 +320,7 @@ impl<'a> Elastic<'a> {
         }
     }
 
-    /// Rates of all points and of the height by an adjustment.
+    /// Rates of all points, and of the height, with respect to an adjustment.
     fn by_adjustment(&self, built: &[Built], k: usize) -> (Moves, f64) {
         let wheels = self.wheels.iter().zip(built);
         let rates = wheels.map(|(half, built)| half.assembler.design_by(built, &half.changes[k]));
@@ -327,9 +333,9 @@ impl<'a> Elastic<'a> {
         (Moves { points, tensions }, rises[0])
     }
 
-    /// Part of each value that comes from the place of the assembled axle, (11), or its derivative with respect to an adjustment. The direction of
-    /// the assembled axle is already part of the values, but not of their derivatives. 0 for all values that
-    /// [`FROM_DESIGN`] does not list.
+    /// Contribution to each value from the position of the assembled axle (11), or its derivative with respect to an
+    /// adjustment. The direction of the assembled axle is already part of the values, but not of their derivatives. 0
+    /// for all values that [`FROM_DESIGN`] does not list.
     fn placed(&self, built: &[Built], found: &Found, adjustment: Option<usize>) -> Vec<f64> {
         let mut placed = vec![0.0; self.factors.len() + 1];
         let Reads::Axle(_, reads) = &self.reads else {
@@ -418,7 +424,7 @@ impl<'a> Elastic<'a> {
     }
 }
 
-/// Returns true for a value that follows from the direction of a solid axle, not from its place.
+/// Returns true for a value that follows from the direction of a solid axle, not from its position.
 fn is_direction(of: AxleQuantity) -> bool {
     matches!(of, AxleQuantity::AxleSteer | AxleQuantity::PinionAngle)
 }

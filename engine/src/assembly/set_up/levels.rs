@@ -6,7 +6,8 @@ use nalgebra::{DMatrix, DVector};
 
 /// Largest number of steps of Newton's method.
 const MOST_STEPS: usize = 40;
-/// Share of the largest effect below which effects count as zero. No aim depends on such directions.
+/// Share of the largest effect below which effects count as zero. Directions with such effects count as having no
+/// influence on any aim.
 const FLAT: f64 = 1e-8;
 /// Size of steps, as a share of the suspension's size, that do not change the parts.
 const STILL: f64 = 1e-14;
@@ -28,8 +29,8 @@ pub(super) struct Levels {
     pub(super) shims: Vec<usize>,
 }
 
-/// Finds independent rows of a matrix, by Gram-Schmidt with pivoting. Each time it takes the row with the largest remainder,
-/// equation (1).
+/// Finds independent rows of a matrix, by Gram-Schmidt with pivoting. Each step of equation (1) takes the row with
+/// the largest remainder.
 pub(super) fn felt(mut rows: DMatrix<f64>) -> Vec<usize> {
     let mut taken = Vec::new();
     let mut largest = 0.0;
@@ -62,8 +63,9 @@ pub(super) enum End<S = AdjustedSuspension> {
     Stuck(S),
 }
 
-/// Takes steps until they no longer change the parts. `size` is the size of the suspension. `errors` gives the weighted errors of
-/// a state, `step` the step from it, and `trial` the state after a displacement: minus the step, or a part of it.
+/// Takes steps until they no longer change the parts. `size` is the size of the suspension. `errors` returns the
+/// weighted errors of a state, and `step` the step from it. `trial` returns the state after a displacement: minus the
+/// step, or a fraction of that.
 fn iterate<S>(
     mut state: S,
     size: f64,
@@ -113,8 +115,8 @@ impl Problem<'_> {
         })
     }
 
-    /// Runs an iteration for some aims. If it does not meet them, leaves out the aim with the largest error and tries
-    /// again, until it meets the others. The error then names the missed aims.
+    /// Runs an iteration for some aims. If it does not meet them, it drops the aim with the largest error and tries
+    /// again, until it meets the remaining aims. The error then names the missed aims.
     pub(super) fn settle(
         &self,
         state: AdjustedSuspension,
@@ -129,7 +131,7 @@ impl Problem<'_> {
                 End::Settled(state) => return Err(self.out_of_reach(&state, aims)),
                 End::Stuck(state) => {
                     let errors = self.errors(&state, &left);
-                    // An error without a value counts as the largest.
+                    // A NaN error counts as the largest error.
                     let sizes = errors
                         .iter()
                         .map(|e| if e.is_nan() { f64::INFINITY } else { e.abs() });
@@ -183,7 +185,7 @@ impl Problem<'_> {
     }
 }
 
-/// Least-squares step of smallest norm. `None` if an error or an effect has no value.
+/// Least-squares step of smallest norm. `None` if an error or an effect is not finite.
 pub(super) fn least_step(effects: DMatrix<f64>, errors: &DVector<f64>) -> Option<DVector<f64>> {
     if errors.iter().chain(effects.iter()).any(|v| !v.is_finite()) {
         return None;
@@ -198,8 +200,8 @@ mod tests {
     use super::*;
     use std::cell::RefCell;
 
-    /// An adjustment changes an aim if its effect is above a hundred-millionth of the largest effect. This holds for the choice
-    /// of aims, and for the steps towards them.
+    /// An adjustment changes an aim if its effect is above a hundred-millionth of the largest effect. This threshold
+    /// holds for the choice of aims, and for the steps towards them.
     #[test]
     fn effects_count_down_to_a_hundred_millionth() {
         let rows = |across: f64| DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 1.0, across]);
@@ -213,8 +215,9 @@ mod tests {
         assert_eq!(step(5e-9)[1], 0.0);
     }
 
-    /// The solver tries a full step, then halves it down to a thousandth. It does not try a step below 1e-14 of the size. A step
-    /// without improvement is rounding up to 1e-7 of the size; a longer one means that the solver is stuck.
+    /// The solver tries a full step, then halves it down to a thousandth. It does not try a step below 1e-14 of the
+    /// size. If no fraction of a step improves the state, a step up to 1e-7 of the size counts as rounding. A longer
+    /// one means that the solver is stuck.
     #[test]
     fn steps_are_halved_and_end_at_their_thresholds() {
         let size = 400.0;
@@ -239,8 +242,8 @@ mod tests {
         }
     }
 
-    /// Newton's method for x^3 = 8 ends at 2 from both sides. From 0.5 the full step would make the error larger. From 0.01 even a
-    /// thousandth of the step does. Without a step the iteration ends at once.
+    /// Newton's method for x^3 = 8 ends at 2 from both sides. From 0.5 the full step would make the error larger.
+    /// From 0.01 even a thousandth of the step would. Without a step the iteration ends at once.
     #[test]
     fn the_iteration_finds_a_root_by_shorter_steps() {
         let errors = |x: &f64| DVector::from_element(1, x.powi(3) - 8.0);

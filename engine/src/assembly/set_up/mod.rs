@@ -3,19 +3,20 @@
 //! Threads are continuous, but shims come in whole steps. So threads meet their aims exactly, for any choice of shims. Shims
 //! serve the remaining aims. The error of a shim never affects a value that a thread can meet.
 //!
-//! Notation: `x` are the amounts of threads and other continuous adjustments, `z` those of shims (`z_k = s_k m_k`, step
-//! `s_k`, whole number `m_k`). `w(x, z)` are the static values of the mechanism after assembly, `b` their aims. `W = D dw`
-//! are the exact derivatives, weighted by `D`: a tenth of a degree counts as much as a millimetre.
+//! Notation: `x` are the amounts of threads and other continuous adjustments. `z` are those of shims (`z_k = s_k
+//! m_k`, with the step `s_k` and the whole number `m_k`). `w(x, z)` are the static values of the mechanism after
+//! assembly, `b` their aims. `W = D dw` are the exact derivatives, weighted by `D`: a tenth of a degree counts as
+//! much as a millimetre.
 //!
-//! *Aims of the threads.* The threads can meet as many aims as `W_x` has rank. Gram-Schmidt with pivoting over its rows
-//! chooses these aims. Each step takes the aim that the threads still change most:
+//! *Aims of the threads.* The rank of `W_x` is the number of aims that the threads can meet. Gram-Schmidt with
+//! pivoting over its rows chooses these aims. Each step takes the aim that the threads still change most:
 //!
 //! ```text
 //! i = argmax |w_i|,   u = w_i / |w_i|,   w_j <- w_j - (w_j . u) u                      (1)
 //! ```
 //!
-//! until no significant row remains. `S` are the aims taken, `R` the others. So a tie rod takes toe, and a pushrod takes the
-//! ride height.
+//! until no significant row remains. `S` are the chosen aims, `R` the others. So a tie rod sets toe, and a pushrod
+//! sets the ride height.
 //!
 //! *First level.* Newton's method meets `S` with the threads. With more threads than aims, the adjustment is the smallest
 //! one:
@@ -39,24 +40,24 @@
 //!
 //! If the threads meet every aim, `R` is empty. Then (2) over threads and shims together gives the smallest adjustment.
 //!
-//! *Whole shims.* Near the real optimum `z0`, the `m_k` are `floor(z0_k / s_k)` or one more. The linear model ranks at most
-//! 2^10 neighbours; neighbours with equal errors are ranked by their distance from `z0`:
+//! *Whole shims.* Near the real optimum `z0`, the `m_k` are `floor(z0_k / s_k)` or one more. The linear model ranks
+//! at most 2^10 of these combinations (neighbours). If errors are equal, the neighbour closer to `z0` ranks first:
 //!
 //! ```text
 //! |r(z0) + G (z - z0)|^2                                                                (6)
 //! ```
 //!
-//! The eight best and the nearest are assembled and meet (2). The order is: first neighbours with errors of at most half a
-//! step,
+//! The program assembles the eight best neighbours and the one nearest to `z0`, with threads that meet (2). It
+//! prefers first the neighbours with errors of at most half a step,
 //!
 //! ```text
 //! |r_i| <= sum over shims of s_k |G_ik| / 2                                             (7)
 //! ```
 //!
-//! then the one with the least `phi`, then the one with the smallest adjustment.
+//! then the neighbour with the least `phi`, then the one with the smallest adjustment.
 //!
-//! If (2) or (5) misses its aims, the solver gives up the aim with the largest error and meets the others from there. So an
-//! aim is not reported as out of reach only because another aim prevented it.
+//! If (2) or (5) misses its aims, the solver gives up the aim with the largest error and meets the others from there.
+//! So the solver never reports an aim as out of reach only because another aim prevented it.
 //!
 //! A mechanic fits shims first, then turns the threads by sixteenths of a turn. The thread that changes toe most comes last.
 //! The solver also assembles the rounded state. It bounds the errors as in (7), plus half a sixteenth of a turn of each
@@ -91,7 +92,8 @@ pub const PARTS_OF_A_TURN: f64 = 16.0;
 pub enum Static {
     /// A characteristic of one wheel at travel 0, or of both wheels alike.
     Characteristic(Characteristic),
-    /// A quantity of an axle at rest that is adjusted as a whole. Place and direction of a solid axle count from the nominal design.
+    /// A quantity of an axle at rest that is adjusted as a whole. Position and direction of a solid axle count from
+    /// the nominal design.
     Axle(Quantity),
     /// Change of the ride height from the design. Positive if the car is higher. It is the negative of the wheel travel of
     /// the static position.
@@ -108,7 +110,7 @@ impl Static {
         }
     }
 
-    /// Characteristic of a wheel, if the value is one.
+    /// Characteristic of a wheel. `None` if the value is not a characteristic.
     fn characteristic(self) -> Option<Characteristic> {
         match self {
             Static::Characteristic(of) | Static::Axle(Quantity::Corner(_, of)) => Some(of),
@@ -132,10 +134,10 @@ pub struct AdjustedSuspension {
     pub amounts: Vec<f64>,
     /// Assembled parts. For a solid axle, in the frame of its left wheel.
     pub built: Built,
-    /// Solid axle in the frame of its right wheel, or the right wheel of an axle that is adjusted as a whole. `None` for one wheel, and
-    /// if both wheels are alike.
+    /// Solid axle in the frame of its right wheel, or the right wheel of an axle that is adjusted as a whole. `None`
+    /// for one wheel, and if both wheels are alike.
     pub seen_from_right: Option<Built>,
-    /// Static values, in printed units. With elastic parts, the equilibrium has these values.
+    /// Static values, in printed units. With elastic parts, these are the values in equilibrium.
     pub values: Vec<f64>,
     /// Derivatives of the static values, `[adjustment][value]`.
     pub by: Vec<Vec<f64>>,
@@ -165,8 +167,9 @@ impl Aim {
 /// A solved set-up.
 #[derive(Clone, Debug)]
 pub struct SetUp {
-    /// Static values: camber, toe, caster and bump steer (if they are defined), other target values, and the change of ride
-    /// height. A solid axle has camber, toe and caster of both wheels, then its own place and direction instead of bump steer.
+    /// Static values: camber, toe, caster and bump steer (if they are defined), other target values, and the change
+    /// of ride height. A solid axle has camber, toe and caster of both wheels, then its own position and direction
+    /// instead of bump steer.
     pub statics: Vec<Static>,
     /// Aim of each static value.
     pub aims: Vec<Aim>,
@@ -232,13 +235,14 @@ impl From<DesignFault> for SetUpError {
 }
 
 impl SetUp {
-    /// Finds the adjustments that give the target values of one wheel, or of both wheels of an axle with elastic parts that are alike.
+    /// Finds the adjustments that give the target values of one wheel, or of both wheels of an axle with elastic
+    /// parts whose wheels are alike.
     pub fn solve(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, SetUpError> {
         SetUp::solve_problem(Problem::of(study, setup, assembler)?, setup)
     }
 
-    /// Finds the adjustments of an axle as a whole, from the assemblers of its left and its right wheel. Those of a solid axle assemble
-    /// it as seen from each wheel.
+    /// Finds the adjustments of an axle as a whole, from the assemblers of its left and its right wheel. Each
+    /// assembler of a solid axle assembles the whole axle, as seen from its wheel.
     pub fn solve_axle(
         both: &AxleStudy,
         setup: &Setup,
@@ -292,7 +296,8 @@ impl SetUp {
         Problem::of(study, setup, assembler).map(SetUp::unsolved)
     }
 
-    /// Returns the same for an axle as a whole, from the assemblers of its left and its right wheel.
+    /// Returns the same state as [`SetUp::drawn`] for an axle as a whole, from the assemblers of its left and its
+    /// right wheel.
     pub fn drawn_axle(
         both: &AxleStudy,
         setup: &Setup,

@@ -34,7 +34,8 @@ pub(super) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// Makes the set-up of one wheel, or of both wheels of an axle with elastic parts that are alike, and the state of its design.
+    /// Makes the set-up of one wheel, or of both wheels of an axle with elastic parts whose wheels are alike, and the
+    /// state of its design.
     pub(super) fn of(
         study: &Study,
         setup: &Setup,
@@ -136,9 +137,9 @@ impl<'a> Problem<'a> {
         self.subject.suspension().size()
     }
 
-    /// Keeps the toe of the design if the study gives no target for it and one of several threads of the wheel is for toe. A thread is
-    /// for toe if it changes toe more than camber, caster and ride height. A single thread adjusts whatever the study
-    /// requests.
+    /// Keeps the toe of the design if the study gives no target for it and one of several threads of the wheel is for
+    /// toe. A thread is for toe if it changes toe more than camber, caster and ride height. A single thread adjusts
+    /// whatever the study requests.
     fn keep_toe(&mut self, drawn: &AdjustedSuspension, setup: &Setup) {
         let toes: Vec<usize> = self.toes().collect();
         for toe in toes {
@@ -163,8 +164,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Keeps the toe of a solid axle's left wheel if its drag link is one of several adjustments, and that of the right wheel if its
-    /// tie rod is another one. Toe with a target is not kept.
+    /// Keeps the toe of a solid axle's left wheel if its drag link is one of several adjustments. Keeps the toe of
+    /// the right wheel if the tie rod is another one. Toe with a target is not kept.
     fn keep_steer(&mut self, drawn: &AdjustedSuspension, setup: &Setup, both: &AxleStudy) {
         let Some(steering) = both.axle.left.mechanism.axle_steering() else {
             return;
@@ -348,7 +349,8 @@ fn characteristics(mechanism: &Mechanism, setup: &Setup, is_elastic: bool) -> Ve
     characteristics
 }
 
-/// Returns true if a suspension has the steering axis that a characteristic reads. In an equilibrium only joints define the axis.
+/// Returns true if a suspension has the steering axis that a characteristic needs. In an equilibrium only joints
+/// define the axis.
 fn has_value(of: Characteristic, mechanism: &Mechanism, is_elastic: bool) -> bool {
     let has_axis = match mechanism.steering_axis {
         Some(SteeringAxis::Through { .. }) => true,

@@ -6,7 +6,8 @@ use super::{AdjustedSuspension, MET, SetUpError};
 use crate::sorting::sort_by;
 use nalgebra::{DMatrix, DVector};
 
-/// Largest number of shims for which both neighbours are tried, which gives 2^10 combinations. Further shims are rounded.
+/// Largest number of shims for which both neighbouring whole numbers are tried: 2^10 combinations. Further shims are
+/// rounded.
 const MOST_ENUMERATED: usize = 10;
 /// Number of neighbours that are assembled.
 const MOST_ASSEMBLED: usize = 8;
@@ -57,7 +58,7 @@ impl Problem<'_> {
         }
     }
 
-    /// Gauss-Newton method (5) over shims of any thickness. Every trial meets the aims of the threads.
+    /// Applies the Gauss-Newton method (5) to shims of any thickness. Every trial meets the aims of the threads.
     fn serve(
         &self,
         state: AdjustedSuspension,
@@ -128,8 +129,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Amounts with whole shims near the amounts of a state, in the order of the linear model (6). They include the nearest
-    /// ones.
+    /// Amounts with whole shims near the amounts of a state, in the order of the linear model (6). The nearest
+    /// amounts are always included.
     pub(super) fn neighbours(&self, real: &AdjustedSuspension, levels: &Levels) -> Vec<Vec<f64>> {
         let mut nearest = real.amounts.clone();
         let mut open = Vec::new();

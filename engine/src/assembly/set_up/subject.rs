@@ -1,15 +1,16 @@
-//! Assembled parts of a set-up, their static values, and the derivatives of these values by each adjustment.
+//! Assembled parts of a set-up, their static values, and the derivatives of these values with respect to each
+//! adjustment.
 //!
-//! A wheel is assembled separately. The module `elastic` handles suspensions with elastic parts. A solid axle is assembled as a whole,
-//! once as each of its wheels sees it (`RigidAxle`). A value y of the axle then has gradients with respect to the built designs p_l and p_r of both
-//! views. With x the amount of an adjustment,
+//! A wheel is assembled separately. The module `elastic` handles suspensions with elastic parts. A solid axle is
+//! assembled as a whole, once as seen from each of its wheels (`RigidAxle`). A value y of the axle then has gradients
+//! with respect to the built designs p_l and p_r of both views. With x the amount of an adjustment,
 //!
 //! ```text
 //! dy/dx = (dy/dp_l) (dp_l/dx) + (dy/dp_r) (dp_r/dx)                                          (8)
 //! ```
 //!
-//! Place and direction of the axle itself count from the nominal design, not from the built one. They follow from the pose in which the
-//! parts were assembled, with its exact derivative.
+//! Position and direction of the axle itself count from the nominal design, not from the built one. They follow from
+//! the pose in which the parts were assembled, with its exact derivative.
 
 use super::elastic::Elastic;
 use super::{AdjustedSuspension, SetUpError};
@@ -26,7 +27,8 @@ use crate::plan::Plan;
 use crate::study::{Adjustment, AxleStudy, Outputs, WheelStudy};
 use std::borrow::Cow;
 
-/// Dimension that an adjustment changes in one assembled mechanism, if it changes one.
+/// Dimensions that an adjustment changes in one assembled mechanism, each with its factor. Empty if it changes none
+/// there.
 pub(super) type Change = Vec<(BuildParameter, f64)>;
 
 /// A suspension to set up.
@@ -68,7 +70,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// A solid axle, with these values.
+    /// Makes the subject of a solid axle with these quantities.
     pub(super) fn axle(
         assemblers: [&'a Assembler; 2],
         both: &AxleStudy,
@@ -158,7 +160,7 @@ fn state_of_wheel(
     let values = found.curves.stations[0].values.iter();
     let values = values.map(|v| v.unwrap_or(f64::NAN));
     let columns = found.curves.columns.len();
-    // The car is higher by as much as the wheel is lower. The form 0 - x avoids a negative zero.
+    // The car rises by the same amount by which the wheel falls. The form 0 - x avoids a negative zero.
     let change = 0.0 - built.height;
     Ok(AdjustedSuspension {
         amounts: amounts.to_vec(),

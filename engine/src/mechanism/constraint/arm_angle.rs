@@ -1,4 +1,4 @@
-//! An arm at a given angle.
+//! Constraint that holds an arm at a given angle.
 //!
 //! a0 and a are the vectors from the axis to the outer joint, in the design position and in the present pose. e is the unit
 //! axis, and r the radius of the outer joint about it:

@@ -14,7 +14,7 @@
 //! ```
 //!
 //! For a link, d runs from P to the outer end, and d0 is d in the design position. For a joint, p is the point of the
-//! knuckle that coincides with P, and n is one of two directions normal to the line from o to p in the design position:
+//! knuckle that coincides with P. n is one of two directions normal to the line from o to p in the design position:
 //!
 //! ```text
 //! F = (d.d - d0.d0)/(2 |d0|),   g = d/|d0|          (link)                  (3)
@@ -40,9 +40,9 @@
 //!
 //! with g' = d'/|d0| for a link and g' = 0 for a joint.
 //!
-//! In a built arm, a, b and c follow from the lengths of the two built legs and from the coordinates of the point in the
-//! frame of the nominal arm. This frame has its origin at the outer joint. Its directions are that of the axis, and that
-//! from the axis to the joint (7).
+//! In a built arm, the lengths of the two built legs and the coordinates of the point in the frame of the nominal arm
+//! determine a, b and c. This frame has its origin at the outer joint. Its directions are along the axis, and from the
+//! axis to the joint (7).
 
 use super::normals;
 use crate::mechanism::pose::Sink;

@@ -1,7 +1,8 @@
 //! One of the two travels of a rigid axle (see `model/rigid_axle.rs`).
 //!
-//! With z_n and z_f the heights of the near and the far wheel centre over their design positions, s = 1 for the mean or
-//! s = -1 for the difference, and r the value that is held, where other mechanisms have the rack's displacement:
+//! z_n and z_f are the heights of the near and the far wheel centre above their design positions. s = 1 for the mean
+//! and s = -1 for the difference. r is the value that is held; other mechanisms hold the rack's displacement in its
+//! place.
 //!
 //! ```text
 //! F  = (z_n + s z_f)/2 - r                                          (1)
@@ -15,10 +16,10 @@
 //! f' = 0,   m' = (w x (l_n + s l_f)/2) x z,   q' = 0                (4)
 //! ```
 //!
-//! For a steered axle, heights count from the positions of the wheel centres after the knuckles have turned, with the axle itself
-//! at rest. Then r is smaller by the same amount (see (4) of `model/steered_axle.rs`). A row computes these positions from its
-//! design. Derivatives with respect to hardpoints are taken at constant travel, and travel counts from the hardpoints. So a row differentiates
-//! the height of a wheel centre over its hardpoint.
+//! For a steered axle, heights count from the positions of the wheel centres after the knuckles have turned, with the
+//! axle itself at rest. Then r is smaller by the same amount (see (4) of `model/steered_axle.rs`). A row computes
+//! these positions from its design. Derivatives with respect to hardpoints are taken at constant travel, and travel
+//! counts from the hardpoints. So a row differentiates the height of a wheel centre above its hardpoint.
 //!
 //! F is linear in the pose. The far wheel of a twist beam is on a rocker of the near half, and both wheels of a steered axle are
 //! on rockers. Then the wrench of the height and its rate are those of a force on a rocker (see `rocker_end.rs`), and F is not

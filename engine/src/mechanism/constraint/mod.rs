@@ -1,19 +1,20 @@
 //! Closure equations, one file for each kind of constraint.
 //!
-//! A constraint has a residual F, in (1), and its differential:
+//! A constraint has a residual F (1) and its differential (2):
 //!
 //! ```text
 //! F(pose, rack, hardpoints) = 0                                                    (1)
 //! dF = f . d(origin) + m . d(rotation) + q d(rack) + sum over hardpoints g . dh    (2)
 //! ```
 //!
-//! The force f and the moment m are a row of the 6x6 Jacobian. They are the Pluecker coordinates of the line along which the
-//! constraint acts. q is the force on the rack. With the gradients g, the implicit function theorem gives derivatives by
-//! hardpoints. Each row is scaled to a length, so forces are about one and moments about one length.
+//! The force f and the moment m are a row of the 6x6 Jacobian. They are the Pluecker coordinates of the line along
+//! which the constraint acts. q is the force on the rack. With the gradients g, the implicit function theorem gives
+//! derivatives with respect to hardpoints. Each row is scaled to a length, so forces are about one and moments about
+//! one length.
 //!
-//! Along a motion of the knuckle with velocity v of its origin and angular velocity w, a vector r that is fixed in the
-//! knuckle changes as in (3). The rates (4) of a wrench follow from (3) by the product rule, with the rack fixed. Each file
-//! derives its own.
+//! Along a motion of the knuckle with velocity v of its origin and angular velocity w, a vector r that is fixed in
+//! the knuckle changes as in (3). The rates (4) of a wrench follow from (3) by the product rule, with the rack fixed.
+//! The file of each constraint derives its rates.
 //!
 //! ```text
 //! r' = w x r                                                                       (3)

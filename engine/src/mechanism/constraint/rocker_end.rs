@@ -7,16 +7,16 @@
 //! F = (d.d - d0.d0)/(2 |d0|),   dF = g.(d outer - d inner) + ..,   g = d/|d0|                    (1)
 //! ```
 //!
-//! The derivatives of (1) by x and p are G and H = -G. Whichever end of the link x is, G = (x - p)/|d0|. Let f be a point of the
-//! axis and e its direction. n is the rod's end on the rocker, o its other end, and s = n - o. The rod's tension k balances G
-//! about the axis:
+//! The derivatives of (1) with respect to x and p are G and H = -G. G = (x - p)/|d0|, whether x is the inner or the
+//! outer end. Let f be a point of the axis and e its direction. n is the rod's end on the rocker, o its other end,
+//! and s = n - o. The rod's tension k balances G about the axis:
 //!
 //! ```text
 //! k = N/D,   N = e.(x - f) x G,   D = e.(n - f) x s                                              (2)
 //! ```
 //!
-//! So the force H acts at p, and K = k s acts at o. The base receives the force G - K, and the moment of G at x less that of K at
-//! o. The row (f, m) contains those of these forces that act on the knuckle.
+//! So the force H acts at p, and K = k s acts at o. The base receives the force G - K, and the moment of G at x minus
+//! the moment of K at o. The row (f, m) contains those of these forces that act on the knuckle.
 //!
 //! Rates along the motion: points of the knuckle move with it, and points of the body do not move. The rod keeps its length, so
 //! the rocker turns in its base with
@@ -171,7 +171,7 @@ struct KnuckleMotion<'a, 'c, T> {
 }
 
 impl<T: Real> KnuckleMotion<'_, '_, T> {
-    /// Velocity of the knuckle at this place.
+    /// Velocity of the knuckle's point at this position.
     #[inline(always)]
     fn velocity(&self, place: Vector3<T>) -> Vector3<T> {
         self.along.shift + self.along.turn.cross(place - self.at.pose.origin)
@@ -192,7 +192,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
         Moving { now, rate }
     }
 
-    /// Adds the rate of the wrench of a force, times `sign`, that acts on such a point.
+    /// Adds the rate of the wrench of a force, times `sign`, at a point that is not on a rocker.
     #[inline(always)]
     fn add(
         &self,
@@ -219,7 +219,7 @@ impl<T: Real> KnuckleMotion<'_, '_, T> {
         }
     }
 
-    /// Adds the rate of the wrench of a force, times `sign`, at a place of the knuckle.
+    /// Adds the rate of the wrench of a force, times `sign`, at a point of the knuckle.
     #[inline(always)]
     fn add_at(&self, place: Moving<T>, force: Moving<T>, sign: T, wrench: &mut Wrench<T>) {
         let origin = Moving {
@@ -289,8 +289,8 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
         Moving { now, rate }
     }
 
-    /// Adds the rates of the wrench on the knuckle of the force G = `push` at a place of the rocker, by (2) and (4). Returns the force
-    /// K with which the rod pulls at its other end.
+    /// Adds the rates of the wrench on the knuckle that the force G = `push` at a point of the rocker causes, by (2)
+    /// and (4). Returns the force K with which the rod pulls at its other end.
     #[inline(always)]
     fn add(&self, place: Moving<T>, push: Moving<T>, wrench: &mut Wrench<T>) -> Moving<T> {
         let (axis, foot, off) = (self.axis, self.foot, self.off);
@@ -353,7 +353,7 @@ impl<'a, 'c, T: Real> TurnedRockers<'a, 'c, T> {
         self.own.point(id)
     }
 
-    /// Rates of the wrench on the knuckle of the force G = `push` at a place of the rocker.
+    /// Rates of the wrench on the knuckle that the force G = `push` at a point of the rocker causes.
     #[inline(always)]
     fn wrench_rate(&self, place: Moving<T>, push: Moving<T>) -> Wrench<T> {
         let one = place.now.x.one();
@@ -370,8 +370,8 @@ impl<'a, 'c, T: Real> TurnedRockers<'a, 'c, T> {
     }
 }
 
-/// Rates of the wrench on the knuckle of a constant force at a point of a rocker: (4) with G' = 0. A separate function,
-/// because it is rarely used, and large.
+/// Rates of the wrench on the knuckle that a constant force at a point of a rocker causes: (4) with G' = 0. A
+/// separate function, because it is rarely used, and large.
 #[inline(always)]
 pub(super) fn constant_push_rate<T: Real>(
     x: PointId,

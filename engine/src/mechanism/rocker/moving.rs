@@ -111,7 +111,7 @@ impl<B: SimdReal> Configuration<'_, B> {
             let end = turn.moved(inner);
             let rod = end - outer;
             let speed = rod.dot(rate) / rod.dot(turn.axis.cross(end - first));
-            // This form of the selection returns NaN if a value is NaN.
+            // With this form of the selection, the result is NaN if a value is NaN.
             least = B::select(
                 least.less(turn.leverage_squared),
                 least,
@@ -267,7 +267,8 @@ impl<B: SimdReal> Configuration<'_, B> {
         RodReach::of(self.ends_in_base(rocker, self.designed(rocker.outer)))
     }
 
-    /// Rod of a rocker while the knuckle is in its design position, as seen from the rocker. A steering gear may have moved it.
+    /// Rod of a rocker while the knuckle is in its design position, as seen from the rocker. A steering gear may have
+    /// moved the rod.
     #[inline(always)]
     pub fn rod_at_rest(&self, id: RockerId) -> RodReach<B> {
         let pose = Pose {

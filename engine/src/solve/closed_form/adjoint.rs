@@ -1,10 +1,10 @@
 //! Gradients with respect to the hardpoints in a pose of the closed form.
 //!
-//! As everywhere (module `sensitivity`), an output with derivative y_x by the pose has dy/dp = y_p - mu . F_p with J^T mu =
-//! y_x. The mu are constraint forces that balance the wrench y_x, a force f at the lower ball joint and a moment m about it.
-//! Here each of them has an explicit formula. v is the velocity of the ball joint and w the angular velocity, both by the
-//! travel. Levers start at the ball joint: d to the upper end, t to the tie rod's outer end, q to the wheel centre. l = t -
-//! g is along the tie rod.
+//! As everywhere (module `sensitivity`), an output with derivative y_x with respect to the pose has dy/dp = y_p - mu
+//! . F_p with J^T mu = y_x. The mu are constraint forces that balance the wrench y_x: a force f at the lower ball
+//! joint and a moment m about it. Here each mu has an explicit formula. v is the velocity of the ball joint and w the
+//! angular velocity, both per unit of travel. Levers start at the ball joint: d to the upper end, t to the tie rod's
+//! outer end, q to the wheel centre. l = t - g is along the tie rod.
 //!
 //! ```text
 //! travel      mu6 = f.v + m.w                                   virtual work
@@ -13,10 +13,10 @@
 //! lower arm   b   = f - nu - mu3 l - mu6 z
 //! ```
 //!
-//! d.(t x l) = ga |n|^2. nu is the force at the upper end. It has the moment M, d x nu = M, and does no work along e, the
-//! free direction of the upper end (along the strut, or the tangent of its circle). The two legs of an arm carry a force
-//! together, b = mu1 (r - p1) + mu2 (r - p2). With the axis a of the arm, s1 the joint's position along it and rho the
-//! radius,
+//! d.(t x l) = ga |n|^2. nu is the force at the upper end. Its moment is M, so d x nu = M. It does no work along e,
+//! the free direction of the upper end (along the strut, or the tangent of its circle). The two legs of an arm carry
+//! a force together: b = mu1 (r - p1) + mu2 (r - p2). a is the axis of the arm, s1 the joint's position along it and
+//! rho the radius:
 //!
 //! ```text
 //! mu1 + mu2 = b.rho/rho^2      mu2 = ((mu1 + mu2) s1 - b.a)/|p2 - p1|
@@ -187,8 +187,9 @@ impl<T: Real> Members<T> {
 }
 
 impl<'a, T: Real> Adjoint<'a, T> {
-    /// Prepares gradients in a state, which is the same pose as the configuration `at`. `ball_joint_velocity` and `turn` are
-    /// the velocity of the lower ball joint and the angular velocity of the knuckle, both by the travel.
+    /// Prepares gradients in a state, which is the same pose as the configuration `at`. `ball_joint_velocity` and
+    /// `turn` are the velocity of the lower ball joint and the angular velocity of the knuckle, both per unit of
+    /// travel.
     #[inline(always)]
     pub(crate) fn of(
         roles: &'a Roles,

@@ -9,11 +9,10 @@
 //! X = 1 + 1/u + (1 + |t|/u)/w
 //! ```
 //!
-//! A unit of travel moves the knuckle by v = |x_q|. This move must also cancel the travel that the residuals have caused, so
-//! that
-//! |J^-1| is about X + v (1 + X). With the arm as the drive it is about X. These are sums of absolute values, and so
-//! rather too large. The rows of J, each a unit force and its moment, have norms somewhat above one. Here they count as one. The
-//! product is correct within a factor of ten (`tests/it/hard_cases.rs`).
+//! A unit of travel moves the knuckle by v = |x_q|. This move must also cancel the travel that the residuals have caused.
+//! So |J^-1| is about X + v (1 + X). With the arm as the drive it is about X. These sums of absolute values are rather
+//! too large. Each row of J is a unit force and its moment. The norms of the rows are somewhat above one; here they count
+//! as one. The product is correct within a factor of ten (`tests/it/hard_cases.rs`).
 
 use super::{ArmState, ClosedForm};
 

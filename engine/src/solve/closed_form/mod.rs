@@ -14,8 +14,8 @@
 //! the 2x2 Gram system and ga^2 |n|^2 = t.t - al t.d - be t.g. The sign of ga tells on which side of the plane through
 //! steering axis and rack joint the rod's outer end lies. It changes only at ga = 0 (toggle).
 //!
-//! *Any knuckle vector* x0: the rotation takes v to d and t0 to t, so its image is x = a d + b t + k (d x t), with a, b from
-//! x0.v, x0.t0 and k from x0.(v x t0).
+//! *Any knuckle vector* x0. The rotation takes v to d and t0 to t, so the image of x0 is x = a d + b t + k (d x t). a and b
+//! follow from x0.v and x0.t0, and k follows from x0.(v x t0).
 //!
 //! These numbers can vanish:
 //!
@@ -302,7 +302,7 @@ impl<T: Real> ClosedForm<T> {
         form
     }
 
-    /// Returns the state, improved with a more accurate value of ga^2 G.
+    /// Improves a state with a more accurate value of ga^2 G.
     pub(crate) fn with_toggle_square(&self, state: ArmState<T>, square: T) -> ArmState<T> {
         ArmState {
             ga: self.side * (square / state.gram).sqrt(),
@@ -319,7 +319,7 @@ impl<T: Real> ClosedForm<T> {
 }
 
 impl ArmState<f64> {
-    /// Moves the tie rod's end into its plane if it has no real position. For states that are at a toggle within rounding.
+    /// Moves the tie rod's end into its plane if rounding at a toggle has left the end without a real position.
     pub(crate) fn at_toggle_if_beyond(&mut self) {
         if self.ga.is_nan() {
             self.ga = 0.0;
@@ -374,9 +374,9 @@ impl<const N: usize> ArmState<Jet<f64, N>> {
 }
 
 impl<T: Real> ArmState<T> {
-    /// Squares by which the closed form divides, or whose root it takes. Each comes with the factor that makes it the
-    /// squared sine of an angle. The angles are those of the steering arm to the plane through steering axis and rack joint,
-    /// the rack joint to the steering axis, and the steering arm to the steering axis.
+    /// Squares by which the closed form divides, or of which it takes the root. Each comes with the factor that makes
+    /// it the squared sine of an angle. These are the angles between the steering arm and the plane through steering
+    /// axis and rack joint, the rack joint and the steering axis, and the steering arm and the steering axis.
     #[inline(always)]
     pub(crate) fn squares(&self) -> [(T, T); 3] {
         [

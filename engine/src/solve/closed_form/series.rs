@@ -1,6 +1,6 @@
 //! The pose along the motion from the closed form, without linear algebra.
 //!
-//! Let t be the tangent of half the arm's angle. One evaluation on series in t gives the travel
+//! Let t be the tangent of half the arm's angle. One evaluation on Taylor series in t gives the travel
 //! z(t0 + d) = z0 + z1 d + z2 d^2 + ... and the pose. Along the motion z(t0 + d(s)) = z(s), so the coefficients of d(s)
 //! follow one after the other:
 //!
@@ -8,7 +8,7 @@
 //! d_k = (z_k(s) - [sum_(j >= 2) z_j d^j]_k) / z1                                  (1)
 //! ```
 //!
-//! The bracket contains only coefficients below d_k. The pose along the motion is its own series at d(s).
+//! The bracket contains only coefficients below d_k. The pose along the motion is its Taylor series at d(s).
 
 use super::{ArmState, ClosedForm};
 use crate::derive::MotionPoint;
@@ -18,8 +18,8 @@ use crate::number::Jet;
 use crate::number::Real;
 
 impl ClosedForm<f64> {
-    /// Pose as a series along a motion with the rack fixed, from the tangent of half the arm's angle. Also returns its first
-    /// state. `None` if the series does not exist.
+    /// Pose as a Taylor series along a motion with the rack fixed, from the tangent of half the arm's angle. Also returns
+    /// its first state. `None` if the series does not exist.
     pub(crate) fn pose_series<const N: usize>(
         &self,
         tangent: f64,
@@ -57,7 +57,7 @@ impl ClosedForm<f64> {
     }
 }
 
-/// Composes two series. The constant of the inner one must be zero.
+/// Composes two Taylor series. The constant of the inner one must be zero.
 #[inline]
 fn composed<const N: usize>(outer: Jet<f64, N>, inner: Jet<f64, N>) -> Jet<f64, N> {
     let mut sum = Jet::constant(outer[N - 1]);

@@ -1,6 +1,6 @@
 //! Upper end of the steering axis: a strut's mount or an upper arm's ball joint.
 //!
-//! From the lower ball joint r it gives the vector d to the upper end, and the knuckle vector v = m + s u, whose image is d.
+//! The lower ball joint r determines the vector d to the upper end, and the knuckle vector v = m + s u, whose image is d.
 //!
 //! *Strut.* u is the direction of the strut line in the knuckle. m is the vector from the ball joint to the foot of its
 //! perpendicular on the line. The mount p is fixed: d = p - r, and |m + s u| = |d| gives the strut length s = sqrt(d.d -
@@ -95,7 +95,7 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// Returns d, s and a margin. At margin zero d is at its limit; beyond it, all values are NaN. `square` is, if given, a
+    /// Returns d, s and a margin. At margin zero d is at its limit; beyond it, all values are NaN. `square`, if given, is a
     /// more accurate value of [`Upper::square`] than the one computed from the joint.
     #[inline(always)]
     pub(crate) fn at(&self, ball_joint: Vector3<T>, square: Option<T>) -> (Vector3<T>, T, T) {
@@ -133,7 +133,8 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// Product d.d. An arm's joint keeps it constant, and (m.m - a.a)/2 and a.a contain it.
+    /// Product d.d. For an upper arm it is also a constant, a.a + 2 (m.m - a.a)/2; interval numbers are intersected
+    /// with it.
     #[inline(always)]
     pub(crate) fn length_squared(&self, d: Vector3<T>) -> T {
         match self {

@@ -93,8 +93,8 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// Angular velocity of the knuckle and vertical velocity of the wheel centre by the displacement of the rack, with the
-    /// arm fixed. The knuckle rotates by k about d, with l.(k d x t) = l.y.
+    /// Angular velocity of the knuckle and vertical velocity of the wheel centre per unit of rack displacement, with
+    /// the arm fixed. The knuckle rotates by k about d, with l.(k d x t) = l.y.
     #[inline(always)]
     pub(crate) fn steered(&self, state: &ArmState<T>) -> (Vector3<T>, T) {
         let rod = state.tie_rod_outer() - state.g;
@@ -106,7 +106,7 @@ impl<T: Real> ClosedForm<T> {
 }
 
 impl<T: Real> Circle<T> {
-    /// Derivative of the joint's position by the arm angle, times 1 + tangent^2.
+    /// Derivative of the joint's position with respect to the arm angle, times 1 + tangent^2.
     #[inline(always)]
     fn velocity(&self, tangent: T) -> Vector3<T> {
         self.turned * (tangent.one() - tangent * tangent) - self.radius * (tangent + tangent)

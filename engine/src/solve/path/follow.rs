@@ -175,11 +175,11 @@ impl Solver<'_> {
     }
 }
 
-/// Pose at `step` of its series.
+/// Pose at `step`, from its Taylor series.
 pub(crate) fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
     let along = |c: Jet<f64, 3>| c[0] + step * (c[1] + step * c[2]);
     let pose = series.map(along);
-    // The truncated series is a rotation only to second order.
+    // The truncated Taylor series is a rotation only to second order.
     let rotation = pose.rotation.orthonormalised().orthonormalised();
     Pose {
         origin: pose.origin,
@@ -187,7 +187,7 @@ pub(crate) fn predict(series: &Pose<Jet<f64, 3>>, step: f64) -> Pose<f64> {
     }
 }
 
-/// Distance of two poses. A rotation counts as its angle times `size`.
+/// Distance between two poses. A rotation counts as its angle times `size`.
 pub(crate) fn distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let turned = a
         .rotation

@@ -27,7 +27,7 @@ use crate::number::{Each, Matrix3, Vector3};
 use crate::threads::checkpoint;
 use std::ops::ControlFlow;
 
-/// Range of sizes whose eighth powers, and their inverses, are ordinary doubles.
+/// Range of permitted sizes. The eighth powers of these sizes, and their inverses, neither overflow nor underflow.
 const SIZES: std::ops::Range<f64> = 1e-30..1e30;
 
 /// Finds the poses of a design. Its `prepare` takes the next design.
@@ -40,7 +40,7 @@ pub struct Solver<'m> {
     tracker: Option<PoseTracker<'m>>,
     /// Poses of the tracker from the last visit.
     tracked: TrackedPoses,
-    /// Series of the design, for predictions of the continuation. Made when first needed.
+    /// Taylor series of the design, for predictions of the continuation. Made when first needed.
     design_series: Option<DesignSeries<3>>,
     series_is_current: bool,
     size: f64,
@@ -49,7 +49,8 @@ pub struct Solver<'m> {
     pub(crate) work: WorkCounter,
 }
 
-/// Callback with the index of a station and its pose, or the reason why it has none. It may end the visit.
+/// Callback that receives the index of a station and its pose, or the reason why it has no pose. It may end the
+/// visit.
 type Visitor<'v, 'm> =
     dyn FnMut(&Solver<'m>, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()> + 'v;
 
@@ -158,7 +159,8 @@ impl<'m> Solver<'m> {
     }
 
     /// Visits every station of the order with the rack at `rack` (towards the kernel's +y), outward from the design
-    /// position. `visit` receives the station's index and its pose, or the reason why it has none. It may end the visit.
+    /// position. `visit` receives the station's index and its pose, or the reason why it has no pose. It may end the
+    /// visit.
     pub fn for_each_pose(
         &mut self,
         drive: Drive,
@@ -281,7 +283,7 @@ impl<'m> Solver<'m> {
         }
     }
 
-    /// Makes the series of the present design, unless they are up to date.
+    /// Makes the Taylor series of the present design, unless they are up to date.
     fn prepare_series(&mut self) {
         if !self.series_is_current {
             match &mut self.design_series {
@@ -300,7 +302,7 @@ impl<'m> Solver<'m> {
         self.start(drive).map(drop)
     }
 
-    /// Design position, if the drive can move the mechanism from there.
+    /// Start of the path at the design position, if the drive can move the mechanism from there.
     fn start(&self, drive: Drive) -> Result<Station, DesignFault> {
         let (pose, point) = self.design_place(drive);
         let lu = self

@@ -56,8 +56,8 @@ impl Solver<'_> {
         Ok((configuration, factors))
     }
 
-    /// Series of a pose by the closed form, with an estimate of its condition number. `None` if there is no closed form, if
-    /// it does not give this pose, or if the tracker would reject the pose.
+    /// Taylor series of a pose by the closed form, with an estimate of its condition number. `None` if there is no closed
+    /// form, if it does not give this pose, or if the tracker would reject the pose.
     pub(crate) fn closed_form_series<const N: usize>(
         &self,
         pose: &Pose<f64>,
@@ -108,7 +108,7 @@ impl Solver<'_> {
         Some((with_pose, condition))
     }
 
-    /// Configuration series as in [`Solver::configuration_series`], prepared for sensitivities.
+    /// Taylor series of the configuration as in [`Solver::configuration_series`], prepared for sensitivities.
     pub fn linearised<'a, const N: usize>(
         &'a self,
         design_series: &'a DesignSeries<N>,
@@ -121,7 +121,7 @@ impl Solver<'_> {
     }
 }
 
-/// Replaces the constant part of the series.
+/// Replaces the constant term of the Taylor series.
 #[inline]
 fn with_constant<const N: usize>(
     series: Vector3<Jet<f64, N>>,

@@ -20,7 +20,7 @@ pub enum Rejection {
     FoldNear,
     /// The pose is correct, but a result that is computed from it is not accurate there.
     ReadingUncertain,
-    /// The route does not visit the station: it is out of reach, or has the same value as another one.
+    /// The route does not visit the station: the station is out of reach, or has the same drive value as another one.
     NotOnTheWay,
 }
 

@@ -1,4 +1,4 @@
-//! Equations as series along the travel, for gradients of quantities that contain velocities.
+//! Equations as Taylor series along the travel, for gradients of quantities that contain velocities.
 
 use super::LaneRates;
 use super::linkage::{ByLinkage, SeriesAdjoint};
@@ -6,11 +6,11 @@ use crate::mechanism::{Closure, Configuration, Pose, Twist};
 use crate::model::{Drive, Mechanism};
 use crate::number::{Jet, Matrix3, SimdReal, Vector3};
 
-/// Computes gradients of quantities that contain velocities, with the closure equations as series along the travel.
+/// Computes gradients of quantities that contain velocities, with the closure equations as Taylor series along the travel.
 #[derive(Clone, Debug)]
 pub(crate) struct AlongTravel(pub(super) ByLinkage);
 
-/// Designs in lanes as series along the travel. The series are constant.
+/// Designs in lanes as Taylor series along the travel. The series are constant.
 pub(crate) struct SeriesDesign<B> {
     design: Vec<Vector3<Jet<B, 2>>>,
     closure: Closure<Jet<B, 2>>,
@@ -22,7 +22,7 @@ impl AlongTravel {
         ByLinkage::of(mechanism, base, Drive::Travel, mechanism.size(base)).map(AlongTravel)
     }
 
-    /// Makes the designs as series.
+    /// Makes the designs as Taylor series.
     #[inline(always)]
     pub(crate) fn design<B: SimdReal>(
         &self,
@@ -51,7 +51,7 @@ impl AlongTravel {
 }
 
 impl<B: SimdReal> SeriesDesign<B> {
-    /// The configuration as a first-order series along the travel, from the rates of the knuckle.
+    /// The configuration as a first-order Taylor series along the travel, from the rates of the knuckle.
     #[inline(always)]
     pub(crate) fn along<'p>(
         &'p self,

@@ -23,7 +23,7 @@ pub(super) use wheel::ArmWheel;
 #[derive(Clone, Debug)]
 pub(crate) struct ByArm {
     roles: Roles,
-    /// Slope of the half tangent by the drive, in the base design.
+    /// Slope of the half tangent with respect to the drive, in the base design.
     slope: f64,
     /// Largest slope that is accepted.
     steepest: f64,
@@ -39,18 +39,19 @@ pub(crate) struct ArmDesign<'d, B> {
 }
 
 impl<B: SimdReal> ArmDesign<'_, B> {
-    /// Slope of the half tangent by the travel.
+    /// Slope of the half tangent with respect to the travel.
     #[inline(always)]
     fn slope(&self, state: &ArmState<B>, tangent: B) -> B {
         let velocity = self.form.velocity(state, tangent);
         let half = tangent.constant(0.5);
-        // The derivative of tan(angle/2) by the angle is (1 + tangent^2)/2.
+        // The derivative of tan(angle/2) with respect to the angle is (1 + tangent^2)/2.
         velocity.arm_angle * half.plus_product(half, tangent * tangent) / velocity.rise
     }
 }
 
-/// Largest slope of the half tangent by travel, in 1/size. An arm as long as the size has a slope of one half. A larger
-/// slope means that a fold is near. Rounding errors of the pose grow with the slope, those of rates with its cube.
+/// Largest slope of the half tangent with respect to the travel, in 1/size. An arm as long as the size has a slope of
+/// one half. A larger slope means that a fold is near. Rounding errors of the pose grow with the slope, those of
+/// rates with its cube.
 pub(crate) const STEEPEST: f64 = 3.0;
 /// Largest rotation of the arm, as the tangent of half the angle.
 pub(crate) const FARTHEST: f64 = 0.7;
@@ -130,7 +131,7 @@ impl ByArm {
         });
     }
 
-    /// Equations of a single wheel, for a design of this tracker.
+    /// Equations of a single wheel, for a design that this tracker has made.
     #[inline(always)]
     pub(super) fn corner<'w, 'd, B: SimdReal, V: Visit<B>>(
         &'w self,
@@ -154,7 +155,8 @@ impl ByArm {
     }
 
     /// Accepts lanes in which the closed form is well conditioned and the arm is on its branch. `inverse_step` is the
-    /// inverse of the change of the drive since the previous guard. It is given only on the legs of stations.
+    /// inverse of the change of the drive since the previous guard. The caller passes it only on the legs of
+    /// stations.
     #[inline(always)]
     fn guard<B: SimdReal>(
         &self,
@@ -189,14 +191,14 @@ impl ByArm {
 #[derive(Clone, Copy)]
 pub(super) struct BranchGuard<B> {
     tangent: B,
-    /// Slope of the half tangent by the drive over the last step.
+    /// Slope of the half tangent with respect to the drive over the last step.
     rate: B,
     /// Product of all numbers by which the closed form divides or whose root it takes.
     margin: B,
 }
 
 impl<B: SimdReal> BranchGuard<B> {
-    /// Guard of a place of the route at zero drive. `rate` is the slope of this design. Near a fold it differs much from the
+    /// Guard of a waypoint at zero drive. `rate` is the slope of this design. Near a fold it differs much from the
     /// slope of the base design.
     #[inline(always)]
     fn start(state: &ArmState<B>, tangent: B, rate: B) -> Self {
@@ -208,7 +210,8 @@ impl<B: SimdReal> BranchGuard<B> {
         }
     }
 
-    /// Guard of the next place on this leg of the route. Its slope is the change of the half tangent divided by the step.
+    /// Guard of the next waypoint on this leg of the route. Its slope is the change of the half tangent divided by
+    /// the step.
     #[inline(always)]
     fn next(&self, state: &ArmState<B>, tangent: B, inverse_step: B) -> Self {
         BranchGuard::start(state, tangent, (tangent - self.tangent) * inverse_step)
@@ -222,7 +225,7 @@ impl<B: SimdReal> BranchGuard<B> {
         accepted.require(is_near, Rejection::TurnedFar);
     }
 
-    /// Accepts lanes in which the slope of the arm, extrapolated to the next place, is not too large.
+    /// Accepts lanes in which the slope of the arm, extrapolated to the next waypoint, is not too large.
     #[inline(always)]
     fn check_slope(&self, before: &Self, steepest: f64, accepted: &mut Acceptance<B>) {
         let ahead = self.rate + (self.rate - before.rate);
@@ -230,7 +233,7 @@ impl<B: SimdReal> BranchGuard<B> {
         accepted.require(is_flat, Rejection::FoldNear);
     }
 
-    /// Accepts lanes in which slope and margin have changed so little since the previous place that neither could have
+    /// Accepts lanes in which slope and margin have changed so little since the previous waypoint that neither could have
     /// vanished in between.
     #[inline(always)]
     fn check_step(&self, before: &Self, accepted: &mut Acceptance<B>) {
@@ -244,7 +247,7 @@ impl<B: SimdReal> BranchGuard<B> {
 }
 
 impl ByArm {
-    /// Equations of one wheel of a pair, for a design of this tracker.
+    /// Equations of one wheel of a pair, for a design that this tracker has made.
     #[inline(always)]
     pub(super) fn wheel<'w, 'd, B: SimdReal>(
         &'w self,

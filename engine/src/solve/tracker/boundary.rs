@@ -49,7 +49,8 @@ pub(super) fn template(topology: &str) -> Suspension {
     study.expect("a template is valid").into_wheel()
 }
 
-/// Decision of a guard at a place: its name, its reason for a rejection, and its slack. The slack is negative if it rejects.
+/// Decision of a guard at a waypoint: its name, its reason for a rejection, and its slack. A guard with negative
+/// slack rejects.
 pub(super) struct Judgement {
     pub guard: &'static str,
     pub reason: Rejection,
@@ -60,9 +61,10 @@ pub(super) struct Judgement {
 /// Slack that counts as zero. It exceeds the rounding errors of a design and is far below the slack of other guards.
 const NONE: f64 = 1e-6;
 
-/// Searches for boundaries on lines from the study's own design. The rack is alternately in the middle and displaced. `judge`
-/// returns the decisions of all guards at all places of an accepted design. Exactly one of them must have zero slack. Its reason
-/// must be that of the rejected neighbour. Returns the number of boundaries of each guard.
+/// Searches for boundaries on lines from the design of the study. The rack is alternately in the middle and displaced.
+/// `judge` returns the decisions of all guards at all waypoints of an accepted design. Exactly one of these decisions
+/// must have zero slack. Its reason must be that of the rejected neighbour. Returns the number of boundaries of each
+/// guard.
 pub(super) fn boundaries(
     suspension: &Suspension,
     drive: Drive,

@@ -17,13 +17,13 @@
 //!     | C  D |
 //! ```
 //!
-//! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Then only two
-//! determinants must not vanish. A lane is rejected if one of them is less than a fourth of the base design's. It is also
-//! rejected if one changes by more than half, or more than doubles, from one place to the next. The determinants of a lane are
-//! those of the step with which it settled.
+//! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Then only
+//! two determinants must not vanish. A lane is rejected if one of them is less than a fourth of the base design's. It
+//! is also rejected if one changes by more than half, or more than doubles, from one waypoint to the next. The
+//! determinants of a lane are those of the step with which it settled.
 //!
-//! An instantaneous steering axis is that of the screw J t = -F_r (module `steering`). Along the motion t' follows from J t'
-//! = -(F_r' + J' t).
+//! An instantaneous steering axis is the axis of the screw t with J t = -F_r (module `steering`). Along the motion,
+//! its derivative t' follows from J t' = -(F_r' + J' t).
 
 #![allow(
     clippy::needless_range_loop,
@@ -71,7 +71,7 @@ pub(crate) struct ByLinkage {
     size: f64,
     /// Determinants of A and S in the base design.
     determinants: [f64; 2],
-    /// Derivatives of the unknowns by travel and by the rack, in the base design.
+    /// Derivatives of the unknowns with respect to travel and to the rack, in the base design.
     by_travel: [f64; UNKNOWNS],
     by_rack: [f64; UNKNOWNS],
 }
@@ -171,7 +171,7 @@ impl ByLinkage {
         });
     }
 
-    /// Equations of a single wheel, for a design of this tracker.
+    /// Equations of a single wheel, for a design that this tracker has made.
     #[inline(always)]
     pub(super) fn corner<'w, 'd, B: SimdReal, V: Visit<B>>(
         &'w self,
@@ -187,7 +187,7 @@ impl ByLinkage {
         }
     }
 
-    /// Equations of one wheel of a pair, for a design of this tracker.
+    /// Equations of one wheel of a pair, for a design that this tracker has made.
     #[inline(always)]
     pub(super) fn wheel<'w, 'd, B: SimdReal>(
         &'w self,

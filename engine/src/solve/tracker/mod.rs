@@ -1,26 +1,29 @@
-//! Tracks many designs at a time, one in each lane.
+//! Tracks many designs at a time, one in each SIMD lane of the processor.
 //!
-//! All ordinary poses come from here. A sweep has a design in each lane. A single design takes one number at a time ([`poses`]).
-//! A mechanism with a closed form has one unknown ([`arm`]); every other mechanism has six ([`linkage`]). For both wheels of an
-//! axle, the unknowns are those of each wheel and the difference of their travels ([`pair`]). One loop solves all of them
-//! ([`track`](mod@track)). Along the travel, the unknowns are predicted from the visited places. Almost always one correction
-//! reaches rounding; otherwise more steps follow. A converged lane is frozen, so its neighbours do not affect it.
+//! All ordinary poses come from here. A sweep has a design in each lane. A single design takes one number at a time
+//! ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]); every other mechanism has six
+//! ([`linkage`]). For both wheels of an axle, the unknowns are those of each wheel and the difference of their
+//! travels ([`pair`]). One loop solves all of them ([`track`](mod@track)). It visits the waypoints of a route: the
+//! stations and the points that divide long steps. The unknowns at a waypoint are predicted from earlier waypoints.
+//! Almost always one correction reaches rounding; otherwise more steps follow. A converged lane is frozen, so its
+//! neighbours do not affect it.
 //!
-//! Guards decide at every place which lanes are accepted. A rejected lane gets a reason ([`Rejection`]) and stays rejected
-//! to the end of its leg, up or down. The continuation ([`Solver`](crate::solve::Solver)) then starts from the last accepted
-//! station. The tracker rejects a lane if
+//! Guards decide at every waypoint which lanes are accepted. A rejected lane gets a reason ([`Rejection`]) and stays
+//! rejected to the end of its leg, up or down. The continuation ([`Solver`](crate::solve::Solver)) then starts from
+//! the last accepted station. The tracker rejects a lane if
 //!
 //! - a rod has no length, or the iteration does not settle;
 //! - the mechanism is not well conditioned;
-//! - a number that must not vanish, or the slope of the path, changes by more than half (or doubles) from one place to the
+//! - a number that must not vanish, or the slope of the path, changes by more than half (or doubles) from one waypoint to the
 //!   next, because it could vanish in between. If there are several such factors, their product is guarded;
 //! - the mechanism rotates far, in one step or from the design position;
-//! - a fold is near: the slope of an arm is large, or a knuckle in six unknowns rotates fast by the travel.
+//! - a fold is near: the slope of an arm is large, or a knuckle in six unknowns rotates fast per unit of travel.
 //!
-//! Readers of poses reject quantities that are poorly determined. Examples are the axis of a knuckle that the rack hardly
-//! rotates or that rotates about a horizontal axis, the angles of a wheel on its side, and a rocker close to its toggle.
+//! Code that reads a pose also rejects lanes whose quantity is poorly determined. Examples are the
+//! steering axis if the rack hardly rotates the knuckle, a horizontal steering axis, the angles of a wheel on its side,
+//! and a rocker close to its toggle.
 //!
-//! So a lane is either correct or rejected. This depends on the design in the lane alone.
+//! So a lane is either correct or rejected. The decision depends only on the design in the lane.
 
 mod acceptance;
 mod along_travel;
@@ -74,8 +77,8 @@ enum Method {
 
 /// Receives the poses that the tracker solves.
 pub trait Visit<B: SimdReal> {
-    /// Receives a pose. Lanes that are not accepted may hold any numbers, including NaN. A station is left out if no lane
-    /// was accepted at the previous place of its leg.
+    /// Receives a pose. Lanes that are not accepted may hold any numbers, including NaN. The tracker skips a station
+    /// if no lane was accepted at the previous waypoint of its leg.
     fn pose(&mut self, station: usize, at: &impl AdjointPose<B>, accepted: Acceptance<B>);
 }
 
@@ -140,12 +143,12 @@ pub trait LanePose<B: SimdReal> {
     fn steering_axis(&self) -> (Vector3<B>, Vector3<B>, B::Mask);
     /// Derivatives with respect to the drive.
     fn rates(&self) -> LaneRates<B>;
-    /// Velocity of the knuckle's origin and angular velocity by the rack's displacement at constant travel, from the rates
-    /// of this pose.
+    /// Velocity of the knuckle's origin and angular velocity, both per unit of rack displacement at constant travel,
+    /// from the rates of this pose.
     fn by_rack(&self, rates: &LaneRates<B>) -> Twist<B>;
     /// Lanes in which velocities are accurate: those in which the knuckle does not rotate fast, as it does near a fold.
     fn velocity_is_reliable(&self, rates: &LaneRates<B>) -> B::Mask;
-    /// Derivatives of the steering axis by the drive.
+    /// Derivatives of the steering axis with respect to the drive.
     fn steering_axis_rates(&self, rates: &LaneRates<B>) -> (Vector3<B>, Vector3<B>);
 
     /// The pose as a configuration with this rack displacement.
@@ -158,7 +161,7 @@ pub trait LanePose<B: SimdReal> {
     }
 }
 
-/// A pose of a single wheel, which also yields gradients with respect to the hardpoints.
+/// A pose of a single wheel, which also gives gradients with respect to the hardpoints.
 pub trait AdjointPose<B: SimdReal>: LanePose<B> {
     /// Prepares gradients in this pose, driven by the travel, from its configuration and rates.
     fn adjoint<'p>(
@@ -237,8 +240,8 @@ impl<B: SimdReal> LaneRates<B> {
 
 /// Longest step as a share of the size. Longer steps are divided.
 const LONGEST_STEP: f64 = 0.02;
-/// Largest residual that counts as rounding, as a share of the largest coordinate. It allows a few roundings. Near a fold,
-/// rates amplify the remaining residual a thousandfold.
+/// Largest residual that counts as rounding, as a share of the largest coordinate. It allows a few roundings. Near a
+/// fold, rates amplify the remaining residual a thousandfold.
 const TOLERANCE: f64 = 1e-15;
 /// Shortest rod as a share of the largest coordinate. Designs with shorter rods are left to the continuation.
 const SHORTEST_LENGTH: f64 = 1e-6;
@@ -312,7 +315,7 @@ impl<'a> CornerTracker<'a> {
     }
 
     /// Length of the history of a single design along the route at the `rack`-th rack displacement: unknowns times
-    /// places.
+    /// waypoints.
     pub(crate) fn steps(&self, rack: usize) -> usize {
         self.unknowns() * self.routes[rack].places.len()
     }
@@ -355,7 +358,7 @@ impl<'a> CornerTracker<'a> {
         }
     }
 
-    /// Terms shared by the gradients in all poses of designs. The design must be of this tracker.
+    /// Terms shared by the gradients in all poses of designs. This tracker must have made the design.
     #[inline(always)]
     pub fn members<B: SimdReal>(&self, design: &LaneDesign<'_, B>) -> AdjointConstants<B> {
         AdjointConstants(match (&self.method, &design.form) {
@@ -364,7 +367,7 @@ impl<'a> CornerTracker<'a> {
         })
     }
 
-    /// Visits every station with the rack at its `rack`-th displacement. The design must be of this tracker.
+    /// Visits every station with the rack at its `rack`-th displacement. This tracker must have made the design.
     #[inline(always)]
     pub fn solve<B: SimdReal>(
         &self,
@@ -409,7 +412,8 @@ impl<'a> CornerTracker<'a> {
 
 /// Stations of one design side by side, one station in each lane.
 impl CornerTracker<'_> {
-    /// Stations in the order in which [`CornerTracker::visit_stations_in_lanes`] assigns them to lanes.
+    /// Indices of the stations in the order in which [`CornerTracker::visit_stations_in_lanes`] assigns them to
+    /// lanes.
     pub fn stations_in_lanes(&self, rack: usize) -> impl Iterator<Item = usize> {
         self.routes[rack].places.iter().filter_map(|p| p.station)
     }

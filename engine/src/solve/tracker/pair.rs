@@ -15,8 +15,8 @@
 //!
 //! Wheels that share one mechanism have their own equations (see `linkage/one_body.rs`).
 //!
-//! In addition to the conditions for each wheel, a lane is rejected if a contact point rises less than half as fast as its
-//! wheel.
+//! In addition to the conditions for each wheel, the tracker rejects a lane if a contact point rises less than half
+//! as fast as its wheel.
 
 mod both_wheels;
 #[cfg(test)]
@@ -40,8 +40,8 @@ use both_wheels::BothWheels;
 pub(super) const MOST_ROUNDS: usize = 5;
 /// Smallest rise of a contact point per travel of its wheel.
 pub(super) const LEAST_RISE: f64 = 0.5;
-/// Largest difference of the heights of both contact points, in tolerances of a length. A height contains more rounding errors
-/// than a length.
+/// Largest difference between the heights of both contact points, as a multiple of the tolerance of a length. A
+/// height contains more rounding errors than a length.
 const OF_HEIGHTS: f64 = 4.0;
 
 /// Coordinate whose values are the stations of a route.
@@ -58,7 +58,7 @@ pub enum PairDrive {
     },
 }
 
-/// Stations that are visited together. For a rigid axle in roll, the mean travel takes the place of the rack.
+/// Stations that are visited together. For a rigid axle in roll, the mean travel replaces the rack displacement.
 #[derive(Clone, Debug)]
 pub struct PairStations {
     /// Mean travel in roll. 0 in heave.
@@ -94,7 +94,7 @@ pub struct GroundContact<B> {
 
 /// Receives the poses of both wheels.
 pub trait VisitPair<B: SimdReal> {
-    /// Receives the poses of the left and right wheel, each in its own frame, like [`Visit::pose`](super::Visit::pose).
+    /// Receives the poses of the left and right wheel, each in the frame of its wheel, like [`Visit::pose`](super::Visit::pose).
     fn pair<P: LanePose<B>, Q: LanePose<B>>(
         &mut self,
         station: usize,
@@ -113,7 +113,7 @@ pub(super) struct Linear<B: SimdReal> {
     pub axis: Vector3<B>,
     /// Displacement of the wheel centre and rotation, from the unknowns to the pose at the required travel.
     pub rest: [Vector3<B>; 2],
-    /// Velocity of the wheel centre and angular velocity by the travel.
+    /// Velocity of the wheel centre and angular velocity, both per unit of travel.
     pub rate: [Vector3<B>; 2],
     /// Lanes in which this pose is near.
     pub is_near: B::Mask,
@@ -136,7 +136,7 @@ pub(super) trait Wheel<B: SimdReal, const N: usize> {
     /// Numbers whose change along the path is guarded.
     type Guard: Copy;
 
-    /// Derivatives of the unknowns by travel and by the rack in the base design.
+    /// Derivatives of the unknowns with respect to travel and to the rack in the base design.
     fn slopes(&self) -> [[f64; N]; 2];
     /// Linearises about unknowns near the pose at a travel. Lanes that have converged keep the numbers of their guard.
     fn linear(&mut self, unknowns: &[B; N], rack: B, travel: B, settled: B::Mask) -> Linear<B>;
@@ -144,8 +144,8 @@ pub(super) trait Wheel<B: SimdReal, const N: usize> {
     fn moved(&self, unknowns: &[B; N], further: B) -> [B; N];
     /// Checks and corrects the predicted unknowns at a travel.
     fn corrected(&mut self, unknowns: &[B; N], rack: B, travel: B) -> Corrected<B, N>;
-    /// Accepts lanes that are well conditioned and on their branch. `step` is the change of travel since the previous guard.
-    /// It is given only on the legs of stations.
+    /// Accepts lanes that are well conditioned and on their branch. `step` is the change of travel since the previous
+    /// guard. The caller passes it only on the legs of stations.
     fn check(
         &self,
         unknowns: &[B; N],
@@ -173,8 +173,8 @@ impl<B: SimdReal> WheelOnKnuckle<B> {
     }
 }
 
-/// Height of the contact point above the ground's origin at the required travel, and its derivative with respect to travel, both to first
-/// order.
+/// Height of the contact point above the ground's origin at the required travel, and its derivative with respect to
+/// travel, both to first order.
 #[inline(always)]
 fn height<B: SimdReal>(ground: Ground<B>, radius: f64, wheel: &Linear<B>) -> [B; 2] {
     let lever = ground.contact_lever(wheel.axis, radius);
@@ -189,7 +189,7 @@ fn height<B: SimdReal>(ground: Ground<B>, radius: f64, wheel: &Linear<B>) -> [B;
 }
 
 impl<'a> AxleTracker<'a> {
-    /// Prepares to solve axles of these mechanisms near `bases`, left and right, each in its own frame. `None` if they
+    /// Prepares to solve axles of these mechanisms near `bases`, left and right, each in the frame of its wheel. `None` if they
     /// cannot be solved in lanes.
     pub fn new(
         mechanisms: [&'a Mechanism; 2],
@@ -240,9 +240,10 @@ impl<'a> AxleTracker<'a> {
         vec![like.zero(); unknowns * places.max().unwrap_or(0)]
     }
 
-    /// Visits the stations of entry `stations` in the list given to [`AxleTracker::new`]. The designs, left and right, must
-    /// be made by [`AxleTracker::wheel`], and `points` must be their points. `rest` is the lift of the wheel centres by a
-    /// steering gear: of their mean travel, and of half the difference of their travels.
+    /// Visits the stations of entry `stations` in the list given to [`AxleTracker::new`]. The designs, left and
+    /// right, must be made by [`AxleTracker::wheel`], and `points` must be their points. `rest` describes how far a
+    /// steering gear lifts the wheel centres: the lift in their mean travel, and in half the difference of their
+    /// travels.
     #[inline(always)]
     pub fn solve<B: SimdReal>(
         &self,
@@ -298,7 +299,7 @@ impl<'a> AxleTracker<'a> {
         }
     }
 
-    /// Mean travel and roll angle at a place.
+    /// Mean travel and roll angle at a waypoint.
     #[inline(always)]
     pub(super) fn at(&self, place: &RouteStep) -> (f64, f64) {
         match self.drive {
@@ -307,7 +308,7 @@ impl<'a> AxleTracker<'a> {
         }
     }
 
-    /// Ground at a place, in the left wheel's frame.
+    /// Ground at a waypoint, in the left wheel's frame.
     #[inline(always)]
     pub(super) fn ground<B: SimdReal>(&self, place: &RouteStep, like: B) -> Ground<B> {
         let (_, roll) = self.at(place);
@@ -317,7 +318,7 @@ impl<'a> AxleTracker<'a> {
         }
     }
 
-    /// Travels of both wheels at a place, with the ground and the roll angle.
+    /// Travels of both wheels at a waypoint, with the ground and the roll angle.
     #[inline(always)]
     pub(super) fn stand<B: SimdReal>(
         &self,
@@ -333,7 +334,7 @@ impl<'a> AxleTracker<'a> {
         }
     }
 
-    /// Loaded radius of the wheels. `None` if each stands on its own pad.
+    /// Loaded radius of the wheels. `None` if each wheel stands on its own pad.
     #[inline(always)]
     pub(super) fn radius(&self) -> Option<f64> {
         match self.drive {
@@ -349,7 +350,7 @@ impl<'a> AxleTracker<'a> {
         like.constant(OF_HEIGHTS * coarser)
     }
 
-    /// Equations of both wheels, for designs of this tracker.
+    /// Equations of both wheels, for designs that this tracker has made.
     #[inline(always)]
     fn pair<'w, B, W, V, const N: usize>(
         &'w self,

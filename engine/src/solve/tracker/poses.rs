@@ -16,7 +16,7 @@ pub(crate) struct PoseTracker<'m> {
     /// Design near which other designs are expected.
     base: Vec<Vector3<f64>>,
     prepared: Vec<PreparedBatch<'m>>,
-    /// Buffer for the unknowns at the places of a route.
+    /// Buffer for the unknowns at the waypoints of a route.
     history: Vec<f64>,
 }
 
@@ -102,7 +102,7 @@ impl<'m> PoseTracker<'m> {
                 history: &mut self.history,
                 rounds: &mut found.rounds,
             });
-            // Stations that a leg of the route did not reach get the reason at which the leg ended.
+            // Stations that a leg of the route did not reach get the reason why the leg ended.
             for (side, rejection) in station_order.sides().into_iter().zip(legs) {
                 if let Some(reason) = rejection {
                     for station in side {
@@ -147,7 +147,7 @@ struct Tracking<'t, 'm> {
     rack: f64,
     /// Receives the poses by station. Empty if poses are not requested.
     into: &'t mut [Result<Pose<f64>, Rejection>],
-    /// Receives the unknowns, place by place.
+    /// Receives the unknowns, waypoint by waypoint.
     history: &'t mut Vec<f64>,
     /// Receives the number of rounds of corrections.
     rounds: &'t mut u64,

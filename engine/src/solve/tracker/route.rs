@@ -1,25 +1,26 @@
-//! Route through the stations, and the weights that predict each place from earlier ones.
+//! Route through the stations, and the weights that predict each waypoint from earlier ones.
 //!
-//! Places are visited outward from the design position, alternately up and down, so that a prediction has neighbours on both
-//! sides of the origin. The prediction is the value at the new place of the polynomial through the nearest visited places
-//! (Lagrange's form). The slope is predicted in the same way, through fewer places. The weights depend only on the travels
-//! and are the same for every design.
+//! A waypoint is a station, or a point that divides a long step. The route goes outward from the design position,
+//! alternately up and down, so that a prediction has neighbours on both sides of the origin. The prediction is the
+//! value at the new waypoint of the polynomial through the nearest visited waypoints (Lagrange's form). The slope is
+//! predicted in the same way, through fewer waypoints. The weights depend only on the travels and are the same for
+//! every design.
 
 use crate::number::Jet;
 use crate::solve::StationOrder;
 use crate::sorting::sort_by;
 
-/// Number of places from which values are predicted.
+/// Number of waypoints from which values are predicted.
 const NEIGHBOURS: usize = 8;
-/// Number of places from which slopes are predicted. A slope only corrects the error of a prediction, so fewer places
+/// Number of waypoints from which slopes are predicted. A slope only corrects the error of a prediction, so fewer waypoints
 /// suffice.
 const NEIGHBOURS_OF_SLOPE: usize = 4;
-/// Largest number of steps to a value. Values beyond count as out of reach and are left to the continuation.
+/// Largest number of steps to a value. Values farther out count as out of reach and are left to the continuation.
 const MOST_STEPS: f64 = 1e3;
-/// Visited places with their weights. If there are fewer places, the other entries have weight 0.
+/// Visited waypoints with their weights. If there are fewer waypoints, the other entries have weight 0.
 pub(crate) type Stencil<const PLACES: usize> = [(usize, f64); PLACES];
 
-/// Part of the route that a place belongs to.
+/// Part of the route to which a waypoint belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Leg {
     /// Lead: the part of the route at zero drive. The rack moves to its displacement. For wheels in roll, the heave also moves to
@@ -39,7 +40,7 @@ impl Leg {
     }
 }
 
-/// A place of the route.
+/// A waypoint of the route.
 #[derive(Clone, Debug)]
 pub(crate) struct RouteStep {
     /// Value of the drive.
@@ -48,28 +49,30 @@ pub(crate) struct RouteStep {
     pub rack: f64,
     /// Mean travel of both wheels in roll, else 0.
     pub heave: f64,
-    /// Station at this place. `None` for a place that divides a long step.
+    /// Station at this waypoint. `None` for a waypoint that divides a long step.
     pub station: Option<usize>,
     pub leg: Leg,
     /// Completed fraction of the lead (the part of the route at zero drive): 0 in the design position, 1 at all stations.
     pub lead: f64,
-    /// Change of the drive since the previous place on this leg.
+    /// Change of the drive since the previous waypoint on this leg.
     pub step: f64,
     /// Stencil that predicts the unknowns here, together with the three following steps along slopes of the base design.
     pub prediction: Stencil<NEIGHBOURS>,
-    /// Step of the drive. The prediction adds it, multiplied by the slope by the drive. Only the first step uses it.
+    /// Step of the drive. The prediction adds it, multiplied by the slope with respect to the drive. Only the first
+    /// step uses it.
     pub along_slope: f64,
-    /// Step of the rack. The prediction adds it, multiplied by the slope by the rack.
+    /// Step of the rack. The prediction adds it, multiplied by the slope with respect to the rack.
     pub along_rack: f64,
-    /// Step of the heave. The prediction adds it, multiplied by the slope by the travel.
+    /// Step of the heave. The prediction adds it, multiplied by the slope with respect to the travel.
     pub along_heave: f64,
     /// Step of the lead, as a fraction of the lead. Only the first step uses it.
     pub along_lead: f64,
-    /// Stencil that predicts the slope by the drive here. `None` if there is only one earlier place.
+    /// Stencil that predicts the slope with respect to the drive here. `None` if there is only one earlier waypoint.
     pub slope: Option<Stencil<NEIGHBOURS_OF_SLOPE>>,
 }
 
-/// Places in the order of the visit: the design position, places at which the rack moves to its displacement, the stations.
+/// Waypoints in the order of the visit: the design position, the waypoints at which the rack moves to its
+/// displacement, the stations.
 #[derive(Clone, Debug)]
 pub(crate) struct Route {
     pub places: Vec<RouteStep>,
@@ -78,8 +81,9 @@ pub(crate) struct Route {
 }
 
 impl Route {
-    /// The route through the stations in steps of the drive of at most `longest`. Before it, in the lead, rack and heave move to
-    /// their values in steps of at most `longest_of_lead`. The lead includes the lift of wheel centres by a steering gear.
+    /// Makes the route through the stations in steps of the drive of at most `longest`. Before it, in the lead, rack
+    /// and heave move to their values in steps of at most `longest_of_lead`. The lead includes the lift of wheel
+    /// centres by a steering gear.
     pub(crate) fn through(
         station_order: &StationOrder,
         [rack, heave, lift]: [f64; 3],
@@ -159,9 +163,9 @@ impl Route {
     }
 }
 
-/// Places on both legs of a route, from the design position outwards.
+/// Waypoints on both legs of a route, from the design position outwards.
 struct Legs {
-    /// Value of the drive, station at this place, leg, and step to this place.
+    /// Value of the drive, station at this waypoint, leg, and step to this waypoint.
     stations: Vec<(f64, Option<usize>, Leg, f64)>,
     /// Station in the design position.
     design_station: Option<usize>,
@@ -170,7 +174,7 @@ struct Legs {
 }
 
 impl Legs {
-    /// Places in steps of at most `longest`.
+    /// Waypoints in steps of at most `longest`.
     fn of(station_order: &StationOrder, longest: f64) -> Legs {
         let mut is_complete = true;
         let mut design_station = None;
@@ -224,7 +228,7 @@ fn steps(from: f64, to: f64, longest: f64) -> Option<Vec<f64>> {
     Some(steps)
 }
 
-/// Extrapolates linearly from the two previous places. All three are equally spaced.
+/// Extrapolates linearly from the two previous waypoints. All three waypoints are equally spaced.
 fn straight_on(number: usize) -> Stencil<NEIGHBOURS> {
     let mut stencil = [(0, 0.0); NEIGHBOURS];
     match number {
@@ -252,7 +256,7 @@ impl Visited {
         self.values.push(value);
     }
 
-    /// Indices of the places nearest to a value that is farther out than all places on its side.
+    /// Indices of the waypoints nearest to a value that is farther out than all waypoints on its side.
     fn nearest(&self, value: f64, count: usize) -> Vec<usize> {
         let own = &self.sides[Self::side(value)];
         let across = &self.sides[1 - Self::side(value)];
@@ -267,8 +271,8 @@ impl Visited {
         numbers
     }
 
-    /// Calls `part` for each neighbour j with the Lagrange weight prod (x - x_m)/(x_j - x_m) and its derivative with respect to x.
-    /// `first` is the index of the place at zero.
+    /// Calls `part` for each neighbour j with the Lagrange weight prod (x - x_m)/(x_j - x_m) and its derivative with
+    /// respect to x. `first` is the index of the waypoint at zero.
     fn stencil<const PLACES: usize>(
         &self,
         value: f64,
@@ -295,7 +299,7 @@ mod tests {
     use super::*;
     use std::array::from_fn;
 
-    /// Stencils of n places are exact for polynomials of degree n - 1.
+    /// Stencils of n waypoints are exact for polynomials of degree n - 1.
     #[test]
     fn stencils_reproduce_polynomials() {
         let station_order = StationOrder::through(&from_fn::<f64, 9, _>(|k| 0.5 * k as f64 - 2.0));

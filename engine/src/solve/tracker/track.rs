@@ -1,5 +1,5 @@
-//! The loop from place to place, for any number of unknowns. It predicts them from earlier places, corrects them by Newton's
-//! method until the residuals are at rounding level, and guards them.
+//! The loop over the waypoints of a route, for any number of unknowns. It predicts the unknowns from earlier
+//! waypoints, corrects them by Newton's method until the residuals are at rounding level, and guards them.
 
 use super::route::{Leg, RouteStep, Stencil};
 use super::{Acceptance, Rejection};
@@ -22,7 +22,7 @@ impl<B: SimdReal> Tracked<B> {
     }
 }
 
-/// Equations for the `N` unknowns of a place, and the visitor of the solved poses.
+/// Equations for the `N` unknowns of a waypoint, and the visitor of the solved poses.
 pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     /// Largest number of corrections for a lane to settle.
     const MOST_ROUNDS: usize;
@@ -32,10 +32,10 @@ pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     /// Numbers whose change along the path is guarded.
     type Guard: Copy;
 
-    /// Predicts the unknowns from the previous places.
+    /// Predicts the unknowns from the previous waypoints.
     fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; N];
-    /// Makes one correction. The first one of a place is round 1. Returns the lanes whose residuals are at rounding level.
-    /// Settled lanes keep their unknowns.
+    /// Makes one correction. The first one of a waypoint is round 1. Returns the lanes whose residuals are at
+    /// rounding level. Settled lanes keep their unknowns.
     fn correct(
         &mut self,
         place: &RouteStep,
@@ -43,8 +43,8 @@ pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
         settled: B::Mask,
         round: usize,
     ) -> B::Mask;
-    /// Accepts lanes that are well conditioned and on their branch. The guard of the previous place, if there is one,
-    /// determines the branch. Returns the guard of this place.
+    /// Accepts lanes that are well conditioned and on their branch. The guard of the previous waypoint, if there is one,
+    /// determines the branch. Returns the guard of this waypoint.
     fn check(
         &mut self,
         place: &RouteStep,
@@ -62,7 +62,7 @@ pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     );
 }
 
-/// Visits every place. `history` must hold the unknowns of all places.
+/// Visits every waypoint. `history` must hold the unknowns of all waypoints.
 #[inline(always)]
 pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
     equations: &mut E,
@@ -76,14 +76,15 @@ pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
         rounds: 0,
     };
     let mut last = [None; 2];
-    // Unused stencil entries refer to place 0 with weight 0. Place 0 is set to zero, because 0 times NaN is NaN.
+    // Unused stencil entries refer to waypoint 0 with weight 0. Waypoint 0 is set to zero, because 0 times NaN is
+    // NaN.
     history[..N].fill(zero);
     for (number, place) in places.iter().enumerate() {
         let side = place.leg.side();
         let mut accepted = tracked.legs[side];
         let predicted = equations.predict(place, history);
         let here = &mut history[N * number..N * (number + 1)];
-        // Later places are predicted from this one, so it must not contain NaN even if no lane was accepted.
+        // Later waypoints are predicted from this one, so it must not contain NaN even if no lane was accepted.
         if !B::any(accepted.lanes()) {
             here.copy_from_slice(&predicted);
             continue;
@@ -123,8 +124,8 @@ pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
     tracked
 }
 
-/// Predicts unknowns from earlier places, plus `along_slopes`: a step along the slopes of the base design, which predicts
-/// the first steps.
+/// Predicts unknowns from earlier waypoints, and adds `along_slopes`: a step along the slopes of the base design,
+/// which predicts the first steps.
 #[inline(always)]
 pub(super) fn predicted<B: SimdReal, const N: usize>(
     place: &RouteStep,
@@ -139,7 +140,8 @@ pub(super) fn predicted<B: SimdReal, const N: usize>(
     unknowns
 }
 
-/// Weighted sum of unknown number `unknown` over the visited places. The nearest place, which is known last, is added last.
+/// Weighted sum of unknown number `unknown` over the visited waypoints. The nearest waypoint becomes known last and
+/// is added last.
 #[inline(always)]
 pub(super) fn weighted<const N: usize, const PLACES: usize, B: SimdReal>(
     weights: &Stencil<PLACES>,

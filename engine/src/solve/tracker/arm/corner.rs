@@ -16,7 +16,7 @@ pub(in crate::solve::tracker) struct ArmCorner<'w, 'd, B, V> {
     pub(super) drive: Drive,
     pub(super) tolerance: B,
     pub(super) visitor: &'w mut V,
-    /// Derivative of the half-angle tangent by the drive. The corrections use it.
+    /// Derivative of the half-angle tangent with respect to the drive. The corrections use it.
     pub(super) slope: B,
     /// Result of the last correction: new state, step taken, and travel error before and after it.
     pub(super) state: ArmState<B>,
@@ -31,7 +31,7 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
     #[inline(always)]
     fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; 1] {
         let like = history[0];
-        // This allows the compiler to remove the values of the previous place from registers.
+        // This allows the compiler to remove the values of the previous waypoint from registers.
         (self.step, self.missed) = (like.zero(), [like.zero(); 2]);
         if self.drive == Drive::ArmAngle {
             return [like.constant((0.5 * place.value).tan())];

@@ -17,7 +17,7 @@ fn reason(check: impl FnOnce(&mut Acceptance<f64>)) -> Option<Rejection> {
     accepted.reason(0)
 }
 
-/// Slope of the half tangent by the travel, from differences of the closed form's own travel.
+/// Slope of the half tangent with respect to the travel, from differences of the travel that the closed form computes.
 fn slope_by_travel(form: &ClosedForm<f64>, tangent: f64, rack: f64) -> f64 {
     let travel = |t: f64| form.travel(&form.at_half_tangent(t, rack));
     let h = 1e-3;
@@ -36,7 +36,7 @@ fn judgement(guard: &'static str, reason: Rejection, slack: f64) -> Judgement {
     }
 }
 
-/// Returns the decisions of the guards at all places of an accepted design, computed from their formulas and published
+/// Returns the decisions of the guards at all waypoints of an accepted design, computed from their formulas and published
 /// thresholds.
 fn judge(
     tracker: &CornerTracker<'_>,
@@ -119,7 +119,7 @@ fn judge(
 }
 
 /// For each of these guards there is a strut that only this guard rejects, at its published threshold. For some guards between
-/// two places the search lines contain no such design; `a_step_is_guarded_at_its_thresholds` tests these guards. No design is
+/// two waypoints the search lines contain no such design; `a_step_is_guarded_at_its_thresholds` tests these guards. No design is
 /// rejected for a far rotation in one step of a leg:
 ///
 /// - Travel: a step is at most 0.02 sizes, and the extrapolated slope is below 3 per size. With r the slope before and r'
@@ -203,7 +203,7 @@ fn steepness_is_measured_in_sizes() {
     }
 }
 
-/// Tests the guards between two places, each at its threshold while all other guards accept.
+/// Tests the guards between two waypoints, each at its threshold while all other guards accept.
 #[test]
 fn a_step_is_guarded_at_its_thresholds() {
     let before = BranchGuard {
@@ -234,7 +234,7 @@ fn a_step_is_guarded_at_its_thresholds() {
     for by in [0.100_001, -0.100_001, f64::NAN] {
         assert_eq!(step(turn, by), Some(Rejection::TurnedFar), "{by}");
     }
-    // The slope is extrapolated by its change since the previous place: 2 r' - r.
+    // The slope is extrapolated by its change since the previous waypoint: 2 r' - r.
     let slope = |rate: f64| {
         let guard = BranchGuard { rate, ..before };
         reason(|accepted| guard.check_slope(&before, 2.5, accepted))

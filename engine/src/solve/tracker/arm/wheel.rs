@@ -17,7 +17,7 @@ pub(in crate::solve::tracker) struct ArmWheel<'w, 'd, B> {
     /// State of the last linearisation or correction.
     pub(super) state: ArmState<B>,
     /// Results of the last linearisation: the remaining error of travel, and the derivative of the unknown (the half-angle
-    /// tangent) by travel.
+    /// tangent) with respect to travel.
     pub(super) missed: B,
     pub(super) by_travel: B,
 }
@@ -51,7 +51,7 @@ impl<B: SimdReal> Wheel<B, 1> for ArmWheel<'_, '_, B> {
         let velocity = form.velocity(&self.state, tangent);
         let per_travel = tangent.one() / velocity.rise;
         let half = tangent.constant(0.5);
-        // The derivative of tan(angle/2) by the angle is (1 + tangent^2)/2.
+        // The derivative of tan(angle/2) with respect to the angle is (1 + tangent^2)/2.
         self.by_travel =
             velocity.arm_angle * half.plus_product(half, tangent * tangent) * per_travel;
         let (centre, axis) = self.carried();

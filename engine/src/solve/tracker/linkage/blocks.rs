@@ -125,7 +125,8 @@ impl<B: Real> Blocks<B> {
         }
     }
 
-    /// Converts the square of a rotation per size to the square of a rotation per length.
+    /// Converts the square of a rotation per travel of one mechanism size into the square of a rotation per unit
+    /// length.
     #[inline(always)]
     pub(super) fn per_size(&self, square: f64) -> B {
         self.inverse_size * self.inverse_size * self.inverse_size.constant(square)

@@ -14,11 +14,11 @@ const MOST_ROUNDS: usize = 5;
 pub(in crate::solve::tracker) struct LinkageCorner<'w, 'd, B: SimdReal, V> {
     pub(super) steps: NewtonSteps<'w, 'd, B>,
     pub(super) visitor: &'w mut V,
-    /// Lanes in which the prediction of this place was within its permitted error.
+    /// Lanes in which the prediction of this waypoint was within its permitted error.
     pub(super) is_near: B::Mask,
 }
 
-/// Rack displacement and travel at a place.
+/// Rack displacement and travel at a waypoint.
 #[inline(always)]
 pub(super) fn at_place<B: Real>(place: &RouteStep, like: B) -> [B; 2] {
     [like.constant(place.rack), like.constant(place.value)]

@@ -33,9 +33,9 @@ impl Visit<f64> for Nothing {
     fn pose(&mut self, _: usize, _: &impl AdjointPose<f64>, _: Acceptance<f64>) {}
 }
 
-/// Returns the decisions of the guards at all places of an accepted design, computed from their formulas and published
-/// thresholds. Each place is corrected again from its prediction, since the determinants are those of the last step of Newton's
-/// method.
+/// Returns the decisions of the guards at all waypoints of an accepted design, computed from their formulas and published
+/// thresholds. Each waypoint is corrected again from its prediction, since the determinants are those of the last step of
+/// Newton's method.
 fn judge(
     tracker: &CornerTracker<'_>,
     rack: usize,
@@ -107,8 +107,9 @@ fn judge(
     judged
 }
 
-/// For each guard of a place there is a design that only this guard rejects, at its published threshold. For some guards between
-/// two places the search lines contain no such design; `a_step_is_guarded_at_its_thresholds` tests these guards.
+/// For each guard of a single waypoint there is a design that only this guard rejects, at its published threshold.
+/// For some guards between two waypoints the search lines contain no such design;
+/// `a_step_is_guarded_at_its_thresholds` tests these guards.
 #[test]
 fn every_guard_rejects_a_design_alone() {
     let mut all: BTreeMap<&str, usize> = BTreeMap::new();
@@ -125,7 +126,8 @@ fn every_guard_rejects_a_design_alone() {
     }
 }
 
-/// Tests the guards of a place and between two places, each at its threshold while all other guards accept.
+/// Tests the guards of a single waypoint and between two waypoints, each at its threshold while all other guards
+/// accept.
 #[test]
 fn a_step_is_guarded_at_its_thresholds() {
     let before = BranchGuard {

@@ -39,7 +39,7 @@ impl<B: SimdReal> Outlined for Linearising<'_, '_, B> {
 }
 
 impl<B: SimdReal> Linear<B> {
-    /// Makes equations whose numbers are all zero. They must be computed before use.
+    /// Makes equations whose numbers are all zero. [`Linearising`] must compute the numbers before use.
     #[inline(always)]
     pub(super) fn unformed(method: &ByLinkage, like: B) -> Self {
         let zero = like.zero();

@@ -1,8 +1,8 @@
 //! Pose of an axle whose wheels share one mechanism, as seen from the right wheel.
 //!
-//! With M the reflection in the middle plane, a body with the rotation R and the angular velocity w has the rotation M R M and the
-//! angular velocity -M w in the right wheel's frame. Points and velocities have M as their factor. The right wheel's own share of the
-//! difference of travels is the negative of the left one's, and the mean travel is the same.
+//! Let M be the reflection in the middle plane. A body with the rotation R and the angular velocity w has the rotation
+//! M R M and the angular velocity -M w in the right wheel's frame. Points and velocities are multiplied by M. In the
+//! right wheel's frame, the difference of travels has the opposite sign, and the mean travel is the same.
 
 use super::super::{KnuckleVector, LanePose, LaneRates};
 use super::LinkageDesign;

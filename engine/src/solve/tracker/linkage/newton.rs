@@ -45,8 +45,8 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         }
     }
 
-    /// Linearises the equations about unknowns. Determinants of settled lanes do not change. Returns the configuration there
-    /// and the Newton step.
+    /// Linearises the equations about these unknowns. The determinants of settled lanes do not change. Returns the
+    /// configuration with these unknowns and the Newton step.
     #[inline(always)]
     pub(super) fn linearise(
         &mut self,
@@ -72,13 +72,13 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         (at, step)
     }
 
-    /// Derivative of the pose by the travel, in the latest linearisation.
+    /// Derivative of the pose with respect to the travel, in the latest linearisation.
     #[inline(always)]
     pub(super) fn by_travel(&mut self) -> Twist<B> {
         self.linear.get_mut().by_travel()
     }
 
-    /// Motion by these steps of the rack and of the travel, in the latest linearisation.
+    /// Motion of the knuckle for these steps of rack and travel, in the latest linearisation.
     #[inline(always)]
     pub(super) fn along(&mut self, rack: B, travel: B) -> Twist<B> {
         let by_travel = self.by_travel();
@@ -187,7 +187,7 @@ impl<B: SimdReal> BranchGuard<B> {
         accepted.require(is_conditioned, Rejection::IllConditioned);
     }
 
-    /// Accepts lanes in which no determinant could have vanished since the previous place and the knuckle has not rotated
+    /// Accepts lanes in which no determinant could have vanished since the previous waypoint and the knuckle has not rotated
     /// far. A determinant could have vanished if it changed too much.
     #[inline(always)]
     pub(super) fn check_step(&self, before: &Self, accepted: &mut Acceptance<B>) {

@@ -29,8 +29,8 @@ use crate::number::{SimdReal, Vector3};
 /// Unknowns of the pose, and half the difference of the travels.
 pub(in crate::solve::tracker) const ALL: usize = UNKNOWNS + 1;
 
-/// Largest number of further corrections with the same linearised equations. Each reduces the error by a factor of the order of
-/// the prediction's error, and takes a third of the time of a new linearisation.
+/// Largest number of further corrections with the same linearised equations. Each correction multiplies the error by
+/// about the prediction's error, and takes a third of the time of a new linearisation.
 const CHORDS: usize = 3;
 
 /// Equations of an axle whose wheels share one mechanism.
@@ -45,9 +45,9 @@ pub(in crate::solve::tracker) struct OneBody<'w, 'd, B: SimdReal, V> {
     /// Largest difference of the heights of both contact points.
     level: B,
     visitor: &'w mut V,
-    /// Ground at this place, in the left wheel's frame.
+    /// Ground at this waypoint, in the left wheel's frame.
     ground: Ground<B>,
-    /// Lanes in which the prediction of this place was within its permitted error.
+    /// Lanes in which the prediction of this waypoint was within its permitted error.
     is_near: B::Mask,
     /// Lanes in which both contact points rise fast enough with their wheels.
     rises: B::Mask,
@@ -72,7 +72,7 @@ pub(super) fn rocker_of(mechanism: &Mechanism, id: PointId) -> Option<RockerId> 
 }
 
 impl<B: SimdReal> WheelOnBody<B> {
-    /// Wheel centre and spin axis on a body in this place.
+    /// Wheel centre and spin axis, with their body in this position.
     #[inline(always)]
     fn placed(&self, place: &BodyPlace<B>) -> [Vector3<B>; 2] {
         [place.point(self.centre), place.rotation.apply(self.axis)]
@@ -80,7 +80,8 @@ impl<B: SimdReal> WheelOnBody<B> {
 }
 
 impl<'w, 'd, B: SimdReal, V> OneBody<'w, 'd, B, V> {
-    /// Equations of designs of a tracker. `axes` are the spin axes of both wheels in the design position, each in its own frame.
+    /// Equations of designs of a tracker. `axes` are the spin axes of both wheels in the design position, each in the
+    /// frame of its wheel.
     #[inline(always)]
     pub(in crate::solve::tracker) fn new(
         tracker: &'w AxleTracker<'w>,
@@ -118,7 +119,7 @@ impl<'w, 'd, B: SimdReal, V> OneBody<'w, 'd, B, V> {
         }
     }
 
-    /// Mean travel at a place.
+    /// Mean travel at a waypoint.
     #[inline(always)]
     fn mean(&self, place: &RouteStep) -> f64 {
         match self.tracker.drive {
@@ -127,7 +128,7 @@ impl<'w, 'd, B: SimdReal, V> OneBody<'w, 'd, B, V> {
         }
     }
 
-    /// Held value and drive value of the closure equations at a place. `half` is half the difference of the travels.
+    /// Held value and drive value of the closure equations at a waypoint. `half` is half the difference of the travels.
     #[inline(always)]
     fn motion(&self, place: &RouteStep, half: B) -> [B; 2] {
         let [mean, difference] = self.rest;
@@ -157,14 +158,14 @@ impl<'w, 'd, B: SimdReal, V> OneBody<'w, 'd, B, V> {
         ]
     }
 
-    /// Height of the left contact point over the right one.
+    /// Height of the left contact point above the right one.
     #[inline(always)]
     fn apart(&self, [left, right]: &[Contact<B>; 2]) -> B {
         let normal = self.ground.normal();
         normal.dot(left.centre + left.lever) - normal.dot(right.centre + right.lever)
     }
 
-    /// Rises of both contact points in a motion of the knuckle.
+    /// Vertical velocities of both contact points in a motion of the knuckle.
     #[inline(always)]
     fn rises_in(
         &self,
@@ -197,13 +198,13 @@ impl<B: SimdReal> Contact<B> {
     }
 }
 
-/// Equations of a place on one ground, linearised about a prediction.
+/// Equations of a waypoint on one ground, linearised about a prediction.
 struct OnGround<'d, B> {
     at: Configuration<'d, B>,
     contacts: [Contact<B>; 2],
-    /// Derivative of the pose by half the difference of the travels.
+    /// Derivative of the pose with respect to half the difference of the travels.
     by_travel: Twist<B>,
-    /// Inverse of the derivative of the height of the left contact point over the right one.
+    /// Inverse of the derivative of the height of the left contact point above the right one.
     inverse: B,
 }
 
@@ -247,8 +248,8 @@ impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B,
         if [along_mean, along_half, place.along_lead] == [0.0; 3] {
             return unknowns;
         }
-        // The first steps use the slopes of the lane's own design at the previous place. A linearisation that remains from there
-        // would depend on the number of corrections that neighbouring lanes needed.
+        // The first steps use the slopes of the lane's own design at the previous waypoint. The linearisation left
+        // over from that waypoint would depend on the number of corrections that neighbouring lanes needed.
         let (pose, half) = parted(&unknowns);
         let everywhere = half.everywhere();
         (self.steps).linearise(&pose, self.motion(place, half), everywhere);

@@ -12,7 +12,8 @@ use crate::mechanism::{Closure, Configuration, Driver, RowSet, Twist, Wrench};
 use crate::number::{Jet, Real, SimdReal, Vector3};
 use std::cell::{Cell, Ref, RefCell};
 
-/// Smallest square of the knuckle's rotation per size of rack displacement. The steering axis is the axis of this rotation.
+/// Smallest squared rotation of the knuckle for a rack displacement equal to the mechanism's size. Below it, the axis
+/// of this rotation is not accurate enough to be the steering axis.
 const LEAST_STEERING: f64 = 0.25;
 /// Smallest squared sine of the angle between the steering axis and the horizontal. The inclinations of a nearly horizontal
 /// axis are not accurate.
@@ -142,7 +143,7 @@ impl<B: SimdReal> AdjointPose<B> for LinkagePose<'_, '_, B> {
     }
 }
 
-/// The first derivatives of a vector of series.
+/// The first derivatives of a vector of Taylor series.
 #[inline(always)]
 fn slope<B: Real>(vector: Vector3<Jet<B, 2>>) -> Vector3<B> {
     Vector3::new(vector.x[1], vector.y[1], vector.z[1])

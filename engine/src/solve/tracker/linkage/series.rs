@@ -1,4 +1,4 @@
-//! Gradients as series along the travel, from the closure equations as series.
+//! Gradients as Taylor series along the travel, from the closure equations as Taylor series.
 
 use super::ByLinkage;
 use super::blocks::Blocks;
@@ -7,7 +7,7 @@ use crate::mechanism::{Closure, Configuration, Driver, RowSet, Wrench};
 use crate::number::Real;
 use crate::number::{Jet, Outlined, SimdReal, Vector3};
 
-/// Computes gradients as series along the travel, from the closure equations as series.
+/// Computes gradients as Taylor series along the travel, from the closure equations as Taylor series.
 pub(crate) struct SeriesAdjoint<'p, B> {
     closure: &'p Closure<Jet<B, 2>>,
     at: &'p Configuration<'p, Jet<B, 2>>,

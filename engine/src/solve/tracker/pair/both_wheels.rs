@@ -17,16 +17,17 @@ pub(super) struct BothWheels<'w, B: SimdReal, W, V, const N: usize> {
     /// Largest difference of the heights of both contact points.
     pub(super) level: B,
     pub(super) visitor: &'w mut V,
-    /// Ground at this place, in the left wheel's frame.
+    /// Ground at this waypoint, in the left wheel's frame.
     pub(super) ground: Ground<B>,
-    /// Lanes in which the prediction of this place was within its permitted error.
+    /// Lanes in which the prediction of this waypoint was within its permitted error.
     pub(super) is_near: B::Mask,
     /// Lanes in which both contact points rise fast enough with their wheels.
     pub(super) rises: B::Mask,
 }
 
 impl<B: SimdReal, W, V, const N: usize> BothWheels<'_, B, W, V, N> {
-    /// Returns [rack displacement, travel] of the left and right wheel at a place. `half` is half the difference of the travels.
+    /// Returns [rack displacement, travel] of the left and right wheel at a waypoint. `half` is half the difference of
+    /// the travels.
     #[inline(always)]
     fn motions(&self, place: &RouteStep, half: B) -> [[B; 2]; 2] {
         let (mean, _) = self.tracker.at(place);

@@ -1,4 +1,4 @@
-//! Targets and bands of an axle in `[motions.NAME]`.
+//! Tests of targets and bands of an axle in `[motions.NAME]`.
 
 use super::tuning::{evaluate, layout, study};
 use hardpoint::optimise::Control;

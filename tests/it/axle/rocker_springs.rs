@@ -94,8 +94,8 @@ fn wheel_loads_are_slopes_of_the_energy() {
     }
 }
 
-/// About the design position, the force of an unloaded heave spring or heave bar is an even function of the roll angle,
-/// and the T-bar is inactive in heave. So these springs leave the other stiffness unchanged.
+/// A heave spring or heave bar without preload adds no roll stiffness in the design position, because its force is an
+/// even function of the roll angle. A T-bar adds no stiffness in heave.
 #[test]
 fn each_spring_resists_its_own_motion() {
     let heave_spring = Some(Preloaded {

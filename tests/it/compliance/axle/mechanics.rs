@@ -1,4 +1,4 @@
-//! Elastic axles against mechanics: one wheel, the design position, rigid limits, reciprocity, derivatives.
+//! Tests of elastic axles against mechanics: one wheel, the design position, rigid limits, reciprocity, derivatives.
 
 use super::{Case, HELD, LINKS, LOWER, WISHBONES, random_loads, sample};
 use crate::support::random::Random;
@@ -10,7 +10,7 @@ use hardpoint::compliance::{
 use hardpoint::model::{Axis, Side};
 use hardpoint::number::{Real, Tape};
 
-/// Largest difference of angles, rad, and of positions over 100 mm.
+/// Largest difference of angles (rad), and of positions divided by 100 mm.
 fn difference(a: &WheelFigures, b: &WheelFigures) -> f64 {
     let moved = [(a.centre - b.centre).norm(), (a.contact - b.contact).norm()];
     let angles = [a.toe - b.toe, a.camber - b.camber, a.spin - b.spin];
@@ -18,7 +18,7 @@ fn difference(a: &WheelFigures, b: &WheelFigures) -> f64 {
     angles.chain(moved.map(|m| m / 100.0)).fold(0.0, f64::max)
 }
 
-/// Wheels that share nothing elastic are two single wheels.
+/// If the wheels share no elastic part, each wheel equals a single wheel.
 #[test]
 fn wheels_that_share_nothing_are_single_wheels() {
     let mut random = Random(21);
@@ -45,8 +45,8 @@ fn wheels_that_share_nothing_are_single_wheels() {
     }
 }
 
-/// With `at_design_load` the drawing is the equilibrium, and the forces there are those of a small motion of all bodies
-/// without torsion: the set with the least energy.
+/// With `at_design_load` the nominal design is the equilibrium. Its bushing forces are those of a small motion of all
+/// bodies without torsion: the set of forces with the least energy.
 #[test]
 fn the_drawing_is_the_equilibrium_at_the_design_load() {
     let mut random = Random(22);

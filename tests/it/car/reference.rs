@@ -242,8 +242,7 @@ fn every_derivative_agrees() {
                     continue;
                 }
                 let found = derivative(&car, gradient, path);
-                // The error is measured against the change of the value when the parameter changes by its full size
-                // (100 for a length).
+                // Scale of the error: typical size of the value divided by that of the parameter (100 for a length).
                 let size = scale(names[*k], gradient.value)
                     / match path.as_str() {
                         p if p.ends_with("bar.rate") => 5e5,

@@ -332,8 +332,8 @@ fn laws_and_sides_enter_as_in_statistics() {
 }
 
 /// A symmetric car in straight driving has no roll and no lateral load transfer, whatever its mass, springs and
-/// longitudinal centre of gravity. Their first-order scatter is only rounding error, so the program sets it to zero.
-/// Loads and pitch scatter.
+/// longitudinal centre of gravity. Their first-order scatter is only rounding error, and the program reports that they
+/// do not scatter. Loads and pitch scatter.
 #[test]
 fn what_vanishes_by_symmetry_does_not_scatter() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/car.toml");

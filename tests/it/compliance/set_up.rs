@@ -274,7 +274,7 @@ fn built(study: &Study, name: &str, by: f64, height: f64) -> [f64; 4] {
     let built = assembler.build(&parts, Rest::Height(height)).unwrap();
     let elastic = study.compliance().unwrap();
     let mut parts = elastic.parts.clone();
-    // The same spring: its force counts from the new length.
+    // The spring is the same part: its force at the new length is the nominal force of the build.
     let Some(Law::Linear { force, .. }) = parts.spring.as_mut().map(|law| &mut law.spring) else {
         panic!("a linear spring");
     };
@@ -294,7 +294,7 @@ fn built(study: &Study, name: &str, by: f64, height: f64) -> [f64; 4] {
     })
 }
 
-/// Effects are slopes of builds at the same height, also with a preloaded bushing and at another height.
+/// Effects equal slopes of builds at the same height, also with a preloaded bushing and at another height.
 #[test]
 fn effects_are_slopes_of_elastic_builds() {
     let setup = "adjust = [{ length = \"tie_rod\" }, { shim = \"upper_ball_joint\", axis = \"y\" }, { shim = \"lower_arm_front\", axis = \"z\" }]\n\
@@ -325,7 +325,7 @@ fn effects_are_slopes_of_elastic_builds() {
     }
 }
 
-/// The same of a pushrod, whose builds settle on the spring.
+/// The same holds for a pushrod, whose builds settle to the height that the spring gives.
 #[test]
 fn effects_of_a_pushrod_are_slopes_of_settled_builds() {
     let setup =
@@ -335,7 +335,7 @@ fn effects_of_a_pushrod_are_slopes_of_settled_builds() {
     let summary = one(&found);
     let length = built(&study, "pushrod", 0.0, 0.0)[3];
     for adjustment in ["pushrod", "tie_rod"] {
-        // The secant method finds the height at which the spring has its length.
+        // The secant method finds the height at which the spring has its nominal length.
         let settled = |by: f64| {
             let (mut a, mut b) = (0.0, 0.5);
             let miss = |height: f64| built(&study, adjustment, by, height)[3] - length;
@@ -368,7 +368,8 @@ fn effects_of_a_pushrod_are_slopes_of_settled_builds() {
     }
 }
 
-/// Ever stiffer parts come to the amounts of the rigid mechanism; the rest is proportional to one over the stiffness.
+/// With increasing stiffness the amounts approach those of the rigid mechanism. The difference is proportional to one
+/// over the stiffness.
 #[test]
 fn stiff_parts_have_the_amounts_of_the_rigid_mechanism() {
     let setup = "adjust = [{ length = \"tie_rod\" }, { shim = \"upper_ball_joint\", axis = \"y\" }]\nwant = { camber = -1.2, toe = 0.15 }";
@@ -389,7 +390,8 @@ fn stiff_parts_have_the_amounts_of_the_rigid_mechanism() {
     }
 }
 
-/// The text with the numbers of each list scaled. `factors` gives the factors of a line, or none.
+/// Text in which the numbers of each list are multiplied by factors. `factors` returns the factors of a line, or
+/// `None`.
 fn rescaled(text: &str, factors: impl Fn(&str) -> Option<Vec<f64>>) -> String {
     let line = |line: &str| -> String {
         let Some((name, list)) = line.split_once(" = ") else {
@@ -412,7 +414,7 @@ fn rescaled(text: &str, factors: impl Fn(&str) -> Option<Vec<f64>>) -> String {
     text.lines().map(line).collect()
 }
 
-/// A wheel on the right side, and one in inches with other units of force, need the same adjustments.
+/// The same wheel on the right side, or in inches with other units of force, needs the same adjustments.
 #[test]
 fn set_ups_do_not_depend_on_side_and_units() {
     let setup = "adjust = [{ length = \"tie_rod\" }, { shim = \"upper_ball_joint\", axis = \"y\" }]\nwant = { camber = -1.2, toe = 0.15 }";
@@ -423,7 +425,7 @@ fn set_ups_do_not_depend_on_side_and_units() {
         let name = line.split(' ').next().unwrap_or_default();
         study.wheel().mechanism.point(name).is_some()
     };
-    // Every y has the other sign, and so has a shim along y.
+    // Every y changes its sign, and so does a shim along y.
     let text = rescaled(&study.text, |line| {
         is_point(line).then(|| vec![1.0, -1.0, 1.0])
     });
@@ -455,7 +457,7 @@ fn set_ups_do_not_depend_on_side_and_units() {
     }
 }
 
-/// A height at which the wheel has no equilibrium is a reason, not a number.
+/// If the wheel has no equilibrium at the requested height, the set-up gives the reason and no numbers.
 #[test]
 fn a_rest_without_equilibrium_is_named() {
     let setup =

@@ -1,4 +1,4 @@
-//! The schema that editors check studies by agrees with the reader about keys and types.
+//! Tests that the schema, which editors use to check studies, agrees with the reader about keys and types.
 
 use hardpoint::study::{CarStudy, Study, schema};
 use serde_json::Value;

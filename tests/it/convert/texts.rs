@@ -71,8 +71,7 @@ fn there_and_back_gives_the_numbers_of_every_sample_study() {
     ];
     for file in studies() {
         let text = fs::read_to_string(&file).unwrap();
-        // `convert` converts the axles together with their car, so the car's file has no unit of its own here. Attia's
-        // study is in metres.
+        // Skips Attia's study, which is in metres. The test converts the axles of a car together with it.
         if text.contains("length_unit = \"m\"") {
             continue;
         }

@@ -171,7 +171,7 @@ fn a_vehicle_of_chrono_is_a_car_that_is_solved() {
         .unwrap();
     let written: f64 = line.split_whitespace().nth(2).unwrap().parse().unwrap();
     assert!((written - force).abs() < 1e-9 * force, "{line}");
-    // The chassis has a body with negative mass: 1000 kg at 0.5 m minus 200 kg at 1 m.
+    // The import subtracts a hole: 1000 kg at 0.5 m minus 200 kg at 1 m.
     assert_eq!(study.car.mass, 800.0);
     assert!((study.car.cg - Vector3::new(0.25, 0.0, 0.375)).norm() < 1e-15);
     assert_eq!(study.car.rear_offset, Vector3::new(0.0, 0.0, 0.0));

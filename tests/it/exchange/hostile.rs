@@ -203,7 +203,7 @@ fn sheets_are_chosen_by_name_or_by_their_points() {
     let mixed = workbook(&[page("it's front", cells()), page("old", broken)]);
     let mixed = file(&directory, "mixed.xlsx", &mixed);
     let read = imported(&mixed, "macpherson", &Said::default());
-    // An invalid coordinate is found only by the import, so both sheets remain candidates.
+    // An invalid coordinate does not exclude a sheet: only the import finds it, so both sheets remain candidates.
     let refused = read.unwrap_err();
     assert!(
         refused.contains("say --sheet 'it'\\''s front' or --sheet old"),

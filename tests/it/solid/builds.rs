@@ -173,7 +173,7 @@ fn builds_have_the_dimensions_of_their_parts() {
                     kind.name
                 );
             }
-            // Only the right wheel's description has the lever of its half of the bar.
+            // The left wheel's description lacks the bar lever of the right half, so the test skips it.
             for (number, point) in left.mechanism.points.iter().enumerate() {
                 let Some(near) = point.name.strip_prefix("right_") else {
                     continue;

@@ -1,4 +1,4 @@
-//! The state with which the page compares: the file as opened or last saved, with its rates and targets.
+//! Tests of the reference state of the page: the file as opened or last saved, with its rates and targets.
 
 use super::browser::{READY, SETTLED};
 use super::webdriver::Browser;

@@ -103,7 +103,7 @@ fn the_connected_pose_is_one_of_them() {
     assert!(all.found.iter().all(|a| a.certificate.is_some()));
 }
 
-/// The suspension of a topology's own template.
+/// Suspension of a topology's template.
 fn template(topology: &str) -> Suspension {
     let topology = Topology::named(topology).unwrap();
     Study::from_text(topology.name, topology.template, Path::new("."))

@@ -111,8 +111,8 @@ fn far_centres_are_those_of_the_closed_form() {
     }
 }
 
-/// With level arms of equal height on both sides, the normals to both contact point velocities are vertical in the
-/// design position, so the axle has no roll centre. After a tenth of a micrometre of travel on one side it has one.
+/// With level arms of equal height on both sides, the axle has no roll centre in the design position: both normals to
+/// the contact point velocities are vertical. After a tenth of a micrometre of travel on one side it has one.
 #[test]
 fn upright_normals_have_no_roll_centre() {
     let text = r#"

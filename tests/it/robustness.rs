@@ -1,8 +1,8 @@
 //! Tests of robustness: the program solves any finite hardpoints, or refuses them with a reason.
 //!
 //! A number determines each design: a road car's strut with scattered points. Every second design also has something
-//! degenerate (points that coincide, line up or lie in a plane, axes along the coordinate axes, a tie rod at toggle,
-//! other scales, far from the origin).
+//! degenerate: points that coincide, line up or lie in a plane, axes along the coordinate axes, a tie rod at toggle,
+//! other scales, or a position far from the origin.
 //!
 //! Each design goes through the solver, through the curves of a study with certificates, rates and sensitivities, and
 //! through an independent continuation in small steps. A station with status `ok` has a certificate, and its pose is

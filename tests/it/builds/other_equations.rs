@@ -50,7 +50,7 @@ enum On {
     Rocker(usize),
 }
 
-/// A nominal suspension.
+/// Nominal suspension.
 pub struct Drawing {
     /// Hardpoints and extra points.
     pub names: Vec<String>,

@@ -14,9 +14,9 @@ const STUDIES: [&str; 3] = [
     "semi_trailing_arm_rear",
 ];
 
-/// At travel 0 a deviated wheel centre is at its design height. A centre that is dz higher in its carrier puts the
-/// carrier at its pose for travel -dz, so camber and toe change by -dz times their slopes over travel. Horizontal
-/// deviations change neither, and the wheel radius has no effect.
+/// At travel 0 a deviated wheel centre is at its design height. If it is dz higher in its carrier, the carrier has its
+/// pose for travel -dz. So camber and toe change by -dz times their slopes over travel. Horizontal deviations change
+/// neither, and the wheel radius has no effect.
 #[test]
 fn a_wheel_centre_moves_its_spin_axis_in_parallel() {
     const STEP: f64 = 0.5;

@@ -21,8 +21,8 @@ fn built(problem: &Problem) -> (Vec<f64>, Expansion, MonteCarlo) {
     (drawn, expansion, builds)
 }
 
-/// Where the first-order result claims to be valid, its standard deviation equals that of the builds within 2 % plus
-/// four standard errors.
+/// The standard deviation of the first-order result equals that of the builds within 2 % plus four standard errors,
+/// wherever the first-order result claims to be valid.
 #[test]
 fn first_order_is_the_monte_carlo_where_it_says_so() {
     for (name, travel) in [

@@ -205,8 +205,8 @@ fn other_commands_refuse_elastic_parts() {
     assert!(said.contains("Elastic parts") && said.contains("lower_arm_rear"));
 }
 
-/// If a load is too large for the wheel, `kc` writes all other results, states the share of the load that has an
-/// equilibrium, and exits with code 1.
+/// If a load is too large for the wheel, `kc` still writes all other results. It states the share of the load that has
+/// an equilibrium, and exits with code 1.
 #[test]
 fn a_load_that_is_not_held_is_said() {
     let directory = tempfile::tempdir().unwrap();

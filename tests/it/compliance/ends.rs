@@ -38,8 +38,8 @@ fn test_of(load: TestLoad) -> KcTest {
     KcTest::new(load, LengthUnit::Millimetre)
 }
 
-/// A forward force F at the centre of a castored wheel makes it unstable at F n = k a^2, with the trail n, the steering
-/// arm a and the stiffness k of the tie rod. A rearward force stabilises it.
+/// A forward force F at the centre of a castored wheel makes it unstable at F n = k a^2. The trail is n, the steering
+/// arm a, and the stiffness of the tie rod k. A rearward force stabilises the wheel.
 #[test]
 fn a_castored_wheel_turns_over_at_its_closed_form() {
     for stiffness in [40.0, 280.0, 2000.0] {

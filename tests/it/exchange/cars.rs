@@ -299,8 +299,8 @@ fn solid_axles_of_chrono_are_read() {
     }
 }
 
-/// Solid axles with four links, or with a Panhard rod, keep their points relative to the midpoint of both wheel centres
-/// through an export to Assetto Corsa and back.
+/// Solid axles with four links, or with a Panhard rod, keep their points through an export to Assetto Corsa and back.
+/// Points are relative to the midpoint of both wheel centres.
 #[test]
 fn solid_axles_come_back_from_assetto_corsa() {
     let directory = tempfile::tempdir().unwrap();
@@ -498,8 +498,8 @@ fn springs_alone(study: &Study) -> f64 {
     1000.0 * (load(2) - load(0))
 }
 
-/// A car with two double wishbone axles keeps its points relative to the wheel centres, its wheelbase, weight
-/// distribution and heights through an export to Assetto Corsa and back.
+/// A car with two double wishbone axles is the same after an export to Assetto Corsa and back: its points relative to
+/// the wheel centres, its wheelbase, weight distribution and heights.
 #[test]
 fn a_car_comes_back_from_assetto_corsa() {
     let directory = tempfile::tempdir().unwrap();

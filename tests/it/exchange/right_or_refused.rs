@@ -210,7 +210,7 @@ fn a_wheel_at_the_origin_needs_its_half_track() {
         let read = of("points.csv", &format!("{text}{line}"), &Said::default()).unwrap();
         has_points(&read, &FRONT);
     }
-    // The right wheel of such a file is a wheel on the other side of the car.
+    // Right wheel of such a file, with the sign of y reversed.
     let right: Vec<(&str, [f64; 3])> = moved
         .iter()
         .map(|(n, [x, y, z])| (*n, [*x, -y, *z]))

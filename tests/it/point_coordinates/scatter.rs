@@ -36,8 +36,9 @@ impl Scatter {
     }
 }
 
-/// For 300 scattered struts over +-80 mm, the knuckle is rigid and not mirrored, the strut's line passes through the
-/// mount, and tie rod and arm keep their lengths. A single large step reaches the same pose as small steps.
+/// 300 scattered struts over +-80 mm stay on their branch: the knuckle is rigid and not mirrored, the strut's line
+/// passes through the mount, and tie rod and arm keep their lengths. A single large step reaches the same pose as small
+/// steps.
 #[test]
 fn scattered_struts_stay_on_their_branch() {
     let mut scatter = Scatter(1);

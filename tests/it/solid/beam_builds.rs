@@ -140,7 +140,7 @@ fn printed_builds_are_the_builds() {
     }
 }
 
-/// Half the width of a scatter range that fixes the parts of a build.
+/// Half the width of the scatter range; it is so narrow that the deviation of a part is known.
 const NARROW: f64 = 1e-13;
 
 /// Values of a beam whose parts deviate by these amounts, by output and station.

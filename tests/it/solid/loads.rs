@@ -79,8 +79,8 @@ fn forces(curves: &Curves, case: &Value, load: &str, has_spring: bool) -> Vec<(P
     all
 }
 
-/// Forces and moments about the origin are in balance, for loads on either wheel, with springs or with supports at the
-/// wheel centres, and with a different right half.
+/// Forces and moments about the origin are in balance. The test covers loads on either wheel, springs and supports at
+/// the wheel centres, and a different right half.
 #[test]
 fn members_balance_loads_on_either_wheel() {
     let mut random = Random(47);

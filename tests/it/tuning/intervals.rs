@@ -243,7 +243,7 @@ fn counted(fits: usize) -> [Count; 4] {
 
 #[test]
 fn intervals_beside_bounds_hold_the_truth() {
-    // Of about 150 intervals at 95 %, between 132 and 150 contain the truth, except in one run of 1000.
+    // Between 132 and 150 of about 150 intervals at 95 % contain the truth, except in one run of 1000.
     let all = counted(60)[0];
     assert!(all.two_sided as f64 >= 0.8 * all.free as f64);
     assert!(all.held as f64 >= 0.88 * all.two_sided as f64);

@@ -743,7 +743,7 @@ fn coverage(fits: usize) -> Vec<f64> {
 
 #[test]
 fn intervals_of_fits_hold_the_truth() {
-    // Of 60 fits at 95 %, between 51 and 60 contain the truth, except in one run of 300.
+    // Between 51 and 60 of 60 fits at 95 % contain the truth, except in one run of 300.
     for share in coverage(60) {
         assert!(share >= 0.85, "{share}");
     }

@@ -8,7 +8,7 @@ use nalgebra::DVector;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// Half the width of a scatter range that fixes a part's deviation.
+/// Half the width of the scatter range; it is so narrow that the deviation of a part is known.
 const NARROW: f64 = 1e-12;
 
 /// Uniform scatter about a known deviation.

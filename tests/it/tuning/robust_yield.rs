@@ -112,8 +112,8 @@ fn the_yield_of_eleven_studies_is_raised() {
     judged_by_fresh_builds(&all.iter().collect::<Vec<_>>(), 8);
 }
 
-/// The yield of fresh builds is never below that of the optimum without scatter by more than its standard error, and it
-/// is larger where the bands allow it. The expected yield agrees with that of the fresh builds within their standard
+/// The yield of fresh builds falls below that of the optimum without scatter by at most its standard error, and it is
+/// larger where the bands allow it. The expected yield agrees with that of the fresh builds within their standard
 /// errors.
 fn judged_by_fresh_builds(studies: &[&Study], raised_at_least: usize) {
     let mut raised = 0;

@@ -435,8 +435,8 @@ fn removed_pages_and_pictures_are_named() {
     assert!(said(&["--plots", "pictures"]).contains("pictures: camber_deg.svg"));
 }
 
-/// Results of a sweep depend on its designs, so for another command the program does not know if the study is the same,
-/// and its message does not claim it.
+/// The designs of a sweep are part of its results. So for another command the program does not know whether the study
+/// is the same, and its message claims nothing about this.
 #[test]
 fn results_in_the_way_are_called_what_is_known_of_them() {
     let bench = Bench::new();

@@ -19,7 +19,7 @@ const MOTION: &str = "[motion]\ntravel_left = [-30.0, 20.0]\ntravel_right = [10.
 /// Motion and outputs that rigid axles support too.
 const RIGID_MOTION: &str = "[motion]\ntravel_left = [-30.0, 20.0]\ntravel_right = [10.0]\n[outputs]\n\
                             characteristics = [\"camber\", \"toe\", \"axle_steer\", \"axle_lateral\", \"pinion_angle\", \"roll_centre_height\"]\n";
-/// Half the width of a scatter range that fixes the parts of a build.
+/// Half the width of the scatter range; it is so narrow that the deviation of a part is known.
 const NARROW: f64 = 1e-13;
 
 fn text(kind: Kind, relaxed: &str, motion: &str) -> String {

@@ -152,9 +152,9 @@ fn limits_of_the_drag_link_are_its_toggles() {
     let last = 920.0 - (reach * reach - ARM * ARM).sqrt();
     let own = axle(&study(&level(0.0, 0.0), "[motion]\nheave = [0.0]\n"));
     let [lower, _] = own.axle.limits().unwrap().rack.unwrap();
-    // A rod counts as at its toggle if its leverage, the sine of its angle to the arm, is below 1e-5. With the drag
-    // link length c and the arm length a, this occurs a c/(a + c)/2 times the square of the leverage before the end of
-    // the reach.
+    // A rod counts as at its toggle if its leverage is below 1e-5. Leverage is the sine of its angle to the arm. With
+    // the drag link length c and the arm length a, this occurs a c/(a + c)/2 times the square of the leverage before
+    // the end of the reach.
     let before = 0.5e-10 * ARM * 920.0 / reach;
     let error = lower.value - last;
     assert!(

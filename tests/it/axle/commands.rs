@@ -301,7 +301,7 @@ fn the_page_shows_both_wheels_on_the_ground() {
             assert!(pose["turn"]["centre"].is_null());
             continue;
         };
-        // Seen from above in body axes: the radius from the turn centre to the outer wheel (here the right one) agrees
+        // Radius from the turn centre to the outer wheel (here the right one), seen from above in body axes. It agrees
         // within the offset of the contact point from the wheel centre plane.
         let centre = [0, 1].map(|k| number(&pose["turn"]["centre"][k]));
         let ends = &pose["turn"]["wheels"][1];
@@ -468,8 +468,8 @@ fn said(arguments: &[&str], sets: &[&str], code: i32) -> String {
     words.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Every incomplete station comes with a message that names the wheel: the wheel whose drop link is at toggle, or the
-/// wheel that reaches the end of the rack first, as `limits` reports it.
+/// Every incomplete station comes with a message that names the wheel. It is the wheel whose drop link is at toggle, or
+/// the one that reaches the end of the rack first, as `limits` reports it.
 #[test]
 fn what_an_axle_lacks_is_said_with_the_wheel() {
     let (path, out) = (study("macpherson_axle.toml"), folder("lacking"));

@@ -1,5 +1,5 @@
-//! Tests of every quantity of an axle with different sides: against the mirrored axle, and against an evaluation from
-//! wheel positions, ground geometry and differences between positions.
+//! Tests of every quantity of an axle with different sides. The references are the mirrored axle, and an evaluation
+//! from wheel positions, ground geometry and differences between positions.
 
 use super::one_state::axles;
 use super::reference::condition;

@@ -104,7 +104,7 @@ fn mirrored_loads_are_carried_alike() {
     let loads = "outputs.loads=[{name=\"side\", side=\"left\", at=\"contact_point\", force=[-900.0, 1500.0, 4000.0], \
         moment=[2e4, -3e4, 5e4]}, {name=\"side\", side=\"right\", at=\"contact_point\", force=[-900.0, -1500.0, 4000.0], \
         moment=[-2e4, -3e4, -5e4]}]";
-    // The same load name may appear once on each side, but not once more for both sides.
+    // A load name may appear once on each side, but a load for both sides may not use it again.
     let both = loads.replacen("side=\"left\", ", "", 1);
     let said = study("macpherson_axle.toml", &[&both]).unwrap_err();
     assert!(said.contains("is the name of another load"), "{said}");

@@ -3,7 +3,7 @@
 use super::commands::{run, study};
 use hardpoint::axle::ForceCurve;
 
-/// The manual's example, calculated by hand: the slopes are 176/3 and 3850/23 at the neighbours of 15 mm, so the cubic
+/// The manual's example, calculated by hand: the slopes are 176/3 and 3850/23 at the neighbours of 15 mm. So the cubic
 /// is below the straight line by 1.25 times their difference.
 #[test]
 fn a_force_curve_is_the_cubic_that_the_manual_describes() {
@@ -79,9 +79,9 @@ fn columns(path: &str, sets: &[&str], names: &[&str]) -> Vec<Vec<f64>> {
     names.iter().map(column).collect()
 }
 
-/// The test moves the pads of a rig by the travels plus the tyre deflections. The slope of the moment over the angle of
-/// the line through both pads, from differences of eighth order over opposite travels, is the roll stiffness with
-/// tyres. Without tyres it is `roll_stiffness`.
+/// The test moves the pads of a rig by the travels plus the tyre deflections. The roll stiffness with tyres is the
+/// slope of the moment over the angle of the line through both pads. The slope comes from differences of eighth order
+/// over opposite travels. Without tyres it is `roll_stiffness`.
 #[test]
 fn tyres_are_in_series_with_the_roll_stiffness() {
     const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];

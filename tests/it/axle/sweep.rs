@@ -138,8 +138,8 @@ characteristics = ["camber"]
     assert!(bend.abs() < 0.5, "{travels:?}");
 }
 
-/// Targets at separate positions in heave, roll and steering, as values and as bands: a sweep reports for each design
-/// the deviations and the misfit that tuning uses. This holds in lanes and one by one, with mirrored and with separate
+/// A sweep reports for each design the deviations and the misfit that tuning uses. The targets are values and bands at
+/// separate positions in heave, roll and steering. This holds in lanes and one by one, with mirrored and with separate
 /// right hardpoints.
 #[test]
 fn misfits_are_those_that_tuning_lowers() {

@@ -118,8 +118,8 @@ fn with_everything_recut_the_build_is_the_moved_drawing() {
     }
 }
 
-/// The derivative with respect to a nominal point is the sum of the derivatives with respect to the part's point and to
-/// the lengths that depend on it.
+/// The derivative with respect to a nominal point is a sum: the derivative with respect to the part's point, plus those
+/// with respect to the lengths that depend on it.
 #[test]
 fn derivatives_by_the_drawing_are_a_chain_rule_on_those_by_parts() {
     for name in [

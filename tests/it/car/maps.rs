@@ -57,8 +57,8 @@ fn walk(
 
 /// Map states come from interpolated wheel curves and reuse a tangent over several steps. Every result equals that of
 /// the same case solved alone from poses, to 1e-9 of its size. Points of 300 mm are accurate to 8 roundings, 5e-13 mm,
-/// and a roll centre amplifies this a hundred times: the bound below a twentieth of the unit. A quotient, such as a
-/// roll centre 40 m away, amplifies rounding by its size.
+/// and a roll centre amplifies this a hundred times. This sets the bound for values below a twentieth of the unit. A
+/// quotient, such as a roll centre 40 m away, amplifies rounding by its size.
 #[test]
 fn neighbours_are_the_states_of_their_cases() {
     for car in [car(&reference()), formula_student_car()] {

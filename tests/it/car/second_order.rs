@@ -204,7 +204,8 @@ fn second_order_is_that_of_complete_solutions() {
     }
 }
 
-/// The same holds for solid axles, one of which is steered by a drag link. This test omits derivatives of a state.
+/// The second-order terms of cars with solid axles equal differences of complete solutions. One of the axles is steered
+/// by a drag link. This test omits derivatives of a state.
 #[test]
 fn second_order_of_solid_axles_is_that_of_complete_solutions() {
     let results = [

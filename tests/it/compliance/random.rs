@@ -25,7 +25,7 @@ struct Seen {
     ok: usize,
     /// Number of loads below half of the end of a fine continuation, and number of solved ones among them.
     below_half: [usize; 2],
-    /// The same numbers for loads below 0.9 of that end.
+    /// Number of loads below 0.9 of that end, and number of solved ones among them.
     below_end: [usize; 2],
     worst_balance: f64,
     worst_difference: f64,

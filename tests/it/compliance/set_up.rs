@@ -325,7 +325,7 @@ fn effects_are_slopes_of_elastic_builds() {
     }
 }
 
-/// The same holds for a pushrod, whose builds settle to the height that the spring gives.
+/// Effects of a pushrod equal slopes of builds that settle to the height that the spring gives.
 #[test]
 fn effects_of_a_pushrod_are_slopes_of_settled_builds() {
     let setup =

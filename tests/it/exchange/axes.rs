@@ -392,7 +392,7 @@ fn import_in_all_orders(scale: usize) {
     }
     println!("imported and refused of the right-handed orders: {counts:?}");
     // Trailing arms without a spring (a quarter) do not show which direction is up, and some with a spring are
-    // ambiguous: of 60 geometries the program imports 39. Links of a solid axle do not show which direction is forward.
+    // ambiguous. Of 60 geometries the program imports 39. Links of a solid axle do not show which direction is forward.
     // All other topologies are clear.
     for (topology, (right, refused)) in &counts {
         let least = match *topology {

@@ -144,7 +144,7 @@ fn tables_and_workbooks_give_the_same_study() {
     }
 }
 
-/// Any study can be exported in any other unit and axes: the file has the converted lengths, and the import uses them
+/// Any study can be exported in any other unit and axes. The file has the converted lengths, and the import uses them
 /// without change and without remainder. This holds for tables, workbooks and subsystems.
 #[test]
 fn every_unit_and_frame_goes_out_and_comes_back() {

@@ -203,8 +203,8 @@ fn positions_and_rates_of_a_thousand_axles_are_those_of_another_formulation() {
     compare(500);
 }
 
-/// Compares positions of `each` axles of each kind at random travels, and derivatives of two quantities with respect to
-/// heave and roll with differences of the other formulation.
+/// Compares positions of `each` axles of each kind at random travels. Also compares derivatives of two quantities with
+/// respect to heave and roll with differences of the other formulation.
 fn compare(each: usize) {
     let mut generator = Random(64);
     for base in BASES {

@@ -127,7 +127,7 @@ fn every_name_of_a_study_has_what_was_saved() {
     assert_eq!(served.post("save", &save).status, 200);
     assert_ne!(served.text(), before);
     assert_eq!(fs::read_to_string(&other).unwrap(), served.text());
-    // The same holds when the study is saved under another name.
+    // A study with several names is also written in place when it is saved under another name.
     fs::write(&third, "third").unwrap();
     let fourth = served.folder.path().join("fourth.toml");
     fs::hard_link(&third, &fourth).unwrap();
@@ -250,7 +250,7 @@ fn a_comment_above_all_targets_stays() {
     );
     let text = without(&[2]);
     assert!(text.contains(all) && !text.contains(own), "{text}");
-    // The same holds in a list of variables.
+    // A comment above the first variable of a list stays too.
     let commented =
         sample("macpherson_front.toml").replace("variables = [\n", "variables = [\n  # All\n");
     let served = Served::of(&commented);

@@ -42,8 +42,9 @@ fn threads_and_shards_give_the_same_bytes() {
     assert_eq!(curves.rows.len(), 700 * 4);
 }
 
-/// A sweep has the same parts in three ways: in one run, in shards by two simultaneous processes in one directory, and
-/// after the loss of a part and of its neighbour's statistics. Joined, the parts equal the standard output.
+/// A sweep has the same parts in three cases: in one run, in shards by two simultaneous processes in one directory, and
+/// after a loss. The loss is that of a part and of its neighbour's statistics. Joined, the parts equal the standard
+/// output.
 #[test]
 fn parts_are_the_same_whoever_does_them() {
     let bench = Bench::new(&two_parts());

@@ -89,8 +89,8 @@ const UPPER_ARM: Joint = Joint::Arm("upper_ball_joint", ["upper_arm_front", "upp
 const ROD: Joint = Joint::Rod("tie_rod_outer", "tie_rod_inner");
 
 /// Margins in degrees equal those of studs fixed in the carrier, in lanes and station by station. The test covers
-/// struts and wishbones, the steering axis and studs of the study as references, a moved design, both ends of the
-/// travel and two rack displacements.
+/// struts and wishbones, and as references the steering axis and studs of the study. It uses a moved design, both ends
+/// of the travel and two rack displacements.
 #[test]
 fn margins_are_those_of_studs_fixed_in_the_carrier() {
     let travels = [-60.0, 65.0];

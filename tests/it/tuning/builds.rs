@@ -44,8 +44,8 @@ fn with_problem<R>(
     })
 }
 
-/// Derivatives of builds equal differences of sixth order: for a wishbone with a pushrod, both as assembled and with
-/// toe and camber aligned, and for a strut.
+/// Derivatives of builds equal differences of sixth order. The test covers a strut, and a wishbone with a pushrod, both
+/// as assembled and with toe and camber aligned.
 #[test]
 fn derivatives_of_builds_are_exact() {
     for (file, more) in [

@@ -59,7 +59,7 @@ fn in_the_default_directory_older_results_are_moved_aside() {
     bench.run(&["solve", "study.toml"]).success();
     assert_eq!(contents(&bench.path("out/study")), solved);
     assert_eq!(contents(&bench.path("out/study.2")), tuned);
-    // It refuses if the directory contains a file of another program, or an input.
+    // The program refuses to move results aside if the directory contains a file of another program, or an input.
     fs::write(bench.path("out/study/notes.txt"), "mine").unwrap();
     let other = ["--set", "motion.travel=[-30.0, 0.0, 30.0]"];
     bench.refused(
@@ -121,7 +121,7 @@ fn foreign_files_are_never_touched() {
     assert_eq!(bench.read("out/report.html"), "mine");
     bench.run(&["report", "out", "--force"]).success();
     bench.run(&["report", "out"]).success();
-    // The same holds for pictures.
+    // The program also keeps foreign pictures, and refuses to replace them.
     fs::create_dir(bench.path("drawn")).unwrap();
     fs::write(bench.path("drawn/overview.svg"), "mine").unwrap();
     bench.refused(&["report", "out", "--plots", "drawn"], &["overview.svg"]);

@@ -174,8 +174,8 @@ sensitivities = ["lower_arm_rear"]
     assert_eq!(checked, 6 * 9);
 }
 
-/// Without subframe, elastic rack and bar, each wheel of a symmetric axle equals a single wheel: heave corresponds to
-/// its travel, and a parallel load to its load.
+/// Without subframe, elastic rack and bar, each wheel of a symmetric axle equals a single wheel. Heave corresponds to
+/// the travel of the single wheel, and a parallel load to its load.
 #[test]
 fn a_symmetric_axle_in_heave_is_one_wheel() {
     let tests = "relaxed = \"at_design_load\"\ntests = [{ load = \"lateral\", trail = 30.0 }, { load = \"braking\" }]\n";

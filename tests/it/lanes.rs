@@ -172,8 +172,8 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
                         let arm = arm.map_or(b, |arm| wanted.value(design, arm, station));
                         let pole = (arm * b / size).abs().max(arm.abs()).max(b * b / size);
                         let deviation = (a - b).abs() / scale.max(b.abs()).max(pole);
-                        // A design that is so near a fold or toggle that lanes leave it is limited by its condition,
-                        // and so is the continuation.
+                        // Lanes leave designs very near a fold or toggle to one-by-one evaluation. There the condition
+                        // number limits the accuracy, also that of the continuation.
                         if left[design] && deviation < BESIDE_FOLDS {
                             continue;
                         }

@@ -613,7 +613,7 @@ fn every_topology_takes_an_anti_roll_bar() {
         // The link is below the lever and pushes it up in jounce.
         let angles = [below, design, above];
         assert!(below < -1.0 && above > 1.0, "{name}: {angles:?}");
-        // A point of an arm returns to its position except for rounding; in degrees.
+        // In the design position the bar angle is 0 degrees, except for rounding of the points of an arm.
         assert!(design.abs() < 1e-12, "{name}: {angles:?}");
         let effects = plan.effects(&study);
         let effect = effects.iter().find(|e| e.name == "anti-roll bar").unwrap();

@@ -216,7 +216,7 @@ impl Random {
         let mut limits = [Kind::Length, Kind::Rim, Kind::Band].map(Limit::wide);
         let nought = || vec![[-60.0, 0.0], [60.0, 0.0]];
         let wide = with(&[nought(), nought()], &limits);
-        // Deviations from zero, divided by tolerances, are the curves of the target design.
+        // The target curves are the deviations of the target design from zero, divided by tolerances.
         let wanted = wide.assessed(&DVector::from_fn(8, |_, _| off(20.0)));
         let wanted = &wanted.goal.residuals;
         let stations = &wide.study.motion().values;

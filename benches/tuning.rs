@@ -89,7 +89,7 @@ fn a_price_list(bencher: Bencher) {
     bencher.bench_local(|| price_list(vehicle, optimise, &tuning, control).unwrap());
 }
 
-/// Fewer variables, and targets that conflict: camber must grow with travel, but the inclination must not follow.
+/// Targets that conflict, with fewer variables: camber must grow with travel, but the inclination must not follow.
 fn contradicting(optimise: &Optimise) -> Optimise {
     let mut optimise = optimise.clone();
     for target in &mut optimise.targets {

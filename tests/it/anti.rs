@@ -1,8 +1,8 @@
-//! Anti-dive, anti-lift and anti-squat against statics: the spring's force from a longitudinal force, and its force
-//! from the load transfer alone.
+//! Tests of anti-dive, anti-lift and anti-squat against statics: the spring force under a longitudinal force equals the
+//! spring force under the load transfer alone.
 //!
-//! The forces in the spring come from the balance of the links (`analyse::loads`), which knows no velocities. A shaft
-//! that takes the torque about the spin axis is that torque, taken off the wheel carrier.
+//! The balance of the links (`analyse::loads`), which uses no velocities, gives the spring forces. If a shaft carries
+//! the torque about the spin axis, the test subtracts this torque from the load on the wheel carrier.
 
 use hardpoint::curves::curves;
 use hardpoint::number::Vector3;
@@ -18,9 +18,9 @@ const FORCE: f64 = 1000.0;
 
 struct Case {
     characteristic: &'static str,
-    /// Keys of `[vehicle]`.
+    /// Values of the keys of `[vehicle]`.
     axle: &'static str,
-    /// This axle's part of the force, forward.
+    /// Share of the force at this axle, positive forward.
     share: f64,
     /// Sign of the load transfer: 1 if the axle is loaded, -1 if it is unloaded.
     transfer: f64,
@@ -86,7 +86,7 @@ const CASES: &[Case] = &[
     },
 ];
 
-/// A sample whose wheel has a camber and a toe that matter.
+/// Sample study with a spindle that is neither horizontal nor lateral, so that camber and toe affect the results.
 fn study(topology: &str, more: &[String]) -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
     let mut set = vec![
@@ -160,7 +160,7 @@ fn the_spring_feels_what_the_percentages_leave_to_it() {
     }
 }
 
-/// The program refuses an anti-effect that the axle does not have, and names those that it has.
+/// The program refuses an anti-effect that the axle does not have, and names the available anti-effects.
 #[test]
 fn an_axle_is_told_what_it_does_not_have() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_solve.toml");

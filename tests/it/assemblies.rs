@@ -1,4 +1,4 @@
-//! All assemblies at one travel: none is missing, none is wrong.
+//! Tests of the search for all assemblies at one travel: it finds every assembly and reports no false one.
 
 use crate::support::quadratics::Quadratics;
 use crate::support::random::Random;
@@ -13,7 +13,7 @@ use hardpoint::study::Study;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// Travels at which the reference knows that no assembly exists on any branch.
+/// The search finds no assembly at travels at which the reference has no assembly on any branch.
 #[test]
 fn where_there_is_none_none_is_found() {
     let case = Case::read("no-assembly");
@@ -29,8 +29,8 @@ fn where_there_is_none_none_is_found() {
     }
 }
 
-/// The reference's states on both sides of the folds are all among the assemblies, each is proved, and
-/// no two are the same.
+/// All reference states on both sides of the folds are among the found assemblies. Each assembly is certified, and no
+/// two assemblies are equal.
 #[test]
 fn every_state_of_the_reference_is_among_them() {
     for name in [
@@ -74,13 +74,13 @@ fn every_state_of_the_reference_is_among_them() {
             );
             assert!(nearest <= 1.0, "{name} {travel} {nearest:e}");
             assert!(all.undecided.is_empty());
-            // Roots of a periodic function, none of them double.
+            // A periodic function without double roots has an even number of roots.
             assert_eq!(all.found.len() % 2, 0);
         }
     }
 }
 
-/// The pose that visiting stations finds is one of them.
+/// The pose that the solver reaches from the design position is one of the assemblies.
 #[test]
 fn the_connected_pose_is_one_of_them() {
     let case = Case::read("nominal");
@@ -103,7 +103,7 @@ fn the_connected_pose_is_one_of_them() {
     assert!(all.found.iter().all(|a| a.certificate.is_some()));
 }
 
-/// The suspension of a topology's own template.
+/// Suspension of a topology's template.
 fn template(topology: &str) -> Suspension {
     let topology = Topology::named(topology).unwrap();
     Study::from_text(topology.name, topology.template, Path::new("."))
@@ -116,14 +116,14 @@ fn all(mechanism: &Mechanism, design: &[Vector3<f64>], travel: f64, rack: f64) -
     solver.assemblies(travel, rack).unwrap()
 }
 
-/// Distance of two poses from each other, in sizes.
+/// Distance between two poses, divided by the suspension size.
 fn apart(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
     let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);
     (a.origin - b.origin).norm() / size + turned
 }
 
-/// A rotation, every one as likely as any other.
+/// Random rotation with uniform distribution.
 fn any_rotation(random: &mut Random) -> Matrix3<f64> {
     loop {
         let (v, w) = (random.vector(1.0), random.signed());
@@ -134,8 +134,8 @@ fn any_rotation(random: &mut Random) -> Matrix3<f64> {
     }
 }
 
-/// Newton's method on other equations, from thousands of random poses, finds no other assembly. Each assembly found
-/// has the design's lengths and is proved.
+/// Newton's method on other equations, started from thousands of random poses, finds no further assembly. Each found
+/// assembly has the lengths of the design and is certified.
 fn compare_with_newton(mechanism: &Mechanism, design: &[Vector3<f64>], travel: f64, rack: f64) {
     let found = all(mechanism, design, travel, rack);
     let equations = Quadratics::new(mechanism, design);
@@ -220,7 +220,8 @@ fn no_assembly_of_a_five_link_is_missing() {
     compare_with_newton(mechanism, &design, 70.0, -20.0);
 }
 
-/// The closed form over one turn of the arm and the boxes over every rotation find the same.
+/// For double wishbones, the closed form over one turn of the arm and the box search over all rotations find the same
+/// assemblies.
 #[test]
 fn two_methods_find_the_same_double_wishbones() {
     let suspension = template("double_wishbone");
@@ -240,8 +241,8 @@ fn two_methods_find_the_same_double_wishbones() {
     }
 }
 
-/// Turned about the vertical and moved, and seen in a mirror, a mechanism has as many assemblies, with
-/// the same traits and the wheel as high and turned as far.
+/// A mechanism that is mirrored, turned about the vertical and moved keeps the number and the properties of its
+/// assemblies. Wheel height and size of the rotation stay equal too.
 #[test]
 fn assemblies_do_not_depend_on_where_the_car_stands() {
     for name in ["macpherson", "double_wishbone", "five_link"] {
@@ -279,7 +280,7 @@ fn assemblies_do_not_depend_on_where_the_car_stands() {
     }
 }
 
-/// A hinged arm is assembled as often as a circle meets a plane: twice, once at its top, never above it.
+/// A hinged arm has two assemblies at a height below the top of its circle, one at the top, and none above it.
 #[test]
 fn a_hinged_arm_has_two_assemblies_or_none() {
     let suspension = template("semi_trailing_arm");
@@ -290,7 +291,7 @@ fn a_hinged_arm_has_two_assemblies_or_none() {
     let centre = design[mechanism.wheel_centre.0];
     let foot = inner + axis * axis.dot(centre - inner);
     let radius = (centre - foot).norm();
-    // How far the circle rises above its middle.
+    // Rise of the circle above its centre.
     let rise = radius * (1.0 - axis.z * axis.z).sqrt();
     let top = foot.z + rise - centre.z;
     for (travel, count) in [
@@ -313,8 +314,8 @@ fn a_hinged_arm_has_two_assemblies_or_none() {
     }
 }
 
-/// At a fold two assemblies become one and are gone: as many before it as Newton's method can tell apart,
-/// two fewer beyond, and none that only almost closes.
+/// At a fold two assemblies merge and vanish. Beyond the fold there are two assemblies fewer than before, and the
+/// search returns no assembly that closes only approximately.
 #[test]
 fn two_assemblies_end_at_a_fold() {
     for name in ["macpherson", "double_wishbone", "five_link"] {
@@ -340,7 +341,7 @@ fn two_assemblies_end_at_a_fold() {
     }
 }
 
-/// A template with points elsewhere.
+/// Template with these points moved.
 fn with_points(topology: &str, points: &[(&str, [f64; 3])]) -> Suspension {
     let mut suspension = template(topology);
     for (name, [x, y, z]) in points {
@@ -350,8 +351,8 @@ fn with_points(topology: &str, points: &[(&str, [f64; 3])]) -> Suspension {
     suspension
 }
 
-/// A tie rod with a lever of 1.7 mm about the steering axis reaches its joint over a sliver of the arm's turn alone, and
-/// there has two assemblies; all of the rest is soon decided.
+/// A tie rod 1.7 mm from the steering axis reaches its joint only within a tiny interval of the arm angle. The search
+/// finds both assemblies there and leaves nothing undecided.
 #[test]
 fn a_tie_rod_next_to_the_steering_axis_leaves_nothing_undecided() {
     let suspension = with_points(
@@ -374,8 +375,8 @@ fn a_tie_rod_next_to_the_steering_axis_leaves_nothing_undecided() {
     assert!(found.looked_at < 10_000, "{}", found.looked_at);
 }
 
-/// Arms and tie rod of an exact parallelogram come into line with each other and the steering axis at once, where four
-/// branches meet: away from there every assembly is found and proved.
+/// Four branches meet where the arms and tie rod of an exact parallelogram align with the steering axis. Away from that
+/// position the search finds and certifies every assembly.
 #[test]
 fn parallel_arms_leave_nothing_undecided() {
     let suspension = with_points(

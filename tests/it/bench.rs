@@ -1,4 +1,4 @@
-//! Results of `hardpoint bench`, without its times: the errors are the same on every machine.
+//! Tests of the results of `hardpoint bench` without its times: the errors are the same on every machine.
 
 use assert_cmd::Command;
 use hardpoint::bench::accuracy::{Accuracy, Family, Measurement};
@@ -11,7 +11,7 @@ use hardpoint::study::Study;
 use std::path::Path;
 use std::time::Duration;
 
-/// Everything is done as few times as possible.
+/// Clock that runs each measured task as few times as possible.
 const NO_TIME: Clock = Clock {
     samples: 1,
     shortest: Duration::ZERO,
@@ -34,7 +34,7 @@ fn of<'a>(accuracy: &'a Accuracy, family: Family, method: &str) -> Vec<&'a Measu
     found
 }
 
-/// The error with this setting.
+/// Error with this setting.
 fn error(measurements: &[&Measurement], setting: &str) -> f64 {
     let found = measurements.iter().find(|m| m.setting == setting);
     found.unwrap_or_else(|| panic!("{setting}")).error
@@ -58,11 +58,11 @@ fn errors_are_what_arithmetic_and_method_promise() {
     assert!((1e-7..1e-3).contains(&single), "{single:e}");
     assert!((1e-17..1e-12).contains(&double), "{double:e}");
     assert!(twice < 1e-27, "{twice:e}");
-    // Both formulations come to the same.
+    // Both formulations have the same result.
     assert!(rounding("six equations, f64") < 1e-12);
     assert!(rounding("point coordinates (paper)") < 1e-11);
 
-    // A tolerance ten times finer is an error no larger.
+    // A tolerance ten times finer does not increase the error.
     for name in ["closed form, f64", "six equations, f64"] {
         let errors: Vec<f64> = of(&accuracy, Family::Pose, name)
             .iter()
@@ -75,7 +75,7 @@ fn errors_are_what_arithmetic_and_method_promise() {
         assert!(falls.all(|falls| falls), "{errors:?}");
     }
 
-    // A better start takes fewer iterations to the same error.
+    // A better start needs fewer iterations for the same error.
     let evaluations = |name: &str| {
         let found = of(&accuracy, Family::Start, name);
         let m = found.iter().find(|m| m.setting == "1e-9 m").unwrap();
@@ -91,7 +91,7 @@ fn errors_are_what_arithmetic_and_method_promise() {
     assert!(counts.is_sorted_by(|a, b| a >= b), "{counts:?}");
     assert!(counts[3] + 1.0 < counts[0], "{counts:?}");
 
-    // Lines converge with the square of the distance, cubics with the fourth power, polynomials through
+    // Straight lines converge with the square of the distance, cubics with its fourth power, and polynomials through
     // Chebyshev points faster than any power.
     let curve = |method: &str, count: usize| {
         let setting = format!("{count} stations");
@@ -102,7 +102,7 @@ fn errors_are_what_arithmetic_and_method_promise() {
     assert!((12.0..20.0).contains(&gain("cubic")), "{}", gain("cubic"));
     assert!(curve("Chebyshev", 17) < 1e-12);
 
-    // The classic V: too long a step and too short a one are both wrong.
+    // The error of differences is V-shaped over the step: too long and too short steps both lose accuracy.
     let analytic = of(&accuracy, Family::Derivative, "analytic")[0].error;
     assert!(analytic < 1e-14, "{analytic:e}");
     let central = of(&accuracy, Family::Derivative, "central difference");
@@ -112,11 +112,11 @@ fn errors_are_what_arithmetic_and_method_promise() {
         .fold(f64::INFINITY, f64::min);
     let [short, long] = ["step 1e-10", "step 1e-2"].map(|s| error(&central, s));
     assert!(short > 1e3 * best && long > 1e6 * best);
-    // Five digits are lost with the best of all steps, six with the one that is usually taken.
+    // The best step of differences loses five digits, the usual step six.
     assert!(best > 1e5 * analytic, "{best:e} {analytic:e}");
     assert!(error(&central, "usual step") > 1e6 * analytic);
 
-    // Forward and adjoint are two ways to the same number.
+    // Forward and adjoint methods give the same derivative.
     for method in ["forward", "adjoint"] {
         for m in of(&accuracy, Family::Sensitivity, method) {
             assert!(m.error < 1e-12, "{m:?}");
@@ -173,8 +173,8 @@ fn a_motion_of_two_stations_is_no_curve() {
     assert_eq!(refused, expected);
 }
 
-/// Every topology runs in lanes of every width there is, gradients too but for those of an instantaneous
-/// steering axis; the paper knows struts only.
+/// The benchmark measures every topology in lanes of every available width, with gradients except for those of an
+/// instantaneous steering axis. The method of the paper handles struts only.
 #[test]
 fn throughput_is_measured_by_every_way_there_is() {
     if !crate::support::has_lanes() {
@@ -193,9 +193,9 @@ fn throughput_is_measured_by_every_way_there_is() {
             let all = found.measurements.iter();
             all.filter(|m| m.method.starts_with(method)).count()
         };
-        // Angles and gains on one thread, the widest on two, and it on one for the motion ratio.
+        // Runs that the motion ratio adds: angles and gains on one thread, the widest lanes on two threads and on one.
         let springs = study.wheel().mechanism.spring.iter().count();
-        // Points, and the limit of the method.
+        // Runs of extra points, and of the limit of the method.
         let expected = (2 + gradients) * widths + 2 + springs + limit;
         assert_eq!(of("lanes"), expected, "{name}");
         assert_eq!(of("point coordinates"), paper, "{name}");
@@ -230,7 +230,8 @@ fn the_command_writes_table_picture_and_circumstances() {
     assert!(csv.starts_with("effect,alone_ns,"), "{csv}");
 }
 
-/// Cars and equilibria of wheels and axles are timed, one row for each job, and the number per second is that of the time.
+/// The benchmark times cars and equilibria of wheels and axles, with one row for each job. The number per second
+/// follows from the time.
 #[test]
 fn cars_and_equilibria_are_timed() {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
@@ -279,7 +280,7 @@ fn cars_and_equilibria_are_timed() {
         let (of_lanes, own): (Vec<&str>, Vec<&str>) =
             names.into_iter().partition(|name| name.contains(" lanes"));
         assert_eq!(own, jobs, "{csv}");
-        // Lanes of every width but AVX-512 for an elastic wheel; rows of a car's map.
+        // An elastic wheel runs in lanes of every width except AVX-512. The rows of a car's map follow.
         let widths = Width::available().filter(|width| *width != Width::Avx512);
         let is_wheel = jobs.contains(&"sheet of one wheel with all derivatives");
         let expected = match kind {

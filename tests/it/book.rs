@@ -36,12 +36,12 @@ fn text_of(page: &str) -> String {
     fs::read_to_string(root().join(page)).unwrap_or_else(|e| panic!("{page}: {e}"))
 }
 
-/// A part of a page.
+/// Part of a page.
 #[derive(Debug, PartialEq)]
 enum Part {
-    /// A block: what is said of it in the line before, its kind, its lines.
+    /// Block: the text of the line before it, its kind, its lines.
     Block(String, String, String),
-    /// A picture and the file that a command made.
+    /// Picture, and the file that a command made for it.
     Picture(String, String),
 }
 
@@ -70,7 +70,7 @@ fn parts(text: &str) -> Vec<Part> {
     parts
 }
 
-/// Runs a page in a folder of its own.
+/// Runs the commands of a page in a separate folder.
 #[cfg(unix)]
 fn run(page: &str) {
     let directory = tempfile::tempdir().unwrap();
@@ -87,7 +87,7 @@ fn run(page: &str) {
         std::env::var("PATH").unwrap()
     );
     let mut commands = 0;
-    // Pictures are compared at the end: a page may show one before the command that makes it.
+    // The test compares pictures last, because a page may show one before the command that makes it.
     let (blocks, pictures): (Vec<Part>, Vec<Part>) = parts(&text_of(page))
         .into_iter()
         .partition(|part| matches!(part, Part::Block(..)));
@@ -188,7 +188,7 @@ fn every_page_with_commands_is_run() {
     }
 }
 
-/// There are forty tasks or more, and each has a command.
+/// The book has at least forty tasks, and each one has a command.
 #[test]
 fn each_task_has_a_command() {
     let text = text_of("docs/how-to.md");
@@ -199,7 +199,7 @@ fn each_task_has_a_command() {
     }
 }
 
-/// Anchor of a heading, as forges and mdBook make it.
+/// Anchor of a heading, as Git hosting sites and mdBook make it.
 fn anchor(heading: &str) -> String {
     let kept = heading.trim().to_lowercase();
     let kept = kept
@@ -220,7 +220,7 @@ fn anchors(text: &str) -> BTreeSet<String> {
     found
 }
 
-/// Links of a page, outside of code.
+/// Links of a page, except those within code.
 fn links(text: &str) -> Vec<String> {
     let mut is_code = false;
     let mut found = Vec::new();
@@ -229,7 +229,7 @@ fn links(text: &str) -> Vec<String> {
         if is_code {
             continue;
         }
-        // Code between backticks has no links.
+        // Text between backticks is code and contains no links.
         let plain: String = line.split('`').step_by(2).collect::<Vec<_>>().join("`");
         let starts = plain.split("](").skip(1);
         found.extend(starts.filter_map(|rest| Some(rest.split_once(')')?.0.to_owned())));
@@ -237,7 +237,7 @@ fn links(text: &str) -> Vec<String> {
     found
 }
 
-/// Every link leads to a file of the repository and to a heading there. Links into the web are not tried.
+/// Every link leads to a file of the repository and to a heading there. The test does not follow web links.
 #[test]
 fn every_link_leads_somewhere() {
     let mut missing = Vec::new();

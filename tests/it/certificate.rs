@@ -1,4 +1,5 @@
-//! Proofs of poses and curves: they hold against the reference, and nothing is proved that is not so.
+//! Tests of certificates of poses and curves: the bounds hold against the reference, and the certifier never certifies
+//! a false pose.
 
 use crate::support::{Case, motion, order_to, vector};
 use hardpoint::analyse::Certifier;
@@ -9,8 +10,8 @@ use hardpoint::number::Vector3;
 use hardpoint::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 
-/// The proved bound holds for every point of the reference, and is close to rounding for an ordinary
-/// design.
+/// Checks that the certified bound holds for every point of the reference, and that it is close to rounding for an
+/// ordinary design. Returns the numbers of certified and refused poses.
 fn check(name: &str, sharpness: f64) -> (usize, usize) {
     let case = Case::read(name);
     let certifier = Certifier::new(&case.mechanism, &case.design);
@@ -46,7 +47,7 @@ fn check(name: &str, sharpness: f64) -> (usize, usize) {
                     let wanted = case.frame.vector(vector(&state["positions"][p]));
                     let error = (at.point(id) - wanted).norm();
                     let lever = at.designed_lever(id).norm();
-                    // Forming the point, and the reference read as doubles, rounds once more.
+                    // Computing the point, and reading the reference as doubles, adds one more rounding.
                     let rounding = 4.0 * f64::EPSILON * size;
                     let bound = certificate.point_error(lever) + rounding;
                     assert!(error <= bound, "{p} {error:e} {bound:e}");
@@ -76,15 +77,15 @@ fn ordinary_poses_are_proved_to_rounding() {
     }
 }
 
-/// Beside a fold the error grows like 1/det and the next solution comes closer; where they meet in
-/// double precision nothing is proved.
+/// Near a fold the error grows like 1/det and the next solution comes closer. The certificate holds there or is
+/// refused; where solutions coincide in double precision the program certifies nothing.
 #[test]
 fn beside_folds_and_toggles_the_proof_holds_or_is_refused() {
     let (proved, _) = check("travel-limit", 1e-6);
     assert!(proved > 0);
 }
 
-/// Visits the stations to the ends and certifies every station as one branch with the design position.
+/// Visits the stations up to both ends, and certifies each as being on the same branch as the design position.
 fn certified(
     solver: &mut Solver,
     certifier: &Certifier,
@@ -100,7 +101,7 @@ fn certified(
             &StationOrder::through(values),
             rack,
             |_, station, proof| {
-                // The pose that is shown is the one of its station.
+                // The displayed pose is that of its station.
                 if let Ok((pose, certificate)) = proof {
                     let point = MotionPoint {
                         drive,
@@ -136,13 +137,13 @@ fn whole_curves_are_proved_to_be_one_branch() {
         found.iter().all(|r| r.is_ok_and(|e| e < 1e-13)),
         "{found:?}"
     );
-    // From one end to the other in one step each.
+    // Goes from each end to the other in a single step.
     let found = certified(&mut solver, &certifier, Drive::Travel, &[-0.3, 0.3], 0.0);
     println!("{found:?}");
     assert!(found.iter().all(|r| r.is_ok_and(|e| e < 1e-12)));
 }
 
-/// A pose of another assembly is a solution, but not of this branch: the proof of the path fails.
+/// A pose of another assembly is a solution on another branch, so its certificate of the path fails.
 #[test]
 fn a_wrong_pose_is_not_proved() {
     let case = Case::read("nominal");
@@ -163,17 +164,17 @@ fn a_wrong_pose_is_not_proved() {
         .unwrap();
     let mut pose = pose.unwrap();
     assert!(certifier.pose(&pose, &point(0.05)).is_ok());
-    // Off by a micrometre: still near a solution, and the bound says how far.
+    // A pose that is off by a micrometre is still near a solution, and the certificate bounds the distance.
     pose.origin.z += 1e-6;
     let proof = certifier.pose(&pose, &point(0.05)).unwrap();
     assert!(proof.error >= 1e-6 && proof.error < 1e-4, "{proof:?}");
-    // Off by a decimetre: nothing.
+    // A pose that is off by a decimetre has no certificate.
     pose.origin.z += 0.1;
     assert!(certifier.pose(&pose, &point(0.05)).is_err());
 }
 
-/// Cases beyond the reference, each proved to be right to the bound given (in metres), whatever the
-/// solver did to find them: a proof on intervals needs no second solver.
+/// The program certifies degenerate cases outside the reference to the given bound (in metres). A certificate from
+/// interval arithmetic is valid whatever the solver did, so this test needs no second solver.
 #[test]
 fn degenerate_geometries_are_proved() {
     let nominal = Case::read("nominal");
@@ -202,7 +203,7 @@ fn degenerate_geometries_are_proved() {
     };
     let at = |p: &str| nominal.design[place(p)];
 
-    // The arm turned to within a nanoradian of half a turn, where the half angle's tangent is infinite.
+    // At an arm angle within a nanoradian of half a turn, the tangent of the half angle is nearly infinite.
     let half_turn = std::f64::consts::PI - 1e-9;
     solved(
         "half turn",
@@ -212,12 +213,12 @@ fn degenerate_geometries_are_proved() {
         1e-13,
     );
 
-    // Far from the origin: coordinates are rounded at 1e4 m times the epsilon.
+    // Far from the origin, coordinates at 1e4 m have a rounding error of 1e4 m times the epsilon.
     let away = Vector3::new(1e4, -1e4, 1e4);
     let far: Vec<_> = nominal.design.iter().map(|p| *p + away).collect();
     solved("1e4 m away", &far, Drive::Travel, &travel, 1e-10);
 
-    // Strut points a micrometre apart: their direction is what the given doubles say, exactly.
+    // Strut points are a micrometre apart; the given doubles define their direction exactly.
     let close = at("p6") + (at("p4") - at("p6")) * (1e-6 / (at("p4") - at("p6")).norm());
     solved(
         "strut points",
@@ -227,7 +228,7 @@ fn degenerate_geometries_are_proved() {
         1e-13,
     );
 
-    // Ball joint on the strut axis (p4, p6, p7 in line with it).
+    // The ball joint is on the strut axis (p4, p6, p7 in line with it).
     let on_axis = |t: f64| at("p5") + (at("p4") - at("p5")) * t;
     let design = with(&[("p6", on_axis(0.25)), ("p7", on_axis(0.5))]);
     solved(
@@ -238,7 +239,7 @@ fn degenerate_geometries_are_proved() {
         1e-13,
     );
 
-    // All points of the knuckle in one plane.
+    // All points of the knuckle are in one plane.
     let mut design = nominal.design.clone();
     for p in ["p5", "p6", "p7", "p8", "p10", "p11", "p4"] {
         design[place(p)].y = 0.7;
@@ -251,7 +252,7 @@ fn degenerate_geometries_are_proved() {
         1e-13,
     );
 
-    // Wheel centre on the ball joint; strut horizontal, along x.
+    // The wheel centre is at the ball joint. In the next case the strut is horizontal, along x.
     solved(
         "wheel centre on the ball joint",
         &with(&[("p10", at("p5"))]),

@@ -1,4 +1,4 @@
-//! The program as a user meets it: sample studies, results, exit codes, messages.
+//! Tests of the program as a user runs it: sample studies, results, exit codes, messages.
 
 use assert_cmd::Command;
 use std::fs;
@@ -72,7 +72,7 @@ fn the_template_runs_as_it_is() {
     let study = directory.path().join("mine.toml");
     fs::write(&study, &template.get_output().stdout).unwrap();
     let study = study.to_str().unwrap();
-    // It speaks of no file that its reader does not have.
+    // The template names no file that its reader lacks.
     let written = text(&template.get_output().stdout);
     assert!(!written.contains("_solve.toml") && written.contains("hardpoint check STUDY.toml"));
     hardpoint(&["check", study]).success();
@@ -95,7 +95,7 @@ fn solving_the_sample_gives_a_row_for_each_station() {
         (travel.len(), travel[0], travel[20], travel[40]),
         (41, -80.0, 0.0, 80.0)
     );
-    // Static camber from the hardpoints alone: the spin axis runs from spindle_inner to wheel_centre.
+    // The static camber follows from the hardpoints alone: the spin axis runs from spindle_inner to wheel_centre.
     let (dx, dy, dz) = (0.2_f64, 100.0, 0.9);
     let camber = -(dz / (dx * dx + dy * dy + dz * dz).sqrt())
         .asin()
@@ -119,7 +119,7 @@ fn the_front_sample_meets_its_camber_and_kingpin_curves() {
     for target in summary["targets"].as_array().unwrap() {
         assert!(target["after"]["rms"].as_f64().unwrap() < 1.0, "{target}");
     }
-    // The targets' own points, in the written curves: within two tolerances everywhere.
+    // The written curves are within two tolerances of every point of the targets.
     let curves = csv(&directory, "curves.csv");
     let travel = column(&curves, "travel_mm");
     let camber = column(&curves, "camber_deg");
@@ -135,7 +135,8 @@ fn the_front_sample_meets_its_camber_and_kingpin_curves() {
         !said.contains("at upper bound") && !said.contains("at lower bound"),
         "{said}"
     );
-    // The least misfit is farther from the design than what is good enough.
+    // The design with the smallest misfit is farther from the nominal design than a design with a misfit that is good
+    // enough.
     let least = ["--set", "optimise.good_enough=0.0"];
     let (other, _) = run("optimise", "macpherson_front.toml", &least);
     let moved = |summary: &serde_json::Value| {
@@ -146,7 +147,7 @@ fn the_front_sample_meets_its_camber_and_kingpin_curves() {
     assert!(moved(&json(&other, "summary.json")) > moved(&summary));
 }
 
-/// A tuning reports the condition of the tuned design's equations and the proved bounds.
+/// A tuning reports the condition number of the tuned design's equations and the certified bounds.
 #[test]
 fn a_tuning_says_what_is_known_of_its_accuracy() {
     let certify = ["--set", "outputs.certify=true"];
@@ -158,7 +159,7 @@ fn a_tuning_says_what_is_known_of_its_accuracy() {
     assert_eq!(certificate["proved"], 41);
     assert_eq!(certificate["one_branch"], true);
     assert!(said.contains("41 of 41 stations proved"), "{said}");
-    // Positions alone, by the closed form, have a condition number too.
+    // A run with positions alone, solved by the closed form, also reports a condition number.
     let (directory, _) = run("solve", "macpherson_front.toml", &[]);
     let summary = json(&directory, "summary.json");
     assert!(summary["condition"]["worst"].as_f64().unwrap() >= 1.0);
@@ -178,7 +179,7 @@ fn the_bump_steer_sample_holds_its_toe() {
         let toe = column(&csv(&directory, name), "toe_deg");
         toe.iter().copied().fold(f64::MIN, f64::max) - toe.iter().copied().fold(f64::MAX, f64::min)
     };
-    // The target is a constant toe to 0.01 deg; three coordinates hold it to three tolerances.
+    // The target is constant toe to 0.01 deg; three coordinates meet it within three tolerances.
     assert!(spread("curves_before.csv") > 1.0);
     assert!(spread("curves.csv") < 0.03);
 }
@@ -247,8 +248,8 @@ fn tables_come_as_csv_and_json_too() {
     assert!(tables.contains("\n\ntable,effect,state,cost,because_of,what\neffects,position,on,"));
 }
 
-/// A travel beyond the mechanism's reach: the other stations are written, the reason is given, and no cell without a
-/// result holds a number.
+/// If a travel is beyond the reach of the mechanism, the program writes the other stations and the reason. Cells
+/// without a result are empty.
 #[test]
 fn what_cannot_be_reached_is_reported_and_left_empty() {
     let directory = tempfile::tempdir().unwrap();
@@ -278,8 +279,8 @@ fn what_cannot_be_reached_is_reported_and_left_empty() {
     assert_eq!(rows[4].last().unwrap(), "ok");
 }
 
-/// Just inside its limits the mechanism is solved, just outside it is refused. (That the limits are
-/// exact is claimed against the reference in `tests/it/hard_cases.rs`.)
+/// The program solves a travel just inside the limits and refuses one just outside. (`tests/it/hard_cases.rs` compares
+/// the limits with the reference.)
 #[test]
 fn limits_are_sharp_and_have_a_cause() {
     let study = studies().join("macpherson_solve.toml");
@@ -298,7 +299,7 @@ fn limits_are_sharp_and_have_a_cause() {
     );
     let lowest = "the wheel centre is at its lowest point, no part is at a singularity";
     assert!(travel["because"].as_str().unwrap().starts_with(lowest));
-    // What comes nearest to giving way is called what it is in this topology.
+    // The message names the member nearest to a limit as this topology calls it.
     let wishbones = studies().join("double_wishbone_solve.toml");
     let assert = hardpoint(&["limits", wishbones.to_str().unwrap(), "--format", "json"]).success();
     let other: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
@@ -309,7 +310,7 @@ fn limits_are_sharp_and_have_a_cause() {
             .unwrap()
             .contains(nearest)
     );
-    // At the ends it stops, just before them it does not.
+    // The program refuses travels just beyond the limits and accepts travels just before them.
     for (travel, code) in [
         (to - 1e-6, 0),
         (to + 1e-6, 1),
@@ -388,7 +389,7 @@ fn assemblies_of_every_topology_are_listed_with_their_branch() {
     }
 }
 
-/// Each mistake: exit code 2, one message with place and fault, nothing written.
+/// Each mistake causes exit code 2 and one message with location and fault, and the program writes nothing.
 #[test]
 fn mistakes_are_named_and_nothing_is_written() {
     let good = fs::read_to_string(studies().join("macpherson_front.toml")).unwrap();
@@ -486,7 +487,7 @@ fn a_new_study_goes_into_a_file() {
     hardpoint(&[&new[..], &["--force"]].concat()).code(0);
 }
 
-/// A right wheel is not the wheel of an axle. The message names its mirror image.
+/// An axle cannot be defined by its right wheel. The message tells the user to mirror the points.
 #[test]
 fn an_axle_of_a_right_wheel_is_told_to_mirror_it() {
     let study = studies().join("macpherson_axle.toml");
@@ -502,7 +503,7 @@ fn an_axle_of_a_right_wheel_is_told_to_mirror_it() {
     assert!(said.contains("--side left"), "{said}");
 }
 
-/// A place that cannot be written is known before anything is computed.
+/// The program names an output location that it cannot write, before it computes anything.
 #[test]
 fn a_place_that_cannot_be_written_is_named() {
     let directory = tempfile::tempdir().unwrap();
@@ -525,7 +526,7 @@ fn a_place_that_cannot_be_written_is_named() {
     assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
 }
 
-/// A target that the design reaches only beyond its travel: the search says so and ends.
+/// If the design reaches a target only beyond its travel, the search reports this and ends.
 #[test]
 fn an_unreachable_target_travel_is_a_reason_not_a_crash() {
     let directory = tempfile::tempdir().unwrap();
@@ -552,7 +553,8 @@ fn an_unreachable_target_travel_is_a_reason_not_a_crash() {
     assert!(summary["misfit_after"].is_null());
 }
 
-/// Every station of an ordinary study is proved, to rounding, as one branch; `check` names the request for it.
+/// Every station of an ordinary study is certified to rounding, on one branch. `check` names the key that requests
+/// certificates.
 #[test]
 fn a_certificate_covers_the_whole_curve() {
     let certify = ["--set", "outputs.certify=true"];
@@ -562,7 +564,7 @@ fn a_certificate_covers_the_whole_curve() {
     let table = csv(&directory, "curves.csv");
     let errors = column(&table, "position_error_mm");
     let apart = column(&table, "uniqueness_mm");
-    // A strut of about 700 mm.
+    // The strut is about 700 mm long.
     assert!(errors.iter().all(|e| *e > 0.0 && *e < 1e-10), "{errors:?}");
     assert!(apart.iter().all(|u| *u > 1.0), "{apart:?}");
     let summary = json(&directory, "summary.json");
@@ -588,8 +590,8 @@ fn a_certificate_covers_the_whole_curve() {
     assert!(json(&directory, "summary.json")["certificate"].is_null());
 }
 
-/// The fold of travel is at 349.66780703583492 mm: a station so close to it that its assemblies cannot be
-/// told apart is solved without a certificate and refused with one; before it, derivatives are flagged.
+/// Travel has a fold at 349.66780703583492 mm. A station so close to it that its assemblies coincide in double
+/// precision is solved without a certificate, and refused with one. Just before the fold the program flags derivatives.
 #[test]
 fn stations_at_a_fold_are_flagged_or_not_proved() {
     let study = studies().join("macpherson_solve.toml");
@@ -635,7 +637,7 @@ fn stations_at_a_fold_are_flagged_or_not_proved() {
     assert!(said.contains("2 of 3 stations proved"), "{said}");
 }
 
-/// The program reports loads without support, and its exit code is that of incomplete results.
+/// The program reports loads that the mechanism cannot carry, and its exit code is that of incomplete results.
 #[test]
 fn loads_without_support_are_reported() {
     let study = studies().join("semi_trailing_arm_solve.toml");
@@ -644,7 +646,7 @@ fn loads_without_support_are_reported() {
         study.to_str().unwrap(),
         "--out",
         "-",
-        // In line with the lower end of the spring and the hinge.
+        // This point is in line with the lower end of the spring and the hinge.
         "--set",
         "suspension.hardpoints.spring_upper=[205.0, 470.0, 262.5]",
         "--set",
@@ -666,7 +668,7 @@ fn loads_without_support_are_reported() {
     assert!(text(said).contains(warning), "{}", text(said));
 }
 
-/// A page beside the results of another run would be believed.
+/// A new run without a page removes an older page, because a user would take it for a page of the new run.
 #[test]
 fn a_run_without_a_page_removes_that_of_an_earlier_one() {
     let (directory, _) = run("solve", "five_link_solve.toml", &["--report"]);
@@ -684,7 +686,7 @@ fn a_run_without_a_page_removes_that_of_an_earlier_one() {
     assert!(!page.exists());
 }
 
-/// An option that is a key of the study gets the way to set the key.
+/// If a user writes a key of the study as an option, the message shows how to set that key.
 #[test]
 fn a_key_as_an_option_is_told_how_to_set_it() {
     let path = studies().join("macpherson_front.toml");
@@ -705,12 +707,12 @@ fn a_key_as_an_option_is_told_how_to_set_it() {
     }
 }
 
-/// Slips that make a suspension all the same.
+/// The program warns of probable mistakes that still define a valid suspension.
 #[test]
 fn doubtful_studies_are_called_so() {
     for entry in fs::read_dir(studies()).unwrap() {
         let path = entry.unwrap().path();
-        // The paper's wheel is given by points that are not on its spin axis.
+        // The wheel in the paper is given by points that are not on its spin axis.
         let is_paper = path.ends_with("attia.toml");
         if path.extension().is_some_and(|e| e == "toml") && !is_paper {
             let assert = hardpoint(&["check", path.to_str().unwrap()]).success();
@@ -740,7 +742,7 @@ fn doubtful_studies_are_called_so() {
     };
     let cases = [
         (
-            // Centimetres.
+            // The point is given in centimetres by mistake.
             wheel_centre("[0.0, 620.0, 25.5]"),
             "mm below every joint of its carrier",
         ),
@@ -811,7 +813,7 @@ fn doubtful_studies_are_called_so() {
     }
 }
 
-/// An unreachable wanted value is named, with the effect of each adjustment.
+/// If the set-up cannot reach a target value, the program names the target with the effect of each adjustment.
 #[test]
 fn a_set_up_out_of_reach_names_the_wish() {
     let directory = tempfile::tempdir().unwrap();
@@ -823,7 +825,7 @@ fn a_set_up_out_of_reach_names_the_wish() {
         hardpoint(&["setup", study, "--set", &set, "--out", out, "--force"])
     };
     call("{ camber = -1.5 }").success();
-    // Wanted values are those that were written.
+    // The summary contains the target values as the user wrote them.
     let summary = fs::read_to_string(out.join("summary.json")).unwrap();
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["statics"][0]["column"], "camber_deg");
@@ -843,7 +845,7 @@ fn a_set_up_out_of_reach_names_the_wish() {
     );
     let (header, rows) = csv(&directory, "effects.csv");
     assert_eq!((header[0].as_str(), rows.len()), ("adjustment", 5));
-    // What an earlier set-up has left speaks of another.
+    // The failed run has removed the files of the earlier set-up.
     for name in ["setup.csv", "summary.json", "curves.csv"] {
         assert!(!out.join(name).exists(), "{name}");
     }
@@ -854,7 +856,7 @@ fn a_set_up_out_of_reach_names_the_wish() {
     );
 }
 
-/// Tables of a set-up fit 100 columns, with every name and heading whole; instructions are those of a workshop.
+/// Tables of a set-up fit 100 columns, with every name and heading complete. Instructions use workshop terms.
 #[test]
 fn a_set_up_is_printed_for_a_mechanic() {
     let more = [
@@ -883,7 +885,7 @@ fn a_set_up_is_printed_for_a_mechanic() {
             .count()
     };
     assert_eq!(rows("upper_ball_joint y"), 2, "{said}");
-    // Three adjustments, the steps, the wanted values.
+    // Rows for three adjustments, the steps and the target values.
     assert_eq!(rows("bump_steer_deg_per_mm"), 5, "{said}");
     assert_eq!(rows("ride_height_change_mm"), 5, "{said}");
     assert!(
@@ -911,7 +913,7 @@ fn a_set_up_is_printed_for_a_mechanic() {
             );
         }
     }
-    // Shims first, toe last.
+    // The order is shims first, toe last.
     let order: Vec<_> = summary["adjustments"]
         .as_array()
         .unwrap()
@@ -927,7 +929,7 @@ fn a_set_up_is_printed_for_a_mechanic() {
     assert_eq!(rows.len(), 6);
 }
 
-/// If no build exists, the program reports nothing about builds. Limits that leave no length are a mistake.
+/// If no build exists, the program reports nothing about builds. Limits that allow only negative lengths are a mistake.
 #[test]
 fn no_builds_have_no_linear_answer() {
     let short = "tolerance.scatter=[{ length = \"tie_rod\", limits = [-300.0, -250.0] }]";
@@ -969,7 +971,7 @@ fn no_builds_have_no_linear_answer() {
     );
 }
 
-/// The heading names the share for a reader; for a program the key is `share`.
+/// The heading of the ranking says `largest share` for a reader; in JSON the key is `share`.
 #[test]
 fn the_share_of_a_ranking_is_the_largest() {
     let few = ["--set", "tolerance.builds=300"];

@@ -1,10 +1,9 @@
-//! Every derivative of every quantity against differences of the values themselves.
+//! Tests of every derivative of every quantity against differences of the values.
 //!
-//! Differences have errors of their own. Here they are central ones of sixth order with steps h of
-//! 0.05 mm. The sharpest change is that of a swing arm d = 6 mm (in a hardpoint coordinate) away from its
-//! pole: truncation is 36 (h/d)^6 = 1e-11 of the derivative. Rounding is that of what is differenced,
-//! over the step: 1e-15, 1e-14, 1e-13 for values, first and second derivatives, over 5e-5. The bounds
-//! 1e-9, 1e-8, 1e-7 lie above both.
+//! The differences are central, of sixth order, with steps h of 0.05 mm. The sharpest change occurs for a swing arm at
+//! a distance d = 6 mm (in a hardpoint coordinate) from its pole: the truncation error is 36 (h/d)^6 = 1e-11 of the
+//! derivative. The rounding error is that of the values divided by the step: 1e-15, 1e-14, 1e-13 for values, first and
+//! second derivatives, over 5e-5. The bounds 1e-9, 1e-8, 1e-7 are above both errors.
 
 use crate::support::Case;
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
@@ -29,7 +28,7 @@ const CONSTANTS: Constants = Constants {
     drive_torque_by_carrier: 0.0,
 };
 
-/// In metres, or radians.
+/// Step in metres or radians.
 const STEP: f64 = 5e-5;
 
 /// Weights of the sixth-order central difference of the first derivative, at 1, 2, 3 steps.
@@ -46,7 +45,7 @@ fn difference(step: f64, f: impl Fn(f64) -> Vec<f64>) -> Vec<f64> {
     sum
 }
 
-/// The nominal strut with a point on every body, a rocker and an anti-roll bar.
+/// Nominal strut suspension with a point on every body, a rocker and an anti-roll bar.
 fn with_extra_points() -> (Mechanism, Vec<Vector3<f64>>) {
     let case = Case::read("nominal");
     let (mut mechanism, mut design) = (case.mechanism, case.design);
@@ -123,7 +122,7 @@ fn quantities(mechanism: &Mechanism) -> Vec<Quantity> {
     all
 }
 
-/// Values and first two derivatives of every quantity: (quantity, order) in rows.
+/// Value and first two derivatives of every quantity.
 fn series(
     mechanism: &Mechanism,
     design: &[Vector3<f64>],
@@ -175,7 +174,7 @@ const PLACES: [MotionPoint<f64>; 3] = [
     },
 ];
 
-/// The largest error over the quantities, each relative to the scale of its kind.
+/// Largest error over the quantities, each relative to the scale of its kind.
 fn compare(
     mechanism: &Mechanism,
     values: &[[f64; 3]],
@@ -186,7 +185,8 @@ fn compare(
 ) {
     let quantities = quantities(mechanism);
     for ((quantity, value), (f, w)) in quantities.iter().zip(values).zip(found.iter().zip(wanted)) {
-        // A swing arm y is the inverse of a rate of turning, whose error counts y^2 in y; so is a place at its end.
+        // A swing arm y is the inverse of a rotation rate, so an error of that rate appears in y with the factor y^2.
+        // The same applies to the position of its end.
         let pole = match quantity {
             Quantity::Characteristic(
                 Characteristic::FrontViewSwingArm
@@ -246,7 +246,7 @@ fn derivatives_by_every_hardpoint_coordinate_are_those_of_the_values() {
     let count = quantities(&mechanism).len();
     for place in PLACES {
         let here = series(&mechanism, &design, place);
-        // found[order][quantity][point]
+        // Indices: found[order][quantity][point]
         let mut found = vec![vec![vec![Vector3::default(); design.len()]; count]; 3];
         let mut solver = Solver::new(&mechanism, &design).unwrap();
         let design_series = DesignSeries::<4>::new(&mechanism, &design);
@@ -301,7 +301,7 @@ fn derivatives_by_every_hardpoint_coordinate_are_those_of_the_values() {
     }
 }
 
-/// Outputs measured by wheel travel do not depend on the drive of the mechanism.
+/// Outputs per wheel travel do not depend on the drive of the mechanism.
 #[test]
 fn gains_and_centres_do_not_depend_on_the_drive() {
     let (mechanism, design) = with_extra_points();

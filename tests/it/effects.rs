@@ -1,4 +1,4 @@
-//! Only the requested effects of a study are computed, as the counts of the work show.
+//! Tests that the program computes only the effects that a study requests, as the work counts show.
 
 use hardpoint::characteristics::{Characteristic, Constants, Slots, WheelReading};
 use hardpoint::curves::{Curves, curves};
@@ -24,7 +24,7 @@ fn run(study: &Study) -> Curves {
     found
 }
 
-/// Work of a sample study for these characteristics alone at 41 travels.
+/// Work counts of a sample study with only these characteristics, at 41 travels.
 fn work(name: &str, characteristics: &str, more: &[&str]) -> Work {
     let characteristics = format!("outputs.characteristics={characteristics}");
     let mut overrides = vec![
@@ -44,8 +44,8 @@ const WISHBONE: &str = "double_wishbone_solve.toml";
 const FIVE_LINK: &str = "five_link_solve.toml";
 const STATIONS: u64 = 41;
 
-/// With the closed form a position takes no linear algebra at all. The counted work belongs to the design position,
-/// which is evaluated once.
+/// With the closed form, a position needs no linear algebra. The counted work belongs to the design position, which the
+/// program evaluates once.
 #[test]
 fn camber_alone_takes_no_velocity_analysis() {
     for name in [STRUT, WISHBONE] {
@@ -70,10 +70,10 @@ fn camber_gain_takes_one_right_hand_side_more_for_each_pose() {
             STATIONS,
             "{name}"
         );
-        // Newton's method leaves its factors behind, and the closed form needs none.
+        // The condition number uses the factors of Newton's method, and the closed form needs no factors.
         assert_eq!(with.factorisations, without.factorisations, "{name}");
         assert_eq!(with.newton_iterations, without.newton_iterations, "{name}");
-        // The derivatives come with the evaluation that the condition takes.
+        // The evaluation for the condition number also gives the derivatives.
         assert_eq!(
             with.closed_form_evaluations, without.closed_form_evaluations,
             "{name}"
@@ -81,7 +81,7 @@ fn camber_gain_takes_one_right_hand_side_more_for_each_pose() {
     }
 }
 
-/// Each order of derivatives is one right-hand side more, with the same Jacobian.
+/// Each order of derivatives adds one right-hand side with the same Jacobian.
 #[test]
 fn orders_are_right_hand_sides_of_one_jacobian() {
     let at = |order: &str| {
@@ -105,14 +105,14 @@ fn orders_are_right_hand_sides_of_one_jacobian() {
         acceleration.closed_form_evaluations,
         velocity.closed_form_evaluations
     );
-    // A value and its derivatives are one evaluation.
+    // One evaluation gives a value and its derivatives.
     assert_eq!(
         acceleration.characteristic_evaluations,
         position.characteristic_evaluations
     );
 }
 
-/// The cost of an adjoint does not depend on the variables; the work after it is as much as they need.
+/// The cost of an adjoint does not depend on the number of variables. The work after it is proportional to that number.
 #[test]
 fn sensitivities_to_one_point_do_not_cost_those_of_nine() {
     let by = |points: &str| {
@@ -123,18 +123,18 @@ fn sensitivities_to_one_point_do_not_cost_those_of_nine() {
     let one = by("[\"tie_rod_inner\"]");
     let none = by("false");
     assert_eq!(all.gradient_rows, 2 * 6 * STATIONS);
-    // The tie rod alone knows of its inner end.
+    // Only the equation of the tie rod depends on the tie rod's inner end.
     assert_eq!(one.gradient_rows, 2 * STATIONS);
     assert_eq!(none.gradient_rows, 0);
-    // One right-hand side for each output, however many coordinates.
+    // Each output needs one right-hand side, for any number of coordinates.
     for work in [all, one] {
         assert_eq!(work.right_hand_sides, 2 * STATIONS);
-        // One more for the design position, which is looked at first.
+        // The design position, which the program solves first, needs one more.
         assert_eq!(work.factorisations, STATIONS + 1);
     }
 }
 
-/// Leaving equations out leaves nothing out: the same bits as among all sensitivities.
+/// Sensitivities to some points have the same bits as among the sensitivities to all points.
 #[test]
 fn sensitivities_to_some_points_are_those_among_all() {
     for name in [STRUT, WISHBONE, FIVE_LINK, "semi_trailing_arm_solve.toml"] {
@@ -167,7 +167,7 @@ fn sensitivities_to_some_points_are_those_among_all() {
     }
 }
 
-/// A study without a rack, a spring or a steering axis to read runs no code of theirs.
+/// The program runs no code for a rack, spring or steering axis that the requested outputs do not use.
 #[test]
 fn what_nothing_reads_is_not_computed() {
     for name in [STRUT, FIVE_LINK] {
@@ -201,7 +201,7 @@ fn what_nothing_reads_is_not_computed() {
     }
 }
 
-/// Declared but off is the same as never mentioned.
+/// An option that is declared but off costs as little as one that is absent.
 #[test]
 fn what_is_declared_but_off_costs_nothing() {
     let declared = study(
@@ -230,7 +230,7 @@ fn what_is_declared_but_off_costs_nothing() {
     assert_eq!(on(&plain), ["position"]);
 }
 
-/// A support takes one factorisation for each pose, and a load one right-hand side.
+/// All loads of a pose share one factorisation, and each load adds one right-hand side.
 #[test]
 fn loads_share_the_factors_of_a_pose() {
     let with = |loads: usize| {
@@ -248,7 +248,7 @@ fn loads_share_the_factors_of_a_pose() {
     assert_eq!(one.closed_form_evaluations, none.closed_form_evaluations);
 }
 
-/// The plan names the line that turned an effect on.
+/// The plan names the line of the study that turns an effect on.
 #[test]
 fn effects_are_on_for_a_reason() {
     let study = study(

@@ -1,5 +1,5 @@
-//! The front door for Rust programs with impossible requests. Every answer is an error with words, and no thread of a
-//! program compiled without optimisation overflows its stack.
+//! Tests of the Rust interface with impossible requests. Every request returns an error with a message, and no thread
+//! overflows its stack, also in an unoptimised build.
 
 use hardpoint::{
     Axis, BuildError, Characteristic, Control, Error, Iteration, Motion, Order, Sampling, Study,
@@ -22,7 +22,7 @@ const POINTS: [(&str, [f64; 3]); 9] = [
     ("wheel_centre", [0.0, 750.0, 300.0]),
 ];
 
-/// A double wishbone, with one of its points elsewhere.
+/// Double wishbone with one of its points moved.
 fn moved(name: &str, to: [f64; 3]) -> SuspensionBuilder {
     let begun = Suspension::builder("double_wishbone").static_angles_deg(-1.0, 0.1);
     POINTS.iter().fold(begun, |builder, (point, at)| {
@@ -61,7 +61,7 @@ fn words<T>(answer: Result<T, impl std::fmt::Display>) -> String {
     }
 }
 
-/// The values of the variables of every design of a sweep.
+/// Values of the variables in every design of a sweep.
 fn designs(study: &Study) -> Result<Vec<Vec<f64>>, Error> {
     let mut designs = Vec::new();
     study.sweep(SweepControl::default(), |rows| {
@@ -71,7 +71,7 @@ fn designs(study: &Study) -> Result<Vec<Vec<f64>>, Error> {
     Ok(designs)
 }
 
-/// Touches so many MiB of stack.
+/// Uses this many MiB of stack.
 fn descend(mib: usize) -> usize {
     let frame = std::hint::black_box([1_u8; 1 << 20]);
     match mib {
@@ -80,8 +80,8 @@ fn descend(mib: usize) -> usize {
     }
 }
 
-/// A dependent's dev profile needs 5 MiB in a sweep and 12 for a certificate. What is called back on the threads of
-/// a sweep and of a tuning has more than that, of which a thread of rayon's own (2 MiB) would end this process.
+/// An unoptimised build needs 5 MiB of stack in a sweep and 12 MiB for a certificate. Callbacks on the threads of
+/// sweeps and tunings have more. A default thread of rayon (2 MiB) would abort this process.
 #[test]
 fn the_threads_of_sweeps_and_tunings_have_large_stacks() {
     let suspension = suspension();
@@ -131,7 +131,7 @@ fn a_curve_has_two_points_and_a_value_stands_at_one_travel() {
     assert!(words(at(3.0, f64::INFINITY, 0.02)).starts_with("a target value is inf"));
     assert!(words(at(3.0, 0.0, 0.0)).starts_with("the tolerance is 0"));
 
-    // One variable meets one value, that of a point 2 mm higher, at a travel where the motion has no station.
+    // One variable meets one target value, that of a point 2 mm higher, at a travel where the motion has no station.
     let toe_at = |suspension: &Suspension, travel: f64| {
         let pose = suspension.pose_at(travel, 0.0).unwrap();
         pose.characteristic(Characteristic::Toe).unwrap()
@@ -181,7 +181,7 @@ fn a_grid_has_as_many_values_of_every_variable_or_is_refused() {
     let too_many = words(grid(u64::MAX, &two));
     assert!(too_many.contains("no more than 1e12 designs"), "{too_many}");
 
-    // Steps that differ are set on the variables.
+    // Different numbers of steps are set on the variables.
     let mut uneven = study(&suspension).sampling(Sampling::Grid, 6, 1, &two);
     if let hardpoint::Designs::Sampled(sampled) = &mut uneven.sweep.as_mut().unwrap().designs {
         sampled.variables[0].steps = Some(2);
@@ -205,7 +205,7 @@ fn an_axle_has_curves_and_takes_its_outputs_from_its_text() {
     let curves = study.curves().unwrap();
     let both = study.axle().unwrap();
     assert_eq!(curves.stations.len(), both.plan.motion.stations());
-    // The left and the right camber of a mirrored axle are the same in the design position.
+    // A mirrored axle has equal left and right camber in the design position.
     let column = |name: &str| curves.columns.iter().position(|c| c.name == name).unwrap();
     let is_design = |s: &&hardpoint::Station| {
         let given = curves.motion.iter().zip(&s.at).filter(|(c, _)| c.is_given);
@@ -241,7 +241,7 @@ fn lists_with_nothing_in_them_are_refused() {
     assert_eq!(words(racks), expected("rack displacement"));
 }
 
-/// A sweep has no columns of turns: that of a variable which turns would be one of designs that are all the same.
+/// A sweep records no rotations, so it refuses a variable that only rotates: its designs would all look the same.
 #[test]
 fn a_sweep_refuses_a_variable_that_moves_no_coordinate() {
     let suspension = suspension();
@@ -310,8 +310,8 @@ fn the_builder_refuses_figures_that_are_none() {
     }
 }
 
-/// Every design that the builder accepts has a pose. It refuses a tie rod with an end on the steering axis, in line
-/// with it or in one plane with it: such a rod does not hold the wheel's heading.
+/// Every design that the builder accepts has a pose. It refuses a tie rod with an end on the steering axis, and a tie
+/// rod in line or in one plane with this axis. Such a rod does not hold the wheel's heading.
 #[test]
 fn a_design_position_that_cannot_be_solved_is_none() {
     let between = [-10.0, 680.0, 295.0];
@@ -337,7 +337,7 @@ fn a_design_position_that_cannot_be_solved_is_none() {
             other => panic!("{name}: {other:?}"),
         }
     }
-    // As near to it as that it can be told apart, there is a suspension.
+    // The builder accepts a point that is distinguishable from a singular one.
     let near = moved("tie_rod_outer", [-12.0, 680.0, 295.0])
         .build()
         .unwrap();

@@ -1,5 +1,5 @@
-//! The hard cases, of the reference and of our own: states next to folds and toggles to a bound derived
-//! from their condition number, the folds themselves, and requests that have no solution.
+//! Tests of hard cases from the reference and other sources: states near folds and toggles with bounds from their
+//! condition numbers, the folds themselves, and requests without a solution.
 
 use crate::support::random::Random;
 use crate::support::{AXES, Case, motion, number, order_to, sensitivity_errors, vector};
@@ -18,13 +18,13 @@ use serde_json::Value;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// Returns true if a state lies on the path from the design position with this drive. The reference lists the other
-/// assemblies of the same drive value as well.
+/// Returns true if a state is on the path from the design position with this drive. The reference also lists other
+/// assemblies with the same drive value.
 fn is_connected(case: &Case, state: &Value) -> bool {
     let label = state["label"].as_str().unwrap_or("");
     let other_mode = state["drive"]["kind"] == "arm_delta" && state["drive"]["tierod_mode"] == -1;
-    // The toggle itself (w = 0, w the distance of the tie rod's end from its plane) comes before the
-    // fold of travel only where w has changed sign at the fold. It has downward, not upward.
+    // The toggle is at w = 0, where w is the distance of the tie rod's end from its plane. It comes before the fold of
+    // travel only if w has changed sign at the fold, which is so downward but not upward.
     let toggle_beyond = label.contains("w=0") && {
         let end = if motion(state).1 > 0.0 { "up" } else { "down" };
         let designed = number(&case.json["design"]["p8_distance_from_plane_5_4_3"]);
@@ -33,7 +33,7 @@ fn is_connected(case: &Case, state: &Value) -> bool {
     !label.starts_with("beyond") && !other_mode && !toggle_beyond
 }
 
-/// The failure of a visit to one station, or nothing if it has a pose.
+/// Failure of a visit to one station, or `None` if it has a pose.
 fn failure(case: &Case, state: &Value) -> Option<Failure> {
     let (drive, value, rack, _) = motion(state);
     let mut failure = None;
@@ -46,11 +46,11 @@ fn failure(case: &Case, state: &Value) -> Option<Failure> {
     failure
 }
 
-/// Every state that exists, against a bound from its condition number k: positions and angles to
-/// max(1e-14, 8 e k), derivatives and sensitivities, relative to the largest of their kind, to
-/// max(1e-13, 8 e k^2) (module `conditioning`; the factor is for the rounding of the residuals themselves,
-/// which sum up to eight products). e is the epsilon; far from the origin, where residuals are rounded at
-/// the size of the coordinates, as much larger as these are than the mechanism, and the floors with it.
+/// Checks every existing state against a bound from its condition number k. Positions and angles agree to max(1e-14, 8
+/// e k). Derivatives and sensitivities agree to max(1e-13, 8 e k^2), relative to the largest of their kind (module
+/// `conditioning`). The factor 8 covers rounding of the residuals, which sum up to eight products. The number e is the
+/// epsilon. Far from the origin, where residuals round relative to the coordinates, e and the floors grow by the ratio
+/// of the coordinates to the size of the mechanism.
 fn check(name: &str) -> usize {
     check_case(name, &Case::read(name))
 }
@@ -159,7 +159,7 @@ fn angular_velocity_in_the_plane_of_three_points() {
     assert_eq!(check("angular-velocity-in-plane"), 8);
 }
 
-/// Degenerate designs against answers from another formulation (`tests/data/own`).
+/// Degenerate designs agree with reference values from another formulation (`tests/data/own`).
 #[test]
 fn own_hard_cases() {
     for (name, states) in [
@@ -188,8 +188,8 @@ fn own_hard_cases() {
             let size = case.solver().size();
             let bound = match drive {
                 Drive::Travel => 4.0 * f64::EPSILON * size,
-                // The squared distance of p8 from its plane falls from 1e-12 m^2 to zero at the toggle; it
-                // is made of squares of lengths, which are rounded.
+                // The squared distance of p8 from its plane falls from 1e-12 m^2 to zero at the toggle. It consists of
+                // squares of lengths, which are rounded.
                 Drive::ArmAngle => 8.0 * f64::EPSILON * size * size * known.abs() / 1e-12,
             };
             match failure(&case, state) {
@@ -231,7 +231,7 @@ fn what_has_no_solution_is_refused_with_the_limit() {
             }
             Failure::RackUnreachable { limit, .. } => {
                 let known = number(&racks[if limit > 0.0 { "rack+1" } else { "rack-1" }]);
-                // Stored to nine decimals.
+                // The file stores the limit with nine decimals.
                 assert!((limit - known).abs() <= 0.5e-9, "{limit} {known}");
             }
             other => panic!("{:?}: {other}", state["drive"]),
@@ -239,8 +239,8 @@ fn what_has_no_solution_is_refused_with_the_limit() {
     }
 }
 
-/// Condition numbers estimated by a closed form are right to within a factor of ten. The designs are scattered by up
-/// to a sixth of the size. Numbers above 1000 are not compared.
+/// Condition numbers that the closed form estimates are right within a factor of ten. The designs are scattered by up
+/// to a sixth of the size. The test skips numbers above 1000.
 #[test]
 fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
     for (name, reach) in [
@@ -297,7 +297,8 @@ fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
     }
 }
 
-/// The folds to 45 digits, and how they move with every hardpoint.
+/// The limits of travel agree with folds known to 45 digits, and so do their derivatives with respect to every
+/// hardpoint.
 #[test]
 fn limits_of_travel_are_exact() {
     let case = Case::read("travel-limit");
@@ -328,7 +329,7 @@ fn limits_of_travel_are_exact() {
         println!("{count} sensitivities to {worst:.1e}");
         assert!(count >= 27 && worst < 1e-12, "{worst:e}");
     }
-    // The arm can be turned right round.
+    // The arm can make a full turn.
     let arm = limits.arm_angle.unwrap();
     assert_eq!(
         (arm.lower, arm.upper),
@@ -344,7 +345,7 @@ fn limits_at_the_toggle_of_the_tie_rod_are_exact() {
     let limits = solver.limits().unwrap();
     let json = &case.json;
     let arm = limits.arm_angle.unwrap();
-    // The reference turns the arm the other way.
+    // The reference counts the arm angle in the opposite direction.
     let wanted = [
         (
             &limits.travel.upper,
@@ -371,7 +372,7 @@ fn limits_at_the_toggle_of_the_tie_rod_are_exact() {
             LimitCause::TieRodToggle,
         ),
     ];
-    // The travel passes regularly through the toggle of the tie rod, which is near both of its ends.
+    // The travel passes regularly through the toggle of the tie rod, which is near both ends of the travel.
     for (end, known, unit, cause) in wanted {
         let RangeEnd::Fold(limit) = end else {
             panic!("{end:?}")
@@ -408,8 +409,8 @@ fn a_nanometre_beyond_a_fold_is_refused() {
     }
 }
 
-/// Stations that the tracker does not vouch for are counted by the guard that left them to the continuation, which solves
-/// those within reach.
+/// The result counts stations that the tracker leaves to the continuation, by the check that rejected them. The
+/// continuation solves those within reach.
 #[test]
 fn what_is_left_to_the_continuation_has_a_reason() {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");

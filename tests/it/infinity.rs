@@ -1,5 +1,5 @@
-//! Instantaneous centres and roll centres that lie at infinity: they have no value, however rounding falls; where they are
-//! far away they have the value of the closed form.
+//! Tests of instantaneous centres and roll centres at infinity: they have no value, whatever the rounding. Where they
+//! are far but finite they have the value of the closed form.
 
 use hardpoint::ask::NoValue;
 use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity};
@@ -30,7 +30,7 @@ fn values(suspension: Suspension, asked: &[Characteristic]) -> Vec<Vec<Option<f6
     curves.stations.into_iter().map(values).collect()
 }
 
-/// Arms that turn about axes along x, and a tie rod in their plane: the wheel moves in the plane x = 0.
+/// Double wishbone that moves in the plane x = 0: its arms turn about axes along x, and its tie rod is in their plane.
 fn planar_double_wishbone() -> Suspension {
     Suspension::builder("double_wishbone")
         .hardpoint("upper_arm_front", [150.0, 250.0, 330.0])
@@ -48,7 +48,7 @@ fn planar_double_wishbone() -> Suspension {
         .unwrap()
 }
 
-/// An arm about a pivot that runs `ahead` further forward at its outer end than at its inner one.
+/// Trailing arm about a pivot axis whose outer end is `ahead` farther forward than its inner end.
 fn trailing_arm(ahead: f64, rise: f64) -> Suspension {
     Suspension::builder("semi_trailing_arm")
         .hardpoint("arm_pivot_inner", [400.0, 200.0, 260.0])
@@ -73,7 +73,7 @@ fn a_wheel_that_does_not_turn_in_a_view_has_no_centre_in_it() {
     }
 }
 
-/// Nor in sweeps, which solve their designs in SIMD lanes.
+/// Sweeps, which solve their designs in SIMD lanes, report no centre at infinity either.
 #[test]
 fn sweeps_have_no_centre_there_either() {
     let suspension = trailing_arm(0.0, 20.0);
@@ -96,14 +96,14 @@ fn sweeps_have_no_centre_there_either() {
     assert_eq!(designs, 64);
 }
 
-/// An arm turns about u: C_z' = w (u_x (C_y - P_y) - u_y (C_x - P_x)) with C the contact point and P on the pivot, so that the
-/// swing arm C_z'/w_x is (C_y - P_y) - (u_y/u_x) (C_x - P_x). Of w, w_x is a ten-millionth at the least: nine of its
-/// sixteen digits are left.
+/// An arm turns about u: C_z' = w (u_x (C_y - P_y) - u_y (C_x - P_x)), with the contact point C and a point P on the
+/// pivot axis. So the swing arm C_z'/w_x is (C_y - P_y) - (u_y/u_x) (C_x - P_x). The component w_x is at least a
+/// ten-millionth of w, which leaves nine of sixteen digits.
 #[test]
 fn far_centres_are_those_of_the_closed_form() {
     for ahead in [1e-3, 1e-4, -1e-4] {
         let found = values(trailing_arm(ahead, 20.0), &IN_FRONT_VIEW)[6][0].unwrap();
-        // The wheel leans by a degree in the design position; its contact point is as much further out.
+        // The wheel has one degree of camber in the design position, which moves its contact point outboard.
         let contact = 740.0 + 310.0 * 1.0_f64.to_radians().sin();
         let slope = 350.0 / ((400.0 + ahead) - 400.0);
         let expected = (contact - 200.0) + slope * 400.0;
@@ -111,8 +111,8 @@ fn far_centres_are_those_of_the_closed_form() {
     }
 }
 
-/// Level arms of equal height on both sides: both normals to the velocities of the contact points are upright in the
-/// design position, and meet nowhere. A tenth of a micrometre of travel on one side, and they do.
+/// With level arms of equal height on both sides, the axle has no roll centre in the design position: both normals to
+/// the contact point velocities are vertical. After a tenth of a micrometre of travel on one side it has one.
 #[test]
 fn upright_normals_have_no_roll_centre() {
     let text = r#"

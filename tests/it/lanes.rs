@@ -1,5 +1,5 @@
-//! Designs solved by the tracker, in SIMD lanes, against the continuation: same poses, same refusals, the same
-//! bits at every width.
+//! Tests of designs that the tracker solves in SIMD lanes, against the continuation: same poses, same refusals, and the
+//! same bits at every lane width.
 //!
 //! `DESIGNS=1000000 cargo test --release --test it lanes:: -- --ignored --nocapture` is the long run.
 
@@ -16,7 +16,7 @@ use hardpoint::study::Study;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// One of the sample studies with other travels and racks.
+/// Sample study with other travels and racks.
 fn study(name: &str, travel: &str, rack: &str) -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("studies")
@@ -28,7 +28,7 @@ fn study(name: &str, travel: &str, rack: &str) -> Study {
     Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// One of them driven by the angle of the lower arm, where a gain is not the slope by the drive.
+/// Sample study driven by the angle of the lower arm, where a gain differs from the slope with respect to the drive.
 fn by_arm_angle(name: &str) -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("studies")
@@ -41,7 +41,7 @@ fn by_arm_angle(name: &str) -> Study {
 const FINE: &str = "{ from = -80.0, to = 80.0, steps = 41 }";
 const COARSE: &str = "[-90.0, -30.0, 55.0, 120.0]";
 
-/// The usual outputs.
+/// Typical outputs.
 const ANGLES: [Characteristic; 4] = [
     Characteristic::Camber,
     Characteristic::Toe,
@@ -49,7 +49,7 @@ const ANGLES: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
-/// Everything that the suspension has.
+/// All quantities that the suspension has.
 fn quantities(study: &Study) -> Vec<Quantity> {
     let suspension = study.wheel();
     let possible = |c: &&Characteristic| {
@@ -86,7 +86,7 @@ fn differentiable(study: &Study) -> Vec<Quantity> {
         .collect()
 }
 
-/// Designs scattered about the study's own, block by block.
+/// Generator of designs scattered about the study's design, block by block.
 struct Scatter {
     random: Random,
     base: Vec<Vector3<f64>>,
@@ -107,16 +107,17 @@ impl Scatter {
 #[derive(Debug, Default)]
 struct Found {
     designs: usize,
-    /// Designs with a station that cannot be reached.
+    /// Number of designs with an unreachable station.
     unreachable: usize,
-    /// Designs that the lanes left to be solved one by one.
+    /// Number of designs that the lanes left to one-by-one evaluation.
     left: usize,
-    /// Deviation of angles (rad), of lengths (in sizes) and of rates, and of what.
+    /// Largest deviation of angles (rad), of lengths (divided by the suspension size) and of rates, and its quantity.
     worst: f64,
     of: Option<(Quantity, f64)>,
-    /// Values that are ill-conditioned in themselves: the continuation varies as much, or does so by rounding.
+    /// Number of ill-conditioned values: the continuation itself varies as much, or rounding of the design changes them
+    /// as much.
     ill: usize,
-    /// Largest error of slopes by the travel in the design position.
+    /// Largest error of slopes with respect to travel in the design position.
     worst_slope: f64,
 }
 
@@ -164,15 +165,15 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
                 for (station, (a, b)) in pairs.enumerate() {
                     assert_eq!(a.is_nan(), b.is_nan(), "{quantity:?} of design {design}");
                     if !a.is_nan() {
-                        // A swing arm has poles, where the wheel does not turn: its inverse is what
-                        // is as smooth as the rest. The height of its centre, h = v/w, is a quotient by the
-                        // same turn w: |dh| <= |1/w| (|dv| + |h dw|), |1/w| being about the arm.
+                        // A swing arm has poles where the wheel does not turn; only its inverse is smooth there. The
+                        // height of its centre, h = v/w, is a quotient with the same rotation w: |dh| <= |1/w| (|dv| +
+                        // |h dw|), where |1/w| is about the swing arm.
                         let size = suspension.size();
                         let arm = arm.map_or(b, |arm| wanted.value(design, arm, station));
                         let pole = (arm * b / size).abs().max(arm.abs()).max(b * b / size);
                         let deviation = (a - b).abs() / scale.max(b.abs()).max(pole);
-                        // What comes so near to a fold or toggle that it is left to be solved one by one
-                        // is at the mercy of its own condition, which the continuation feels as well.
+                        // Lanes leave designs very near a fold or toggle to one-by-one evaluation. There the condition
+                        // number limits the accuracy, also that of the continuation.
                         if left[design] && deviation < BESIDE_FOLDS {
                             continue;
                         }
@@ -206,8 +207,8 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
     found
 }
 
-/// Variation of each value of a design when the design is moved along the vehicle, which should change nothing: the
-/// loss of the continuation itself.
+/// Variation of each value when the design moves along the vehicle, which should change nothing. It measures the error
+/// of the continuation.
 fn spread(
     careful: &mut Evaluator<'_>,
     design: &[Vector3<f64>],
@@ -232,8 +233,8 @@ fn spread(
     places.map(spread).collect()
 }
 
-/// By how much a value varies when every coordinate of the design is off by rounding, to first order: its exact derivatives
-/// times what points of poses are off by (`tests/it/builds` finds half of it).
+/// First-order change of a value if every coordinate of the design is off by rounding: its exact derivatives times the
+/// error of points of poses (`tests/it/builds` finds half of this error).
 fn rounded(
     study: &Study,
     stations: &Stations,
@@ -255,7 +256,7 @@ fn rounded(
     OFF * suspension.size() * slopes.sum::<f64>()
 }
 
-/// The swing arm at the end of which a centre is, of which this is the height.
+/// Swing arm to the centre whose height this quantity is.
 fn swing_arm(quantity: Quantity) -> Option<Quantity> {
     let arm = match quantity {
         Quantity::Characteristic(Characteristic::FrontViewCentreHeight) => {
@@ -269,7 +270,7 @@ fn swing_arm(quantity: Quantity) -> Option<Quantity> {
     Some(Quantity::Characteristic(arm))
 }
 
-/// Unit of a quantity's error; an angular velocity is by the drive itself.
+/// Scale of a quantity's error. An angular velocity is a derivative with respect to the drive.
 fn scale_of(quantity: Quantity, size: f64, unit_of_drive: f64) -> f64 {
     let c = match quantity {
         Quantity::Characteristic(c) => c,
@@ -290,7 +291,7 @@ fn all(designs: usize) -> Vec<(f64, Found)> {
         ("double_wishbone_solve.toml", [10.0, 40.0, 100.0]),
         ("five_link_solve.toml", [10.0, 30.0, 80.0]),
         ("semi_trailing_arm_solve.toml", [10.0, 60.0, 150.0]),
-        // A pushrod with its rocker, which turns an anti-roll bar too.
+        // Pushrod with its rocker, which also turns an anti-roll bar.
         ("double_wishbone_rocker.toml", [3.0, 15.0, 40.0]),
     ] {
         for (k, by) in scatters.into_iter().enumerate() {
@@ -325,15 +326,14 @@ fn all(designs: usize) -> Vec<(f64, Found)> {
     found
 }
 
-/// The residual that lanes leave is rounding. They approach folds and toggles up to an angle of sine 1/4, where the
-/// knuckle turns four times as fast. That gives a factor of 4 for a position and of its cube for a rate. The bound
-/// allows for these factors and for the roundings of both paths. The remaining errors occur in quotients of two
-/// almost vanishing parts, such as the roll centre of a wheel that turns about its contact point.
+/// Bound of the difference from lanes, which leave residuals of rounding size. Lanes approach folds and toggles up to
+/// an angle with sine 1/4, where the knuckle turns four times as fast. That gives a factor of 4 for a position and of
+/// its cube for a rate. The bound covers these factors and the roundings of both paths. Larger errors remain in
+/// quotients of two almost vanishing parts, such as the roll centre of a wheel that turns about its contact point.
 const BOUND: f64 = 1e-12;
 
-/// Rates lose twice the digits of the condition number, which is below 1e3 where a station's condition counts as
-/// ordinary. That leaves ten digits of sixteen, with a factor of ten for the roundings of both paths. Only for
-/// designs that are solved one by one.
+/// Bound for designs that are solved one by one. Rates lose twice the digits of the condition number, which is below
+/// 1e3 at an ordinary station. That leaves ten digits of sixteen, with a factor of ten for the roundings of both paths.
 const BESIDE_FOLDS: f64 = 1e-9;
 
 fn check(all: Vec<(f64, Found)>) {
@@ -356,9 +356,9 @@ fn a_million_designs_tracked_agree_with_the_continuation() {
     check(all(designs / 10));
 }
 
-/// Double wishbones of which the wheel centre is at its lowest and at its highest point within 0.01 mm of the design
-/// position: points as in `double_wishbone_solve.toml`. The base design's slope says nothing of theirs; from the fold
-/// another way leads on, on which all is as steady.
+/// Double wishbones whose wheel centre is at its lowest or highest point within 0.01 mm of the design position. Their
+/// other points are as in `double_wishbone_solve.toml`. The slope of the base design does not apply to them. From the
+/// fold another branch continues just as smoothly.
 const BESIDE_A_FOLD: [([[f64; 3]; 12], &str, &str); 2] = [
     (
         [
@@ -425,9 +425,9 @@ fn designs_beside_a_fold_stay_on_their_own_side() {
     }
 }
 
-/// Number 3672 of the pushrods with their bars, scattered by 40 mm, stands in its design position so near to its toggle
-/// (leverage 5.9e-5) that poses of one rounding apart have motion ratios 1e-7 of themselves apart. The ratio there is from
-/// the six linear equations of the knuckle's twist, then rocker and bar by theirs, in 60 digits.
+/// Design 3672 of the pushrods with bars, scattered by 40 mm, is very near its toggle in the design position (leverage
+/// 5.9e-5). Poses that differ by one rounding have motion ratios that differ by a relative 1e-7. The expected ratio
+/// comes from the six linear equations of the knuckle's twist, then from those of rocker and bar, in 60 digits.
 #[test]
 fn the_design_position_is_the_design_itself_beside_a_toggle() {
     const NUMBER: usize = 3672;
@@ -455,7 +455,8 @@ fn the_design_position_is_the_design_itself_beside_a_toggle() {
         let mut found = Block::new(1, stations.count());
         evaluator.evaluate(design, &mut found);
         let ratio = found.value(0, 0, stations.design());
-        // Of a rounding of the design, 2e-16, by the leverage, with a factor of 25 for those on the way.
+        // The bound is one rounding of the design, 2e-16, divided by the leverage, with a factor of 25 for further
+        // roundings.
         assert!((ratio - RATIO).abs() < 1e-10 * RATIO, "{ratio}");
     }
 }
@@ -465,8 +466,8 @@ fn ordinary_designs_stay_in_the_lanes() {
     if !crate::support::has_lanes() {
         return;
     }
-    // With 30 mm at the rear axle's toe links some of the five-links, steered by ten degrees, are no longer
-    // ordinary.
+    // With 30 mm at the rear axle's toe links, some five-link designs steer by ten degrees and would leave the range of
+    // lanes.
     for (name, rack) in [
         ("macpherson_solve.toml", "[0.0, 30.0]"),
         ("double_wishbone_solve.toml", "[0.0, 30.0]"),
@@ -492,8 +493,8 @@ fn ordinary_designs_stay_in_the_lanes() {
     }
 }
 
-/// Number of designs, of a thousand scattered ones, that lanes leave to be solved one by one. A block of them is
-/// compared with the continuation.
+/// Number of designs out of a thousand that lanes leave to one-by-one evaluation. The function also compares one block
+/// with the continuation.
 fn left_of_a_thousand(study: &Study, by: f64) -> usize {
     let suspension = study.wheel();
     let stations = Stations::of(study.motion(), &suspension.frame, &[]);
@@ -551,7 +552,7 @@ fn every_width_gives_the_same_bits() {
         let mut expected = None;
         for width in Width::available() {
             let found = bits(width, &designs);
-            // A design by itself, without neighbours.
+            // Solves one design alone, without neighbours.
             let alone = bits(width, &designs[3 * points..4 * points]);
             let size = alone.len();
             assert!(alone == found[3 * size..4 * size]);
@@ -564,7 +565,7 @@ fn every_width_gives_the_same_bits() {
     }
 }
 
-/// A design without a rod is left out of the lanes, and takes nothing along that comes after it.
+/// Lanes skip a degenerate design with a rod of zero length. Later designs in the same lane are not affected.
 #[test]
 fn a_degenerate_design_leaves_its_lane_as_it_was() {
     for (name, [one, other]) in [
@@ -590,8 +591,8 @@ fn a_degenerate_design_leaves_its_lane_as_it_was() {
     }
 }
 
-/// The evaluator of gradients finds the same values in lanes as one by one. It gives a reason for every design that
-/// it cannot solve.
+/// The gradient evaluator finds the same values in lanes and one by one. It gives a reason for every design that it
+/// cannot solve.
 #[test]
 fn the_evaluator_of_gradients_falls_back_one_by_one() {
     if !crate::support::has_lanes() {
@@ -662,7 +663,7 @@ fn the_evaluator_of_gradients_falls_back_one_by_one() {
     assert!(left_of_all > 0);
 }
 
-/// A design's stations side by side, or designs side by side: the same bits.
+/// The values have the same bits whether lanes hold the stations of one design or several designs.
 #[test]
 fn one_design_alone_has_the_bits_it_has_among_others() {
     if !crate::support::has_lanes() {
@@ -722,7 +723,8 @@ fn one_design_alone_has_the_bits_it_has_among_others() {
     assert!(alone_in_lanes > 40, "{alone_in_lanes}");
 }
 
-/// In lanes gradients come from the adjoint of the closed form, one by one from that of the closure equations.
+/// Gradients in lanes, from the adjoint of the closed form, equal those of one-by-one evaluation, from the adjoint of
+/// the closure equations.
 #[test]
 fn gradients_in_lanes_are_those_of_the_closure_equations() {
     for (name, rack, by) in [
@@ -773,7 +775,7 @@ fn gradients_in_lanes_are_those_of_the_closure_equations() {
         };
         let deviations = sums(&mut lanes, designs);
 
-        // The same bits without neighbours, and in the narrowest lanes.
+        // The bits are the same without neighbours and in the narrowest lanes.
         let mut narrow = in_lanes(Width::available().next().unwrap_or(widest));
         for (number, design) in designs.chunks_exact(points).enumerate() {
             let alone = collected(&mut narrow, design, angles.len(), stations.count(), points);
@@ -861,7 +863,7 @@ fn norm(gradient: &[Vector3<f64>]) -> f64 {
         .sqrt()
 }
 
-/// Value and gradient of each angle at each station, by the closure equations.
+/// Value and gradient of each angle at each station, from the closure equations.
 fn careful_gradients(
     study: &Study,
     stations: &Stations,

@@ -1,5 +1,5 @@
-//! Loads of a study for a user: the forces of links, joints and spring in `curves.csv` hold the wheel carrier in
-//! equilibrium and do the work of the load.
+//! Tests of the loads of a study as a user sees them: the forces of links, joints and spring in `curves.csv` balance
+//! the wheel carrier and do the work of the load.
 
 use crate::support::Worst;
 use hardpoint::curves::{Curves, Status, curves};
@@ -29,8 +29,8 @@ fn run(study: &Study) -> (Curves, CurveTable) {
     (found, CurveTable::read(&csv).unwrap())
 }
 
-/// A sample study for a wheel of this side in these axes, with loads and everything their balance is
-/// checked against. `signs` take the sample's axes and side to these.
+/// Sample study for a wheel of this side in these axes, with loads and all outputs for checking their balance. `signs`
+/// convert the sample's axes and side to these.
 fn loaded(name: &str, side: &str, frame: &str, signs: [f64; 3]) -> Study {
     let (file, body) = match name {
         "pushrod_on_knuckle" => ("double_wishbone_pushrod.toml", Some("knuckle")),
@@ -62,7 +62,7 @@ fn loaded(name: &str, side: &str, frame: &str, signs: [f64; 3]) -> Study {
     study(file, &overrides)
 }
 
-/// A row of `curves.csv`.
+/// Row of `curves.csv`.
 struct Row<'a> {
     table: &'a CurveTable,
     number: usize,
@@ -85,7 +85,7 @@ impl Row<'_> {
         self.vector(|axis| format!("{name}_{axis}_mm"))
     }
 
-    /// The forces on the wheel carrier, by where they act, that hold it under a load.
+    /// Forces that balance the wheel carrier under a load, each with its point of application.
     fn forces(&self, topology: &str, load: &str) -> Vec<(Vector3<f64>, Vector3<f64>)> {
         let newtons = |name: &str| self.value(&format!("{load}_{name}_N"));
         let vector = |name: &str| self.vector(|axis| format!("{load}_{name}_{axis}_N"));
@@ -133,7 +133,7 @@ impl Row<'_> {
         }
     }
 
-    /// The point on the ground below the wheel, in its plane.
+    /// Point on the ground below the wheel, in the wheel plane.
     fn contact_point(&self, up: Vector3<f64>, radius: f64) -> Vector3<f64> {
         let centre = self.point("wheel_centre");
         let spin = (centre - self.point("spindle_inner")).normalised();
@@ -209,7 +209,7 @@ fn the_wheel_carrier_is_in_equilibrium_and_the_spring_takes_the_work() {
     }
 }
 
-/// The legs of an arm without a spring add up to the reported force in its joint.
+/// The forces of the legs of an arm without a spring add up to the reported force in its joint.
 #[test]
 fn the_legs_of_an_arm_add_up_to_the_force_in_its_joint() {
     let study = loaded("double_wishbone", "left", "iso8855", [1.0; 3]);
@@ -228,15 +228,15 @@ fn the_legs_of_an_arm_add_up_to_the_force_in_its_joint() {
         let force = row.vector(|axis| format!("braking_upper_ball_joint_{axis}_N"));
         assert!((legs - force).norm() < 1e-12 * force.norm());
     }
-    // The lower arm bears the spring and is bent: its legs are not what it carries.
+    // The spring bends the lower arm, so leg forces do not describe its load, and the program omits them.
     assert_eq!(table.column("braking_lower_arm_front_N"), None);
 }
 
-/// A spring whose line meets the hinge has no leverage.
+/// A spring whose line meets the hinge has no leverage. The station has a status and no values.
 #[test]
 fn what_nothing_carries_has_a_status_and_no_values() {
     let overrides = [
-        // On the line from the lower end through the middle of the hinge in the design position.
+        // This point lies on the line from the lower end through the middle of the hinge in the design position.
         "suspension.hardpoints.spring_lower=[70.0, 580.0, 270.0]",
         "suspension.hardpoints.spring_upper=[205.0, 470.0, 262.5]",
         "motion.travel=[-40.0, 0.0, 40.0]",
@@ -256,12 +256,12 @@ fn what_nothing_carries_has_a_status_and_no_values() {
         assert_eq!(values[1].is_none(), is_force, "{name}");
         assert!(values[0].is_some() && values[2].is_some(), "{name}");
     }
-    // Pushed through the dead centre: the spring takes the load on one side, and pulls on the other.
+    // The wheel passes the dead centre: the spring pushes against the load on one side and pulls on the other.
     let spring = table.column("kerb_spring_N").unwrap();
     assert!(spring[0].unwrap() * spring[2].unwrap() < 0.0);
 }
 
-/// Without a spring a vertical force at the wheel centre holds the wheel, and does the same work.
+/// Without a spring, a vertical force at the wheel centre holds the wheel and does the same work.
 #[test]
 fn without_a_spring_the_wheel_is_held() {
     let text = std::fs::read_to_string(
@@ -275,7 +275,7 @@ fn without_a_spring_the_wheel_is_held() {
     let study = Study::from_text("study.toml", &text, Path::new(".")).unwrap();
     let (found, table) = run(&study);
     assert!(found.are_complete());
-    // Straight against the load, and nothing is left for the links.
+    // The support opposes the load directly, so the links carry no force.
     for (name, values) in table.header.iter().zip(&table.columns) {
         let expected = match name.as_str() {
             "kerb_support_N" => -1000.0,

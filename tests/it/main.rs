@@ -1,8 +1,8 @@
-//! Tests of the library and of the program, in one binary: the engine is linked once.
+//! Tests of the library and of the program in one binary, so that the engine is linked once.
 //!
-//! Each module is a subject. `cargo test --test it tuning::` runs one of them. A test here may not change its process: no
-//! signals, limits, environment variables or current directory. Tests whose child processes are killed, limited or
-//! measured stand in `tests/processes`.
+//! Each module covers one subject. `cargo test --test it tuning::` runs one of them. A test here must not change its
+//! process: no signals, limits, environment variables or current directory. Tests that kill, limit or measure child
+//! processes are in `tests/processes`.
 
 mod anti;
 mod assemblies;

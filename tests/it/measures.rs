@@ -1,4 +1,5 @@
-//! Geometric measures among the outputs: they are the distances and angles of the reported points, with their derivatives.
+//! Tests of geometric measures among the outputs: they equal the distances and angles of the reported points, with
+//! their derivatives.
 
 use hardpoint::curves::{Curves, curves};
 use hardpoint::plan::Plan;
@@ -6,7 +7,7 @@ use hardpoint::study::Study;
 use std::fs;
 use std::path::Path;
 
-/// Points of a drive shaft and of a damper beside the spring.
+/// Points of a drive shaft, and of a damper separate from the spring.
 const EXTRA: &str = "
 [suspension.extra_points]
 drive_shaft_inner = { body = \"chassis\", position = [12.0, 110.0, 262.0] }
@@ -22,7 +23,7 @@ articulations = [\"drive_shaft_outer\", \"drive_shaft_inner\", \"upper_ball_join
 clearances = [[\"tie_rod\", \"upper_arm_front\"]]
 ";
 
-/// The sample with these lines in `[outputs]` and this motion.
+/// Sample with these lines in `[outputs]` and this motion.
 fn study(outputs: &str, travel: &str) -> Study {
     let text = text(outputs, travel);
     Study::from_text("study.toml", &text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"))
@@ -103,7 +104,7 @@ fn they_are_the_distances_and_angles_of_the_points() {
             .acos()
             .to_degrees();
         is("drive_shaft_inner_articulation_deg", inner, 1e-9);
-        // The spin axis from camber and toe: outboard is +y, toe-in turns it forward, camber tilts its outer end down.
+        // Spin axis from camber and toe: outboard is +y, toe-in turns it forward, and camber tilts its outer end down.
         let (camber, toe) = (camber[station].to_radians(), toe[station].to_radians());
         let axis = [
             toe.sin() * camber.cos(),
@@ -151,8 +152,8 @@ fn clearances_are_the_smallest_distances() {
     }
 }
 
-/// Derivatives with respect to travel are the slopes of the values, from differences extrapolated to the sixth order. That of the
-/// spring's length is minus the motion ratio.
+/// Derivatives with respect to travel equal the slopes of the values, from differences extrapolated to sixth order. The
+/// derivative of the spring length is minus the motion ratio.
 #[test]
 fn derivatives_are_slopes() {
     let outputs = format!("order = \"acceleration\"\n{MEASURES}");
@@ -197,7 +198,7 @@ fn derivatives_are_slopes() {
     }
 }
 
-/// Sensitivities are the slopes of values and rates by a coordinate of the drawing.
+/// Sensitivities equal the slopes of values and rates with respect to a coordinate of the nominal design.
 #[test]
 fn sensitivities_are_slopes_by_the_hardpoints() {
     let outputs = format!(

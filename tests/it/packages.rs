@@ -1,19 +1,19 @@
-//! Each crate of the workspace can be packaged: it needs no file outside its own folder. Files that two places need are
-//! kept in the crate and copied to the other place. After a change, `UPDATE_README=1 cargo test --test it packages::`
+//! Tests that each crate of the workspace can be packaged: it needs no file outside its folder. A file that two crates
+//! need is stored in one and copied to the other. After a change, `UPDATE_README=1 cargo test --test it packages::`
 //! renews the copies.
 
 use hardpoint::model::Topology;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Folders of the crates, below the workspace's.
+/// Folders of the crates, relative to the workspace.
 const CRATES: [&str; 5] = ["", "attia", "bench", "engine", "study-file"];
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Asserts that the copy has this text; with `UPDATE_README`, writes it.
+/// Asserts that the copy has this text. With `UPDATE_README`, writes it instead.
 fn assert_copied(copy: &Path, text: &str, source: &str) {
     if std::env::var_os("UPDATE_README").is_some() {
         fs::write(copy, text).unwrap();
@@ -40,7 +40,8 @@ fn sample_studies_are_the_templates() {
     }
 }
 
-/// Each package carries the licences of the program, and those with the letters of pictures that of the font.
+/// Each package contains the licences of the program. Packages with fonts for pictures also contain the licence of the
+/// font.
 #[test]
 fn packages_carry_the_licences() {
     let licences = ["LICENSE-APACHE", "LICENSE-MIT", "LICENSE-DEJAVU"];
@@ -75,7 +76,7 @@ fn the_manual_contains_the_tables_of_keys() {
     }
 }
 
-/// Rust files below a folder.
+/// Collects Rust files below a folder.
 fn sources(folder: &Path, into: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -87,7 +88,7 @@ fn sources(folder: &Path, into: &mut Vec<PathBuf>) {
     }
 }
 
-/// Every file that a crate includes at compile time lies in the crate's folder.
+/// Every file that a crate includes at compile time is in the crate's folder.
 #[test]
 fn crates_include_no_file_of_others() {
     let mut included = 0;
@@ -117,7 +118,7 @@ fn crates_include_no_file_of_others() {
     assert!(included > 10, "{included}");
 }
 
-/// Crates that depend on each other say which version they need.
+/// Crates that depend on each other state the required version.
 #[test]
 fn dependencies_within_the_workspace_have_this_version() {
     let version = format!("version = \"{}\"", env!("CARGO_PKG_VERSION"));

@@ -1,12 +1,12 @@
-//! The README and the manual agree with the program.
+//! Tests that the README and the manual agree with the program.
 
 use hardpoint::car::{AxleResult, WheelResult, WholeResult};
 use hardpoint::characteristics::Characteristic;
 use std::fs;
 use std::path::Path;
 
-/// The manual's table of characteristics is the catalogue's. To renew it after a change of the catalogue, run
-/// `UPDATE_README=1 cargo test --test it readme::`.
+/// The manual's table of characteristics equals the catalogue. After a change of the catalogue, `UPDATE_README=1 cargo
+/// test --test it readme::` renews it.
 #[test]
 fn the_table_of_characteristics_is_the_catalogue() {
     let mut table = String::from("\n| name | formula | positive when |\n|---|---|---|\n");
@@ -21,7 +21,7 @@ fn the_table_of_characteristics_is_the_catalogue() {
     renew_or_compare("docs/characteristics.md", "characteristics", &table);
 }
 
-/// The manual's table of a car's results is the catalogue's. It is renewed in the same way.
+/// The manual's table of a car's results equals the catalogue. The same command renews it.
 #[test]
 fn the_table_of_car_results_is_the_catalogue() {
     let wheels = WheelResult::ALL.iter().map(|r| ("front_left_", r.info()));
@@ -53,7 +53,7 @@ fn renew_or_compare(file: &str, name: &str, wanted: &str) {
     }
 }
 
-/// Every sample study is listed in the gallery, and everything listed is there.
+/// The gallery lists every sample study, and every listed study exists.
 #[test]
 fn every_sample_study_is_listed() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -90,7 +90,7 @@ fn the_first_command_prints_what_the_readme_shows() {
     };
     let command = between("cargo run --release -- ", "\n");
     let shown = between("```text\n", "```");
-    // In a directory of its own, where the command finds the study at the same path.
+    // The test runs in a temporary directory, where the command finds the study at the same path.
     let directory = tempfile::tempdir().unwrap();
     let study = command.split(' ').nth(1).unwrap();
     fs::create_dir(directory.path().join("studies")).unwrap();

@@ -1,4 +1,4 @@
-//! The production solver against the reference answers (110 digits, see `tests/data/reference`).
+//! Tests of the production solver against the reference values (110 digits, see `tests/data/reference`).
 
 use crate::support::{
     ANGLES, AXES, Case, Worst, motion, number, order_to, sensitivity_errors, vector,
@@ -10,7 +10,7 @@ use hardpoint::number::Jet;
 use serde_json::Value;
 use std::ops::ControlFlow;
 
-/// Everything the reference gives of a state, as (name, quantity, values of order 0, 1, 2).
+/// All reference values of a state, as (name, quantity, values of order 0, 1, 2).
 fn expected(case: &Case, state: &Value, sign: f64) -> Vec<(String, Quantity, [f64; 3])> {
     let orders = [1.0, sign, sign * sign];
     let mut all = Vec::new();
@@ -37,9 +37,9 @@ fn expected(case: &Case, state: &Value, sign: f64) -> Vec<(String, Quantity, [f6
 
 #[derive(Default)]
 struct Errors {
-    /// Positions relative to the size; angles.
+    /// Error of positions relative to the size, and of angles.
     value: Worst,
-    /// Relative to the largest of their kind and order.
+    /// Error relative to the largest value of the same kind and order.
     first: Worst,
     second: Worst,
     sensitivity: [Worst; 3],
@@ -116,7 +116,7 @@ fn check(name: &str) -> Errors {
     errors
 }
 
-/// Angular velocity and acceleration by the drive.
+/// Compares angular velocity and acceleration with respect to the drive.
 fn turning(
     case: &Case,
     state: &Value,
@@ -140,7 +140,7 @@ fn turning(
     }
 }
 
-/// Derivatives with respect to the rack at fixed drive.
+/// Compares derivatives with respect to the rack at a fixed drive value.
 fn by_rack(
     case: &Case,
     state: &Value,
@@ -175,8 +175,8 @@ fn by_rack(
     }
 }
 
-/// The bounds asked of an ordinary road-car strut: positions to 1e-13 of the size, rates and curvatures
-/// to 1e-11, sensitivities of all three to 1e-10 of the largest of their kind.
+/// Asserts the bounds for an ordinary road-car strut: positions to 1e-13 of the size, first and second derivatives to
+/// 1e-11, and sensitivities of all three to 1e-10 of the largest of their kind.
 fn within_bounds(errors: &Errors) {
     assert!(errors.value.0 < 1e-13, "{:e}", errors.value.0);
     for e in [

@@ -1,12 +1,12 @@
-//! Any finite hardpoints: solved, or refused with a reason.
+//! Tests of robustness: the program solves any finite hardpoints, or refuses them with a reason.
 //!
-//! Designs are drawn from a number: a road car's strut with its points scattered, and in every other one
-//! something degenerate (points that coincide, line up or lie in a plane, axes along the coordinate
-//! axes, a tie rod at toggle, other scales, far from the origin).
+//! A number determines each design: a road car's strut with scattered points. Every second design also has something
+//! degenerate: points that coincide, line up or lie in a plane, axes along the coordinate axes, a tie rod at toggle,
+//! other scales, or a position far from the origin.
 //!
-//! Each goes through the solver, through the curves of a study that asks for certificates, rates and
-//! sensitivities, and through a follower of its own that takes small steps: what is `ok` has a proof, and
-//! is where the small steps lead.
+//! Each design goes through the solver, through the curves of a study with certificates, rates and sensitivities, and
+//! through an independent continuation in small steps. A station with status `ok` has a certificate, and its pose is
+//! the one that the small steps reach.
 
 use crate::support::small_steps::SmallSteps;
 use hardpoint::characteristics::Characteristic;
@@ -28,7 +28,7 @@ use std::ops::{ControlFlow, Range};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// A small generator (S. Vigna, splitmix64), so that a design is known by its number alone.
+/// Small random generator (S. Vigna, splitmix64), so that a number determines a design.
 struct Random(u64);
 
 impl Random {
@@ -39,7 +39,7 @@ impl Random {
         z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
         z ^ (z >> 31)
     }
-    /// In [-1, 1).
+    /// Random number in [-1, 1).
     fn symmetric(&mut self) -> f64 {
         (self.bits() >> 11) as f64 / (1u64 << 52) as f64 - 1.0
     }
@@ -70,7 +70,7 @@ struct Trial {
     drive: Drive,
     values: Vec<f64>,
     rack: f64,
-    /// True if no degenerate change was made to it.
+    /// True if the design has no degenerate change.
     ordinary: bool,
 }
 
@@ -153,7 +153,8 @@ impl Trial {
         }
     }
 
-    /// Angles and positions with their rates, sensitivities by the strut's mount, and a proof of each pose.
+    /// Plan with angles and positions with their rates, sensitivities to the strut's mount, and a certificate of each
+    /// pose.
     fn plan(&self, suspension: &Suspension) -> Plan {
         let point = |name: &str| self.mechanism.point(name).unwrap();
         Plan::of(&WheelStudy {
@@ -198,29 +199,29 @@ fn degrade(points: &mut [[f64; 3]; 10], random: &mut Random) {
     let tiny = [0.0, 1e-15, 1e-12, 1e-9, 1e-6, 1e-3][random.below(6)];
     let t = 2.0 * random.symmetric();
     match random.below(8) {
-        // Coincident, or nearly.
+        // Points that coincide, or nearly coincide.
         0 => points[a] = points[b].map(|v| v + tiny * random.symmetric()),
-        // On a line with two others.
+        // A point on a line with two others.
         1 => {
             for k in 0..3 {
                 points[a][k] =
                     points[b][k] + t * (points[c][k] - points[b][k]) + tiny * random.symmetric();
             }
         }
-        // In a coordinate plane with another.
+        // A point in a coordinate plane with another.
         2 => points[a][b % 3] = points[c][b % 3] + tiny * random.symmetric(),
-        // All in one plane.
+        // All points in one plane.
         3 => points
             .iter_mut()
             .for_each(|p| p[a % 3] = 0.3 + tiny * random.symmetric()),
-        // Strut along a coordinate axis.
+        // The strut along a coordinate axis.
         4 => {
             for k in (0..3).filter(|k| k != &(a % 3)) {
                 points[4][k] = points[3][k] + tiny * random.symmetric();
                 points[5][k] = points[3][k] + tiny * random.symmetric();
             }
         }
-        // Tie rod's outer end into the plane of steering axis and inner end.
+        // The tie rod's outer end in the plane of the steering axis and the inner end.
         5 => {
             for k in 0..3 {
                 points[7][k] = points[2][k]
@@ -235,7 +236,7 @@ fn degrade(points: &mut [[f64; 3]; 10], random: &mut Random) {
                 points[5][k] = points[4][k] + tiny * (points[3][k] - points[4][k]);
             }
         }
-        // Whole coordinates.
+        // Integer coordinates.
         _ => points.iter_mut().for_each(|p| *p = p.map(f64::round)),
     }
 }
@@ -243,24 +244,25 @@ fn degrade(points: &mut [[f64; 3]; 10], random: &mut Random) {
 #[derive(Default, Debug)]
 struct Tally {
     designs: usize,
-    /// Designs refused.
+    /// Number of refused designs.
     refused: usize,
-    /// Stations with a pose, how many of them proved, how many of ordinary designs not.
+    /// Numbers of stations with a pose, of certified ones, and of uncertified ones in ordinary designs.
     solved: usize,
     proved: usize,
     ordinary_unproved: usize,
-    /// Stations out of reach, and of these (and of the ordinary ones) without a known fold.
+    /// Numbers of stations out of reach, of those without a known fold, and of those without a known fold in ordinary
+    /// designs.
     unreachable: usize,
     unresolved: usize,
     ordinary_unresolved: usize,
-    /// Poses that small steps lead to as well, proved poses that they do not get to, and unproved ones
-    /// where they come out elsewhere.
+    /// Numbers of poses that small steps also reach, of certified poses that they do not reach, and of uncertified
+    /// poses where they end elsewhere.
     followed: usize,
     lost: usize,
     parted: usize,
-    /// Designs that violate something.
+    /// Designs that violate a requirement.
     failed: Vec<u64>,
-    /// Seconds that the slowest design took, and which it is.
+    /// Time of the slowest design in seconds, and its number.
     slowest: (f64, u64),
 }
 
@@ -284,7 +286,8 @@ impl Tally {
     }
 }
 
-/// Closure error of a pose, in sizes: lengths of links, strut mount off its line, the rotation's shape.
+/// Closure error of a pose, divided by the suspension size: lengths of links, distance of the strut mount from its
+/// line, and orthogonality of the rotation.
 fn violation(trial: &Trial, pose: &Pose<f64>, rack: f64) -> f64 {
     let m = &trial.mechanism;
     let d = &trial.design;
@@ -311,7 +314,7 @@ fn violation(trial: &Trial, pose: &Pose<f64>, rack: f64) -> f64 {
     worst
 }
 
-/// Everything that must hold for one design.
+/// Asserts everything that must hold for one design.
 fn examine(number: u64, tally: &mut Tally) {
     let trial = trial(number);
     tally.designs += 1;
@@ -357,7 +360,7 @@ fn examine(number: u64, tally: &mut Tally) {
             Ok(pose) => {
                 tally.solved += 1;
                 let off = violation(&trial, pose, trial.rack);
-                // The residuals are sums of products of coordinates, a few dozen roundings; NaN fails.
+                // The residuals are sums of products of coordinates with a few dozen roundings. NaN fails this check.
                 assert!(
                     off <= 64.0 * f64::EPSILON * reach + 1e-9 * size,
                     "{number} {off:e}"
@@ -370,7 +373,8 @@ fn examine(number: u64, tally: &mut Tally) {
                     None => tally.ordinary_unproved += trial.ordinary as usize,
                 }
                 match (small_steps.follow(&point), proof) {
-                    // Both are within rounding of a solution, and there is only one so close.
+                    // Both poses are within rounding of a solution, and the certificate allows only one solution so
+                    // close.
                     (Some(slow), Some(proof)) => {
                         let apart = apart(pose, &slow, size);
                         assert!(apart <= proof.uniqueness, "{number}: {apart:e} {proof:?}");
@@ -379,8 +383,8 @@ fn examine(number: u64, tally: &mut Tally) {
                     (None, Some(_)) => tally.lost += 1,
                     (Some(slow), None) => {
                         let same = apart(pose, &slow, size) <= 1e-6 * size;
-                        // Degenerate designs may have another assembly within a millionth of the size:
-                        // what the proof is for.
+                        // A degenerate design may have another assembly within a millionth of the size. Only a
+                        // certificate can distinguish them.
                         assert!(same || !trial.ordinary, "{number}");
                         tally.parted += !same as usize;
                     }
@@ -413,8 +417,8 @@ fn examine(number: u64, tally: &mut Tally) {
     }
 }
 
-/// Checks a study with `certify = true` at a station with a pose. It must give the pose's values and a proof, or
-/// neither and a reason.
+/// Checks a study with `certify = true` at a station with a pose. It must give the values of the pose and a
+/// certificate, or neither and a reason.
 fn examine_certified(
     number: u64,
     trial: &Trial,
@@ -432,7 +436,7 @@ fn examine_certified(
             assert!(station.values.iter().flatten().all(|v| v.is_finite()));
             let origin = pose.origin.to_array();
             for (column, value) in curves.columns.iter().zip(&station.values) {
-                // Positions of the origin and of others; the slopes of angles may not exist.
+                // Compares the coordinates of the origin and of other points. The slopes of angles may be undefined.
                 if let Some(k) = ["x", "y", "z"]
                     .iter()
                     .position(|axis| column.name == format!("lower_ball_joint_{axis}_m"))
@@ -442,7 +446,7 @@ fn examine_certified(
                 }
                 assert!(value.is_ok() || !trial.ordinary, "{number} {}", column.name);
             }
-            // A wheel that lies flat has a camber, but no derivative of it.
+            // Camber is defined for a wheel that lies flat, but its derivative is not.
             let mut sensitivities = curves.sensitivities.iter();
             let may_lack =
                 |column: usize| !trial.ordinary && curves.columns[column].name.ends_with("_deg");
@@ -461,7 +465,7 @@ fn examine_certified(
     }
 }
 
-/// Distance of two poses in the norm of a certificate.
+/// Distance between two poses in the norm of a certificate.
 fn apart(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let largest = |v: Vector3<f64>| v.to_array().map(f64::abs).into_iter().fold(0.0, f64::max);
     let scale = size.log2().round().exp2();
@@ -477,7 +481,7 @@ fn any_design_is_solved_or_refused_with_a_reason() {
         failure_persistence: None,
         ..ProptestConfig::default()
     };
-    // The same designs every time.
+    // The fixed seed gives the same designs every time.
     let random = TestRng::deterministic_rng(RngAlgorithm::ChaCha);
     TestRunner::new_with_rng(config, random)
         .run(&any::<u64>(), |number| {
@@ -487,7 +491,7 @@ fn any_design_is_solved_or_refused_with_a_reason() {
         .unwrap();
 }
 
-/// Designs that failed once.
+/// Designs that once failed still pass.
 #[test]
 fn designs_that_failed_once() {
     for number in [
@@ -498,7 +502,8 @@ fn designs_that_failed_once() {
     }
 }
 
-/// One million designs through `solve` with certificates; run with `cargo test --release --test it robustness:: -- --ignored --nocapture`.
+/// A million designs pass through `solve` with certificates; run with `cargo test --release --test it robustness:: --
+/// --ignored --nocapture`.
 #[test]
 #[ignore = "takes minutes"]
 fn a_million_designs() {
@@ -530,7 +535,7 @@ fn a_million_designs() {
     assert!(total.slowest.0 < 10.0);
 }
 
-/// Designs that one thread examines at a time.
+/// Number of designs that one thread examines at a time.
 const BLOCK: u64 = 1000;
 
 fn examine_block(numbers: Range<u64>) -> Tally {

@@ -1,4 +1,4 @@
-//! Studies with rockers for a user: their limits, outputs and refusals.
+//! Tests of studies with rockers as a user runs them: their limits, outputs and refusals.
 
 use assert_cmd::Command;
 use hardpoint::curves::{Curves, Status, curves};
@@ -20,7 +20,7 @@ fn read(text: &str) -> Result<Study, StudyErrors> {
     Study::from_text("study.toml", text, Path::new("."))
 }
 
-/// The sample with some of its lines replaced, each by the start of the line.
+/// Sample with some of its lines replaced; the start of a line identifies it.
 fn with_lines(lines: &[(&str, &str)]) -> String {
     let sample = sample();
     for (start, _) in lines {
@@ -42,7 +42,7 @@ fn run(text: &str) -> (Study, Curves, CurveTable) {
     (study, found, CurveTable::read(&csv).unwrap())
 }
 
-/// A rocker whose lever is a quarter of a right angle from its toggle in the design position.
+/// Pushrod whose rocker is a quarter of a right angle from its toggle in the design position.
 const NEAR_TOGGLE: (&str, &str) = ("pushrod_inner ", "pushrod_inner = [0.0, 185.0, 486.0]");
 const FAR: (&str, &str) = ("travel", "travel = { from = -60.0, to = 60.0, steps = 61 }");
 const OUTPUTS: (&str, &str) = (
@@ -54,8 +54,9 @@ const POINTS: (&str, &str) = (
     "points = [\"pushrod_outer\", \"spring_lower\"]\nsensitivities = [\"pushrod_inner\"]",
 );
 
-/// A drop link whose body the study does not name stands on the body that is clearly nearest, and that is said; named, it
-/// stands where the study says, and nothing is said. On the lower arm the bar of this study would turn less than half as far.
+/// If the study does not name the body of a drop link, the program attaches it to the clearly nearest body and reports
+/// this. If the study names the body, the program uses it without a message. On the lower arm, the bar of this study
+/// would turn less than half as far.
 #[test]
 fn a_drop_link_beside_a_rocker_is_never_assumed_silently() {
     let said = "drop_link_outer = \"rocker\"";
@@ -101,7 +102,7 @@ fn a_drop_link_beside_a_rocker_is_never_assumed_silently() {
         "{doubts:?}"
     );
     assert!(wanted.abs() > 2.0 * arm.abs(), "{wanted} {arm}");
-    // Beside the lower arm it stands on that, and it is said as well.
+    // A drop link near the lower arm is attached to that arm, and the program reports this too.
     let low = named
         .replace(said, "")
         .replace("[ -30.0,  160.0,  420.0]", "[ -30.0,  430.0,  150.0]")
@@ -118,7 +119,7 @@ fn a_drop_link_beside_a_rocker_is_never_assumed_silently() {
         doubts.iter().any(|d| d.contains("Assumed: lower arm")),
         "{doubts:?}"
     );
-    // Points that move far enough take the drop link to another body, and points that stay leave it where it is.
+    // If points move far enough, the program attaches the drop link to another body. If they stay, the body stays.
     let high = read(&named.replace(said, "")).unwrap();
     let (high, low) = (high.wheel(), study.wheel());
     assert!(high.mechanism.keeps_drop_link(&high.design));
@@ -134,7 +135,7 @@ fn a_drop_link_beside_a_rocker_is_never_assumed_silently() {
     );
 }
 
-/// A pushrod whose body the study does not name, far from the usual one and near to another, is doubted.
+/// The program warns of a pushrod without a stated body whose end is far from the usual body and near another one.
 #[test]
 fn a_rod_far_from_its_assumed_body_is_doubted() {
     let doubts = |text: &str| {
@@ -160,8 +161,8 @@ fn a_rod_far_from_its_assumed_body_is_doubted() {
     assert_eq!(doubts(&named), Vec::<String>::new());
 }
 
-/// The rod fits where its length lies between the least and the largest distance from its outer end to the
-/// circle of its inner one. Beyond, the wheel still has a pose; what the rocker moves has no values.
+/// The rod fits if its length is between the smallest and the largest distance from its outer end to the circle of its
+/// inner end. Beyond that range the wheel still has a pose, but the outputs of the rocker have no values.
 #[test]
 fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
     let (study, found, table) = run(&with_lines(&[NEAR_TOGGLE, FAR, OUTPUTS, POINTS]));
@@ -181,7 +182,7 @@ fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
         ["x", "y", "z"].map(|axis| table.column(&format!("pushrod_outer_{axis}_mm")).unwrap());
     let fits: Vec<bool> = (0..table.rows())
         .map(|row| {
-            // The wheel carrier and the arms are solved everywhere.
+            // The wheel carrier and the arms have a pose at every station.
             let [x, y, z] = [0, 1, 2].map(|k| outer[k][row].unwrap());
             let (along, across) = split(Vector3::new(x, y, z));
             let reach = |radius: f64| (across + radius).hypot(along - at);
@@ -214,7 +215,7 @@ fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
     ] {
         assert!(said.contains(phrase), "{said}");
     }
-    // Sensitivities likewise: empty, never NaN.
+    // Sensitivities there are empty, never NaN.
     let csv = sensitivities_csv(&study, &found);
     let csv = String::from_utf8(csv).unwrap();
     assert!(!csv.contains("NaN") && !csv.contains("inf"));
@@ -226,7 +227,7 @@ fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
     }
     assert!(last.len() > 10);
 
-    // Without an output that reads it the rocker is in nobody's way.
+    // Without an output that uses it, the rocker does not limit the motion.
     let blind = ("characteristics", "characteristics = [\"camber\"]");
     let none = ("loads", "");
     let (_, found, _) = run(&with_lines(&[
@@ -239,14 +240,15 @@ fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
     assert!(found.are_complete());
 }
 
-/// In a plane, the distance of the rod's outer end from the rocker's pivot grows beyond what rod and lever
-/// reach and comes back: there the rod would fit again, but gets there only through the toggle.
+/// The rocker has no values beyond a toggle, even where the rod fits again. In this planar example the distance from
+/// the rod's outer end to the rocker's pivot exceeds rod plus lever and then falls again. The rocker could reach that
+/// zone only through the toggle.
 #[test]
 fn beyond_a_toggle_the_rocker_stays_where_it_is() {
     let (hinge, pivot, outer) = ([0.0, 0.0], [253.7, 124.9], [-300.0, 20.0]);
     let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
     let (rod, lever, distance) = (502.2, 72.8, apart(outer, pivot));
-    // The inner end, from the three sides of the triangle.
+    // The inner end follows from the three sides of the triangle.
     let along = (distance * distance + rod * rod - lever * lever) / (2.0 * distance);
     let height = (rod * rod - along * along).sqrt();
     let unit = [0, 1].map(|k| (pivot[k] - outer[k]) / distance);
@@ -284,7 +286,7 @@ characteristics = ["rocker_angle", "camber"]
     order.sort_by(|a, b| angle(b).total_cmp(&angle(a)));
     let mut fits_again = 0;
     for i in order {
-        // Rising turns the arm, which lies rearward of its hinge, from -x towards +z.
+        // In bump the arm, which points rearward from its hinge, turns from -x towards +z.
         let (sine, cosine) = angle(&i).to_radians().sin_cos();
         let moved = [
             cosine * outer[0] + sine * outer[1],
@@ -305,7 +307,8 @@ characteristics = ["rocker_angle", "camber"]
     assert!(fits_again >= 2);
 }
 
-/// Each rocker is on where something it moves is asked for, by name and line, and off elsewhere.
+/// The plan turns each rocker on if a requested output uses it, and names the output and the line. Otherwise the rocker
+/// is off.
 #[test]
 fn rockers_are_computed_where_they_are_asked_for() {
     let states = |characteristics: &str, more: &str| {
@@ -328,7 +331,7 @@ fn rockers_are_computed_where_they_are_asked_for() {
     assert_eq!(states("[\"spring_length\"]", ""), [true, false, false]);
     assert_eq!(states("[\"motion_ratio\"]", ""), [true, false, true]);
     assert_eq!(states("[\"rocker_angle\"]", ""), [true, false, false]);
-    // The drop link stands on the rocker.
+    // The drop link is on the rocker.
     assert_eq!(states("[\"anti_roll_bar_angle\"]", ""), [true, true, false]);
     let points = "points = [\"pushrod_outer\"]";
     assert_eq!(states("[\"camber\"]", points), [false, false, false]);
@@ -338,7 +341,7 @@ fn rockers_are_computed_where_they_are_asked_for() {
     assert_eq!(states("[\"camber\"]", load), [true, false, false]);
 }
 
-/// A sweep finds the same as `solve`, and names the toggles that stop designs.
+/// A sweep finds the same values as `solve`, and names the toggles that stop designs.
 #[test]
 fn sweeps_and_solves_agree() {
     let directory = tempfile::tempdir().unwrap();
@@ -350,7 +353,7 @@ fn sweeps_and_solves_agree() {
         ("order", ""),
         ("points", ""),
     ]) + sweep;
-    // The first design is near its toggle, the second is the sample's own.
+    // The first design is near its toggle; the second is that of the sample.
     let text = text.replace("265.0,  455.0]", "265.0,  486.0]");
     fs::write(directory.path().join("study.toml"), &text).unwrap();
     let mut command = Command::cargo_bin("hardpoint").unwrap();
@@ -394,13 +397,13 @@ fn sweeps_and_solves_agree() {
             (stem, unit @ ("mm" | "deg")) => (stem, format!("_{unit}")),
             _ => (name, String::new()),
         };
-        // The one in SIMD lanes, the other by the careful path.
+        // The sweep uses SIMD lanes, and `solve` the one-by-one path.
         let swept: f64 = cell(1, &format!("{stem}_max{unit}")).parse().unwrap();
         assert!((swept - largest).abs() <= 1e-12 * largest.abs(), "{name}");
     }
 }
 
-/// The sample tuning finds its curves.
+/// The tuning of the sample meets its target curves.
 #[test]
 fn a_rocker_is_tuned_to_a_rising_rate() {
     let study = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_rocker.toml");
@@ -421,7 +424,7 @@ fn a_rocker_is_tuned_to_a_rising_rate() {
     }
 }
 
-/// One edit of the sample, the line the message is about, and what it says.
+/// Each case is an edit of the sample, the line that the message names, and the text of the message.
 #[test]
 fn mistakes_are_named() {
     let line = |start: &str| {
@@ -493,7 +496,7 @@ fn mistakes_are_named() {
                 "pushrod_inner is in line with rocker_pivot_front and rocker_pivot_rear: it could not turn the rocker",
             ],
         ),
-        // From the pivot straight towards the outer end.
+        // The lever points from the pivot straight towards the outer end.
         (
             "pushrod_inner",
             "pushrod_inner = [0.0, 270.0, 367.0]",
@@ -558,7 +561,7 @@ fn mistakes_are_named() {
             assert!(said.contains(&phrase), "expected {phrase:?}:\n{said}");
         }
     }
-    // What needs a rocker, without one.
+    // Outputs that need a rocker are refused without one.
     let plain = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_solve.toml");
     for (name, needs) in [
         ("rocker_angle", "a rocker with its pushrod or pullrod"),
@@ -578,8 +581,8 @@ fn mistakes_are_named() {
     }
 }
 
-/// An anti-roll bar on every topology, its drop link on the wheel carrier or an arm: the lever is turned, and
-/// `check` says by what.
+/// Every topology accepts an anti-roll bar with its drop link on the wheel carrier or an arm. The lever turns, and
+/// `check` names the body that turns it.
 #[test]
 fn every_topology_takes_an_anti_roll_bar() {
     let bar = [
@@ -607,10 +610,10 @@ fn every_topology_takes_an_anti_roll_bar() {
         let found = curves(study.wheel(), &plan).unwrap();
         assert!(found.are_complete(), "{name}");
         let [below, design, above] = [0, 1, 2].map(|i| found.stations[i].values[0].unwrap());
-        // The link stands below the lever and pushes it up in jounce.
+        // The link is below the lever and pushes it up in jounce.
         let angles = [below, design, above];
         assert!(below < -1.0 && above > 1.0, "{name}: {angles:?}");
-        // A point of an arm is where it was but for rounding; in degrees.
+        // In the design position the bar angle is 0 degrees, except for rounding of the points of an arm.
         assert!(design.abs() < 1e-12, "{name}: {angles:?}");
         let effects = plan.effects(&study);
         let effect = effects.iter().find(|e| e.name == "anti-roll bar").unwrap();
@@ -622,8 +625,8 @@ fn every_topology_takes_an_anti_roll_bar() {
     }
 }
 
-/// `limits` names the travels at which rods come to toggle; just inside them the rocker turns, beyond it does
-/// not.
+/// `limits` names the travels at which rods reach their toggle. Just inside them the rocker has an angle; just beyond
+/// it has none.
 #[test]
 fn limits_name_the_toggles() {
     let study = read(&with_lines(&[NEAR_TOGGLE])).unwrap();
@@ -636,7 +639,7 @@ fn limits_name_the_toggles() {
     let toggle = rocker.upper.unwrap();
     assert_eq!(toggle.rod, Rod::Pushrod);
     assert!((0.0..limits.travel.upper.value()).contains(&toggle.travel));
-    // The bar's drop link stands on the rocker, and goes no further than it.
+    // The bar's drop link is on the rocker, so it ends no later than the rocker.
     assert!(bar.upper.unwrap().travel <= toggle.travel);
     for (travel, status) in [
         (toggle.travel - 1e-5, Status::Ok),
@@ -668,7 +671,7 @@ fn limits_name_the_toggles() {
     );
 }
 
-/// Its arm goes past its lowest point, and its pushrod past a toggle.
+/// Points whose arm passes its lowest point and whose pushrod passes a toggle.
 const BEYOND_ITS_TOP: &[(&str, [f64; 3])] = &[
     ("upper_arm_front", [115.6, 227.6, 316.0]),
     ("upper_arm_rear", [-185.8, 263.8, 314.0]),
@@ -686,7 +689,7 @@ const BEYOND_ITS_TOP: &[(&str, [f64; 3])] = &[
     ("spring_lower", [-38.9, 173.0, 518.8]),
     ("spring_upper", [-36.0, 25.6, 451.0]),
 ];
-/// Its pushrod comes to a toggle when the rack moves.
+/// Points whose pushrod reaches a toggle when the rack moves.
 const TOGGLE_BY_RACK: &[(&str, [f64; 3])] = &[
     ("upper_arm_front", [106.7, 245.1, 330.3]),
     ("upper_arm_rear", [-149.6, 271.0, 283.7]),
@@ -706,7 +709,7 @@ const TOGGLE_BY_RACK: &[(&str, [f64; 3])] = &[
     ("spring_upper", [-24.8, 22.0, 497.3]),
 ];
 
-/// The sample with these hardpoints.
+/// Sample with these hardpoints.
 fn with_points(points: &[(&str, [f64; 3])]) -> String {
     let lines: Vec<(String, String)> = points
         .iter()
@@ -716,7 +719,7 @@ fn with_points(points: &[(&str, [f64; 3])]) -> String {
     with_lines(&lines)
 }
 
-/// The statuses of the stations of a motion, rack by rack, where the rocker's angle is asked for.
+/// Statuses of the stations of a motion, in the order of the racks, with the rocker angle as output.
 fn statuses(points: &[(&str, [f64; 3])], motion: &str) -> Vec<Status> {
     let text = with_points(points);
     let (before, after) = (
@@ -738,8 +741,9 @@ fn statuses(points: &[(&str, [f64; 3])], motion: &str) -> Vec<Status> {
         .collect()
 }
 
-/// If an arm goes past its lowest point, the wheel comes back. If the rack moves the rocker, it may reach its toggle
-/// before the wheel has travelled. Neither brings the rocker back, whatever the stations are.
+/// If an arm passes its lowest point, the wheel returns to earlier heights. If the rack moves the rocker, it may reach
+/// its toggle before the wheel has travelled. In neither case does the rocker get values again, whatever the stations
+/// are.
 #[test]
 fn nothing_comes_back_from_beyond_a_toggle() {
     let toggle = Status::Toggle([Some(Rod::Pushrod), None]);
@@ -771,9 +775,9 @@ fn nothing_comes_back_from_beyond_a_toggle() {
     assert!(by_rack > 10 && by_rack < 81);
 }
 
-/// The sample with a short rocker whose rod is too short over a part of the travel: its outer end goes along an arc, and
-/// the rocker is beyond the centre of that arc, so that it is farthest from the rod's end at the travel `at`, by so
-/// much more than rod and lever together are long. Not so in the design position, nor at twice that travel.
+/// Sample with a short rocker whose rod is too short over a part of the travel. The rod's outer end moves along an arc,
+/// and the rocker's pivot is beyond the centre of that arc. So their distance is largest at the travel `at`, where it
+/// exceeds rod plus lever by `by`. In the design position and at twice that travel the rod fits.
 fn rod_short_at(at: f64, by: f64) -> String {
     let sample = read(&sample()).unwrap().into_wheel();
     let outer = |travel: f64| {
@@ -785,7 +789,7 @@ fn rod_short_at(at: f64, by: f64) -> String {
         nalgebra::Vector2::new(y, z)
     };
     let [before, there, after] = [at - 10.0, at, at + 10.0].map(outer);
-    // The centre of the arc through three places is as far from each.
+    // The centre of the arc through three positions has equal distances from them.
     let chords =
         nalgebra::Matrix2::from_rows(&[(there - before).transpose(), (after - there).transpose()]);
     let halves = nalgebra::Vector2::new(
@@ -797,7 +801,7 @@ fn rod_short_at(at: f64, by: f64) -> String {
     let farthest = (there - pivot).norm();
     let lever = 12.0;
     let rod = farthest - lever - by;
-    // Where circles of both lengths meet in the design position.
+    // The inner end is where the circles of both lengths meet in the design position.
     let to = outer(0.0) - pivot;
     let (d, along) = (to.norm(), to.normalize());
     assert!(d < lever + rod, "{d}");
@@ -829,8 +833,8 @@ fn rod_short_at(at: f64, by: f64) -> String {
     with_lines(&[&lines[..], &[OUTPUTS]].concat())
 }
 
-/// A toggle that comes and goes between two stations is seen, in curves and in sweeps: what lies beyond it is
-/// not reached, however coarse the stations are.
+/// Curves and sweeps detect a toggle that begins and ends between two stations. Stations beyond it have no values,
+/// however coarse the stations are.
 #[test]
 fn a_toggle_between_two_stations_is_seen() {
     for (at, by) in [(28.0, 0.02), (28.0, 0.1), (-25.0, 0.1)] {
@@ -877,7 +881,7 @@ fn a_toggle_between_two_stations_is_seen() {
             })
             .unwrap();
         assert_eq!(failing, 3, "{at} {by}");
-        // Without the shortage the same places are reached.
+        // With a rod that is long enough, the same stations have values.
         let text = rod_short_at(at, -0.2);
         let set = [format!("motion.travel=[0.0, {far:?}]")];
         let study = read(&text)

@@ -1,4 +1,5 @@
-//! Side effects of tunings against the curves of both designs, their rules, and the reports to programs and people.
+//! Tests of side effects of tunings against the curves of both designs, of their rules, and of their reports in all
+//! formats.
 
 use hardpoint::characteristics::Characteristic;
 use hardpoint::side_effects::side_effects;
@@ -17,7 +18,7 @@ fn study(name: &str, overrides: &[&str]) -> Study {
     Study::read(&path(name), &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// A study, the tuned study, and the side effects between both.
+/// Study, tuned study, and side effects between both.
 fn tuned(name: &str, overrides: &[&str]) -> (Study, Study, Vec<SideEffect>) {
     let study = study(name, overrides);
     let best = study.tune(Control::default()).unwrap().best.unwrap();
@@ -31,7 +32,7 @@ fn named<'e>(effects: &'e [SideEffect], output: &str) -> &'e SideEffect {
     found.unwrap_or_else(|| panic!("{output} is not among {effects:?}"))
 }
 
-/// Values of a characteristic over `[motion]`, by travel.
+/// Values of a characteristic over `[motion]`, with the travel.
 fn values(study: &Study, characteristic: Characteristic) -> Vec<(f64, f64)> {
     let mut alone = study.clone();
     alone.one_wheel_mut().unwrap().outputs = Outputs::of(vec![characteristic]);
@@ -47,14 +48,14 @@ fn changes(before: &Study, after: &Study, of: Characteristic) -> Vec<(f64, f64)>
     pairs.map(|((at, b), (_, a))| (at, a - b)).collect()
 }
 
-/// The largest of some changes, with its travel.
+/// Largest change, with its travel.
 fn largest(changes: &[(f64, f64)]) -> (f64, f64) {
     let all = changes.iter().copied();
     all.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap()
 }
 
-/// Camber and kingpin curves alone are wanted of a strut: toe is ruined, by as much as the curves of both designs differ, and
-/// comes first. What the targets are about is not listed.
+/// If only camber and kingpin curves of a strut are targets, toe becomes much worse. The reported change equals the
+/// difference of the curves of both designs, and toe is listed first. Outputs with a target are not listed.
 #[test]
 fn an_output_without_a_target_is_compared_with_the_curves_of_both_designs() {
     let targets = "optimise.targets=[\
@@ -98,7 +99,7 @@ fn an_output_without_a_target_is_compared_with_the_curves_of_both_designs() {
     assert_eq!(effects[0].output, "toe");
 }
 
-/// The README's first study keeps its toe to 0.1 degrees at every station, and no angle is flagged.
+/// The first study of the README keeps its toe to 0.1 degrees at every station, and the program flags no angle.
 #[test]
 fn the_first_study_keeps_its_toe() {
     let (before, after, effects) = tuned("macpherson_front", &[]);
@@ -109,13 +110,13 @@ fn the_first_study_keeps_its_toe() {
     assert!(angles.clone().all(|e| !e.flagged), "{effects:?}");
 }
 
-/// Part of a change that is outside of the changes between none and the wanted one of the nearest station.
+/// Part of a change that is outside the range between zero and the target change of the nearest station.
 fn beyond(change: f64, wanted: f64) -> f64 {
     change - change.clamp(wanted.min(0.0), wanted.max(0.0))
 }
 
-/// A caster that is wanted in the design position may change by up to the same amount everywhere: only the rest is a side
-/// effect. The same with the inclination, by a limit of a constraint.
+/// If caster has a target in the design position, it may change by the same amount everywhere; only the rest is a side
+/// effect. The same applies to the inclination with a limit of a constraint.
 #[test]
 fn a_change_that_a_target_asks_for_at_one_place_is_taken_off_elsewhere() {
     let targets = "optimise.targets=[{ characteristic = \"caster\", at = 0.0, value = 5.0, tolerance = 0.01 }]";
@@ -146,8 +147,8 @@ fn a_change_that_a_target_asks_for_at_one_place_is_taken_off_elsewhere() {
     }
 }
 
-/// Bump steer that is wanted over the whole travel is a target of toe; over a part of it, only the rest is compared, beyond
-/// the change at the end of that part.
+/// A target of bump steer over the whole travel counts as a target of toe. If it covers a part of the travel, the
+/// report compares only the change beyond the one at the end of that part.
 #[test]
 fn a_target_of_a_gain_is_one_of_the_curve() {
     let of = |ends: &str| {
@@ -170,8 +171,8 @@ fn a_target_of_a_gain_is_one_of_the_curve() {
     assert_eq!(toe.at[0].value, at);
 }
 
-/// A rocker does not touch the wheel: camber, toe and steering axis stay, exactly. The spring's length has a target in the
-/// design position and, by the motion ratio, everywhere.
+/// A tuned rocker does not affect the wheel: camber, toe and steering axis stay exactly equal. The spring length has a
+/// target in the design position and, through the motion ratio, everywhere.
 #[test]
 fn a_rocker_leaves_the_wheel_alone() {
     let (_, _, effects) = tuned("double_wishbone_rocker", &[]);
@@ -182,11 +183,11 @@ fn a_rocker_leaves_the_wheel_alone() {
         assert!(effect.at.is_empty());
     }
     assert!(effects.iter().all(|e| e.output != "spring_length"));
-    // Neither a contact point nor a scrub radius without a wheel radius.
+    // Without a wheel radius there is neither a contact point nor a scrub radius.
     assert!(effects.iter().all(|e| e.output != "scrub_radius"));
 }
 
-/// Units do not change the flags: in inches every length and its tolerance are 1/25.4 of those in millimetres.
+/// Units do not change the flags: in inches every length and its tolerance is 1/25.4 of the value in millimetres.
 #[test]
 fn inches_flag_what_millimetres_flag() {
     let text = std::fs::read_to_string(path("double_wishbone_front")).unwrap();
@@ -233,7 +234,7 @@ fn inches_flag_what_millimetres_flag() {
     }
 }
 
-/// Named motions have rows of their own. With the rack at a stop toe is a steer angle, which has no tolerance.
+/// Named motions have separate rows. With the rack at a stop, toe is a steer angle, which has no tolerance.
 #[test]
 fn named_motions_are_compared_too() {
     let (study, after, effects) = tuned("formula_student_front", &["optimise.starts=1"]);
@@ -241,7 +242,7 @@ fn named_motions_are_compared_too() {
     let [before, after] = [&study, &after].map(|of| of.clone().over(locked.clone()));
     let toe = named(&effects, "toe, locked");
     assert_eq!((toe.tolerance, toe.flagged), (None, false));
-    // No target is about the half track: (1).
+    // No target affects the half track, so its whole change counts.
     let (_, change) = largest(&changes(&before, &after, Characteristic::HalfTrackChange));
     let found = named(&effects, "half_track_change, locked")
         .largest_change
@@ -255,7 +256,7 @@ fn named_motions_are_compared_too() {
     );
 }
 
-/// A quantity that both wheels of an axle have is one row, with the worse wheel; toe is compared straight ahead.
+/// A quantity that both wheels of an axle have appears in one row, with the worse wheel. Toe is compared at zero steer.
 #[test]
 fn an_axle_has_one_row_for_both_wheels() {
     let few = [
@@ -301,16 +302,17 @@ fn an_axle_has_one_row_for_both_wheels() {
     ] {
         named(&effects, output);
     }
-    // The target holds at 9 stations of 27; the others are compared beyond it.
+    // The target applies at 9 of 27 stations; at the others the report compares the change beyond it.
     named(&effects, "ackermann_error");
-    // The kinematic roll centre moves without bounds in roll, the force-based one does not.
+    // In roll the kinematic roll centre moves without bounds; the force-based one does not.
     let kinematic = named(&effects, "roll_centre_height");
     assert!(kinematic.tolerance.is_none() && !kinematic.flagged);
     let by_forces = named(&effects, "force_roll_centre_height");
     assert_eq!(by_forces.tolerance, Some(1.0));
 }
 
-/// A large motion takes no longer than the tuning itself: the nearest place of a target is found without comparing all pairs.
+/// The comparison of a motion with many stations takes linear time: it finds the nearest station of a target without
+/// comparing all pairs.
 #[test]
 fn many_stations_are_compared_in_linear_time() {
     let motion = "motion.travel={ from = -40.0, to = 40.0, steps = 20001 }";
@@ -332,7 +334,8 @@ fn run(arguments: &[&str]) -> std::process::Output {
         .unwrap()
 }
 
-/// Terminal, CSV, JSON, summary and page have the same side effects; off, none has one, and `check` says so.
+/// Terminal, CSV, JSON, summary and page show the same side effects. If side effects are off, none shows them, and
+/// `check` reports this.
 #[test]
 fn every_reader_gets_the_same_side_effects_or_none() {
     let directory = tempfile::tempdir().unwrap();
@@ -356,7 +359,7 @@ fn every_reader_gets_the_same_side_effects_or_none() {
         "output,unit,before_min,before_max,after_min,after_max,largest_change,at,tolerance,flagged,lost"
     );
     assert_eq!(lines.count(), effects.len());
-    // Names may be broken after their underscores.
+    // The page may break names after underscores.
     let page = read("report.html").replace("<wbr>", "");
     for effect in effects {
         let output = effect["output"].as_str().unwrap();
@@ -400,8 +403,8 @@ fn every_reader_gets_the_same_side_effects_or_none() {
     assert_eq!(wrong.status.code(), Some(2));
 }
 
-/// A robust tuning stands beside the optimum without scatter, which is that of the study without `scatter`: the same builds,
-/// the same yields as `hardpoint tolerance` has.
+/// A report compares a robust tuning with the optimum without scatter. That optimum equals the tuning of the study
+/// without `scatter`, and builds and yields equal those of `hardpoint tolerance`.
 #[test]
 fn a_robust_tuning_stands_beside_the_plain_optimum() {
     let directory = tempfile::tempdir().unwrap();
@@ -410,7 +413,7 @@ fn a_robust_tuning_stands_beside_the_plain_optimum() {
     let text = text
         .replace("builds = 20000", "builds = 2000")
         .replace("scatter = 64", "scatter = 16");
-    // Bands so narrow that builds miss them.
+    // The bands are so narrow that some builds miss them.
     let text = text.replace("between = [-0.006, 0.006]", "between = [-0.002, 0.002]");
     let (robust, plain) = (place("robust.toml"), place("plain.toml"));
     std::fs::write(&robust, &text).unwrap();
@@ -438,7 +441,7 @@ fn a_robust_tuning_stands_beside_the_plain_optimum() {
     }
 }
 
-/// Values of an axle's quantity at all stations.
+/// Values of a quantity of an axle at all stations.
 fn axle_values(study: &Study, column: &str) -> Vec<Option<f64>> {
     let curves = study.curves().unwrap();
     let number = curves
@@ -449,8 +452,9 @@ fn axle_values(study: &Study, column: &str) -> Vec<Option<f64>> {
     curves.stations.iter().map(|s| s.value(number)).collect()
 }
 
-/// A turning circle is judged by 1 % of it, at the station with the largest relative change. A target of an Ackermann quantity asks
-/// for other steer angles, and the lateral roll centre moves without bounds in roll: neither is flagged then.
+/// The tolerance of a turning circle is 1 % of its value, at the station with the largest relative change. A target of
+/// an Ackermann quantity demands other steer angles, and the lateral roll centre moves without bounds in roll, so
+/// neither is flagged then.
 #[test]
 fn turning_circles_are_judged_relative_to_their_size() {
     let with = |target: &str| {
@@ -496,7 +500,8 @@ fn turning_circles_are_judged_relative_to_their_size() {
     assert!(circle.tolerance.is_none() && !circle.flagged, "{circle:?}");
 }
 
-/// What changes only as a target asks is listed as such on the terminal, and not as unchanged: caster in the design position.
+/// The terminal lists a change that a target demands in a separate line, not as unchanged: here caster in the design
+/// position.
 #[test]
 fn changes_as_asked_have_their_own_line() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! Every mistake in a study is named with its file, line and key, the value found and the expected one. A table holds
-//! the mistakes, each made by one edit of a good study.
+//! Tests that the program names every mistake in a study with its file, line and key, the found value and the expected
+//! one. A table holds the mistakes; each is one edit of a good study.
 
 use hardpoint::study::{Study, StudyErrors};
 use std::fs;
@@ -64,14 +64,13 @@ fn read(text: &str) -> Result<Study, StudyErrors> {
     Study::from_text("study.toml", text, Path::new("."))
 }
 
-/// Replaces `from` (which the good study has once) by `to`.
+/// Good study with `from`, which it contains once, replaced by `to`.
 fn edited(from: &str, to: &str) -> String {
     assert_eq!(GOOD.matches(from).count(), 1, "{from:?}");
     GOOD.replace(from, to)
 }
 
-/// Checks that the study has this one mistake, on the line that contains `on`, with these phrases in
-/// its message.
+/// Asserts that the study has exactly this mistake, on the line that contains `on`, with these phrases in its message.
 fn assert_mistake(text: &str, on: &str, key: &str, phrases: &[&str]) {
     let errors = match read(text) {
         Ok(_) => panic!("accepted: {on}"),
@@ -121,7 +120,7 @@ fn assert_mistake(text: &str, on: &str, key: &str, phrases: &[&str]) {
     }
 }
 
-/// from, to, a part of the line that is blamed, its key, phrases
+/// Columns: from, to, a part of the faulty line, its key, phrases.
 type Case = (
     &'static str,
     &'static str,
@@ -143,7 +142,7 @@ fn the_good_study_is_good() {
 
 #[test]
 fn values_of_the_wrong_kind() {
-    // One mistake, one line.
+    // Keeps each mistake on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("[   5.0, 705.0", "[   5.0, \"x\"", "\"x\"", "suspension.hardpoints.lower_ball_joint", &["expected a number, found the text \"x\""]),
@@ -167,7 +166,7 @@ fn values_of_the_wrong_kind() {
 
 #[test]
 fn unknown_and_missing_keys() {
-    // One mistake, one line.
+    // Keeps each mistake on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("radius = 300.0", "raduis = 300.0", "raduis", "wheel.raduis", &["unknown key \"raduis\"", "did you mean \"radius\"?"]),
@@ -223,7 +222,7 @@ fn text_that_is_not_toml() {
 
 #[test]
 fn unknown_names() {
-    // One mistake, one line.
+    // Keeps each mistake on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("topology = \"macpherson\"", "topology = \"mcpherson\"", "topology", "suspension.topology", &["unknown topology \"mcpherson\"", "did you mean \"macpherson\"?"]),
@@ -282,7 +281,7 @@ fn loads_that_cannot_be() {
 
 #[test]
 fn geometry_that_cannot_be() {
-    // One mistake, one line.
+    // Keeps each mistake on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("strut_top        = [ -35.0, 575.0, 850.0]\n", "", "[suspension.hardpoints]", "suspension.hardpoints", &["missing for macpherson: strut_top (upper strut mount on the body)"]),
@@ -337,7 +336,7 @@ fn motions_that_go_nowhere() {
         } else {
             text
         };
-        // The targets have nothing to do with it.
+        // The targets are not part of this mistake, so the text omits them.
         let text = &text[..text.find("[optimise]").unwrap()];
         let on = key.rsplit('.').next().unwrap();
         assert_mistake(text, on, key, phrases);
@@ -355,7 +354,7 @@ fn motions_that_go_nowhere() {
     ];
     let text = text.replace("[outputs]", some);
     assert_mistake(&text, "[motion]", "motion", &phrases);
-    // The ball joint straight above the axis of the arm.
+    // The ball joint is straight above the axis of the arm.
     let text = edited(travel, "drive = \"arm_angle\"\narm_angle = [1.0]");
     let text = text.replace("[   5.0, 705.0, 190.0]", "[ -70.0, 355.0, 500.0]");
     let text = &text[..text.find("[optimise]").unwrap()];
@@ -365,7 +364,7 @@ fn motions_that_go_nowhere() {
 
 #[test]
 fn outputs_that_cannot_be_computed() {
-    // One mistake, one line.
+    // Keeps each mistake on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("radius = 300.0", "", "anti_dive", "outputs.characteristics", &["anti_dive needs radius in [wheel], which this study does not give"]),
@@ -382,7 +381,7 @@ fn outputs_that_cannot_be_computed() {
 
 #[test]
 fn optimisations_that_make_no_sense() {
-    // One mistake, one line.
+    // Keeps each mistake on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("starts = 8", "starts = 0", "starts", "optimise.starts", &["expected from 1 to 1000000, found 0"]),
@@ -450,7 +449,7 @@ fn files_that_cannot_be_read() {
         message("absent.toml").contains("absent.toml: cannot be read: the file does not exist")
     );
     assert!(message(".").contains("it is a directory"));
-    // The studies in a directory of results, and the command for a table of points, are named.
+    // The message names the studies in a directory of results, and the command for a table of points.
     fs::create_dir(at("run")).unwrap();
     fs::write(at("run/optimised.toml"), "").unwrap();
     assert!(message("run").contains("run/optimised.toml"));
@@ -493,7 +492,7 @@ fn curve_files() {
     }
 
     let study = read(&format!("{header}-80, 0.25\n80,-0.1\n")).unwrap_or_else(|e| panic!("{e}"));
-    // The text stands without the file.
+    // The text is complete without the file.
     let again = Study::from_text("study.toml", &study.text, Path::new("elsewhere"));
     let again = again.unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(study.inputs, [directory.path().join("curve.csv")]);
@@ -501,7 +500,8 @@ fn curve_files() {
     assert_eq!(again, Study { inputs, ..study });
 }
 
-/// The key that meant wheel travel until 0.1 is refused with what it now is, in both signs.
+/// The program refuses the key that meant wheel travel until 0.1, and explains it with its present equivalent, for both
+/// signs.
 #[test]
 fn the_old_ride_height_is_explained_with_its_own_value() {
     for (written, said) in [

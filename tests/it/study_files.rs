@@ -1,8 +1,8 @@
-//! Study files as they should not be: solved, or refused with a reason that names file and line.
+//! Tests of faulty study files: the program solves them, or refuses them with a reason that names file and line.
 //!
-//! `corpus/` keeps nasty studies with what is expected of each. Beyond these the sample studies are
-//! mutilated by a generator: lines deleted, doubled and exchanged, numbers replaced by awkward ones, files
-//! broken off, characters from elsewhere. `CASES=5000 cargo test --test it study_files::` tries more.
+//! `corpus/` contains difficult studies with the expected result of each. In addition, a generator damages the sample
+//! studies: it deletes, duplicates and swaps lines, replaces numbers by awkward ones, truncates files and inserts
+//! foreign characters. `CASES=5000 cargo test --test it study_files::` tries more.
 
 use crate::support::mutants::mutilated;
 use crate::support::random::Random;
@@ -94,12 +94,12 @@ const CORPUS: &[(&str, usize, &str)] = &[
     ("truncated_in_an_array", 11, "unclosed array"),
     ("zero_byte", 3, "invalid basic string"),
 ];
-/// Refused as a whole.
+/// Files that the program refuses as a whole.
 const UNREADABLE: &[(&str, &str)] = &[
     ("empty", "the file is empty"),
     ("byte_not_utf8", "line 3 is not UTF-8 text"),
 ];
-/// Odd, and right.
+/// Unusual but valid files.
 const SOUND: &[&str] = &["byte_order_mark", "carriage_returns"];
 
 fn corpus(name: &str) -> PathBuf {
@@ -147,7 +147,7 @@ fn the_whole_corpus_is_tested() {
     assert_eq!(files, listed);
 }
 
-/// Solves an axle in its design position. Returns true if there was anything to solve.
+/// Solves an axle in its design position. Returns true if there was something to solve.
 fn judge_axle(both: &AxleStudy) -> bool {
     match axle_curves(&both.axle, &both.plan.at_design()) {
         Ok(found) => found.curves.stations[0].status.word() == "ok",
@@ -158,7 +158,7 @@ fn judge_axle(both: &AxleStudy) -> bool {
     }
 }
 
-/// Solves a study, thinned to a few stations, and checks all results. Returns true if there was anything to solve.
+/// Solves a study with a few of its stations, and checks all results. Returns true if there was something to solve.
 fn judge(study: &Study) -> bool {
     let own = match &study.vehicle {
         Vehicle::Wheel(own) => own,
@@ -173,7 +173,7 @@ fn judge(study: &Study) -> bool {
     let plan = Plan {
         station_order: StationOrder::through(&thinned(whole.station_order.values())),
         racks: thinned(&whole.racks),
-        // Times belong to the stations that have been left out.
+        // Times belong to the omitted stations.
         time: None,
         ..whole
     };
@@ -249,8 +249,7 @@ fn mutilate(cases: u64) {
                                 said.starts_with("error: ") && said.contains("study.toml"),
                                 "{said}"
                             );
-                            // Of an empty file, or one that breaks off before a section it needs, no line
-                            // can be named.
+                            // For an empty file, or one that ends before a required section, the message names no line.
                             let whole = ["is empty", "is missing", "missing"];
                             let lineless = whole.iter().any(|phrase| said.contains(phrase));
                             assert!(error.position().is_some() || lineless, "{said}");
@@ -264,6 +263,6 @@ fn mutilate(cases: u64) {
         }
     }
     println!("{solved} solved, {refused} refused, {faulty} without a solved station");
-    // The generator is neither too harsh nor too mild.
+    // The share of refused studies shows that the generator is neither too harsh nor too mild.
     assert!(solved > refused / 20 && refused > solved / 20);
 }

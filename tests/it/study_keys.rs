@@ -1,6 +1,6 @@
-//! `docs/study.md` lists the keys that the reader knows, all of them and no others.
+//! Tests that `docs/study.md` lists exactly the keys that the reader knows.
 //!
-//! The reader tells which keys it knows where it meets one that it does not.
+//! The reader lists its known keys when it finds an unknown key.
 
 use hardpoint::study::{CarStudy, Study};
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,8 +8,8 @@ use std::path::Path;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// Each table of a study: its name in the manual, what of [`STUDY`] is replaced and by what, so that the table has
-/// the key `bogus`.
+/// Tables of a study: the name in the manual, and the part of [`STUDY`] with its replacement that adds the key `bogus`
+/// to the table.
 const TABLES: &[(&str, &str, &str)] = &[
     ("suspension", "topology =", "bogus = 1\ntopology ="),
     (
@@ -151,7 +151,7 @@ const TABLES: &[(&str, &str, &str)] = &[
     ),
 ];
 
-/// A study with every table; only its keys matter.
+/// Study with every table; only its keys matter.
 const STUDY: &str = r#"
 [suspension]
 topology = "macpherson"
@@ -201,13 +201,13 @@ adjust = []
 scatter = []
 "#;
 
-/// The keys that the reader knows where `text` has the key `bogus`.
+/// Keys that the reader knows in the table of `text` that has the key `bogus`.
 fn known_keys(text: &str) -> BTreeSet<String> {
     let refused = Study::from_text("keys.toml", text, Path::new("")).unwrap_err();
     keys_in(&refused.render(false), text)
 }
 
-/// The keys that the reader of cars knows where `text` has the key `bogus`.
+/// Keys that the reader of cars knows in the table of `text` that has the key `bogus`.
 fn known_keys_of_car(text: &str) -> BTreeSet<String> {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("car.toml");
@@ -216,7 +216,7 @@ fn known_keys_of_car(text: &str) -> BTreeSet<String> {
     keys_in(&refused.render(false), text)
 }
 
-/// The keys that a message lists.
+/// Keys that a message lists.
 fn keys_in(said: &str, text: &str) -> BTreeSet<String> {
     let (_, known) = said
         .split_once("unknown key \"bogus\"; known here: ")
@@ -225,7 +225,7 @@ fn keys_in(said: &str, text: &str) -> BTreeSet<String> {
     known.split(", ").map(str::to_owned).collect()
 }
 
-/// The keys in the first column of each section of the manual.
+/// Keys in the first column of each section of the manual.
 fn documented_keys(page: &str) -> BTreeMap<String, BTreeSet<String>> {
     let manual = std::fs::read_to_string(Path::new(ROOT).join(page)).unwrap();
     let (_, manual) = manual.split_once("keys.md -->\n").unwrap();
@@ -253,7 +253,7 @@ fn the_manual_lists_the_keys_that_the_reader_knows() {
         );
     }
     assert_eq!(documented, read);
-    // Every section of a study has its table here.
+    // [`TABLES`] contains every section of a study.
     let sections = known_keys(&format!("bogus = 1\n{STUDY}"));
     let tables: BTreeSet<String> = TABLES
         .iter()
@@ -262,7 +262,7 @@ fn the_manual_lists_the_keys_that_the_reader_knows() {
     assert_eq!(sections, tables);
 }
 
-/// Each table of the study of a car: its name in the manual, and the text of a study in which the table has the key
+/// Tables of the study of a car: the name in the manual, and the text of a study in which the table has the key
 /// `bogus`.
 const TABLES_OF_CAR: &[(&str, &str)] = &[
     ("car", "[car]\nbogus = 1"),

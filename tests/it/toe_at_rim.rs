@@ -1,4 +1,4 @@
-//! Toe as a length: how much further outboard the rear edge of the rim is than its front edge.
+//! Tests of toe as a length: the distance by which the rear edge of the rim is farther outboard than its front edge.
 
 use hardpoint::optimise::Control;
 use hardpoint::study::Study;
@@ -12,7 +12,7 @@ fn study(name: &str, edits: &[&str]) -> Result<Study, String> {
     Study::read(&path, &edits).map_err(|error| error.to_string())
 }
 
-/// A column of a study's curves.
+/// Column of a study's curves.
 fn column(study: &Study, name: &str) -> Vec<f64> {
     let curves = study.curves().unwrap();
     let place = curves.columns.iter().position(|own| own.name == name);
@@ -28,8 +28,8 @@ fn close(found: f64, expected: f64, size: f64) {
     );
 }
 
-/// The edges of the rim at the height of the wheel centre follow from two points of the spin axis. The rear one is further
-/// outboard by the toe at the rim, at either wheel.
+/// The edges of the rim at the height of the wheel centre follow from two points of the spin axis. At either wheel, the
+/// rear edge is farther outboard by the toe at the rim.
 #[test]
 fn it_is_the_difference_of_two_rim_edges() {
     for side in ["left", "right"] {
@@ -68,7 +68,7 @@ fn it_is_the_difference_of_two_rim_edges() {
         let (x, y) = (along("x"), along("y"));
         assert!(toe.iter().any(|t| *t > 1.0) && toe.iter().any(|t| *t < -1.0));
         for ((toe, x), y) in toe.iter().zip(x).zip(y) {
-            // The level diameter of the rim is normal to the spin axis.
+            // The horizontal diameter of the rim is perpendicular to the spin axis.
             let half = 0.5 * DIAMETER / x.hypot(y);
             let level = [-y * across * half, x * across * half];
             let forward = if level[0] > 0.0 {
@@ -82,7 +82,7 @@ fn it_is_the_difference_of_two_rim_edges() {
     }
 }
 
-/// In the design position it is D sin(static_toe), whatever the camber, in the study's unit.
+/// In the design position the toe at the rim is D sin(static_toe) in the study's unit, whatever the camber.
 #[test]
 fn static_toe_gives_its_sine() {
     let given = |more: &[&str]| {
@@ -108,7 +108,7 @@ fn static_toe_gives_its_sine() {
     }
 }
 
-/// Its derivative with respect to travel is D cos(toe) times that of toe.
+/// The derivative of the toe at the rim with respect to travel is D cos(toe) times that of toe.
 #[test]
 fn its_slope_is_that_of_the_angle() {
     let study = study(
@@ -130,7 +130,8 @@ fn its_slope_is_that_of_the_angle() {
     }
 }
 
-/// The toe of an axle is the sum over both wheels. Steering does not change the sum of parallel wheels to first order.
+/// The toe at the rim of an axle is the sum over both wheels. Steering does not change the sum of parallel wheels to
+/// first order.
 #[test]
 fn an_axle_has_the_sum() {
     let study = study(

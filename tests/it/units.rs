@@ -1,10 +1,10 @@
-//! Inches and pounds beside millimetres, newtons and kilograms.
+//! Conversion factors between inches and pounds, and millimetres, newtons and kilograms.
 
-/// Newtons in a pound-force.
+/// Newtons per pound-force.
 pub const POUND_FORCE: f64 = 4.448_221_615_260_5;
-/// Kilograms in a pound.
+/// Kilograms per pound.
 pub const POUND: f64 = 0.453_592_37;
-/// Millimetres in an inch.
+/// Millimetres per inch.
 pub const INCH: f64 = 25.4;
 
 /// Name in inches and pounds of a column in millimetres and newtons, and the factor of its values.

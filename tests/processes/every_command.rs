@@ -1,5 +1,5 @@
-//! Every command over mutilated studies, as processes. None panics, hangs or takes much memory, and every refusal has
-//! a reason. No written number is infinite or NaN. An empty cell in an `ok` row has a counted reason.
+//! Runs of every command over randomly damaged studies, as processes. None panics, hangs or takes much memory, and
+//! every refusal has a reason. No written number is infinite or NaN. An empty cell in an `ok` row has a counted reason.
 
 use crate::support::bounded::wait_within_bounds;
 use crate::support::mutants::mutilated;
@@ -13,18 +13,18 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Stations, and stations of all designs, beyond which a study is meant to take long.
+/// Number of stations, and of stations of all designs, beyond which a study may take long.
 const MANY_STATIONS: usize = 5_000;
 const MANY_POSES: u64 = 2_000_000;
 
 struct Mutant<'a> {
     text: String,
     directory: &'a Path,
-    /// `None` where the reader refuses it.
+    /// `None` if the reader refuses the study.
     size: Option<Size>,
 }
 
-/// Outputs of a study that take time.
+/// Amounts of a study that determine its run time.
 #[derive(Clone, Copy)]
 struct Size {
     stations: usize,
@@ -33,7 +33,7 @@ struct Size {
 }
 
 impl Size {
-    /// `None` where the reader refuses it.
+    /// Returns `None` if the reader refuses the study.
     fn of(text: &str, samples: &Path) -> Option<Size> {
         let study = Study::from_text("study.toml", text, samples).ok()?;
         let stations = match study.axle() {
@@ -59,7 +59,7 @@ impl Size {
 }
 
 impl Mutant<'_> {
-    /// Runs a command: its output, or the reason why that must not be.
+    /// Runs a command. Returns its output, or the reason why the result is not allowed.
     fn run(&self, arguments: &[&str]) -> Result<Output, String> {
         let path = |name: &str| self.directory.join(name);
         let [out, err] = ["stdout", "stderr"].map(path);
@@ -87,7 +87,7 @@ impl Mutant<'_> {
     }
 }
 
-/// A table's cells: nothing that is not finite; and of the rows that are `ok` how many cells are empty, by column.
+/// Asserts that all cells of a table are finite. Returns the number of empty cells in `ok` rows, by column.
 fn empty_cells(csv: &[u8]) -> Result<BTreeMap<String, usize>, String> {
     let mut reader = csv::Reader::from_reader(csv);
     let header = reader.headers().map_err(|e| e.to_string())?.clone();
@@ -109,7 +109,7 @@ fn empty_cells(csv: &[u8]) -> Result<BTreeMap<String, usize>, String> {
     Ok(empty)
 }
 
-/// The empty cells that `summary.json` of a solve counts, by column.
+/// Empty cells that `summary.json` of a solve counts, by column.
 fn counted_cells(summary: &serde_json::Value) -> BTreeMap<String, usize> {
     let mut counted = BTreeMap::new();
     for cells in summary["completeness"]["empty"]
@@ -187,7 +187,7 @@ fn examine(
         }
     }
     run(&["limits", "study.toml"])?;
-    // Intervals over every rotation of five links take long by their nature.
+    // The interval search over every rotation takes long for five links.
     if long || !mutant.text.contains("five_link") {
         run(&["assemblies", "study.toml"])?;
     }
@@ -224,10 +224,10 @@ fn every_command(mutants: std::ops::Range<u64>, long: bool) {
         .filter(|path| path.extension().is_some_and(|e| e == "toml"))
         .collect();
     paths.sort();
-    // Studies with elastic parts have commands of their own: `tests/it/compliance` mutilates them.
+    // Skips studies with elastic parts: `tests/it/compliance` damages them. Skips cars too.
     let texts = paths.iter().map(|path| fs::read_to_string(path).unwrap());
     let texts = texts.filter(|text| !text.contains("[compliance]") && !text.contains("\n[car]\n"));
-    // Fewer samples and starts: it is the mutants that are many.
+    // Uses fewer samples and starts, because there are many mutants.
     let bases: Vec<String> = texts
         .map(|text| {
             text.replace("samples = 4096", "samples = 32")
@@ -252,7 +252,7 @@ fn every_command(mutants: std::ops::Range<u64>, long: bool) {
                     }
                     if let Err(reason) = examine(number, &samples, &bases, &ran, long) {
                         let failure = format!("mutant {number}: {reason}");
-                        // At once, too: a long run need not end for it to be seen.
+                        // Also prints immediately, so that a failure is visible before a long run ends.
                         eprintln!("{failure}");
                         failures.lock().unwrap().push(failure);
                     }
@@ -265,7 +265,7 @@ fn every_command(mutants: std::ops::Range<u64>, long: bool) {
     assert!(failures.is_empty(), "{}", failures.join("\n\n"));
 }
 
-/// The mutants of `MUTANTS=1000-1100`, or these.
+/// Mutants of `MUTANTS=1000-1100`, or else the given ones.
 fn chosen(otherwise: &str) -> std::ops::Range<u64> {
     let range = std::env::var("MUTANTS").unwrap_or_else(|_| otherwise.to_owned());
     let (from, to) = range.split_once('-').expect("two numbers");
@@ -283,7 +283,7 @@ fn every_command_over_many_mutants() {
     every_command(chosen("1000-26000"), true);
 }
 
-/// Interrupts as many commands, by the numbers of a range, and prints the worst of each.
+/// Interrupts one command for each number of the range, and prints the worst result of each command.
 #[cfg(target_os = "linux")]
 fn interrupted(tries: std::ops::Range<u64>) {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");

@@ -1,4 +1,4 @@
-//! Tests that kill, limit or measure child processes, in a binary of their own: no other test competes with them.
+//! Tests that kill, limit or measure child processes, in a separate binary so that no other test competes with them.
 
 mod every_command;
 mod results;

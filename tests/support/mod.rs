@@ -1,4 +1,4 @@
-//! Reading the reference answers, and the mechanisms they are about.
+//! Reader of the reference values and of their mechanisms.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
 pub mod bounded;
@@ -18,13 +18,13 @@ use hardpoint::solve::{Solver, StationOrder};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// True if the processor has SIMD lanes. Tests that count what lanes do end without them: the program then solves each design
-/// alone, which the other tests check.
+/// True if the processor has SIMD lanes. Without them, tests that count the work of lanes end early: the program then
+/// solves each design alone, which other tests check.
 pub fn has_lanes() -> bool {
     hardpoint::number::Width::widest().is_some()
 }
 
-/// A number that is stored as a decimal string.
+/// Number that is stored as a decimal string.
 pub fn number(value: &Value) -> f64 {
     value
         .as_str()
@@ -33,12 +33,12 @@ pub fn number(value: &Value) -> f64 {
         .expect("a number")
 }
 
-/// A vector of such numbers.
+/// Vector of such numbers.
 pub fn vector(value: &Value) -> Vector3<f64> {
     Vector3::new(number(&value[0]), number(&value[1]), number(&value[2]))
 }
 
-/// Names of the reference's points, in the order of the mechanism's.
+/// Names of the reference's points, in the order of the mechanism's points.
 pub const NAMES: [(&str, &str); 11] = [
     ("p1", "lower_arm_front"),
     ("p2", "lower_arm_rear"),
@@ -53,7 +53,7 @@ pub const NAMES: [(&str, &str); 11] = [
     ("p9", "rod_point"),
 ];
 
-/// A case of the reference: mechanism and design in the kernel's frame.
+/// Case of the reference: mechanism and design in the solver's frame.
 pub struct Case {
     pub json: Value,
     pub mechanism: Mechanism,
@@ -64,12 +64,12 @@ pub struct Case {
 }
 
 impl Case {
-    /// One of `tests/data/reference`.
+    /// Reads a case of `tests/data/reference`.
     pub fn read(name: &str) -> Case {
         Case::of("reference", name)
     }
 
-    /// One of `tests/data/own`.
+    /// Reads a case of `tests/data/own`.
     pub fn own(name: &str) -> Case {
         Case::of("own", name)
     }
@@ -143,9 +143,9 @@ impl Case {
     }
 }
 
-/// Drive, its value and the rack's in the kernel's convention, and the factor from the reference's
-/// drive to the kernel's: the reference turns the arm about p2 - p1, the kernel so that a
-/// positive angle raises the ball joint. The reference's rack moves along the kernel's +y already.
+/// Drive, its value and the rack displacement in the solver's convention, and the factor from the reference's drive to
+/// the solver's. The reference turns the arm about p2 - p1; in the solver a positive angle raises the ball joint. The
+/// reference's rack already moves along the solver's +y.
 pub fn motion(state: &Value) -> (Drive, f64, f64, f64) {
     let value = number(&state["drive"]["value"]);
     let rack = number(&state["drive"]["rack"]);
@@ -156,18 +156,18 @@ pub fn motion(state: &Value) -> (Drive, f64, f64, f64) {
     }
 }
 
-/// The order of one station, and stations on the way to it so that the steps are ordinary ones.
+/// Order of stations for one station, with intermediate stations that keep the steps ordinary.
 pub fn order_to(value: f64) -> StationOrder {
     StationOrder::through(&[value])
 }
 
-/// The largest of some absolute values.
+/// Largest of several absolute values.
 #[derive(Default, Clone, Copy, Debug)]
 pub struct Worst(pub f64);
 
 impl Worst {
     pub fn note(&mut self, error: f64) {
-        // NaN must win.
+        // NaN must count as the largest error.
         if error.is_nan() || error.abs() > self.0 {
             self.0 = error.abs();
         }
@@ -184,8 +184,8 @@ pub const ANGLES: [(&str, Characteristic); 4] = [
     ("caster", Characteristic::Caster),
 ];
 
-/// The largest errors of the sensitivities of value, first and second derivative in a state, relative to
-/// the largest of their kind: of all points, or of all angles.
+/// Largest errors of the sensitivities of value, first and second derivative in a state, relative to the largest of
+/// their kind: of all points, or of all angles.
 pub fn sensitivity_errors(
     case: &Case,
     state: &Value,
@@ -202,7 +202,7 @@ pub fn sensitivity_errors(
     let (params, outputs) = (list("params"), list("outputs"));
     let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); case.design.len()];
     for points in [true, false] {
-        // The largest of their kind: of all points, or of all angles, at this order.
+        // The scale is the largest value of all points, or of all angles, at this order.
         let mut scale = [0.0_f64; 3];
         let mut found = Vec::new();
         for (column, output) in outputs.iter().enumerate() {
@@ -263,7 +263,8 @@ pub fn rows_by_column(csv: &[u8]) -> Vec<BTreeMap<String, String>> {
         .collect()
 }
 
-/// Asserts that two pictures are the same to a pixel: as far as the last digits of a platform or a better optimum move them.
+/// Asserts that two pictures are equal to a pixel, which allows for last digits of a platform or a slightly better
+/// optimum.
 pub fn assert_same_picture(kept: &str, made: &str, name: &str) {
     let pieces = |svg: &str| -> Vec<String> {
         let parts = svg.split_inclusive(|c: char| !(c.is_ascii_digit() || ".-".contains(c)));

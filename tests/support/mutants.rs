@@ -1,5 +1,5 @@
-//! Studies with something wrong with them: lines deleted, doubled and exchanged, numbers replaced by awkward ones,
-//! files broken off, characters from elsewhere. A mutant is known by its number.
+//! Generator of damaged studies: it deletes, duplicates and swaps lines, replaces numbers by awkward ones, truncates
+//! files and inserts foreign characters. A number identifies each mutant.
 
 use super::random::Random;
 
@@ -36,7 +36,7 @@ const TEXTS: &[&str] = &[
     "é", "\u{0}", "\u{202e}", "𝄞", "\"", "'''", "\\", "[", "]", "=", ",", "#", "\r", "\t", ".",
 ];
 
-/// A study with something wrong with it.
+/// Study with random damage.
 pub fn mutilated(text: &str, random: &mut Random) -> String {
     let mut text = text.to_owned();
     for _ in 0..=below(random, 2) {
@@ -93,7 +93,7 @@ fn with_lines(
     lines.join("\n") + "\n"
 }
 
-/// A place between two characters.
+/// Random position between two characters.
 fn boundary(text: &str, random: &mut Random) -> usize {
     let at = below(random, text.len() + 1);
     (at..=text.len())
@@ -105,7 +105,7 @@ fn is_numeric(c: char) -> bool {
     c.is_ascii_digit() || c == '.' || c == '-'
 }
 
-/// The runs of such characters, comments left out.
+/// Sequences of such characters outside comments.
 fn tokens(text: &str, belongs: impl Fn(char) -> bool) -> Vec<std::ops::Range<usize>> {
     let mut found: Vec<std::ops::Range<usize>> = Vec::new();
     let mut start = 0;

@@ -1,6 +1,6 @@
-//! A knuckle on five rods as twelve quadratic equations: position of its origin, nine entries of its
-//! rotation. Written down anew, with none of the library's constraint rows, and solved by Newton's
-//! method in doubles (to track) and in double-doubles (to have the answer to 30 digits).
+//! A knuckle on five rods as twelve quadratic equations for the position of its origin and the nine entries of its
+//! rotation. This independent formulation uses none of the library's constraint rows. Newton's method solves it in
+//! doubles (to track) and in double-doubles (for 30 digits).
 //!
 //! A rod or a joint may end on an arm, whose points follow from the triad of its axis and its outer joint.
 
@@ -12,7 +12,7 @@ use nalgebra::{LU, SMatrix, SVector};
 
 type Factors = LU<f64, nalgebra::Const<12>, nalgebra::Const<12>>;
 
-/// The equations of one design.
+/// Equations of one design.
 #[derive(Clone)]
 pub struct Quadratics<T> {
     rods: Vec<Equation<T>>,
@@ -23,13 +23,13 @@ pub struct Quadratics<T> {
 /// One of the five equations.
 #[derive(Clone, Copy)]
 enum Equation<T> {
-    /// A rod: its end on the body, lever on the knuckle, squared length.
+    /// Rod: its end on the body, lever on the knuckle, squared length.
     Rod(End<T>, Vector3<T>, T),
-    /// A joint with an arm, by this component of its position: end on the arm, lever on the knuckle.
+    /// Joint with an arm, for this component of its position: end on the arm, lever on the knuckle.
     Joint(End<T>, Vector3<T>, usize),
 }
 
-/// An end that is not on the knuckle.
+/// End that is not on the knuckle.
 #[derive(Clone, Copy)]
 enum End<T> {
     Body(Vector3<T>),
@@ -37,18 +37,18 @@ enum End<T> {
     Arm(OnArm<T>),
 }
 
-/// A point of an arm.
+/// Point of an arm.
 #[derive(Clone, Copy)]
 struct OnArm<T> {
     front: Vector3<T>,
     rear: Vector3<T>,
     /// Lever of the arm's outer joint on the knuckle.
     lever: Vector3<T>,
-    /// The point by the triad of the arm.
+    /// Coordinates of the point in the triad of the arm.
     by_triad: [T; 3],
 }
 
-/// The way of an arm's axis, the way across it and the joint, and the normal of both.
+/// Direction of an arm's axis, the direction perpendicular to it and to the lever of the joint, and the normal of both.
 fn triad<T: Real>(front: Vector3<T>, rear: Vector3<T>, joint: Vector3<T>) -> [Vector3<T>; 3] {
     let along = (rear - front).normalised();
     let across = along.cross(joint - front).normalised();
@@ -103,7 +103,7 @@ impl<T: Real> Quadratics<T> {
                 Constraint::ArmJoint { arm, at } => {
                     let end = End::Arm(OnArm::new(mechanism, design, arm, at));
                     let lever = design[at.0] - origin;
-                    // The line of both joints is nearly along x.
+                    // The line through both joints is nearly along x.
                     [1, 2]
                         .map(|axis| Equation::Joint(end, lever, axis))
                         .to_vec()
@@ -118,7 +118,7 @@ impl<T: Real> Quadratics<T> {
         }
     }
 
-    /// The way from the inner to the outer end.
+    /// Vector from the inner to the outer end.
     fn rod(&self, i: usize, pose: &Pose<T>, rack: T) -> Vector3<T> {
         let (Equation::Rod(end, lever, _) | Equation::Joint(end, lever, _)) = self.rods[i];
         let inner = match end {
@@ -161,7 +161,7 @@ impl Quadratics<f64> {
         for i in 0..5 {
             let lever = match self.rods[i] {
                 Equation::Rod(End::Body(_) | End::Rack(_), lever, _) => lever.to_array(),
-                // Differences serve Newton's method as well.
+                // Derivatives from differences are sufficient for Newton's method.
                 _ => {
                     for j in 0..12 {
                         let mut unit = SVector::<f64, 12>::zeros();
@@ -198,7 +198,7 @@ impl Quadratics<f64> {
         jacobian.lu()
     }
 
-    /// Result of Newton's method from any start, if it settles: a pose to within rounding, or a reflection.
+    /// Result of Newton's method from any start, if it converges: a pose to within rounding, or a reflection.
     pub fn solve_from(&self, start: Pose<f64>, travel: f64, rack: f64) -> Option<Pose<f64>> {
         let mut pose = start;
         for _ in 0..80 {
@@ -212,7 +212,7 @@ impl Quadratics<f64> {
         None
     }
 
-    /// The largest error of a rod's length, relative to it.
+    /// Largest relative error of a rod's length.
     pub fn length_error(&self, pose: &Pose<f64>, rack: f64) -> f64 {
         let error = |i: usize| match self.rods[i] {
             Equation::Rod(_, _, squared) => {
@@ -223,8 +223,8 @@ impl Quadratics<f64> {
         (0..5).map(error).fold(0.0, f64::max)
     }
 
-    /// The pose reached from the design position by moving first the rack, then the wheel, in `steps`
-    /// small steps each; `None` where Newton's method needs a jump.
+    /// Pose reached from the design position by moving first the rack, then the wheel, in `steps` small steps each;
+    /// `None` if Newton's method would jump.
     pub fn track(
         &self,
         start: Pose<f64>,
@@ -274,8 +274,8 @@ fn apply<T: Real>(pose: &Pose<T>, step: &SVector<f64, 12>, less: impl Fn(T, f64)
 }
 
 impl Quadratics<Dd> {
-    /// The solution next to a pose, to the last digits of a double-double; `factors` may be those of a
-    /// neighbouring design or station.
+    /// Solution next to a pose, to the last digits of a double-double. `factors` may be those of a neighbouring design
+    /// or station.
     pub fn refine(&self, start: &Pose<Dd>, factors: &Factors, travel: Dd, rack: Dd) -> Pose<Dd> {
         let mut pose = *start;
         for _ in 0..12 {

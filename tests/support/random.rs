@@ -1,11 +1,11 @@
-//! Random numbers that are the same everywhere: SplitMix64.
+//! Random numbers that are the same on every platform: SplitMix64.
 
 use hardpoint::number::Vector3;
 
 pub struct Random(pub u64);
 
 impl Random {
-    /// Uniform in [-1, 1).
+    /// Uniform random number in [-1, 1).
     pub fn signed(&mut self) -> f64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut z = self.0;
@@ -20,7 +20,7 @@ impl Random {
         Vector3::new(part(), part(), part())
     }
 
-    /// Every point moved by up to `size` along each axis.
+    /// Design with every point moved by up to `size` along each axis.
     pub fn scattered(&mut self, design: &[Vector3<f64>], size: f64) -> Vec<Vector3<f64>> {
         design.iter().map(|p| *p + self.vector(size)).collect()
     }

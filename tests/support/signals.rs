@@ -1,4 +1,4 @@
-//! Commands interrupted at random moments. A try is known by its number.
+//! Tests of commands interrupted at random moments. A number identifies each try.
 
 use super::random::Random;
 use serde_json::Value;
@@ -9,16 +9,16 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Processor time from a signal to the end, of all threads together.
+/// Largest processor time from a signal to the end, of all threads together.
 const MOST_SECONDS: f64 = 0.3;
-/// The clock of `/proc/PID/stat` ticks each hundredth; a reading before and one after are off by up to a tick each.
+/// The clock of `/proc/PID/stat` has ticks of a hundredth of a second. Two readings have an error of up to a tick each.
 const READING: f64 = 0.02;
-/// The longest wait for a process that should have ended, on a loaded machine.
+/// Longest wait for a process that should have ended, on a loaded machine.
 const HANGS: Duration = Duration::from_secs(120);
-/// The longest wait for a whole run there.
+/// Longest wait for a complete run on a loaded machine.
 const WHOLE_RUN: Duration = Duration::from_secs(900);
 
-/// Files of an interrupted run that need not be those of a whole one.
+/// Files of an interrupted run that may differ from those of a complete run.
 const PARTIAL: [(&str, &[&str]); 3] = [
     (
         "tolerance",
@@ -46,14 +46,14 @@ const PARTIAL: [(&str, &[&str]); 3] = [
     ("sweep", &["pareto.csv"]),
 ];
 
-/// A case: the arguments in a directory of its own, and the files that they leave there.
+/// Case: the arguments of a command in a separate directory, and the files that it leaves there.
 #[derive(Clone)]
 struct Case {
     command: &'static str,
     arguments: Vec<String>,
     /// Directory of the results, if there is one.
     out: Option<&'static str>,
-    /// True if the results are the same each time.
+    /// True if the results are the same in every run.
     is_exact: bool,
 }
 
@@ -72,7 +72,7 @@ pub struct Signals {
     references: Mutex<HashMap<usize, Reference>>,
 }
 
-/// The worst of the tries of a command: how many there were, how many ended interrupted, and seconds to the end.
+/// Worst results of the tries of a command: number of tries, number of interrupted ones, and seconds to the end.
 pub type Worst = BTreeMap<&'static str, (usize, usize, f64)>;
 
 fn case(command: &'static str, arguments: &str, study: &str) -> Case {
@@ -85,7 +85,7 @@ fn case(command: &'static str, arguments: &str, study: &str) -> Case {
     }
 }
 
-/// The commands that a study is for, with sizes that take about a second.
+/// Commands that suit a study, with sizes that take about a second.
 fn cases_of(study: &str, text: &str) -> Vec<Case> {
     let has = |section: &str| text.contains(&format!("\n[{section}"));
     let is_axle = has("axle");
@@ -158,7 +158,7 @@ impl Signals {
         let mut cases = Vec::new();
         for path in paths {
             let text = fs::read_to_string(&path).unwrap();
-            // Elastic wheels and cars take few commands.
+            // Only a few commands support elastic wheels and cars.
             if text.contains("[compliance]") || text.contains("\n[car]\n") {
                 continue;
             }
@@ -183,7 +183,7 @@ impl Signals {
         }
     }
 
-    /// A directory with the studies, and with what some commands work on.
+    /// Directory with the studies, and with the inputs that some commands need.
     fn prepared(&self, case: &Case) -> tempfile::TempDir {
         let directory = tempfile::tempdir().unwrap();
         for entry in fs::read_dir(&self.studies).unwrap() {
@@ -202,7 +202,7 @@ impl Signals {
         directory
     }
 
-    /// The whole run of a case.
+    /// Complete run of a case.
     fn reference(&self, number: usize) -> Reference {
         let known = self.references.lock().unwrap().get(&number).cloned();
         known.unwrap_or_else(|| {
@@ -288,7 +288,7 @@ impl Signals {
         interrupted: bool,
         left: &BTreeMap<String, Vec<u8>>,
     ) -> Result<(), String> {
-        // Before the program listens, the signal ends it as any other.
+        // Before the program installs its handler, the signal ends it like any other program.
         let at_once = code.is_none()
             && case
                 .out
@@ -342,7 +342,7 @@ impl Signals {
         Ok(())
     }
 
-    /// The command once more, or going on: the bytes of a run that nobody interrupted.
+    /// Runs the command once more, or resumes it: the bytes must equal those of an uninterrupted run.
     fn again(&self, case: &Case, reference: &Reference, directory: &Path) -> Result<(), String> {
         let mut arguments = case.arguments.clone();
         if case.command == "sweep" && directory.join("out/run.json").exists() {
@@ -386,7 +386,7 @@ fn start(directory: &Path, arguments: &[String]) -> Child {
     command.spawn().unwrap()
 }
 
-/// Every file below a directory, by its path, but for archives of a workbook, which hold a time.
+/// Every file below a directory by its path, except workbooks, whose archives contain a time.
 fn files(directory: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut left = vec![directory.to_owned()];
@@ -405,7 +405,7 @@ fn files(directory: &Path) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-/// Fields of `/proc/PID/stat` from the state on. A process that has ended keeps them until it is waited for.
+/// Fields of `/proc/PID/stat` from the state on. A process that has ended keeps them until its parent waits for it.
 fn stat(child: &Child) -> Vec<String> {
     let stat = fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap_or_default();
     let after_name = stat.rsplit_once(')').map_or("", |(_, after)| after);
@@ -418,14 +418,14 @@ fn is_over(child: &Child) -> bool {
         .is_none_or(|state| state == "Z" || state == "X")
 }
 
-/// Seconds of the processor that a process has taken, in user and in system mode.
+/// Processor seconds of a process, in user and system mode.
 fn seconds(child: &Child) -> f64 {
     let stat = stat(child);
     let ticks = |k: usize| stat.get(k).and_then(|t| t.parse::<f64>().ok());
     (ticks(11).unwrap_or(0.0) + ticks(12).unwrap_or(0.0)) / 100.0
 }
 
-/// Waits for the end of a process, which is left to be waited for; the seconds of the processor it has taken.
+/// Waits for a process to end without reaping it. Returns its processor seconds.
 fn wait(child: &mut Child, most: Duration) -> Result<f64, String> {
     let begun = Instant::now();
     while !is_over(child) {

@@ -1,8 +1,8 @@
-//! A strut followed in small steps: with equations, a solver and a control of steps of its own, to tell
-//! whether a pose is the one that is connected to the design position.
+//! Independent continuation of a strut in small steps, to decide if a pose is connected to the design position. It has
+//! its own equations, solver and step control.
 //!
-//! Unknown are the position of the knuckle's origin and the nine entries of its rotation, counted from
-//! the origin's design position in the power of two next to the size:
+//! The unknowns are the position of the knuckle's origin and the nine entries of its rotation. The position is relative
+//! to the origin's design position, with the nearest power of two to the size as unit:
 //!
 //! ```text
 //! |o + R b - c|^2 = |b - c|^2            rods
@@ -11,8 +11,8 @@
 //! R^T R = 1
 //! ```
 //!
-//! A step is taken along the tangent, and kept if Newton's method from there moves little (the path is
-//! nearly straight), settles, and finds the determinant nearly the same; else it is halved.
+//! A step follows the tangent. It is kept if Newton's method from there makes a small correction (the path is nearly
+//! straight), converges, and finds nearly the same determinant. Otherwise the step is halved.
 
 use hardpoint::derive::MotionPoint;
 use hardpoint::mechanism::Pose;
@@ -24,27 +24,28 @@ type V = Vector3<f64>;
 type X = SVector<f64, 12>;
 type Factors = nalgebra::LU<f64, nalgebra::Const<12>, nalgebra::Const<12>>;
 
-/// The longest step, in sizes and radians.
+/// Longest step, divided by the suspension size or in radians.
 const LONGEST: f64 = 0.02;
 /// Largest relative error of a step along the tangent.
 const STRAIGHT: f64 = 0.05;
-/// The shortest step, as a part of the path.
+/// Shortest step, as a fraction of the path.
 const SHORTEST: f64 = 1e-9;
 /// Largest number of steps. Paths seldom need more than a hundred; close to another assembly they may need thousands.
 const MOST: usize = 20_000;
 
-/// The equations of one design.
+/// Equations of one design.
 pub struct SmallSteps {
     origin: V,
     scale: f64,
-    /// Chassis end, true if the rack moves it, lever.
+    /// Chassis end, true if the rack moves it, and lever on the knuckle.
     rods: Vec<(V, bool, V)>,
     /// Mount and normal.
     lines: Vec<(V, V)>,
     wheel: V,
-    /// From the arm's axis to its outer joint, the direction of that and the one across in its circle.
+    /// Vector from the arm's axis to its outer joint, its direction, and the direction tangential to the joint's
+    /// circle.
     arm: [V; 3],
-    /// True if the joint moves level at first, so that neither direction of a turn is the positive one.
+    /// True if the joint starts to move horizontally, so that no direction of rotation is the positive one.
     is_at_dead_centre: bool,
 }
 
@@ -77,8 +78,8 @@ impl SmallSteps {
         let arm = &mechanism.arms[0];
         let (front, rear) = (at(arm.front), at(arm.rear));
         let axis = (front - rear).normalised();
-        // Outer joint (the origin) seen from the axis, by the nearer end of it and normal to it to the last
-        // digit, for the arm may be short; a positive turn raises the joint.
+        // Position of the outer joint (the origin) relative to the axis, from the nearer axis end. It is perpendicular
+        // to the axis to the last digit, because the arm may be short. A positive rotation raises the joint.
         let near = if front.norm() < rear.norm() {
             front
         } else {
@@ -101,7 +102,7 @@ impl SmallSteps {
         }
     }
 
-    /// Goal for a motion point: value of the drive and rack, in scales or radians.
+    /// Target for a motion point: value of the drive and rack, in scaled units or radians.
     fn goal(&self, point: &MotionPoint<f64>) -> [f64; 2] {
         let value = match point.drive {
             Drive::Travel => point.value / self.scale,
@@ -116,7 +117,7 @@ impl SmallSteps {
         let mut all = X::zeros();
         let mut i = 0;
         for (inner, on_rack, lever) in &self.rods {
-            // |d|^2 - |d0|^2 with d - d0 formed first.
+            // Computes |d|^2 - |d0|^2 from the difference d - d0, which avoids cancellation.
             let moved = o + turned(*lever)
                 - *lever
                 - if *on_rack {
@@ -143,7 +144,7 @@ impl SmallSteps {
         all
     }
 
-    /// Normal of the half-plane that the arm lies in.
+    /// Normal of the half-plane that contains the arm.
     fn half_plane(&self, angle: f64) -> V {
         let (sine, cosine) = angle.sin_cos();
         self.arm[2] * cosine - self.arm[1] * sine
@@ -153,7 +154,7 @@ impl SmallSteps {
         let (o, columns) = parts(x);
         let turned = |v: V| columns[0] * v.x + columns[1] * v.y + columns[2] * v.z;
         let mut all = SMatrix::<f64, 12, 12>::zeros();
-        // A row by the origin and by the image of a lever, or by the rotation column by column.
+        // Writes a row of derivatives with respect to the origin and to the rotation, column by column.
         let mut put = |row: usize, by_origin: V, by_column: [V; 3]| {
             for (k, part) in [by_origin].into_iter().chain(by_column).enumerate() {
                 for (a, entry) in part.to_array().into_iter().enumerate() {
@@ -193,7 +194,7 @@ impl SmallSteps {
         all
     }
 
-    /// Derivative of the residuals by a change of drive and rack.
+    /// Derivative of the residuals with respect to a change of drive and rack.
     fn by_motion(&self, x: &X, drive: Drive, at: [f64; 2], change: [f64; 2]) -> X {
         let (o, columns) = parts(x);
         let mut all = X::zeros();
@@ -214,8 +215,8 @@ impl SmallSteps {
         all
     }
 
-    /// The pose at `to`, the rack moved first, then the drive; `None` where the steps become too small, or
-    /// for a turn of an arm at dead centre.
+    /// Pose at `to`, with the rack moved first, then the drive. Returns `None` if the steps become too small, or for a
+    /// rotation of an arm at dead centre.
     pub fn follow(&self, to: &MotionPoint<f64>) -> Option<Pose<f64>> {
         if to.drive == Drive::ArmAngle && self.is_at_dead_centre {
             return None;
@@ -270,10 +271,10 @@ impl SmallSteps {
                 };
                 guess -= correction;
                 let size = correction.amax();
-                // Written so that NaN is refused.
+                // This form refuses NaN.
                 let is_good = iteration > 0 || size <= STRAIGHT * length + 1e-12;
                 if !(ratio > 0.5 && ratio < 2.0 && is_good && size < last) {
-                    // Corrections that no longer shrink are rounding.
+                    // Corrections that no longer shrink are rounding errors.
                     if last <= 1e-12 && ratio > 0.5 && ratio < 2.0 {
                         settled = Some((factors, now));
                     }

@@ -1,4 +1,4 @@
-//! Second derivatives of an axle by what moves: those of a corner, and the slopes of the first ones.
+//! Tests of second derivatives of an axle: they equal those of one wheel, and the slopes of the first derivatives.
 
 use hardpoint::axle::axle_curves;
 use hardpoint::curves::Curves;
@@ -22,8 +22,8 @@ const ASKED: &str = "outputs={characteristics=[\"camber\", \"toe\", \"track\", \
     \"force_roll_centre_height\", \"wheel_load\", \"roll_angle\", \"spring_force\"], points=[\"wheel_centre\", \"tie_rod_outer\", \
     \"drop_link_inner\"], knuckle=true, order=\"acceleration\"}";
 
-/// By roll, heave, rack and the travels on a plane each second derivative is the slope of the first one, by differences of
-/// the eighth order.
+/// The second derivatives with respect to roll, heave, rack and travel equal the slopes of the first derivatives, from
+/// differences of eighth order.
 #[test]
 fn second_derivatives_are_the_slopes_of_the_first() {
     let step = 0.125;
@@ -85,7 +85,7 @@ fn second_derivatives_are_the_slopes_of_the_first() {
     }
 }
 
-/// In heave on level pads the left wheel is the corner of the same study.
+/// In heave on level pads the left wheel has the second derivatives of the same study without an axle.
 #[test]
 fn on_pads_they_are_a_corner_s() {
     let motion = "motion={heave=[-30.0, 10.0, 40.0], rack=8.0}";

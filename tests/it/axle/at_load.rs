@@ -1,4 +1,4 @@
-//! Roll at a load that is held.
+//! Tests of roll at constant wheel load.
 
 use super::commands::{run, study as sample};
 use super::tuning::study;
@@ -17,8 +17,8 @@ fn at(heave: f64, roll: f64, rack: f64) -> Placement {
     Placement::AtLoad { heave, roll, rack }
 }
 
-/// The sum of the wheel loads is the same as in the level position, for any roll and rack. The body sinks or rises
-/// for it.
+/// The sum of the wheel loads equals that of the level position for any roll angle and rack displacement. The body
+/// rises or sinks to keep it.
 #[test]
 fn the_sum_of_the_wheel_loads_is_held() {
     for name in ["macpherson_axle", "five_link_axle"] {
@@ -52,7 +52,8 @@ fn the_sum_of_the_wheel_loads_is_held() {
     }
 }
 
-/// The slope of the roll moment along these positions is `roll_stiffness_at_load`, whose formula is held to the reference.
+/// The slope of the roll moment along these positions equals `roll_stiffness_at_load`. The reference tests check the
+/// formula of that quantity.
 #[test]
 fn the_slope_of_the_roll_moment_is_the_stiffness_at_load() {
     let study = study("macpherson_axle", &[]);
@@ -79,7 +80,8 @@ fn the_slope_of_the_roll_moment_is_the_stiffness_at_load() {
     }
 }
 
-/// Derivatives with respect to the hardpoints of either side follow the mean travel, also that of the level axle whose load is held.
+/// Derivatives with respect to the hardpoints of either side include the change of the mean travel, also when the level
+/// axle sets the load.
 #[test]
 fn gradients_follow_the_load() {
     let study = study("five_link_axle", &[]);
@@ -138,7 +140,7 @@ fn gradients_follow_the_load() {
     }
 }
 
-/// The option as a user writes it, and its refused combinations.
+/// Commands accept the option as a user writes it, and refuse invalid combinations.
 #[test]
 fn a_load_is_held_where_the_motion_says_so() {
     let path = sample("macpherson_axle.toml");

@@ -1,4 +1,4 @@
-//! Commands that treat each wheel of an axle by itself: assemblies, set-ups, limits of builds.
+//! Tests of commands that treat each wheel of an axle separately: assemblies, set-up, limits of builds.
 
 use super::commands::{folder, run, study};
 use serde_json::Value;
@@ -8,7 +8,8 @@ fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap()
 }
 
-/// The right wheel of a mirrored axle with the rack at +10 is the left one with the rack at -10, mirrored.
+/// The assemblies of the right wheel of a mirrored axle at rack +10 are the mirror images of those of the left wheel at
+/// rack -10.
 #[test]
 fn assemblies_of_a_mirror_image_are_mirror_images() {
     let path = study("macpherson_axle.toml");
@@ -39,13 +40,13 @@ fn assemblies_of_a_mirror_image_are_mirror_images() {
         }
         assert_eq!(right["connected"], left["connected"]);
     }
-    // With the rack in the middle one wheel says it all.
+    // With the rack at zero the assemblies of one wheel apply to both.
     let (out, _) = run(&["assemblies", path], 0);
     assert!(out.contains("mirror image"), "{out}");
     assert!(!out.contains("right wheel:"), "{out}");
 }
 
-/// The value of a column where everything of the motion is zero.
+/// Value of a column at the station where every coordinate of the motion is zero.
 fn at_design(out: &std::path::Path, name: &str) -> f64 {
     let curves = fs::read(out.join("curves.csv")).unwrap();
     let curves = hardpoint::report::CurveTable::read(&curves).unwrap();
@@ -55,7 +56,8 @@ fn at_design(out: &std::path::Path, name: &str) -> f64 {
     curves.column(name).unwrap()[row.unwrap()].unwrap()
 }
 
-/// A wanted camber and toe hold for both wheels, and the curves of the axle start from them.
+/// One set-up applies to both wheels of a mirrored axle: both reach the target camber and toe, and the curves of the
+/// axle start from them.
 #[test]
 fn a_mirrored_axle_is_set_up_alike() {
     let (path, out) = (study("macpherson_axle.toml"), folder("setup_mirrored"));
@@ -77,7 +79,7 @@ fn a_mirrored_axle_is_set_up_alike() {
         printed.contains("Instructions for both wheels"),
         "{printed}"
     );
-    // The direction holds for both wheels: the shim moves a strut top, and -1 deg of camber needs it inboard.
+    // The printed direction applies to both wheels: the shim moves a strut top, and -1 deg of camber needs it inboard.
     assert!(printed.contains("move inboard by "), "{printed}");
     for side in ["left", "right"] {
         let camber = at_design(&out, &format!("{side}_camber_deg"));
@@ -93,7 +95,8 @@ fn a_mirrored_axle_is_set_up_alike() {
     );
 }
 
-/// Wheels that differ are set up one by one to the same values, and a lowered car presses harder on its springs.
+/// The wheels of an axle with different sides are set up separately to the same values. A lowered car has higher spring
+/// forces.
 #[test]
 fn wheels_that_differ_are_set_up_one_by_one() {
     let path = study("five_link_axle.toml");
@@ -123,7 +126,7 @@ fn wheels_that_differ_are_set_up_one_by_one() {
         at_design(&out, "left_spring_force_N")
     };
     let (level, lowered) = (set_up("0.0"), set_up("10.0"));
-    // 60 N/mm over nearly 10 mm; the links move the seat of the spring by less than 2 mm.
+    // 60 N/mm over nearly 10 mm; the links move the spring seat by less than 2 mm.
     assert!((level - 4200.0).abs() < 120.0, "{level}");
     assert!(
         (400.0..700.0).contains(&(lowered - level)),
@@ -139,12 +142,12 @@ fn wheels_that_differ_are_set_up_one_by_one() {
     let wheels = summary["wheels"].as_array().unwrap();
     let sides: Vec<_> = wheels.iter().map(|wheel| wheel["side"].clone()).collect();
     assert_eq!(sides, ["left", "right"]);
-    // The right toe link starts from another length.
+    // The right toe link has another length before the set-up.
     let amount = |wheel: &Value| wheel["adjustments"][0]["amount"].as_f64().unwrap();
     assert_ne!(amount(&wheels[0]), amount(&wheels[1]));
 }
 
-/// An adjustment that no workshop makes is refused with its wheel, its amount and its unit.
+/// The program refuses an adjustment that is too large to be real, and names the wheel, the amount and the unit.
 #[test]
 fn absurd_adjustments_of_a_wheel_are_refused() {
     let (path, out) = (study("five_link_axle.toml"), folder("setup_absurd"));
@@ -163,7 +166,7 @@ fn absurd_adjustments_of_a_wheel_are_refused() {
     );
 }
 
-/// Both wheels of a build are drawn at random by themselves, and no build goes farther than the one that is named.
+/// Both wheels of a build scatter independently. The limit of all builds is that of the build that the program names.
 #[test]
 fn builds_of_an_axle_have_limits_of_both_wheels() {
     let path = study("five_link_axle_tolerance.toml");
@@ -197,7 +200,8 @@ fn builds_of_an_axle_have_limits_of_both_wheels() {
     assert!((own - number(&rows[0], "nearest")).abs() < 1e-6, "{own}");
 }
 
-/// Lanes are measured if sweeps of the axle run in them; entries for one wheel are refused.
+/// The benchmark measures SIMD lanes if sweeps of the axle can use them, and refuses entries that apply only to one
+/// wheel.
 #[test]
 fn an_axle_is_timed_by_its_positions() {
     if !crate::support::has_lanes() {

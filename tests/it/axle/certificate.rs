@@ -1,4 +1,5 @@
-//! Proofs of axles: they hold against answers at sixty digits, and nothing is proved that is not so.
+//! Tests of certificates of axles: the bounds contain the 60-digit reference values, and the certifier never certifies
+//! a false pose.
 
 use super::axle;
 use super::reference::{names, placement, read};
@@ -18,7 +19,7 @@ fn study(name: &str, overrides: &[&str]) -> Study {
     Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Positions of the wheel centres, in the kernel's frame of each side.
+/// Positions of the wheel centres, each in the solver's frame of its side.
 fn centres(both: &hardpoint::axle::Axle, placed: &AxlePose) -> [Vector3<f64>; 2] {
     [Side::Left, Side::Right].map(|side| {
         let suspension = both.suspension(side);
@@ -33,8 +34,8 @@ fn centres(both: &hardpoint::axle::Axle, placed: &AxlePose) -> [Vector3<f64>; 2]
     })
 }
 
-/// The proved bounds hold for travels, roll angle and wheel centres of every state of the reference, and are close to
-/// rounding.
+/// The certified bounds contain travels, roll angle and wheel centres of every reference state, and are close to the
+/// rounding error.
 #[test]
 fn the_answers_at_sixty_digits_lie_within_the_proof() {
     for name in ["macpherson_front", "double_wishbone_front"] {
@@ -53,7 +54,7 @@ fn the_answers_at_sixty_digits_lie_within_the_proof() {
                 let text: &Value = &state["values"][index];
                 text.as_str().unwrap().parse().unwrap()
             };
-            // An answer read as a double is rounded once.
+            // Reading a reference value as a double rounds it once.
             let rounding = |value: f64| f64::EPSILON * value.abs();
             let found = centres(&both, &placed);
             for (i, side) in ["left", "right"].into_iter().enumerate() {
@@ -88,7 +89,7 @@ fn the_answers_at_sixty_digits_lie_within_the_proof() {
     }
 }
 
-/// Every station of the samples is proved, in roll, on pads and with both travels on a plane.
+/// The certifier certifies every station of the samples: in roll, on pads, and with both travels on a plane.
 #[test]
 fn every_station_of_the_samples_is_proved() {
     let samples = [
@@ -126,7 +127,7 @@ const TRAVELS: [&str; 3] = [
     "motion.ground=\"plane\"",
 ];
 
-/// A difference of travels that is wrong by a nanometre is no root: the bound says how far it is off. The same of the
+/// The certificate of a travel that is off by a nanometre states an error at least that large. The same applies to the
 /// roll angle.
 #[test]
 fn a_false_root_is_not_proved_to_be_near() {
@@ -156,15 +157,15 @@ fn a_false_root_is_not_proved_to_be_near() {
         let proof = certifier.prove(&wanted, &planted).unwrap();
         assert!(proof.travel_error >= off, "{off}: {proof:?}");
         assert!(proof.travel_error < 1.1 * off, "{off}: {proof:?}");
-        // The carriers are that far from where they belong as well.
+        // The certificate bounds the carrier position errors by nearly this offset too.
         assert!(proof.position_errors.into_iter().all(|e| e >= 0.9 * off));
     }
-    // Poses of other travels than those that are written are as far off.
+    // Poses that belong to other travels than the stated ones have an error as large.
     let mut planted = right;
     planted.travels = [right.travels[0] + 1e-6, right.travels[1] - 1e-6];
     let proof = certifier.prove(&wanted, &planted).unwrap();
     assert!(proof.travel_error >= 1e-6, "{proof:?}");
-    // Far off there is nothing to be proved.
+    // A pose far off cannot be certified.
     planted.travels = [right.travels[0] + 300.0, right.travels[1] - 300.0];
     assert!(
         certifier
@@ -193,8 +194,8 @@ fn a_false_root_is_not_proved_to_be_near() {
     );
 }
 
-/// The enclosure of poses over an interval of travel contains the solved poses, and its derivative that of the
-/// series.
+/// The enclosure of poses over an interval of travel contains the solved poses. The enclosed derivative contains that
+/// of the Taylor series.
 #[test]
 fn poses_over_an_interval_of_travel_are_enclosed() {
     let both = study("five_link_axle.toml", &[])
@@ -229,7 +230,7 @@ fn poses_over_an_interval_of_travel_are_enclosed() {
     for k in -4..=4 {
         let travel = middle + 0.25 * reach * f64::from(k);
         let (pose, _) = at(travel);
-        // In tests, differences of the fourth order.
+        // This test takes slopes from differences of fourth order.
         let step = 0.05;
         let around = [-2.0, -1.0, 1.0, 2.0].map(|n| at(travel + n * step).0);
         let rate = |number: &dyn Fn(&hardpoint::mechanism::Pose<f64>) -> f64| {

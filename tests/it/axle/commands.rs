@@ -1,4 +1,4 @@
-//! Studies of axles as a user runs them.
+//! Tests of the commands with studies of axles, as a user runs them.
 
 use assert_cmd::Command;
 use hardpoint::Study;
@@ -29,7 +29,7 @@ fn hardpoint(arguments: &[&str]) -> assert_cmd::assert::Assert {
         .assert()
 }
 
-/// Runs a command that is to end with this code, and returns its output on standard output and error.
+/// Runs a command, checks its exit code, and returns its standard output and standard error.
 pub(super) fn run(arguments: &[&str], code: i32) -> (String, String) {
     let output = hardpoint(arguments).code(code).get_output().clone();
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
@@ -91,7 +91,7 @@ fn sample_axles_are_solved_and_written() {
     run(&["solve", path, "--out", directory], 0);
     let csv = fs::read_to_string(sensitivities.join("sensitivities.csv")).unwrap();
     assert!(csv.contains(",roll_steer,left,toe_link_inner,z,"), "{csv}");
-    // Outputs and units are written as in the sensitivities of one wheel.
+    // The file names outputs and units in the same way as the sensitivities of one wheel.
     let path = study("double_wishbone_solve.toml");
     let (corner, axle) = (folder("corner"), csv);
     let outputs = "outputs={ characteristics = [\"camber\", \"motion_ratio\"], sensitivities = [\"wheel_centre\"] }";
@@ -193,7 +193,8 @@ fn what_is_not_there_for_an_axle_is_refused_by_name() {
     assert!(said.contains("roll needs [axle]"), "{said}");
 }
 
-/// A certificate has columns of its own, by what follows from what, and a summary; a sweep leaves it out and says so.
+/// A certificate of an axle has its own columns, grouped by cause, and a summary. A sweep omits the certificate and
+/// reports this.
 #[test]
 fn an_axle_is_certified() {
     let path = study("macpherson_axle.toml");
@@ -223,7 +224,7 @@ fn an_axle_is_certified() {
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["certificate"]["proved"], 26);
     assert_eq!(summary["certificate"]["one_branch"], true);
-    // Beyond the rack's end there is nothing to prove, and all poses that can be reached are on one branch.
+    // Beyond the end of the rack the program certifies nothing; all reachable poses are on one branch.
     let plane =
         "motion={travel_left=10.0, travel_right=-10.0, ground=\"plane\", rack=[0.0, 130.0]}";
     let mut arguments = vec!["solve", path, "--out", "-"];
@@ -238,8 +239,8 @@ fn an_axle_is_certified() {
     );
 }
 
-/// The page draws the body rolled on level ground: both contact points where the ground is, the roll centre at the height
-/// that the curves have, the turn about a point that the turning circle is about.
+/// The page draws the rolled body on level ground: it shows both contact points on the ground and the roll centre at
+/// the height of the curves. The turn centre agrees with the turning circle.
 #[test]
 fn the_page_shows_both_wheels_on_the_ground() {
     let path = study("macpherson_axle.toml");
@@ -284,7 +285,7 @@ fn the_page_shows_both_wheels_on_the_ground() {
         let height = number(&pose["roll_centre"][2]) - ground;
         let expected = row[column("roll_centre_height_mm")].unwrap();
         assert!((height - expected).abs() < 1e-9 * expected.abs().max(1.0));
-        // Points keep their distances: the body is turned, not bent.
+        // Distances between points stay constant: the drawing turns the body without bending it.
         let place = |name: &str| {
             let names = record["scene"]["points"].as_array().unwrap();
             let index = names.iter().position(|n| n == name).unwrap();
@@ -300,8 +301,8 @@ fn the_page_shows_both_wheels_on_the_ground() {
             assert!(pose["turn"]["centre"].is_null());
             continue;
         };
-        // From above and in the body's axes: from the centre to the outer wheel, which here is the right one, within
-        // what the contact point is beside the wheel's middle.
+        // Radius from the turn centre to the outer wheel (here the right one), seen from above in body axes. It agrees
+        // within the offset of the contact point from the wheel centre plane.
         let centre = [0, 1].map(|k| number(&pose["turn"]["centre"][k]));
         let ends = &pose["turn"]["wheels"][1];
         let middle = [0, 1].map(|k| 0.5 * (number(&ends[0][k]) + number(&ends[1][k])));
@@ -335,7 +336,7 @@ fn the_workbook_of_an_axle_has_its_curves() {
     assert!(fs::read(book).unwrap() == workbook(&[points, curves]));
 }
 
-/// Tuned, an axle is written with its curves before and after and a study that other commands take.
+/// Tuning an axle writes its curves before and after, and a study that other commands accept.
 #[test]
 fn an_axle_is_tuned() {
     let path = study("macpherson_axle_front.toml");
@@ -357,7 +358,7 @@ fn an_axle_is_tuned() {
         said.contains("Smallest misfit by the size of the change"),
         "{said}"
     );
-    // The front is in the page, too, to pick from.
+    // The page contains the Pareto front too, so that the user can pick a design.
     let record = fs::read_to_string(out.join("report.json")).unwrap();
     assert!(record.contains("\"wishes\":[\"roll_steer\",\"force_roll_centre_height\"]"));
     for file in [
@@ -437,7 +438,8 @@ fn axles_are_swept() {
              roll_steer_deg_per_deg,ackermann_error_deg,mean_steer_deg,status"
         )
     );
-    // Two roll angles by two of the steering wheel; each at the values that `solve` has of the design itself.
+    // Two roll angles times two steering wheel angles. Each station has the values that `solve` finds for the study of
+    // this design.
     assert_eq!(curves.lines().count(), 1 + 150 * 4);
     let design = place.join("149.toml");
     fs::write(&design, text).unwrap();
@@ -448,7 +450,7 @@ fn axles_are_swept() {
     };
     for (ours, theirs) in curves.lines().skip(1 + 149 * 4).zip(solved.lines().skip(1)) {
         let (ours, mut theirs) = (numbers(ours, 1), numbers(theirs, 0));
-        // Found travels, and the rack that the angle makes.
+        // Leaves out the found travels and the rack displacement that follows from the angle.
         theirs.drain(2..5);
         assert_eq!((ours.len(), &ours[..3]), (8, &theirs[..3]));
         for (a, b) in ours.iter().zip(&theirs) {
@@ -457,7 +459,7 @@ fn axles_are_swept() {
     }
 }
 
-/// The sentences a run says, on one line.
+/// Messages of a run, joined into one line.
 fn said(arguments: &[&str], sets: &[&str], code: i32) -> String {
     let sets = sets.iter().flat_map(|set| ["--set", set]);
     let arguments: Vec<&str> = arguments.iter().copied().chain(sets).collect();
@@ -466,8 +468,8 @@ fn said(arguments: &[&str], sets: &[&str], code: i32) -> String {
     words.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// A station is not complete without a word on it, and the word names the wheel: at a toggle the rod, beyond the rack's
-/// end the wheel that ends it first, as `limits` has it.
+/// Every incomplete station comes with a message that names the wheel. It is the wheel whose drop link is at toggle, or
+/// the one that reaches the end of the rack first, as `limits` reports it.
 #[test]
 fn what_an_axle_lacks_is_said_with_the_wheel() {
     let (path, out) = (study("macpherson_axle.toml"), folder("lacking"));
@@ -484,7 +486,7 @@ fn what_an_axle_lacks_is_said_with_the_wheel() {
         stuck.contains("it turns the anti-roll bar no further there"),
         "{stuck}"
     );
-    // Both wheels' tie rods end on the same way of the rack, mirrored: the nearer end is of either wheel.
+    // Both tie rods reach their limit at mirrored rack displacements, so the nearer limit may belong to either wheel.
     let few = "outputs.characteristics=[\"camber\"]";
     for motion in ["heave = 0.0", "roll = 1.0"] {
         for (rack, side, sign) in [("-300", "left", "-"), ("300", "right", "")] {
@@ -501,7 +503,7 @@ fn what_an_axle_lacks_is_said_with_the_wheel() {
     let end = "left wheel at travel 500.000000 mm: the wheel travel ends at 349.667807 mm: ";
     assert!(found.contains(end), "{found}");
 
-    // A sweep gives the reasons without the numbers, and says what keeps the effects back.
+    // A sweep reports the reasons without numbers, and explains why it omits the effects.
     let swept = |sets: &[&str]| {
         let variable =
             "{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-1.0, 1.0], steps = 2 }";
@@ -531,12 +533,12 @@ fn what_an_axle_lacks_is_said_with_the_wheel() {
     assert!(found.contains(why), "{found}");
 }
 
-/// Commands that show one wheel, or one place of many, either refuse an axle or say that they show only one.
+/// Commands that handle one wheel either refuse an axle or report that they show only one wheel.
 #[test]
 fn what_knows_one_wheel_does_not_pass_for_the_axle() {
     let path = study("five_link_axle.toml");
     let path = path.to_str().unwrap();
-    // Both wheels go out where they differ; rounding is of one and its mirror image.
+    // An export contains both wheels if they differ. Rounding is available only for a wheel and its mirror image.
     let table = said(&["export", path, "--to", "csv"], &[], 0);
     for row in ["toe_link_inner,-180.0,345.0", "toe_link_inner,-180.0,-"] {
         assert!(table.contains(row), "{table}");
@@ -555,7 +557,7 @@ fn what_knows_one_wheel_does_not_pass_for_the_axle() {
     assert!(!mirrored.contains("'right     '"), "{mirrored}");
 }
 
-/// A point of the right wheel with the left wheel's y is not the axle that was meant.
+/// The program warns of a hardpoint of the right wheel whose y is on the left wheel's side.
 #[test]
 fn a_right_hardpoint_at_the_left_is_doubted() {
     let path = study("five_link_axle.toml");
@@ -568,8 +570,7 @@ fn a_right_hardpoint_at_the_left_is_doubted() {
     assert!(own.contains(doubt), "{own}");
 }
 
-/// Parts made to one tolerance scatter both wheels alike, in mirror image; further scatter of one side shows there
-/// alone.
+/// Equal tolerances scatter both wheels alike, in mirror image. Additional scatter of one side affects only that side.
 #[test]
 fn the_wheels_of_the_sample_scatter_alike_but_for_the_slotted_hole() {
     let out = folder("tolerance");
@@ -577,7 +578,7 @@ fn the_wheels_of_the_sample_scatter_alike_but_for_the_slotted_hole() {
     let text = fs::read_to_string(study("five_link_axle_tolerance.toml")).unwrap();
     let is_common = |line: &&str| !line.contains("side = \"right\"");
     let alike: Vec<&str> = text.lines().filter(is_common).collect();
-    // First-order standard deviations of left and right wheel, in mirror image.
+    // Mirrored first-order standard deviations of the left and right wheel.
     let sigmas = |text: &str, quantity: &str, roll: f64| -> [f64; 2] {
         let path = out.join("study.toml");
         fs::write(&path, text).unwrap();
@@ -679,7 +680,8 @@ fn a_c_factor_of_the_wrong_sign_is_doubted() {
     assert!(said.contains(doubt), "{said}");
 }
 
-/// In other axes the same axle has the same results; the rack alone is along their y.
+/// The same axle in another coordinate frame has the same results. Only the rack displacement, which is along the
+/// frame's y axis, changes its sign.
 #[test]
 fn frames_change_the_rack_alone() {
     let solved = |set: &[&str]| {
@@ -738,8 +740,8 @@ fn frames_change_the_rack_alone() {
     }
 }
 
-/// The table of `docs/axle.md` is the catalogue's. To renew it, run
-/// `UPDATE_README=1 cargo test --test it axle::commands::the_table`.
+/// The table in `docs/axle.md` equals the catalogue. To renew it, run `UPDATE_README=1 cargo test --test it
+/// axle::commands::the_table`.
 #[test]
 fn the_table_of_quantities_is_the_catalogue() {
     let need = |need: &Need| match need {

@@ -1,5 +1,5 @@
-//! Every quantity of an axle whose sides differ: the axle seen in a mirror, and an evaluation from the positions of the
-//! wheels, the geometry of the ground and differences between positions.
+//! Tests of every quantity of an axle with different sides. The references are the mirrored axle, and an evaluation
+//! from wheel positions, ground geometry and differences between positions.
 
 use super::one_state::axles;
 use super::reference::condition;
@@ -14,7 +14,7 @@ use hardpoint::number::Vector3;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// The sizes of numbers of a kind, in mm, N and rad.
+/// Typical magnitude of a value with this unit, in mm, N and rad.
 fn natural(unit: Unit) -> f64 {
     match unit {
         Unit::Length | Unit::LengthPerAngle => 1e3,
@@ -26,7 +26,7 @@ fn natural(unit: Unit) -> f64 {
     }
 }
 
-/// The axles of which the right wheel is not the mirror image of the left one.
+/// Axles whose right wheel is not the mirror image of the left one.
 fn different() -> Vec<(&'static str, Axle)> {
     let all = axles().into_iter().filter(|(_, axle)| axle.right.is_some());
     let all: Vec<_> = all.collect();
@@ -34,7 +34,7 @@ fn different() -> Vec<(&'static str, Axle)> {
     all
 }
 
-/// The axle in a mirror: each wheel on the other side.
+/// Mirrored axle: each wheel on the other side.
 fn mirrored(axle: &Axle) -> Axle {
     let mut setup = axle.setup.clone();
     if let Some(springs) = &mut setup.springs {
@@ -72,7 +72,7 @@ fn mirrored_placement(placement: &Placement) -> Placement {
     }
 }
 
-/// True if the quantity changes its sign in a mirror.
+/// True if the quantity changes its sign in the mirrored axle.
 fn is_odd(quantity: Quantity) -> bool {
     match quantity {
         Quantity::Corner(..) | Quantity::Figure(_) => false,
@@ -127,13 +127,14 @@ fn placements(steers: bool) -> Vec<Placement> {
     ]
 }
 
-/// The quantities of the catalogue that an axle has.
+/// Quantities of the catalogue that are available for the axle.
 fn quantities(axle: &Axle) -> Vec<Quantity> {
     let all = Quantity::names().into_iter().flat_map(Quantity::named);
     all.filter(|quantity| axle.has(*quantity)).collect()
 }
 
-/// In a mirror, with roll angle and rack the other way, every quantity has the same value, or the opposite one.
+/// Every quantity of the mirrored axle, with opposite roll angle and rack displacement, has the same value or the
+/// opposite value.
 #[test]
 fn a_mirror_exchanges_the_sides() {
     let mut compared = BTreeMap::new();
@@ -170,7 +171,7 @@ fn a_mirror_exchanges_the_sides() {
 
 fn assert_all_compared(compared: &BTreeMap<&str, usize>) {
     let wheel = W::ALL.iter().map(|q| q.info().name);
-    // Solid axles and twist beams have quantities of their own, which `tests/it/solid` compares.
+    // `tests/it/solid` compares the quantities that exist only for solid axles and twist beams.
     let of_solid = [
         A::AxleSteer,
         A::AxleLateral,
@@ -183,7 +184,7 @@ fn assert_all_compared(compared: &BTreeMap<&str, usize>) {
         A::BeamTwist,
         A::BeamTorque,
     ];
-    // Springs between the rockers are compared with their energies in `rocker_springs`.
+    // `rocker_springs` compares springs between the rockers with their energies.
     let between = [
         A::HeaveSpringForce,
         A::HeaveSpringLength,
@@ -191,7 +192,7 @@ fn assert_all_compared(compared: &BTreeMap<&str, usize>) {
         A::TBarTorque,
         A::HeaveBarTorque,
     ];
-    // Stiffnesses with and without tyres are compared with slopes of moments in `springs`.
+    // `springs` compares stiffnesses with and without tyres with slopes of moments.
     let tyres = [A::RollStiffnessWithTyres, A::RideRateWithoutTyres];
     let lists: [&[A]; 3] = [&of_solid, &between, &tyres];
     let elsewhere = |q: &A| lists.iter().any(|list| list.contains(q));
@@ -202,19 +203,19 @@ fn assert_all_compared(compared: &BTreeMap<&str, usize>) {
     }
 }
 
-/// A wheel in the vehicle's axes (x forward, y left, z up), and its motion by its own travel.
+/// Wheel in the vehicle's axes (x forward, y left, z up), and its motion with respect to its travel.
 struct Wheel {
     centre: Vector3<f64>,
     /// Unit vector along the spin axis, outboard.
     axis: Vector3<f64>,
     contact: Vector3<f64>,
-    /// Velocity by the travel of the carrier's point at the contact point.
+    /// Derivative of the position of the carrier point at the contact point, with respect to travel.
     velocity: Vector3<f64>,
     design_centre: Vector3<f64>,
     design_contact: Vector3<f64>,
 }
 
-/// The ground: its normal and its direction to the left.
+/// Ground plane: its normal, and its direction to the left.
 #[derive(Clone, Copy)]
 struct Plane {
     normal: Vector3<f64>,
@@ -230,14 +231,14 @@ impl Plane {
         }
     }
 
-    /// Lowest point of a disc over the ground.
+    /// Lowest point of a disc above the ground.
     fn contact(&self, centre: Vector3<f64>, axis: Vector3<f64>, radius: f64) -> Vector3<f64> {
         let up = self.normal - axis * axis.dot(self.normal);
         centre - up * (radius / up.norm())
     }
 }
 
-/// The derivative at 0 by differences of the sixth order.
+/// Derivative at 0 from differences of sixth order.
 fn derivative<const N: usize>(step: f64, mut at: impl FnMut(f64) -> [f64; N]) -> [f64; N] {
     let values = [-3.0, -2.0, -1.0, 1.0, 2.0, 3.0].map(|k| at(k * step));
     let weights = [-1.0, 9.0, -45.0, 45.0, -9.0, 1.0];
@@ -247,11 +248,11 @@ fn derivative<const N: usize>(step: f64, mut at: impl FnMut(f64) -> [f64; N]) ->
     })
 }
 
-/// Steps of differences: of travels and the rack, and of roll angles.
+/// Steps of the differences: first for travels and rack, then for roll angles.
 const STEP: f64 = 0.4;
 const STEP_OF_ROLL: f64 = 1e-3;
 
-/// An axle, evaluated from positions alone.
+/// Axle evaluated from positions alone.
 struct Independent<'a> {
     axle: &'a Axle,
     solver: AxleSolver<'a, 3>,
@@ -263,7 +264,7 @@ impl<'a> Independent<'a> {
         Independent { axle, solver }
     }
 
-    /// Position of a carrier's point that was at `designed`, in the kernel's frame of the side.
+    /// Position of the carrier point whose design position is `designed`, in the solver's frame of the side.
     fn carried(&self, placed: &AxlePose, side: Side, designed: Vector3<f64>) -> Vector3<f64> {
         let suspension = self.axle.suspension(side);
         let origin = suspension.design[suspension.mechanism.origin.0];
@@ -291,7 +292,7 @@ impl<'a> Independent<'a> {
         let axis = placed.poses()[side as usize].rotation.apply(direction);
         let contact = plane.contact(vehicle(centre), vehicle(axis), radius);
         let level = Plane::at(0.0);
-        // The point of the carrier that is at the contact point, as it was in the design position.
+        // Design position of the carrier point that is now at the contact point.
         let pose = placed.poses()[side as usize];
         let [x, y, z] = pose.rotation.columns;
         let lever = vehicle(contact) - pose.origin;
@@ -321,7 +322,8 @@ impl<'a> Independent<'a> {
         (wheels, plane)
     }
 
-    /// The wheels' own outputs: spring forces, motion ratios, angles and motion ratios of the bar's levers.
+    /// Outputs of each wheel: spring forces, motion ratios, angles of the anti-roll bar levers, and motion ratios of
+    /// these levers.
     fn own(&mut self, placed: &AxlePose) -> [[f64; 2]; 4] {
         let read = self.solver.read(placed).unwrap();
         let has_bar = self.axle.setup.bar_rate.is_some();
@@ -354,8 +356,8 @@ impl<'a> Independent<'a> {
         0.5 * track * (right - left)
     }
 
-    /// Roll centre: height over the mean of both contact points, and distance to the left of midway between them. Both
-    /// normals to the velocities of the contact points run through it.
+    /// Roll centre: its height above the mean of both contact points, and its distance to the left of their midpoint.
+    /// It is where the normals to the velocities of both contact points intersect.
     fn roll_centre(&mut self, placed: &AxlePose) -> [f64; 2] {
         let (wheels, plane) = self.wheels(placed);
         let along = |v: Vector3<f64>| [plane.left.dot(v), plane.normal.dot(v)];
@@ -385,11 +387,11 @@ impl<'a> Independent<'a> {
         plane.left.dot(wheels[0].contact - wheels[1].contact) * (left + right) / 4.0
     }
 
-    /// Camber, camber to the ground and steer of both wheels.
+    /// Camber, camber relative to the ground, and steer of both wheels.
     fn angles(&mut self, placed: &AxlePose) -> [f64; 6] {
         let (wheels, plane) = self.wheels(placed);
         let steer = |wheel: &Wheel, side: f64| {
-            // The wheel looks along z x a, turned to the front.
+            // The heading of the wheel is z x a, with the sign that points forward.
             let ahead = Vector3::new(0.0, 0.0, 1.0).cross(wheel.axis) * -side;
             ahead.y.atan2(ahead.x)
         };
@@ -404,7 +406,7 @@ impl<'a> Independent<'a> {
         ]
     }
 
-    /// The derivative along a placement that changes with a number.
+    /// Derivative along a placement that depends on one parameter.
     fn along<const N: usize>(
         &mut self,
         step: f64,
@@ -418,7 +420,7 @@ impl<'a> Independent<'a> {
     }
 }
 
-/// The turn seen from above.
+/// Turning geometry, seen from above.
 struct FromAbove {
     inner: f64,
     outer: f64,
@@ -428,8 +430,8 @@ struct FromAbove {
     circle: f64,
 }
 
-/// A turn, seen from above. A rear axle is the front axle of the vehicle driven backwards. A turn to the right is seen in
-/// a mirror, so that the left wheel is the inner one.
+/// Turning geometry, seen from above. A rear axle is treated as the front axle of the reversed vehicle. A right turn is
+/// mirrored, so that the left wheel is always the inner one.
 fn from_above(wheels: &[Wheel; 2], steer: [f64; 2], axle: &Axle) -> FromAbove {
     let backwards = axle.setup.position == Some(AxlePosition::Rear);
     let flip = if backwards { -1.0 } else { 1.0 };
@@ -459,7 +461,7 @@ fn from_above(wheels: &[Wheel; 2], steer: [f64; 2], axle: &Axle) -> FromAbove {
     }
 }
 
-/// Values of quantities by this evaluation.
+/// Values of quantities from this evaluation.
 type Values = Vec<(Quantity, f64)>;
 
 fn wheel_values(both: &mut Independent<'_>, placed: &AxlePose, values: &mut Values) {
@@ -517,7 +519,7 @@ fn axle_values(both: &mut Independent<'_>, placed: &AxlePose, values: &mut Value
     add(A::MeanSteer, mean);
     add(A::TotalToe, angles[5] - angles[4]);
     if let Some(diameter) = axle.left.rim_diameter {
-        // Distance of the rear edges of both rims, and that of the front ones.
+        // Distance between the rear edges of both rims, and between their front edges.
         let edges = |end: f64| {
             let edge = |wheel: &Wheel, side: f64| {
                 let level = Vector3::new(0.0, 0.0, 1.0).cross(wheel.axis) * -side;
@@ -561,7 +563,7 @@ fn axle_values(both: &mut Independent<'_>, placed: &AxlePose, values: &mut Value
     add(A::RollStiffness, moment / angle);
 }
 
-/// Derivatives along roll, heave and the rack on a plane, and frequencies.
+/// Derivatives with respect to roll, heave and rack on a plane, and natural frequencies.
 fn values_of_motions(
     both: &mut Independent<'_>,
     [heave, roll, rack]: [f64; 3],
@@ -665,8 +667,8 @@ fn values_of_motions(
     }
 }
 
-/// Every quantity of the catalogue on axles whose sides differ: from the positions of the wheels, their own outputs and
-/// differences between positions.
+/// On axles with different sides every quantity of the catalogue equals an evaluation from wheel positions, the outputs
+/// of each wheel, and differences between positions.
 #[test]
 fn quantities_are_those_of_an_independent_evaluation() {
     let mut compared = BTreeMap::new();
@@ -725,7 +727,7 @@ fn quantities_are_those_of_an_independent_evaluation() {
     assert_all_compared(&compared);
 }
 
-/// The ends of the spring or the strut in the design position.
+/// Ends of the spring or of the strut in the design position.
 fn spring_ends(suspension: &hardpoint::model::Suspension) -> [Vector3<f64>; 2] {
     let names = ["spring_lower", "spring_upper", "strut_lower", "strut_top"];
     let found = names.map(|name| suspension.mechanism.point(name));

@@ -1,10 +1,10 @@
-//! Drawings of an axle: the ground stays, the body rolls on it.
+//! Tests of drawings of an axle: the ground stays level while the body rolls.
 
 use super::one_state::axles;
 use crate::compliance::support::{elastic, with};
 use hardpoint::axle::{Placement, WheelMotion, axle_curves, axle_frames};
 
-/// A drawing of the design position has the design's points, and in roll both wheels stand on the same level ground.
+/// A drawing of the design position has the points of the design. In roll both wheels stand on the same level ground.
 #[test]
 fn the_ground_of_a_drawing_stays_where_it_is_in_the_design_position() {
     for (name, axle) in axles() {
@@ -17,7 +17,7 @@ fn the_ground_of_a_drawing_stays_where_it_is_in_the_design_position() {
         let frames = axle_frames(&axle, &placements).unwrap();
         let frames: Vec<_> = frames.into_iter().map(Result::unwrap).collect();
         let level = frames[0].contact.unwrap()[2];
-        // Wheels that differ are a little apart in the design position, where the ground is in the middle.
+        // Different wheels have slightly different heights in the design position; the ground is at their mean.
         let right = frames[0].right.as_ref().unwrap().contact.unwrap()[2];
         let ground = 0.5 * (level + right);
         let own = &axle.left;
@@ -44,8 +44,8 @@ fn the_ground_of_a_drawing_stays_where_it_is_in_the_design_position() {
     }
 }
 
-/// Wheels of an axle with elastic parts are drawn in the equilibrium: the drawn spin axes have the camber of the curves, and the
-/// wheel centres are as far apart in height as their travels.
+/// The drawing shows an axle with elastic parts in equilibrium: its spin axes have the camber of the curves. The height
+/// difference of the wheel centres equals the difference of the travels.
 #[test]
 fn an_elastic_axle_is_drawn_in_equilibrium() {
     let mut study = elastic(&with("subframe_axle_compliance.toml", ""));
@@ -74,7 +74,7 @@ fn an_elastic_axle_is_drawn_in_equilibrium() {
             (drawn.spin_axis, "left_camber_deg"),
             (other.spin_axis, "right_camber_deg"),
         ] {
-            // The spin axis points outboard and down where the top of the wheel leans outboard.
+            // If the top of the wheel leans outboard, the spin axis points outboard and down.
             let drawn = -axis[2].asin().to_degrees();
             assert!(
                 (drawn - camber(name)).abs() < 1e-9,

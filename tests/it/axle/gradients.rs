@@ -1,12 +1,12 @@
-//! Gradients with respect to hardpoints against differences of fourth order.
+//! Tests of gradients with respect to hardpoints against differences of fourth order.
 
 use super::{axle, reference::read};
 use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity, WheelQuantity as W};
 use hardpoint::model::Side::{Left, Right};
 use hardpoint::number::Vector3;
 
-/// Also where the travels follow from the design (roll), where the roll angle does, and on pads; of quantities
-/// made of second derivatives too.
+/// Gradients equal slopes also in roll (travels follow from the design), at given travels (the roll angle follows), and
+/// on pads. Quantities made of second derivatives are included.
 #[test]
 fn gradients_are_slopes() {
     let case = read("macpherson_front");
@@ -62,7 +62,7 @@ fn gradients_are_slopes() {
                 let slope = (8.0 * (a[k] - b[k]) - (c[k] - d[k])) / (12.0 * h);
                 let size = slope.abs().max(1e-4 * a[k].abs()).max(1e-9);
                 let error = (found[k] - slope).abs() / size;
-                // The roll centre's is steep where the normals are close to parallel.
+                // The roll centre has steep gradients where the normals are nearly parallel.
                 assert!(
                     error < 1e-6,
                     "{quantity:?} by {name} {component}, {placement:?}: {} {slope}",
@@ -73,8 +73,8 @@ fn gradients_are_slopes() {
     }
 }
 
-/// An axle as a function of the design: the values of its curves, and derivatives that are slopes, also where the right
-/// wheel has hardpoints of its own.
+/// The values of an axle are functions of the design, and their derivatives equal the slopes. This holds also if the
+/// right wheel has its own hardpoints.
 #[test]
 fn an_axle_is_a_function_of_its_design() {
     use hardpoint::study::Study;

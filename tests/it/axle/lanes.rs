@@ -1,4 +1,5 @@
-//! Axles in SIMD lanes against the same one by one: same values, same refusals, the same bits at every width.
+//! Tests of axles in SIMD lanes against one-by-one evaluation: same values, same refusals, and the same bits at every
+//! lane width.
 
 use hardpoint::axle::Quantity;
 use hardpoint::evaluate::NotInLanes;
@@ -11,7 +12,7 @@ const DESIGNS: usize = 20;
 const STRUT: &str = "macpherson_axle_front.toml";
 const FIVE_LINK: &str = "five_link_axle_rear.toml";
 
-/// A sample's axle with every quantity of lanes that it has, some of its points scattered.
+/// Axle of a sample with every quantity that lanes can evaluate, and with some points scattered.
 fn study(name: &str, right: &str, motion: &str, by: f64) -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("studies")
@@ -68,7 +69,8 @@ const HEAVE: &str = "heave = { from = -60.0, to = 60.0, steps = 5 }\nrack = [0.0
 const OWN_STRUT: &str = "[axle.right.hardpoints]\ntie_rod_outer = [-131.0, -688.0, 243.0]";
 const OWN_FIVE_LINK: &str = "[axle.right.hardpoints]\ntoe_link_inner = [-180.0, -347.0, 262.0]";
 
-/// In lanes every quantity has the value that it has one by one, of all designs; hardly any is left to the latter.
+/// Every quantity of every design has the same value in lanes as one by one. Almost no design falls back to one-by-one
+/// evaluation.
 #[test]
 fn lanes_have_the_values_of_designs_one_by_one() {
     let mirrored = "right = \"mirrored\"";
@@ -109,7 +111,7 @@ fn lanes_have_the_values_of_designs_one_by_one() {
                             format!("{name} {motion}: {quantity:?} {station} {found} {expected}")
                         };
                         assert_eq!(found.is_nan(), expected.is_nan(), "{}", what());
-                        // Quotients whose denominator is small are as uncertain as they are large.
+                        // The error of a quotient with a small denominator grows with its value.
                         let scale = expected.abs().max(1.0) * (1.0 + expected.abs() / 500.0);
                         assert!(
                             expected.is_nan() || (found - expected).abs() < 1e-9 * scale,

@@ -4,8 +4,8 @@ use super::{axle, reference::read};
 use hardpoint::axle::{AxleSolver, Placement, TravelRanges};
 use hardpoint::model::Side;
 
-/// The rack goes as far as the first tie rod lets it: one of a strut from -113.3 to 164.5 mm, so both from -113.3 to
-/// 113.3. Rolled almost to the end the axle has a position, beyond it none.
+/// The rack of an axle ends where the first tie rod ends: one strut allows -113.3 to 164.5 mm, so both allow -113.3 to
+/// 113.3. A roll angle just before the limit has a position; one beyond it has none.
 #[test]
 fn the_first_wheel_to_end_is_the_end() {
     let axle = axle(&read("macpherson_front"));
@@ -38,7 +38,8 @@ fn the_first_wheel_to_end_is_the_end() {
     assert!(at(1.001).is_err());
 }
 
-/// Refusals and reasons of positions beyond the ends do not depend on the order in which the ends are found.
+/// Refusals and reasons for positions beyond the limits do not depend on the order in which the solver finds the
+/// limits.
 #[test]
 fn positions_beyond_the_ends_are_refused_the_same_in_any_order() {
     let axle = axle(&read("macpherson_front"));
@@ -66,7 +67,7 @@ fn positions_beyond_the_ends_are_refused_the_same_in_any_order() {
             let after_others = solver.place(placement);
             match (&after_others, &alone) {
                 (Ok(after_others), Ok(alone)) => assert_eq!(after_others, alone, "{placement}"),
-                // Where a travel ends is found to rounding, from wherever it was sought.
+                // The solver finds the limit of travel to rounding from any start.
                 (Err(after_others), Err(alone)) => {
                     let [one, other] = [after_others, alone]
                         .map(|f| f.describe(axle.left.length_unit, axle.left.frame));
@@ -80,7 +81,7 @@ fn positions_beyond_the_ends_are_refused_the_same_in_any_order() {
     assert!((8..32).contains(&refused), "{refused} of 40");
 }
 
-/// Rockers of both wheels have the limits that they have in the study of one wheel.
+/// Rockers of both wheels have the same limits as in the study of one wheel.
 #[test]
 fn rockers_of_an_axle_have_the_limits_of_their_wheel() {
     let rows = |with: &str| {
@@ -109,7 +110,7 @@ fn rockers_of_an_axle_have_the_limits_of_their_wheel() {
     let [wheel] = &rows("pushrod")[..] else {
         panic!("one rocker of a wheel");
     };
-    // The wheel's study has no rack that moves, so its row may name another position of the rack.
+    // The study of the wheel has no moving rack, so its row may state another rack position.
     let figures =
         |row: &str| -> Vec<f64> { row.split(',').filter_map(|c| c.parse().ok()).collect() };
     let of_axle = rows("pushrod,axle");

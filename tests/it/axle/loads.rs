@@ -1,4 +1,5 @@
-//! Loads on both wheels of an axle: as on each corner alone, mirrored where they are, and of the work of the spring.
+//! Tests of loads on both wheels of an axle: against each corner alone, against mirror images, and against the work of
+//! the spring.
 
 use hardpoint::axle::axle_curves;
 use hardpoint::curves::Curves;
@@ -33,7 +34,7 @@ fn column<'c>(curves: &'c Curves, name: &str) -> impl Iterator<Item = f64> + 'c 
 const LOADS: &str = "outputs.loads=[{name=\"braking\", at=\"contact_point\", force=[-3000.0, 400.0, 4000.0], \
     moment=[2e4, -3e4, 5e4]}, {name=\"kerb\", at=\"wheel_centre\", force=[-1000.0, -200.0, 2500.0]}]";
 
-/// On level pads the left wheel is a corner: every force to the bit.
+/// On level pads the left wheel has the forces of the same study without an axle, to the bit.
 #[test]
 fn on_pads_the_left_wheel_carries_what_a_corner_does() {
     for (name, corner) in [
@@ -53,7 +54,7 @@ fn on_pads_the_left_wheel_carries_what_a_corner_does() {
                     .join(name),
             )
             .unwrap();
-            // The same study without its axle.
+            // Same study without its axle.
             let mut kept = String::new();
             let mut skips = false;
             for line in text.lines() {
@@ -95,15 +96,15 @@ fn on_pads_the_left_wheel_carries_what_a_corner_does() {
     }
 }
 
-/// On a mirrored axle that stands straight mirrored loads are carried alike, in sideways forces the other way round. In
-/// roll the wheels change places with the sign of the angle.
+/// Mirrored loads on a mirrored axle at zero roll cause mirrored forces. In roll the wheels swap roles when the angle
+/// changes sign.
 #[test]
 fn mirrored_loads_are_carried_alike() {
     let few = "outputs.characteristics=[\"camber\"]";
     let loads = "outputs.loads=[{name=\"side\", side=\"left\", at=\"contact_point\", force=[-900.0, 1500.0, 4000.0], \
         moment=[2e4, -3e4, 5e4]}, {name=\"side\", side=\"right\", at=\"contact_point\", force=[-900.0, -1500.0, 4000.0], \
         moment=[-2e4, -3e4, -5e4]}]";
-    // One name on either side, but not on both.
+    // A load name may appear once on each side, but a load for both sides may not use it again.
     let both = loads.replacen("side=\"left\", ", "", 1);
     let said = study("macpherson_axle.toml", &[&both]).unwrap_err();
     assert!(said.contains("is the name of another load"), "{said}");
@@ -125,8 +126,8 @@ fn mirrored_loads_are_carried_alike() {
     assert!(seen > 8, "{seen}");
 }
 
-/// A load along the normal of the ground may equal the wheel load from spring and motion. Then just that force of the
-/// spring carries it, also in roll. The spring takes the work of any load.
+/// A load along the ground normal that equals the wheel load from spring and motion is carried by exactly that spring
+/// force, also in roll. For any load the spring force does the work of the load.
 #[test]
 fn the_spring_takes_the_work() {
     let quantities = "outputs.characteristics=[\"wheel_load\", \"spring_force\", \"motion_ratio\"]";
@@ -144,7 +145,7 @@ fn the_spring_takes_the_work() {
     let (sine, cosine) = 3.0_f64.to_radians().sin_cos();
     for side in ["left", "right"] {
         let load = value(&format!("{side}_wheel_load_N"));
-        // In the body's axes, which roll against the ground.
+        // Components in body axes, which are rolled relative to the ground.
         let (y, z) = (load * sine, load * cosine);
         let loads = format!(
             "outputs.loads=[{{name=\"ground\", side=\"{side}\", at=\"contact_point\", force=[0.0, {y:?}, {z:?}]}}]"
@@ -159,7 +160,7 @@ fn the_spring_takes_the_work() {
             "{side}: {carried} {spring}"
         );
     }
-    // At the wheel centre the work of a vertical force is the force by the travel.
+    // At the wheel centre, the work of a vertical force is the force times the travel.
     let loads = "outputs.loads=[{name=\"kerb\", at=\"wheel_centre\", force=[0.0, 0.0, 2500.0]}]";
     let found = solved(
         "five_link_axle.toml",
@@ -180,7 +181,7 @@ fn the_spring_takes_the_work() {
     }
 }
 
-/// A spring without leverage has a status and no values, on the side where it is so.
+/// A spring without leverage has a status and no values, only on the side where this occurs.
 #[test]
 fn what_nothing_carries_has_a_status_and_no_values() {
     let text = std::fs::read_to_string(
@@ -195,7 +196,7 @@ fn what_nothing_carries_has_a_status_and_no_values() {
     let file = directory.join("dead_centre.toml");
     std::fs::write(&file, text).unwrap();
     let overrides = [
-        // On the line from the lower end through the middle of the hinge in the design position.
+        // This point lies on the line from the lower end through the middle of the hinge in the design position.
         "suspension.hardpoints.spring_lower=[70.0, 580.0, 270.0]",
         "suspension.hardpoints.spring_upper=[205.0, 470.0, 262.5]",
         "outputs={characteristics=[\"camber\"], loads=[{name=\"kerb\", at=\"wheel_centre\", force=[0, 0, 1000], side=\"right\"}]}",

@@ -1,4 +1,4 @@
-//! Axles: against independent answers, symmetry and statics.
+//! Tests of axles against independent results, symmetry and statics.
 
 mod acceleration;
 mod at_load;
@@ -34,7 +34,7 @@ use hardpoint::study::Study;
 use serde_json::Value;
 use std::path::Path;
 
-/// The left wheel of a case of `tests/data/reference/axle`, as a study would give it.
+/// Left wheel of a case of `tests/data/reference/axle`, as a study would define it.
 fn suspension(case: &Value) -> Suspension {
     let mut text = format!("[suspension]\ntopology = {}\n", case["topology"]);
     text += "[suspension.hardpoints]\n";

@@ -1,4 +1,4 @@
-//! `[motions.NAME]` of an axle: curves of their own, and constraints on both wheels.
+//! Tests of `[motions.NAME]` of an axle: separate curves, and constraints on both wheels.
 
 use super::commands::{folder, run, study as sample};
 use super::tuning::study;
@@ -33,7 +33,7 @@ fn a_named_motion_has_the_curves_of_the_same_motion() {
     assert!(given.in_motion("other").is_none());
 }
 
-/// The largest half track change of one wheel along a motion of that wheel.
+/// Largest half track change of one wheel along a motion of that wheel.
 fn most(study: &Study, travels: [f64; 2]) -> f64 {
     let mut own = WheelStudy::of(study.wheel().clone());
     own.outputs.characteristics = vec![Characteristic::HalfTrackChange];
@@ -48,8 +48,8 @@ fn most(study: &Study, travels: [f64; 2]) -> f64 {
     values.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// A limit through a motion of the axle is kept along the travel of each wheel, and along that of one wheel with `side`. It
-/// binds at the wheel that moves farther.
+/// A limit through a motion of the axle applies to the travel of each wheel, or of one wheel if `side` names it. The
+/// limit is active at the wheel that moves farther.
 #[test]
 fn a_constraint_holds_at_both_wheels_or_at_one() {
     let given = study("macpherson_axle_front", &[]);
@@ -77,8 +77,8 @@ fn a_constraint_holds_at_both_wheels_or_at_one() {
     assert!(most(&one, [-60.0, 60.0]) < 0.5 + 1e-5);
 }
 
-/// The rack of the right wheel, seen as a left wheel, is on the other side: a limit on the steer angle of both wheels at one
-/// rack displacement is one at both displacements of the left wheel.
+/// The right wheel, seen as a left wheel, has the opposite rack displacement. So a limit on the steer angle of both
+/// wheels at one rack displacement limits the left wheel at both signs of it.
 #[test]
 fn the_right_wheel_steers_the_other_way() {
     let given = study("macpherson_axle_front", &[]);
@@ -144,8 +144,8 @@ fn motions_that_do_not_fit_are_refused() {
     );
 }
 
-/// A quantity that one motion cannot have is no failure if another motion has it: without steering there is no Ackermann
-/// percentage. If no motion has it, the exit code is 1 with the reason.
+/// A quantity that is not available in one motion is no error if another motion has it: without steering there is no
+/// Ackermann percentage. If no motion has it, the exit code is 1 with the reason.
 #[test]
 fn a_value_of_another_motion_is_enough() {
     let path = sample("double_wishbone_axle.toml");

@@ -1,4 +1,4 @@
-//! A position on a plane ground has one value of each quantity, whatever numbers ask for it.
+//! Tests that each quantity at a position on plane ground is independent of the coordinates that define the position.
 
 use super::reference::condition;
 use super::tuning::study;
@@ -7,10 +7,10 @@ use hardpoint::axle::{Axle, AxleSolver, AxleState, Motion, Placement, Quantity};
 use hardpoint::model::Side;
 use std::collections::BTreeMap;
 
-/// An axle and its name.
+/// Axle with its name.
 pub(super) type Named = (&'static str, Axle);
 
-/// Axles of struts, links and wishbones with rockers, the first as its mirror image, all others with different sides.
+/// Axles of struts, links and wishbones with rockers. The first one is mirrored; all others have different sides.
 pub(super) fn axles() -> [Named; 5] {
     let of = |name, changes: &[(&str, &str)]| study(name, changes).axle().unwrap().clone().axle;
     let lopsided = "[axle.right.hardpoints]\ntie_rod_outer = [-133.0, -687.0, 244.0]\n\
@@ -86,7 +86,7 @@ pub(super) fn axles() -> [Named; 5] {
     all
 }
 
-/// The quantities that have a value in a state.
+/// Quantities that have a value in a state.
 fn quantities(axle: &Axle) -> Vec<Quantity> {
     let all = Quantity::names().into_iter().flat_map(Quantity::named);
     let has = |quantity: &Quantity| match quantity {
@@ -99,7 +99,7 @@ fn quantities(axle: &Axle) -> Vec<Quantity> {
     all.filter(has).collect()
 }
 
-/// The size of numbers of a kind, in mm, N and rad.
+/// Typical magnitude of a value with this unit, in mm, N and rad.
 fn natural(unit: Unit) -> f64 {
     match unit {
         Unit::Angle | Unit::Ratio | Unit::AnglePerAngle => 1.0,
@@ -114,7 +114,8 @@ fn natural(unit: Unit) -> f64 {
     }
 }
 
-/// Every quantity of the catalogue, by roll and heave, by both travels, and at a load.
+/// Every quantity of the catalogue has the same value whether roll and heave, both travels, or a load define the
+/// position.
 #[test]
 fn quantities_do_not_depend_on_how_a_position_is_asked_for() {
     let mut worst: BTreeMap<String, (f64, String)> = BTreeMap::new();
@@ -170,7 +171,7 @@ fn quantities_do_not_depend_on_how_a_position_is_asked_for() {
     for (quantity, (deviation, values)) in &worst {
         println!("{quantity}: {deviation:.1e} ({values})");
     }
-    // Every quantity of the catalogue was compared.
+    // The test has compared every quantity of the catalogue.
     let compared =
         |name: &str| worst.contains_key(name) || worst.contains_key(&format!("left_{name}"));
     let names = Quantity::names().into_iter();
@@ -181,7 +182,7 @@ fn quantities_do_not_depend_on_how_a_position_is_asked_for() {
     }
 }
 
-/// A position of a road car's axle, against an independent calculation to twelve digits.
+/// The stiffness at constant load of a road car's axle equals an independent calculation with twelve digits.
 #[test]
 fn the_stiffness_at_a_load_is_that_of_an_independent_calculation() {
     let (_, axle) = axles().into_iter().next().unwrap();
@@ -209,8 +210,8 @@ fn the_stiffness_at_a_load_is_that_of_an_independent_calculation() {
     }
 }
 
-/// Wheels on level pads at one height stand on a plane. Quantities along roll are then those of the plane, also if
-/// the axle's sides differ.
+/// Level pads at one height form a plane. Quantities along roll then equal those on the plane, also if the sides of the
+/// axle differ.
 #[test]
 fn level_pads_at_one_height_are_a_plane() {
     for (name, axle) in axles() {
@@ -253,7 +254,8 @@ fn level_pads_at_one_height_are_a_plane() {
     }
 }
 
-/// Heave on a plane keeps the roll angle, also where both travels are given; the rack then keeps what the station gives.
+/// Heave on a plane keeps the roll angle constant, also where both travels are given. The rack then keeps the value of
+/// the station.
 #[test]
 fn motions_hold_what_they_say() {
     let (_, axle) = axles().into_iter().nth(1).unwrap();

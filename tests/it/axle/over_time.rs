@@ -1,4 +1,5 @@
-//! Motions of an axle over time: those of one wheel, and slopes of the curves by time.
+//! Tests of motions of an axle over time: against those of one wheel, and against slopes of the curves with respect to
+//! time.
 
 use super::commands;
 use hardpoint::axle::axle_curves;
@@ -28,7 +29,8 @@ fn value(curves: &Curves, station: usize, name: &str) -> f64 {
 const ASKED: &str = "outputs={characteristics=[\"camber\", \"toe\", \"track\", \"wheel_load\"], \
     points=[\"wheel_centre\", \"tie_rod_outer\"], knuckle=true, order=\"acceleration\"}";
 
-/// Velocities are the slopes of the values, and accelerations those of the velocities, by differences of the eighth order.
+/// Velocities equal the slopes of the values, and accelerations equal the slopes of the velocities, from differences of
+/// eighth order.
 #[test]
 fn derivatives_by_time_are_slopes() {
     let step = 1.0 / 64.0;
@@ -60,7 +62,7 @@ fn derivatives_by_time_are_slopes() {
         let places: Vec<Vec<u64>> = (found.stations.iter())
             .map(|s| s.at.iter().map(|at| at.unwrap().to_bits()).collect())
             .collect();
-        // The stations of each combination of the other coordinates, in the order of time.
+        // Stations of each combination of the other coordinates, in order of time.
         let driven = found.motion.iter().position(|m| m.key == drive).unwrap();
         let given: Vec<usize> = (0..found.motion.len())
             .filter(|k| found.motion[*k].is_given && ![time, driven].contains(k))
@@ -124,7 +126,7 @@ fn derivatives_by_time_are_slopes() {
     }
 }
 
-/// Both wheels of an axle in heave have the curves by time of one wheel by travel.
+/// Both wheels of an axle in heave over time have the curves of one wheel in travel over time.
 #[test]
 fn heave_over_time_is_the_travel_of_one_wheel_over_time() {
     let time = "time={polynomial=[-20.0, 30.0, 4.0], from=0.0, to=1.5, steps=7}";
@@ -225,7 +227,7 @@ fn what_time_does_not_go_with_is_refused() {
     assert!(message.contains("a named motion has no time"), "{message}");
 }
 
-/// In the design position a motion over time has values and no velocities.
+/// A motion over time has values but no velocities in the design position.
 #[test]
 fn the_summary_has_no_velocity_in_the_design_position() {
     let (path, out) = (

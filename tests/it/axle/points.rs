@@ -1,4 +1,5 @@
-//! Points and angular velocities of both wheels of an axle, with their derivatives with respect to what moves and by hardpoints.
+//! Tests of points and angular velocities of both wheels of an axle, with their derivatives with respect to the motion
+//! and to hardpoints.
 
 use hardpoint::axle::axle_curves;
 use hardpoint::curves::Curves;
@@ -25,15 +26,15 @@ fn value(curves: &Curves, station: usize, name: &str) -> f64 {
 const POINTS: &str = "outputs={characteristics=[\"camber\"], points=[\"wheel_centre\", \"tie_rod_inner\", \"drop_link_inner\", \
     \"strut_lower\"], knuckle=true, order=\"velocity\"}";
 
-/// A central difference of the eighth order over nine stations a step apart.
+/// Central difference of eighth order over nine stations with this step.
 fn difference(at: impl Fn(usize) -> f64, step: f64) -> f64 {
     let weights = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
     let pairs = weights.iter().enumerate();
     pairs.map(|(k, w)| w * (at(5 + k) - at(3 - k))).sum::<f64>() / step
 }
 
-/// In the axes of the body with their actual y: where the design has them, and in roll the right wheel where the left one
-/// is in the opposite roll, mirrored.
+/// Points are given in body axes with their actual y. In the design position they equal the design. In roll the right
+/// wheel's points mirror those of the left wheel at the opposite roll angle.
 #[test]
 fn both_wheels_have_their_points_in_the_body_s_axes() {
     let found = solved(
@@ -60,7 +61,8 @@ fn both_wheels_have_their_points_in_the_body_s_axes() {
         else {
             continue;
         };
-        // Lateral ways, the turns about x and z and everything by the roll angle or the rack change their signs.
+        // Lateral displacements and rotations about x and z change their sign, and so does every derivative with
+        // respect to roll angle or rack.
         let name = &column.output;
         let mut sign = 1.0;
         for turns in [
@@ -87,8 +89,8 @@ fn both_wheels_have_their_points_in_the_body_s_axes() {
     assert!(seen > 40, "{seen}");
 }
 
-/// The derivatives of coordinates by all that moves are those of the values, and so is the angular velocity: it moves the
-/// points of the wheel carrier.
+/// The derivatives of coordinates with respect to each motion coordinate equal the slopes of the values. The angular
+/// velocity gives the velocities of the wheel carrier's points.
 #[test]
 fn points_move_at_their_derivatives() {
     let step = 0.125;
@@ -151,7 +153,7 @@ fn points_move_at_their_derivatives() {
             let vector =
                 |name: &str| ["x", "y", "z"].map(|axis| value(&found, 4, &name.replace('#', axis)));
             let omega = vector(&format!("{side}_knuckle_omega_#_by_{by}_rad_per_{unit}"));
-            // Both are points of the carrier of a strut.
+            // Both points belong to the wheel carrier of a strut.
             let arm = {
                 let [a, b] =
                     ["strut_lower", "wheel_centre"].map(|p| vector(&format!("{side}_{p}_#_mm")));
@@ -171,8 +173,8 @@ fn points_move_at_their_derivatives() {
     }
 }
 
-/// Sensitivities of coordinates: the design moves, of an axle whose sides differ one wheel alone, and in roll the travels
-/// of both follow.
+/// Coordinates have correct sensitivities to the design. If the sides differ, the right wheel's hardpoint moves only
+/// that wheel. In roll the travels of both wheels follow.
 #[test]
 fn points_have_sensitivities() {
     let outputs = "outputs={points=[\"wheel_centre\", \"toe_link_outer\"], sensitivities=[\"toe_link_inner\", \"lower_rear_link_outer\"]}";
@@ -184,7 +186,7 @@ fn points_have_sensitivities() {
         let step = 0.1;
         let at = |k: usize, side: &str| {
             let moved = 250.0 + step * (k as f64 - 4.0);
-            // The right wheel has its own point, in its own place.
+            // The right wheel has its own position of the point.
             let set = match side {
                 "left" => format!(
                     "suspension.hardpoints.lower_rear_link_outer=[-55.0, {:?}, 190.0]",
@@ -227,13 +229,13 @@ fn points_have_sensitivities() {
     }
 }
 
-/// Number of the point by which the test differentiates: the last that has sensitivities.
+/// Index of the point with respect to which the test differentiates: the last one with sensitivities.
 fn lower_rear(found: &Curves) -> usize {
     let points = found.sensitivities.iter().map(|s| s.point.0);
     let mut points: Vec<_> = points.collect();
     points.sort_unstable();
     points.dedup();
     assert_eq!(points.len(), 2);
-    // Links come in the order of the file, the toe link last.
+    // Links keep the order of the file, with the toe link last.
     points[0]
 }

@@ -1,4 +1,4 @@
-//! Steered axles with springs and bar, solved at 100 digits independently of the program.
+//! Tests of steered axles with springs and anti-roll bar against an independent solution with 100 digits.
 
 use super::axle;
 use hardpoint::axle::{
@@ -35,7 +35,7 @@ pub fn placement(motion: &Value) -> Placement {
     }
 }
 
-/// Quantities of the catalogue by their names in the reference, with the scale of their errors: a length, or 1 for
+/// Quantities of the catalogue with their names in the reference, and the scale of their errors: a length, or 1 for
 /// angles and plain numbers.
 fn quantities() -> Vec<(String, Quantity, f64)> {
     let mut all = Vec::new();
@@ -98,12 +98,12 @@ fn quantities() -> Vec<(String, Quantity, f64)> {
     all
 }
 
-/// Factor by which a quotient is less exact than its parts.
+/// Factor by which a quotient is less accurate than its operands.
 pub(super) fn condition(name: &str, state: &AxleState<f64>) -> f64 {
     let value = |q| Quantity::Axle(q).evaluate(state);
     let jacking = [Left, Right].map(|s| Quantity::Wheel(s, W::JackingCoefficient).evaluate(state));
     match name {
-        // A quotient by the sum of the jacking coefficients, itself a difference on one side.
+        // The divisor is the sum of the jacking coefficients, which itself is a difference on one side.
         n if n.starts_with("roll_centre") => {
             let sum = (jacking[0] + jacking[1]).abs();
             ((jacking[0].abs() + jacking[1].abs()) / sum)
@@ -118,7 +118,7 @@ pub(super) fn condition(name: &str, state: &AxleState<f64>) -> f64 {
     }
 }
 
-/// Names of the numbers in an array of the states, in their order.
+/// Names of the numbers in an array of the states, in order.
 pub(super) fn names<'c>(case: &'c Value, of: &str) -> Vec<&'c str> {
     let names = case["names"][of].as_array().unwrap().iter();
     names.map(|name| name.as_str().unwrap()).collect()
@@ -132,7 +132,7 @@ struct Worst(f64, String);
 
 impl Worst {
     fn note(&mut self, error: f64, what: impl FnOnce() -> String) {
-        // Written so that NaN is the worst.
+        // This form makes NaN the largest error.
         if error.is_nan() || error > self.0 {
             *self = Worst(error, what());
         }
@@ -172,7 +172,8 @@ fn every_value_is_the_reference_s() {
                 let Some(expected) = expected(name) else {
                     continue;
                 };
-                // The reference holds both travels where they are given, the program's ratio roll angle and mean travel.
+                // The reference keeps both travels constant where the case gives them; the program keeps roll angle and
+                // mean travel constant.
                 let found = match (name.as_str(), state["motion"]["kind"].as_str()) {
                     ("steering_ratio", Some("travels")) => {
                         let by_rack = Quantity::Axle(A::MeanSteer);
@@ -184,7 +185,8 @@ fn every_value_is_the_reference_s() {
                 let Ok(mut found) = found else {
                     panic!("{label} {name}: {found:?}, expected {expected}");
                 };
-                // The reference counts levers positive as in jounce, the program as their drop link pushes.
+                // The reference counts lever angles positive in jounce; the program counts them positive in the
+                // direction in which the drop link pushes.
                 if name.starts_with("bar_") {
                     found *= bar_sign;
                 }
@@ -229,7 +231,7 @@ fn derivatives_along_motions_are_the_reference_s() {
                         continue;
                     };
                     let found = quantity.evaluate(&moving)[1];
-                    // A radian of roll is a long way: angles and lengths by it are of their own size.
+                    // A radian of roll is a large motion: angles and lengths per radian have their natural magnitude.
                     let per = if key == "by_roll" { 1.0 } else { 1e-2 };
                     let size = expected.abs().max(scale * per);
                     let size = size * condition(name, &read.state);
@@ -251,8 +253,7 @@ fn gradients_by_hardpoints_are_the_reference_s() {
         let axle = axle(&case);
         let quantities = quantities();
         let names = names(&case, "sens");
-        // Those of roll stiffnesses in the file are right to four digits (rig) and seven (road) alone:
-        // `gradients` has them.
+        // The file has roll stiffnesses to four (rig) or seven (road) digits only. `gradients` tests them.
         let is_exact = |name: &str| !name.starts_with("roll_stiffness");
         let known = |name: &str| {
             quantities

@@ -1,4 +1,4 @@
-//! `[axle.right]`: a right wheel that differs from the mirror image by points, angles, bodies or its spring.
+//! Tests of `[axle.right]`: a right wheel whose points, angles, bodies or spring differ from the mirror image.
 
 use super::commands::{folder, run as hardpoint_run};
 use hardpoint::axle::{Axle, AxlePlan, axle_curves};
@@ -6,7 +6,7 @@ use hardpoint::curves::Curves;
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// A double wishbone with angles in `[wheel]`, a bar and springs.
+/// Double wishbone with angles in `[wheel]`, an anti-roll bar and springs.
 const HEAD: &str = r#"
 [suspension]
 topology = "double_wishbone"
@@ -44,7 +44,7 @@ fn solved(text: &str) -> (Axle, AxlePlan, Curves) {
     (both.axle, both.plan, curves)
 }
 
-/// The values of all columns of one side.
+/// Values of all columns of one side.
 fn side(curves: &Curves, side: &str) -> Vec<(String, Vec<f64>)> {
     let columns = curves.columns.iter().enumerate();
     let of_side = columns.filter_map(|(k, c)| Some((k, c.name.strip_prefix(side)?.to_owned())));
@@ -61,14 +61,14 @@ const FLAT: &str = "static_camber = -0.5\nstatic_toe = 0.2";
 const SOFT: &str = "[spring]\nrate = 28.0\nforce = 3500.0\n";
 const HARD: &str = "[spring]\nrate = 35.0\nforce = 3500.0\n";
 
-/// On pads each wheel is by itself: the right one of an axle whose sides differ is that of the mirrored axle which has
-/// its figures on both sides, to the bit.
+/// On pads each wheel is independent. The right wheel of an axle with different sides equals that of a mirrored axle
+/// with the same right-hand values on both sides, to the bit.
 #[test]
 fn each_side_is_that_of_the_mirrored_axle_with_its_figures() {
     let points = "wheel_centre = [0.0, -770.0, 305.0]\n";
     let mirrored = HEAD.replace("[   0.0, 760.0, 310.0]", "[0.0, 770.0, 305.0]");
     for (own, of_right) in [
-        // What is not given is the left wheel's.
+        // Omitted entries are those of the left wheel.
         (
             "[axle.right.wheel]\nstatic_camber = -0.5\n".to_owned(),
             text(FLAT, "[axle]\n", SOFT),
@@ -97,12 +97,12 @@ fn each_side_is_that_of_the_mirrored_axle_with_its_figures() {
         assert_eq!(side(&found, "left_"), side(&left, "left_"), "{own}");
         assert_eq!(side(&found, "right_"), side(&right, "right_"), "{own}");
         assert_ne!(side(&found, "left_"), side(&found, "right_"), "{own}");
-        // Springs of their own leave the linkage mirrored.
+        // Different springs leave the linkage mirrored.
         assert_eq!(axle.right.is_none(), own.contains("spring]"), "{own}");
     }
 }
 
-/// Without entries for the right wheel it is the mirror image.
+/// Without entries for the right wheel it is the mirror image of the left one.
 #[test]
 fn without_right_the_axle_is_mirrored() {
     let (axle, _, found) = solved(&text(STEEP, "[axle]\n", SOFT));
@@ -112,7 +112,8 @@ fn without_right_the_axle_is_mirrored() {
     assert_eq!(axle, named);
 }
 
-/// Such an axle is rolled, proved, swept and tuned like any other, and results say what is its own.
+/// Every command accepts an axle with its own right wheel: it can be rolled, certified, swept and tuned. Results name
+/// the entries of the right wheel.
 #[test]
 fn an_axle_with_a_right_wheel_of_its_own_goes_through_every_command() {
     let own = "[axle.right.wheel]\nstatic_toe = -0.3\n[axle.right.spring]\nforce = 3700.0\n";
@@ -178,7 +179,7 @@ fn an_axle_with_a_right_wheel_of_its_own_goes_through_every_command() {
         let found = cell(&swept, 2, &format!("{side}_toe_max_deg"));
         assert!((found - most).abs() < 1e-12, "{side}: {found} {most}");
     }
-    // Drawn as it is, its builds scatter about it, and one of them is a study.
+    // Builds scatter about the nominal design with its different sides, and a printed build is a study.
     let few = "outputs.characteristics=[\"toe\"]";
     let (built, _) = hardpoint_run(&["tolerance", file, "--set", few, "--build", "7"], 0);
     let built_file = place.join("built.toml");
@@ -274,8 +275,8 @@ fn mistakes_in_a_right_wheel_are_named() {
     assert!(said.contains("[axle.right.hardpoints]"), "{said}");
 }
 
-/// A constraint would check the dimensions of the left wheel only. If those of the right wheel differ, the study must say that
-/// it means the left wheel, in the design position as through a motion.
+/// A constraint on dimensions checks only the left wheel. If the right wheel's dimensions differ, the study must name
+/// the left side, in the design position as through a motion.
 #[test]
 fn constraints_of_different_wheels_name_the_left_one() {
     let own = "[axle.right.hardpoints]\ntie_rod_inner = [-120.0, -350.0, 255.0]\n";

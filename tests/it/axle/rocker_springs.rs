@@ -1,4 +1,4 @@
-//! Springs between the rockers of both wheels: heave springs, T-bars, heave bars, monoshocks.
+//! Tests of springs between the rockers of both wheels: heave springs, T-bars, heave bars, monoshocks.
 
 use super::commands::study;
 use crate::support::random::Random;
@@ -10,7 +10,7 @@ use hardpoint::characteristics::Characteristic;
 use hardpoint::model::{Axis, PointId, Side};
 use hardpoint::study::Study;
 
-/// The axle of the sample, with all springs that a test may want.
+/// Axle of the sample with every spring that a test may need.
 fn sample() -> Axle {
     let study = Study::read(&study("double_wishbone_monoshock.toml"), &[]).unwrap();
     let mut axle = study.axle().unwrap().axle.clone();
@@ -21,14 +21,14 @@ fn sample() -> Axle {
     axle
 }
 
-/// The sample with these springs alone.
+/// Sample with only these springs.
 fn with(springs: RockerSprings) -> Axle {
     let mut axle = sample();
     axle.setup.rocker_springs = springs;
     axle
 }
 
-/// Values of quantities at travels of both wheels on level pads.
+/// Values of quantities at given travels of both wheels on level pads.
 fn values(axle: &Axle, travels: [f64; 2], quantities: &[Quantity]) -> Vec<f64> {
     let mut solver = AxleSolver::<4>::new(axle, quantities, false).unwrap();
     let placement = Placement::Travels {
@@ -44,7 +44,7 @@ fn values(axle: &Axle, travels: [f64; 2], quantities: &[Quantity]) -> Vec<f64> {
 
 const BOTH: [Side; 2] = Side::ALL;
 
-/// The energy of heave spring, T-bar and heave bar, from lengths and angles.
+/// Energy of heave spring, T-bar and heave bar, from lengths and angles.
 fn energy(axle: &Axle, travels: [f64; 2]) -> f64 {
     let angle = |side| Quantity::Corner(side, Characteristic::RockerAngle);
     let asked = [
@@ -63,7 +63,7 @@ fn energy(axle: &Axle, travels: [f64; 2]) -> f64 {
         + along(springs.heave_bar, left + right)
 }
 
-/// Wheel loads do the work of the springs: F dh = dU, h the height of a wheel's level pad.
+/// Wheel loads do the work of the springs: F dh = dU, where h is the height of the wheel's level pad.
 #[test]
 fn wheel_loads_are_slopes_of_the_energy() {
     let axle = sample();
@@ -87,15 +87,15 @@ fn wheel_loads_are_slopes_of_the_energy() {
             let load = Quantity::Wheel(side, W::WheelLoad);
             let [load] = values(&axle, travels, &[load]).try_into().unwrap();
             let expected = (above - below) / (high - low);
-            // The error of a central difference, and rounding of the energies.
+            // Error of a central difference, plus rounding of the energies.
             let error = (load - expected).abs();
             assert!(error < 1e-4 * load.abs().max(100.0), "{load} {expected}");
         }
     }
 }
 
-/// In roll about the design position the heave spring and the heave bar without preload are even functions of the angle, and in
-/// heave the T-bar does nothing. The stiffnesses without them are left.
+/// A heave spring or heave bar without preload adds no roll stiffness in the design position, because its force is an
+/// even function of the roll angle. A T-bar adds no stiffness in heave.
 #[test]
 fn each_spring_resists_its_own_motion() {
     let heave_spring = Some(Preloaded {
@@ -129,13 +129,13 @@ fn each_spring_resists_its_own_motion() {
         t_bar: Some(4.0e5),
         heave_bar,
     });
-    // The T-bar adds nothing to heave, and the rates of the other two add up.
+    // The T-bar adds nothing in heave. The rates of heave spring and heave bar add up.
     assert!((all - ride - bar_ride).abs() < 1e-9 * all, "{all}");
     assert!(bar > 1.0e4, "{bar}");
 }
 
-/// A T-bar of the rate k is an anti-roll bar of the rate k whose lever is the rocker: with springs at each wheel alone, both wheel
-/// loads change by k (rho_l - rho_r) rho'/(n.C').
+/// A T-bar with rate k is an anti-roll bar with rate k whose lever is the rocker. Added to springs at each wheel, it
+/// changes both wheel loads by k (rho_l - rho_r) rho'/(n.C').
 #[test]
 fn a_t_bar_adds_to_the_load_of_the_springs() {
     let law = SpringLaw {
@@ -163,7 +163,7 @@ fn a_t_bar_adds_to_the_load_of_the_springs() {
     assert!(torque > 0.0 && left > 0.0 && right < 0.0, "{left} {right}");
 }
 
-/// Gradients with respect to hardpoints are those of whole designs.
+/// Gradients with respect to hardpoints equal differences between moved designs.
 #[test]
 fn gradients_are_those_of_moved_designs() {
     let axle = sample();
@@ -215,7 +215,8 @@ fn gradients_are_those_of_moved_designs() {
     }
 }
 
-/// A monoshock needs no `[spring]`; a heave spring without its point, and bars without rockers, are refused with the remedy.
+/// A monoshock needs no `[spring]`. The program refuses a heave spring without its point, or bars without rockers, and
+/// tells the remedy.
 #[test]
 fn what_is_missing_is_said() {
     use super::commands::run;

@@ -1,4 +1,4 @@
-//! Motions of an axle whose stations are rows: the n-th value of every coordinate.
+//! Tests of motions of an axle with stations in rows: row n takes the n-th value of every coordinate.
 
 use super::tuning::{evaluate, layout, study};
 use hardpoint::curves::Curves;
@@ -24,7 +24,7 @@ fn column(curves: &Curves, name: &str) -> Vec<f64> {
         .collect()
 }
 
-/// Motions of rows, and the motion of each row alone.
+/// Motions in rows, and for each row the motion with only that row.
 const ROWS: [(&str, &[&str]); 3] = [
     (
         "{ travel_left = [20.0, -20.0, 5.0], travel_right = [-20.0, 20.0, 5.0], rack = [8.0, -8.0, 0.0], combine = \"rows\" }",
@@ -52,7 +52,8 @@ const ROWS: [(&str, &[&str]); 3] = [
     ),
 ];
 
-/// Each row has the values of a motion with this station alone, in the order of the rows, in `[motion]` and under a name.
+/// Each row has the values of a motion with only this station, in the order of the rows. This holds in `[motion]` and
+/// in a named motion.
 #[test]
 fn each_row_is_a_station() {
     let given = study("macpherson_axle", &[]);
@@ -66,7 +67,7 @@ fn each_row_is_a_station() {
         for (number, one) in alone.iter().enumerate() {
             let single = with(&given, &[&format!("motion={one}")]).unwrap();
             let single = single.curves().unwrap();
-            // A station that follows another one is solved from it, so rounding differs.
+            // The solver starts a station from the previous one, so rounding differs.
             let places = own.stations[number].at.iter().zip(&single.stations[0].at);
             for (found, expected) in places {
                 let apart = found.unwrap() - expected.unwrap();

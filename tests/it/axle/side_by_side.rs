@@ -1,4 +1,4 @@
-//! `hardpoint compare` with axles.
+//! Tests of `hardpoint compare` with axles.
 
 use super::commands::{folder, run, study};
 use hardpoint::report::CurveTable;
@@ -9,7 +9,7 @@ fn comparison(out: &Path) -> CurveTable {
     CurveTable::read(&fs::read(out.join("comparison.csv")).unwrap()).unwrap()
 }
 
-/// A study of a five-link axle whose right toe link is 2 mm longer, in this folder.
+/// Writes a study of a five-link axle whose right toe link is 2 mm longer into this folder.
 fn longer(folder: &Path) -> String {
     fs::create_dir_all(folder).unwrap();
     let text = fs::read_to_string(study("five_link_axle.toml")).unwrap();
@@ -22,8 +22,8 @@ fn longer(folder: &Path) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// Every station of roll, heave and steering is compared with itself: no difference, and the values are those of the
-/// run. Travels follow from roll and heave, so they are curves.
+/// An axle compared with itself shows no difference at any station of roll, heave and steering, and the values equal
+/// those of the run. Travels follow from roll and heave, so they are curves.
 #[test]
 fn an_axle_does_not_differ_from_itself() {
     let folder = folder("compare_same");
@@ -56,7 +56,7 @@ fn an_axle_does_not_differ_from_itself() {
     assert!(page.contains(r#"data-over="heave_mm""#));
 }
 
-/// The second study is solved over the motion of the first, and a point of the right wheel that moved is named.
+/// `compare` solves the second study over the motion of the first, and names a moved point of the right wheel.
 #[test]
 fn points_of_a_right_wheel_of_its_own_are_told_apart() {
     let folder = folder("compare_own");
@@ -82,7 +82,7 @@ fn points_of_a_right_wheel_of_its_own_are_told_apart() {
     );
 }
 
-/// Motions that have no station in common by their nature are refused, with the reason.
+/// `compare` refuses motions that cannot have a common station, and states the reason.
 #[test]
 fn wheels_and_axles_and_other_motions_are_not_mixed() {
     let wheel = study("five_link_solve.toml");

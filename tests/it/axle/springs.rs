@@ -1,10 +1,10 @@
-//! Force curves of springs and bump stops, between and beyond their points.
+//! Tests of force curves of springs and bump stops, between and beyond their points.
 
 use super::commands::{run, study};
 use hardpoint::axle::ForceCurve;
 
-/// The manual's example, by hand: slopes 176/3 and 3850/23 at the neighbours of 15 mm, so that the cubic is below the straight
-/// line by 1.25 of their difference.
+/// The manual's example, calculated by hand: the slopes are 176/3 and 3850/23 at the neighbours of 15 mm. So the cubic
+/// is below the straight line by 1.25 times their difference.
 #[test]
 fn a_force_curve_is_the_cubic_that_the_manual_describes() {
     let points = [[0.0, 0.0], [10.0, 400.0], [20.0, 1500.0], [30.0, 5000.0]];
@@ -13,12 +13,13 @@ fn a_force_curve_is_the_cubic_that_the_manual_describes() {
     let wanted: f64 = 950.0 + 1.25 * (176.0 / 3.0 - 3850.0 / 23.0);
     assert!((at(15.0) - wanted).abs() < 1e-10, "{}", at(15.0));
     assert!((wanted - 814.0).abs() < 0.1);
-    // Beyond the ends it goes on with the slopes of its first and last pair of points.
+    // Beyond the ends the curve continues with the slope of the first or last pair of points.
     assert!((at(34.0) - (5000.0 + 4.0 * 350.0)).abs() < 1e-9);
     assert!((at(-3.0) + 3.0 * 40.0).abs() < 1e-9);
 }
 
-/// A motion that goes beyond the points of a curve is doubted, with the travel and both lengths; one that does not is not.
+/// The program warns of a motion that leaves the range of a force curve, and states the travel and both lengths. A
+/// motion within the range causes no warning.
 #[test]
 fn travels_beyond_a_force_curve_are_named() {
     let path = study("macpherson_axle.toml");
@@ -63,7 +64,7 @@ fn travels_beyond_a_force_curve_are_named() {
     );
 }
 
-/// Columns of curves that are written to standard output.
+/// Columns of the curves that the command writes to standard output.
 fn columns(path: &str, sets: &[&str], names: &[&str]) -> Vec<Vec<f64>> {
     let mut arguments = vec!["--quiet", "solve", path, "--out", "-"];
     arguments.extend(sets.iter().flat_map(|set| ["--set", set]));
@@ -78,8 +79,9 @@ fn columns(path: &str, sets: &[&str], names: &[&str]) -> Vec<Vec<f64>> {
     names.iter().map(column).collect()
 }
 
-/// A rig that moves its pads by the travels and by what the tyres yield: moment by angle of the line through both pads, by
-/// differences of eighth order over opposite travels. Without tyres it is `roll_stiffness`.
+/// The test moves the pads of a rig by the travels plus the tyre deflections. The roll stiffness with tyres is the
+/// slope of the moment over the angle of the line through both pads. The slope comes from differences of eighth order
+/// over opposite travels. Without tyres it is `roll_stiffness`.
 #[test]
 fn tyres_are_in_series_with_the_roll_stiffness() {
     const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
@@ -105,7 +107,7 @@ fn tyres_are_in_series_with_the_roll_stiffness() {
             "travel_left_mm",
             "travel_right_mm",
         ];
-        // Of all combinations those with opposite travels.
+        // Takes from all combinations those with opposite travels.
         let all = columns(path, &[pads, asked, &wheel, &tyre], &names);
         let is_opposite = |station: &usize| all[6][*station] == -all[7][*station];
         let opposite: Vec<usize> = (0..all[0].len()).filter(is_opposite).collect();
@@ -151,7 +153,8 @@ fn tyres_are_in_series_with_the_roll_stiffness() {
     }
 }
 
-/// A spring that pulls somewhere in the motion is warned of, with its force in the output; a preloaded one is not.
+/// The program warns of a spring that pulls somewhere in the motion, and the output has its force. A preloaded spring
+/// causes no warning.
 #[test]
 fn a_spring_that_pulls_is_warned_of() {
     let path = study("double_wishbone_axle.toml");
@@ -192,7 +195,8 @@ fn a_spring_that_pulls_is_warned_of() {
     assert!(least > 0.0 && !said.contains("would pull"), "{said}");
 }
 
-/// The doubt about `c_factor` states the sign that turns the wheels with the steering wheel, in the axes of the study.
+/// The warning about `c_factor` states, in the axes of the study, the sign that turns the wheels in the direction of
+/// the steering wheel.
 #[test]
 fn a_c_factor_of_the_wrong_sign_is_doubted_with_the_right_one() {
     for (name, wrong, words) in [

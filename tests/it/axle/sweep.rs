@@ -1,4 +1,4 @@
-//! Sweeps of axles.
+//! Tests of sweeps of axles.
 
 use super::tuning;
 use hardpoint::axle::axle_curves;
@@ -33,8 +33,8 @@ variables = [
     Study::from_text("swept.toml", &text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// A row of a sweep equals the result of `solve` for the design's own study. On the study's right wheel the given
-/// hardpoints have moved as the left ones have.
+/// A row of a sweep equals the result of `solve` for the study of this design. In that study the given hardpoints of
+/// the right wheel have moved like the left ones.
 #[test]
 fn rows_are_what_the_designs_own_curves_have() {
     let own = "[axle.right.hardpoints]\ntoe_link_inner = [-180.0, -347.0, 262.0]";
@@ -82,7 +82,7 @@ fn rows_are_what_the_designs_own_curves_have() {
     }
 }
 
-/// A design that cannot be assembled, or does not get there, is a row with a status and empty cells.
+/// A design that cannot be assembled, or cannot reach a station, has a row with a status and empty cells.
 #[test]
 fn designs_that_fail_say_so() {
     let mut study = study("[axle]\nright = \"mirrored\"");
@@ -100,8 +100,8 @@ fn designs_that_fail_say_so() {
     assert!(rows.outputs[0].is_nan() && rows.outputs[2].is_finite());
 }
 
-/// Wheels that would pass the end of their travel if they rose straight, as the search begins, stand all the same
-/// where they do not rise straight: the travels go on as they did at smaller angles.
+/// The search for a position starts as if the wheels rose straight. Wheels that would then pass the end of their travel
+/// still reach positions where they rise otherwise, because the solver extrapolates the travels from smaller angles.
 #[test]
 fn a_position_before_the_end_of_the_travel_is_found_from_beyond() {
     let text = r#"
@@ -138,9 +138,9 @@ characteristics = ["camber"]
     assert!(bend.abs() < 0.5, "{travels:?}");
 }
 
-/// Targets at places of their own, over heave, roll and steering, values and bands: how far a design of a sweep is from
-/// each is what tuning finds of it, and the misfit what tuning lowers. In lanes and one by one, with mirrored and with
-/// own hardpoints on the right.
+/// A sweep reports for each design the deviations and the misfit that tuning uses. The targets are values and bands at
+/// separate positions in heave, roll and steering. This holds in lanes and one by one, with mirrored and with separate
+/// right hardpoints.
 #[test]
 fn misfits_are_those_that_tuning_lowers() {
     if !crate::support::has_lanes() {
@@ -213,8 +213,9 @@ fn misfits_are_those_that_tuning_lowers() {
     }
 }
 
-/// With order = "velocity" a row has, of each quantity, the derivatives with respect to all that moves, in the design position: those that
-/// `solve` finds there of the design's own study. Without, it has none.
+/// With order = "velocity", a row has the derivatives of each quantity with respect to all motion coordinates in the
+/// design position. They equal those that `solve` finds for the study of that design. Without the option, a row has no
+/// derivatives.
 #[test]
 fn gains_are_what_the_designs_own_curves_have() {
     let own = "[axle.right.hardpoints]\ntoe_link_inner = [-180.0, -347.0, 262.0]";
@@ -235,7 +236,7 @@ fn gains_are_what_the_designs_own_curves_have() {
         let study = study.unwrap_or_else(|e| panic!("{e}"));
         let plan = SweepPlan::of(&study, study.sweep.as_ref().unwrap()).unwrap();
         let outputs = &plan.record.outputs;
-        // Roll steer and toe of two wheels, roll steer and roll centre of the axle, by two numbers.
+        // Roll steer and toe of two wheels plus roll steer and roll centre of the axle make six, times two coordinates.
         assert_eq!(outputs.iter().filter(is_gain).count(), 6 * 2);
         let rows = plan.worker().unwrap().rows(0).clone();
         for design in 0..rows.designs() {

@@ -1,4 +1,4 @@
-//! Tests without an oracle: mirror images, the corner's own curves, statics.
+//! Tests of an axle without reference: mirror images, the curves of one corner, statics.
 
 use super::{axle, reference::read};
 use hardpoint::analyse::{Load, Support};
@@ -16,7 +16,7 @@ use hardpoint::study::Study;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// Rolled to the other side with the rack the other way, a mirrored axle is its own mirror image, bit for bit.
+/// A mirrored axle at opposite roll angle and rack displacement is its own mirror image, bit for bit.
 #[test]
 fn mirrored_axles_give_mirrored_bits() {
     let case = read("macpherson_front");
@@ -59,7 +59,7 @@ fn mirrored_axles_give_mirrored_bits() {
         assert_eq!(placed.travels[1].to_bits(), mirrored.travels[0].to_bits());
         for (own, other) in wheel(Left).into_iter().zip(wheel(Right)) {
             let values = [own.evaluate(&state), other.evaluate(&image)];
-            // By the roll angle, which is that of the other side.
+            // Derivatives with respect to the roll angle, which has the opposite sign on the other side.
             let by_roll = matches!(own, Quantity::Wheel(_, W::RollCamber));
             let sign = if by_roll { -1.0 } else { 1.0 };
             assert_eq!(values[0], sign * values[1], "{own:?}");
@@ -81,7 +81,7 @@ fn mirrored_axles_give_mirrored_bits() {
     }
 }
 
-/// An axle that heaves on pads has the curves of its corner, bit for bit.
+/// An axle in heave on pads has the curves of one corner, bit for bit.
 #[test]
 fn an_axle_in_heave_is_two_corners() {
     for name in [
@@ -129,7 +129,8 @@ fn an_axle_in_heave_is_two_corners() {
     }
 }
 
-/// Jacking coefficients and wheel loads, from velocities, equal the forces of the links in statics.
+/// Jacking coefficients and wheel loads that follow from velocities equal those from the forces of the links in
+/// statics.
 #[test]
 fn jacking_and_wheel_loads_are_those_of_the_links() {
     for name in ["macpherson_front", "double_wishbone_front"] {

@@ -1,4 +1,4 @@
-//! Targets and bands of an axle in `[motions.NAME]`.
+//! Tests of targets and bands of an axle in `[motions.NAME]`.
 
 use super::tuning::{evaluate, layout, study};
 use hardpoint::optimise::Control;
@@ -106,7 +106,8 @@ fn one_tuning_meets_targets_in_two_motions() {
     }
 }
 
-/// A band in a named motion limits the values of the same band in `[motion]`, with the same derivatives with respect to the scatter.
+/// A band in a named motion limits the values of the same band in `[motion]`, with the same derivatives with respect to
+/// the scatter.
 #[test]
 fn a_band_in_a_named_motion_limits_the_values_of_the_same_motion() {
     let given = study("macpherson_axle", &[]);

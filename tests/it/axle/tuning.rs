@@ -1,4 +1,4 @@
-//! Targets of an axle: rows and their derivatives, and tuned axles that meet their targets.
+//! Tests of targets of an axle: rows and their derivatives, and tuned axles that meet their targets.
 
 use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity};
 use hardpoint::characteristics::Characteristic;
@@ -19,7 +19,7 @@ pub(super) fn study(name: &str, changes: &[(&str, &str)]) -> Study {
     Study::from_text("tuned.toml", &text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// The study with targets of every kind of position, few stations of each.
+/// Study with targets at every kind of position, each with few stations.
 pub(super) fn of_all_kinds(changes: &[(&str, &str)]) -> Study {
     let study = study("macpherson_axle_front", changes);
     let targets = r#"optimise.targets=[
@@ -46,7 +46,7 @@ pub(super) fn evaluate(study: &Study, layout: &TargetLayout, x: &DVector<f64>) -
     found
 }
 
-/// The right wheel's hardpoints one by one, where they are the mirror images or a millimetre from it.
+/// Hardpoints of the right wheel one by one: the mirror images, moved by `shift`.
 pub(super) fn own_right(shift: f64) -> String {
     let left = [
         ("lower_arm_front", [120.0, 360.0, 195.0]),
@@ -58,15 +58,15 @@ pub(super) fn own_right(shift: f64) -> String {
     format!("[axle.right.hardpoints]\n{}", points.join("\n"))
 }
 
-/// Residuals are deviations of the readings of the axle's solver. A wheel quantity without a side makes a row for
-/// each wheel. The derivatives are the slopes of the residuals, with mirrored and with own hardpoints on the right.
+/// Residuals equal deviations of the readings of the axle's solver. A wheel quantity without a side has one row for
+/// each wheel. The derivatives equal the slopes of the residuals, with mirrored and with separate right hardpoints.
 #[test]
 fn rows_are_deviations_and_their_derivatives_are_slopes() {
     let mirrored = ("[axle]\nright = \"mirrored\"", own_right(1.5));
     for changes in [&[][..], &[(mirrored.0, mirrored.1.as_str())][..]] {
         let study = of_all_kinds(changes);
         let layout = layout(&study);
-        // Roll steer at two roll angles, toe of two wheels.
+        // Rows include roll steer at two roll angles and toe of two wheels.
         assert_eq!(layout.residuals(), 1 + 1 + 2 + 1 + 2);
         let n = study.optimise.as_ref().unwrap().variables.len();
         let x = DVector::from_fn(n, |j, _| 3.0 - j as f64);
@@ -116,7 +116,7 @@ fn rows_are_deviations_and_their_derivatives_are_slopes() {
     }
 }
 
-/// Hardpoints that are given on the right and are the mirror images are tuned as the mirror images are.
+/// Right hardpoints that the study gives as exact mirror images are tuned like omitted ones.
 #[test]
 fn mirror_images_may_be_written_out() {
     let (one, two) = (of_all_kinds(&[]), {
@@ -130,7 +130,7 @@ fn mirror_images_may_be_written_out() {
     assert!(differ <= 1e-13 * one.jacobian.amax(), "{differ:e}");
 }
 
-/// Tunes a study, and reads the tuned study's own axle at a position.
+/// Tunes a study, and reads a quantity of the tuned axle at given positions.
 fn tuned(study: &Study, quantity: AxleQuantity, placements: &[Placement]) -> (f64, Vec<f64>) {
     let tuning = study.tune(Control::default()).unwrap();
     let best = tuning.best.unwrap();
@@ -152,8 +152,8 @@ fn tuned(study: &Study, quantity: AxleQuantity, placements: &[Placement]) -> (f6
     (best.after.misfit, values.collect())
 }
 
-/// A constraint on a motion of the left wheel holds for the tuned axle's wheel alone, all along the motion. It holds
-/// between the tuning's stations too, and it binds.
+/// A constraint on a motion of the left wheel holds for the tuned wheel along the whole motion, also between the
+/// stations of the tuning. The constraint is active.
 #[test]
 fn constraints_hold_through_a_motion_of_the_wheel() {
     let edits = [
@@ -194,7 +194,7 @@ fn constraints_hold_through_a_motion_of_the_wheel() {
 #[test]
 fn a_steered_front_axle_is_tuned() {
     let study = study("macpherson_axle_front", &[("starts = 2", "starts = 1")]);
-    // 52 mm of rack per turn of the steering wheel, to the right in a left turn.
+    // The rack moves 52 mm per turn of the steering wheel, to the right in a left turn.
     let at = |angle: f64| Placement::Roll {
         heave: 0.0,
         roll: 0.0,
@@ -208,7 +208,7 @@ fn a_steered_front_axle_is_tuned() {
     }
 }
 
-/// With a toe link that was set longer on the right both sides move together, and the tuned study says so.
+/// If the right toe link has another length, tuning moves both sides together, and the tuned study reports this.
 #[test]
 fn a_rear_axle_is_tuned_for_roll_steer() {
     let own = "[axle.right.hardpoints]\ntoe_link_inner = [-180.0, -347.0, 262.0]";

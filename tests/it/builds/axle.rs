@@ -1,4 +1,4 @@
-//! Builds of axles: two wheels, each by itself, on one rack and one ground.
+//! Tests of builds of axles: two independent wheels on one rack and one ground.
 
 use hardpoint::assembly::Assembler;
 use hardpoint::axle::{Axle, AxleSolver, Placement, Quantity, axle_curves};
@@ -16,14 +16,14 @@ const SCATTER: &str = "scatter=[\
     {length=\"tie_rod\",sigma=0.2},\
     {jig=[\"lower_arm_front\",\"lower_arm_rear\"],turn=0.1}]";
 
-/// The left wheel of a sample study of an axle, without the entries that make it one.
+/// Left wheel of a sample study of an axle, without the entries that define the axle.
 fn wheel() -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_axle_front.toml");
     let text = std::fs::read_to_string(path).unwrap();
     text.split("[axle]").next().unwrap().to_owned()
 }
 
-/// The axle with this scatter and these further keys of `[tolerance]`, at a few places.
+/// Axle with this scatter and these further keys of `[tolerance]`, at a few positions.
 fn axle(tolerance: &str, more: &[&str]) -> Study {
     let head = wheel();
     let text = format!(
@@ -54,20 +54,20 @@ fn solved(problem: &Problem) -> (Vec<f64>, MonteCarlo) {
     (drawn, found)
 }
 
-/// The place of a column among the outputs.
+/// Index of a column among the outputs.
 fn output(problem: &Problem, column: &str) -> usize {
     let found = problem.outputs().iter().position(|o| o.name == column);
     found.unwrap_or_else(|| panic!("no {column}"))
 }
 
-/// The wheels of build n equal single wheels as builds 2 n and 2 n + 1: functions of seed, build and side, for any
-/// scatter at the other side.
+/// The wheels of build n equal single wheels as builds 2 n and 2 n + 1. They depend on seed, build and side only, for
+/// any scatter of the other side.
 #[test]
 fn each_wheel_is_a_build_of_its_own() {
     let both = axle("builds=2", &[]);
     let own_scatter = SCATTER.replace(",side=\"right\"", "");
     let sides = [
-        // What is of the right wheel alone is left out.
+        // Removes the entries that apply to the right wheel only.
         SCATTER.replace(
             "{hardpoint=\"strut_top\",axis=\"y\",limits=[-0.5,0.3],side=\"right\"},",
             "",
@@ -91,7 +91,8 @@ fn each_wheel_is_a_build_of_its_own() {
     }
 }
 
-/// A build printed as a study has, solved, the values that the Monte Carlo has of it: of two builds the least and the greatest.
+/// A printed build, when solved, has the values of the Monte Carlo analysis: with two builds, the smallest and the
+/// largest value.
 #[test]
 fn a_printed_build_is_the_build() {
     let study = axle("builds=2", &[]);
@@ -125,8 +126,8 @@ fn a_printed_build_is_the_build() {
     }
 }
 
-/// Extra points of each wheel are where the build has them, too, and every command that reads the printed study takes it:
-/// of axles whose right wheel is the mirror image or has hardpoints of its own, whose spin axes are angles or points.
+/// A printed build includes the extra points of each wheel at their built positions, and every command accepts it as a
+/// study. This holds with mirrored and separate right hardpoints, and with spin axes given by angles or points.
 #[test]
 fn a_printed_build_has_its_extra_points() {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
@@ -165,14 +166,14 @@ fn a_printed_build_has_its_extra_points() {
                     .curves
                     .are_complete()
             );
-            // A build of a build is one, too.
+            // A printed build can itself be built again.
             let again = Problem::of(&printed, printed.tolerance.as_ref().unwrap()).unwrap();
             again.built_wheels(number).unwrap();
         }
     }
 }
 
-/// Readings of a built axle in one position, with each source moved by a given amount.
+/// Readings of a built axle in one position, with each tolerance source moved by a given amount.
 struct Moved<'s> {
     sources: Vec<&'s Source>,
     assemblers: [Assembler; 2],
@@ -224,14 +225,14 @@ impl<'s> Moved<'s> {
     }
 }
 
-/// The derivatives with respect to all contributors of either side are the slopes of the built axle's readings, to differences of
-/// order four.
+/// Derivatives with respect to all contributors of either side equal the slopes of the built axle's readings, from
+/// differences of fourth order.
 #[test]
 fn gradients_are_slopes_of_built_axles() {
     let study = axle("builds=2", &[]);
     let problem = problem(&study);
     let expansion = Expansion::of(&problem).unwrap();
-    // In roll, heaved and steered.
+    // This station has roll, heave and steering.
     let station = 9;
     let moved = Moved::of(&study, problem.placements()[station]);
     let mut looked_at = 0;
@@ -255,9 +256,9 @@ fn gradients_are_slopes_of_built_axles() {
     assert!(looked_at > 2 * moved.sources.len(), "{looked_at}");
 }
 
-/// The second-order part is half the second derivative times the variance, with products of both wheels' sources. It
-/// agrees with differences of order four, in roll, on a plane with given travels and on pads. It is unknown for
-/// quantities made of velocities.
+/// The second-order contribution is half the second derivative times the variance, including products of sources of
+/// both wheels. It agrees with differences of fourth order in roll, at given travels on a plane, and on pads. It is
+/// unknown for quantities made of velocities.
 #[test]
 fn second_order_is_that_of_built_axles() {
     let two = "tolerance.scatter=[{length=\"tie_rod\",sigma=2.0,side=\"left\"},\
@@ -276,7 +277,7 @@ fn second_order_is_that_of_built_axles() {
         let problem = problem(&study);
         let expansion = Expansion::of(&problem).unwrap();
         let moved = Moved::of(&study, problem.placements()[0]);
-        // By steps of a fifth of a standard deviation along one source, or both.
+        // Steps of a fifth of a standard deviation along one source, or along two.
         let bend = |sources: &[usize]| -> Vec<f64> {
             let h = 0.2;
             let at = |step: f64| {
@@ -302,7 +303,7 @@ fn second_order_is_that_of_built_axles() {
             let mean = 0.5 * (one + two);
             let growth = 0.5 * (one * one + two * two) + mixed * mixed;
             let value = moved.values(&[])[output].abs().max(1e-3);
-            // What differences are off by.
+            // Error of the differences.
             let rounding = 1e-12 * value;
             let size = one.abs() + two.abs() + mixed.abs() + rounding;
             let name = quantity.name();
@@ -325,7 +326,8 @@ fn second_order_is_that_of_built_axles() {
     }
 }
 
-/// First order and Monte Carlo agree where scatter is small; both wheels of a mirrored axle scatter alike and independently.
+/// First order and Monte Carlo agree for small scatter. Both wheels of a mirrored axle scatter equally and
+/// independently.
 #[test]
 fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     if !crate::support::has_lanes() {
@@ -353,7 +355,7 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     let variance = |column: &str| expansion.variance[problem.cell(output(&problem, column), rest)];
     let [left, right] = ["left_toe_deg", "right_toe_deg"].map(variance);
     assert!((left / right - 1.0).abs() < 1e-9, "{left} {right}");
-    // Of independent wheels the mean has half the variance of each: but for what the ground takes of both.
+    // The mean of independent wheels has half the variance of each, except for the common effect of the ground.
     assert!((variance("mean_steer_deg") / left - 0.5).abs() < 1e-3);
 }
 
@@ -371,14 +373,15 @@ fn a_side_scatters_by_itself() {
         let sigma = |column: &str| found.spreads[cell(column)].sigma;
         assert!(sigma("left_toe_deg") < 1e-12 && sigma("right_toe_deg") > 1e-4);
         assert!(expansion.variance[cell("left_toe_deg")] == 0.0);
-        // The mean of both steers half as much as the one.
+        // The mean of both wheels steers half as much as the moved wheel.
         let ratio =
             expansion.variance[cell("mean_steer_deg")] / expansion.variance[cell("right_toe_deg")];
         assert!((ratio - 0.25).abs() < 1e-12, "{ratio}");
     }
 }
 
-/// Aligned, each wheel has its drawn toe and camber at rest on its pad, and the same scatter elsewhere by both ways.
+/// After alignment, each wheel has its nominal toe and camber at rest on its pad. Both methods give the same scatter
+/// elsewhere.
 #[test]
 fn each_wheel_is_aligned() {
     let setup = "setup={adjust=[{shim=\"strut_top\",axis=\"y\"},{length=\"tie_rod\"}]}";
@@ -407,8 +410,8 @@ fn each_wheel_is_aligned() {
     }
 }
 
-/// In lanes and one by one builds have the same values; on any number of threads the same bits. Bands are counted where they
-/// look, and their yields ranked.
+/// Builds have the same values in lanes and one by one, and the same bits with any number of threads. The program
+/// counts each band at its stations and ranks the pass rates.
 #[test]
 fn results_are_the_same_however_they_are_found() {
     if !crate::support::has_lanes() {
@@ -439,7 +442,7 @@ fn results_are_the_same_however_they_are_found() {
         );
     }
     assert_eq!(one.in_bands, single.in_bands);
-    // Both wheels' toe at one place; roll steer at every roll angle and both heaves.
+    // Toe of both wheels at one station; roll steer at every roll angle and both heaves.
     let looked: Vec<usize> = problem.cells_of_bands().map(|cells| cells.len()).collect();
     assert_eq!(looked, [2, 3 * 2, 12]);
     assert!(
@@ -475,7 +478,8 @@ fn a_wheel_that_cannot_be_put_together_is_named() {
     assert_eq!(side, Some(Side::Right));
 }
 
-/// The command as a user runs it: the places of an axle in its files, a build that solves, and refusals.
+/// The tolerance command works as a user runs it: its files name the positions of an axle, a printed build solves, and
+/// invalid entries are refused.
 #[test]
 fn tolerance_of_an_axle_as_a_command() {
     let directory = tempfile::tempdir().unwrap();
@@ -556,7 +560,7 @@ fn tolerance_of_an_axle_as_a_command() {
     );
 }
 
-/// A study of one wheel with entries for an axle.
+/// Study of one wheel with the entries of an axle.
 fn study_of_one_wheel() -> String {
     wheel()
         + "[motion]\ntravel = 0.0\n[outputs]\ncharacteristics = [\"toe\"]\n[tolerance]\n\

@@ -1,5 +1,5 @@
-//! Random builds of every topology against a solver with other equations in numbers of twice the precision
-//! (`other_equations`), which itself is held to answers of 60 digits.
+//! Tests of random builds of every topology against a solver with other equations and twice the precision
+//! (`other_equations`). Reference values of 60 digits check that solver.
 
 use super::other_equations::{Drawing, Motion, Parts, Reading, Solved};
 use super::{assembler, parameter, plan, study};
@@ -13,8 +13,8 @@ use rayon::prelude::*;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Studies, and what they have besides: every topology with and without rocker and anti-roll bar, points on every body
-/// that points can be on, spin axes by a point and by angles.
+/// Studies with additional entries: every topology with and without rocker and anti-roll bar, points on every body that
+/// can have points, and spin axes given by a point or by angles.
 const CASES: [(&str, &[&str]); 12] = [
     (
         "macpherson_solve",
@@ -93,20 +93,20 @@ const REST: Motion = Motion {
 };
 /// Travels of the wheel.
 const TRAVELS: [f64; 3] = [0.0, 25.0, -20.0];
-/// Displacements of the rack, if there is one.
+/// Displacements of the rack, if the study has one.
 const RACKS: [f64; 2] = [0.0, 6.0];
 /// Largest deviation of a coordinate or a length.
 const OFF: f64 = 2.0;
-/// The step of differences.
+/// Step of differences.
 const STEP: f64 = 1.0 / 131_072.0;
 
-/// A suspension, as both read it.
+/// Suspension, as both solvers read it.
 struct Case {
     name: &'static str,
     drawing: Drawing,
     study: Study,
     assembler: Assembler,
-    /// Every dimension of the parts, with where it is among the drawing's: a coordinate of a point, or a length.
+    /// Every dimension of the parts with its location in the drawing: a coordinate of a point, or a length.
     dimensions: Vec<(Place, BuildParameter)>,
     stations: Vec<Motion>,
 }
@@ -166,7 +166,7 @@ impl Case {
         }
     }
 
-    /// The drawing's parts changed dimension by dimension, as both have them.
+    /// Nominal parts with these changes of each dimension, for both solvers.
     fn parts(&self, changes: &[f64]) -> (hardpoint::assembly::Parts<f64>, Parts<DoubleDouble>) {
         let mut theirs = self.assembler.drawn().clone();
         let mut ours = self.drawing.drawn();
@@ -174,7 +174,7 @@ impl Case {
             let mechanism = &self.assembler.suspension().mechanism;
             theirs.change(mechanism, *parameter, *by);
             match *place {
-                // A point of the parts is given in doubles.
+                // Both solvers receive the points of the parts as doubles.
                 Place::Coordinate(id, axis) => {
                     let changed = coordinate(&mut ours.points[id], axis);
                     *changed = (changed.value() + by).into();
@@ -207,23 +207,23 @@ fn distance(a: Vector3<f64>, b: Vector3<DoubleDouble>) -> f64 {
         .norm()
 }
 
-/// The largest errors of some builds.
+/// Largest errors of several builds.
 #[derive(Clone, Copy, Debug, Default)]
 struct Errors {
     builds: usize,
-    /// Error of points at rest and moved, relative to the size.
+    /// Error of points at rest and after motion, relative to the size.
     position: f64,
     /// Error of camber and toe, in radians.
     angle: f64,
-    /// Error of the derivative of a point along the direction, relative to that derivative.
+    /// Relative error of the derivative of a point along the direction.
     slope: f64,
-    /// Error of the derivatives of camber and toe together, likewise.
+    /// Relative error of the derivatives of camber and toe together.
     angle_slope: f64,
 }
 
 impl Errors {
     fn larger(self, other: Errors) -> Errors {
-        // NaN must win.
+        // NaN must count as the largest error.
         let larger = |a: f64, b: f64| if a > b || a.is_nan() { a } else { b };
         Errors {
             builds: self.builds + other.builds,
@@ -235,7 +235,7 @@ impl Errors {
     }
 }
 
-/// A random build, solved by both.
+/// Compares a random build, as both solvers find it.
 fn compared(case: &Case, seed: u64) -> Errors {
     let mut random = Random(seed);
     let count = case.dimensions.len();
@@ -325,7 +325,7 @@ fn compared(case: &Case, seed: u64) -> Errors {
     errors
 }
 
-/// Parts some steps along a direction.
+/// Parts moved by some steps along a direction.
 fn displaced(
     case: &Case,
     parts: &Parts<DoubleDouble>,
@@ -334,7 +334,7 @@ fn displaced(
 ) -> Parts<DoubleDouble> {
     let mut parts = parts.clone();
     for ((place, _), share) in case.dimensions.iter().zip(shares) {
-        // Exactly: the step is a power of two.
+        // The product is exact, because the step is a power of two.
         let by = DoubleDouble::from(steps * STEP * share);
         let changed = match *place {
             Place::Coordinate(id, axis) => coordinate(&mut parts.points[id], axis),
@@ -345,7 +345,7 @@ fn displaced(
     parts
 }
 
-/// Builds one after the other through all cases.
+/// Compares this number of builds, in turn from all cases.
 fn random_builds(count: u64) {
     let cases: Vec<Case> = CASES.into_iter().map(Case::of).collect();
     let of_case = |k: usize| {
@@ -369,7 +369,8 @@ fn random_builds(count: u64) {
     assert!(all.slope < 1e-10 && all.angle_slope < 1e-10, "{all:?}");
 }
 
-/// Positions agree to 1e-13 of the size, camber and toe to 1e-13, derivatives with respect to lengths and points to 1e-10 of themselves.
+/// Positions agree to 1e-13 of the size, camber and toe to 1e-13, and derivatives with respect to lengths and points to
+/// a relative error of 1e-10.
 #[test]
 fn random_builds_are_those_of_other_equations() {
     random_builds(204);
@@ -381,8 +382,8 @@ fn ten_thousand_random_builds_are_those_of_other_equations() {
     random_builds(10_000);
 }
 
-/// With one length far off many builds cannot be assembled. Both programs reject the same ones, and find the same
-/// result for the others. Among the rejects are rods of negative length, whose squares would fit.
+/// With one length far off, many builds cannot be assembled. Both programs reject the same builds and agree on the
+/// others. The rejects include rods of negative length, whose squares would fit.
 #[test]
 fn what_cannot_be_put_together_cannot_by_other_equations() {
     let (mut built, mut rejected) = (0, BTreeMap::new());
@@ -420,7 +421,7 @@ fn what_cannot_be_put_together_cannot_by_other_equations() {
     }
 }
 
-/// The other equations agree with answers of 60 digits as far as those were written: 25 digits.
+/// The other equations agree with the 60-digit reference values to all 25 digits that are stored.
 #[test]
 fn the_other_equations_give_the_reference_answers() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/own/builds.json");
@@ -466,7 +467,7 @@ fn the_other_equations_give_the_reference_answers() {
             }
             for (found, key) in found.angles.into_iter().zip(["camber_deg", "toe_deg"]) {
                 let expected = decimal(&station[key]);
-                // Angles of the study are turned to sines in doubles.
+                // Studies with angles take their sines in doubles, which limits the accuracy.
                 let fine = if drawing.spin.is_ok() { 1e-20 } else { 1e-13 };
                 let off = (found - expected).value();
                 assert!(off.abs() < fine, "{name} {key}: {off}");
@@ -475,11 +476,11 @@ fn the_other_equations_give_the_reference_answers() {
     }
 }
 
-/// A number that is stored as a decimal string, to more digits than a double's.
+/// Number that the file stores as a decimal string, with more digits than a double.
 fn decimal(value: &Value) -> DoubleDouble {
     let text = value.as_str().unwrap();
     let high = number(value);
-    // The digits as whole numbers below 2^53, part by part; both are exact.
+    // Converts the digits in parts below 2^53, which are exact.
     let (digits, exponent) = text.split_once('e').unwrap_or((text, "0"));
     let (whole, fraction) = digits.split_once('.').unwrap_or((digits, ""));
     let ten = DoubleDouble::from(10.0);

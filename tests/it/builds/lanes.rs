@@ -1,4 +1,4 @@
-//! Builds in SIMD lanes against builds one by one.
+//! Tests of builds in SIMD lanes against builds one by one.
 
 use super::study;
 use hardpoint::assembly::Member;
@@ -8,7 +8,7 @@ use hardpoint::study::Study;
 use hardpoint::tolerance::{MonteCarlo, Problem, Spread, monte_carlo_in};
 use std::ops::ControlFlow;
 
-/// Studies of several topologies, some with rocker and anti-roll bar, and the adjustments of their toe and camber.
+/// Studies of several topologies, some with rocker and anti-roll bar, with the adjustments of their toe and camber.
 const STUDIES: [(&str, &str); 5] = [
     (
         "macpherson_solve",
@@ -63,13 +63,13 @@ fn results(problem: &Problem<'_>, width: Option<Width>) -> MonteCarlo {
     monte_carlo_in(width, problem, &drawn, |_| ControlFlow::Continue(())).unwrap()
 }
 
-/// Smallest value, percentiles and largest value of a cell. Those of a few builds are values of single builds.
+/// Smallest value, percentiles and largest value of a cell. With few builds these are values of single builds.
 fn values(spread: &Spread) -> impl Iterator<Item = f64> {
     spread.range.into_iter().chain(spread.percentiles)
 }
 
-/// Builds that are drawn, assembled and solved in lanes have the values of builds one by one, for every topology, aligned or
-/// not. They have the same bits at any width.
+/// Builds that are sampled, assembled and solved in lanes have the values of builds one by one, for every topology,
+/// aligned or not. They have the same bits at any lane width.
 #[test]
 fn builds_in_lanes_are_those_one_by_one() {
     if !crate::support::has_lanes() {

@@ -1,4 +1,4 @@
-//! Built mechanisms: their properties and their readings.
+//! Tests of built mechanisms: their properties and their readings.
 
 mod axle;
 mod independent;
@@ -18,7 +18,7 @@ use hardpoint::plan::Plan;
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// A sample study with some of its keys changed.
+/// Sample study with some of its keys changed.
 fn study(name: &str, overrides: &[&str]) -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("studies/{name}.toml"));
     let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
@@ -29,7 +29,7 @@ fn assembler(study: &Study) -> Assembler {
     Assembler::new(study.wheel()).unwrap()
 }
 
-/// The dimension of this name: a coordinate, or a length where there is no axis.
+/// Dimension with this name: a coordinate, or a length if `axis` is absent.
 fn parameter(assembler: &Assembler, of: &str, axis: Option<&str>) -> BuildParameter {
     let mechanism = &assembler.suspension().mechanism;
     match axis {
@@ -45,7 +45,7 @@ fn parameter(assembler: &Assembler, of: &str, axis: Option<&str>) -> BuildParame
     }
 }
 
-/// The plan of camber, toe and their derivatives.
+/// Plan that reads camber, toe and their derivatives.
 fn plan(study: &Study) -> Plan {
     Plan::of(study.one_wheel().unwrap())
 }

@@ -1,4 +1,4 @@
-//! One build as a study of its own, and limits of builds.
+//! Tests of one build as a separate study, and of limits of builds.
 
 use super::{plan, study};
 use hardpoint::curves::curves;
@@ -31,7 +31,7 @@ fn print_build(directory: &Path, name: &str, number: u64) -> String {
     file
 }
 
-/// Its points have the bits of the build, which is that of the Monte Carlo; every pose of it can be proved.
+/// A printed build has the points of the Monte Carlo build, to the bit, and every pose of it can be certified.
 #[test]
 fn a_printed_build_is_the_build_and_can_be_proved() {
     for name in ["double_wishbone_tolerance", "macpherson_tolerance"] {
@@ -53,7 +53,7 @@ fn a_printed_build_is_the_build_and_can_be_proved() {
             assert_eq!(printed.wheel().design[id.0], *place, "{}", point.name);
         }
 
-        // Of two builds the least and the greatest value are those of the one and the other.
+        // With two builds, the smallest and the largest value each belong to one of them.
         let drawn = problem.drawn().unwrap();
         let found = monte_carlo(&problem, &drawn, |_| ControlFlow::Continue(())).unwrap();
         let both = [built, problem.built(1).unwrap()];
@@ -96,7 +96,7 @@ fn a_printed_build_is_the_build_and_can_be_proved() {
     }
 }
 
-/// A build that cannot be assembled is no study: the command says so, with exit code 1.
+/// A build that cannot be assembled is no study: the command reports this, with exit code 1.
 #[test]
 fn a_rejected_build_is_said_to_be_one() {
     let directory = tempfile::tempdir().unwrap();
@@ -123,7 +123,7 @@ fn a_rejected_build_is_said_to_be_one() {
     );
 }
 
-/// The limit that all builds reach is the nearest of the limits of each.
+/// The limit that all builds reach is the nearest of their separate limits.
 #[test]
 fn limits_of_builds_are_the_nearest_of_each() {
     let (name, count) = ("double_wishbone_tolerance", 4);
@@ -133,7 +133,7 @@ fn limits_of_builds_are_the_nearest_of_each() {
         let output = hardpoint(directory.path(), &arguments);
         serde_json::from_slice(&output.stdout).unwrap()
     };
-    // About as far as the drawing goes in droop.
+    // The travel nearly reaches the droop limit of the nominal design.
     let travel = "motion.travel=[-305.7, 0.0, 10.0]";
     let study = sample(name);
     let found = json(&[&study, "--builds", &count.to_string(), "--set", travel]);
@@ -169,7 +169,8 @@ fn limits_of_builds_are_the_nearest_of_each() {
     assert_eq!(counts[0]["number"], 0);
 }
 
-/// A study that was moved in memory prints builds of the moved design: the text has every point of the build.
+/// A study that was modified in memory prints builds of the modified design: the text contains every point of the
+/// build.
 #[test]
 fn a_build_of_a_moved_study_has_all_moved_points() {
     let study = study(

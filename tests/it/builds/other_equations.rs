@@ -1,21 +1,23 @@
-//! Built mechanisms by other equations than the program's, in numbers of twice the precision.
+//! Independent solver for built mechanisms: other equations than the program's, with twice the precision.
 //!
-//! Unknown are the place o of the wheel centre, the turn q of the carrier as a quaternion, how far s the mount of a strut
-//! is from where it was drawn along the strut's axis, and cosine and sine of the turn of each rocker:
+//! The unknowns are the position o of the wheel centre, the rotation q of the carrier as a quaternion, the displacement
+//! s of a strut's mount from its nominal position along the strut axis, and cosine and sine of the angle of each
+//! rocker:
 //!
 //! ```text
-//! q.q = 1,  o.z = drawn + travel                   the wheel centre at its height
+//! q.q = 1,  o.z = nominal + travel                 wheel centre at its height
 //! (|place(outer) - place(inner)|^2 - l^2)/2l = 0   links, legs of arms, rods of rockers
-//! place(mount) = top                               a strut: mount = drawn top + s u, u the strut's axis in the carrier
-//! place(pivot) = pivot,  along x way = 0           a hinge: a point of its line, and two components of a cross product
-//! c^2 + s^2 = 1                                    a rocker
+//! place(mount) = top                               strut: mount = nominal top + s u, u the strut axis in the carrier
+//! place(pivot) = pivot,  along x way = 0           hinge: a point of its line, and two components of a cross product
+//! c^2 + s^2 = 1                                    rocker
 //! ```
 //!
-//! place(p) is where the part has come to lie: o + q p q* for the carrier, a point of an arm in the frame of its axis and
-//! outer joint, a point of a rocker about its axis. Newton's method in doubles, with differences for a Jacobian, follows
-//! the parts from the drawn ones in steps; then residuals of twice the precision take it to some 28 digits.
+//! place(p) is the moved position of a point: o + q p q* for the carrier, a point of an arm in the frame of its axis
+//! and outer joint, a point of a rocker about its axis. Newton's method in doubles, with a Jacobian from differences,
+//! follows the parts from the nominal ones in steps. Then residuals of twice the precision refine the solution to about
+//! 28 digits.
 //!
-//! Hardpoints and topology are read from the study here; nothing of `hardpoint` but numbers and vectors is used.
+//! This module reads hardpoints and topology from the study. From `hardpoint` it uses only numbers and vectors.
 
 use hardpoint::bench::DoubleDouble;
 use hardpoint::number::{Real, Scalar, Vector3};
@@ -30,11 +32,11 @@ const DEGREES: DoubleDouble = DoubleDouble {
     high: 57.295_779_513_082_32,
     low: -1.987_849_567_057_628e-15,
 };
-/// A quaternion's entry moves points by about this many length units.
+/// Length units by which points move per unit of a quaternion component.
 const LEVER: f64 = 300.0;
-/// No correction of Newton's method moves anything farther than this.
+/// Largest accepted correction of Newton's method.
 const FARTHEST: f64 = 60.0;
-/// The shortest step on the way from the nominal parts.
+/// Shortest step of the continuation from the nominal parts.
 const SHORTEST: f64 = 1.0 / 8192.0;
 
 /// Body to which a point is fixed.
@@ -48,31 +50,30 @@ enum On {
     Rocker(usize),
 }
 
-/// A nominal suspension.
+/// Nominal suspension.
 pub struct Drawing {
     /// Hardpoints and extra points.
     pub names: Vec<String>,
     points: Vec<V<f64>>,
     on: Vec<On>,
-    /// Links with their ends, the body's first; then the rods of rockers, the rocker's end first.
+    /// Links with their two ends, the body's end first; then the rods of rockers, with the rocker's end first.
     pub members: Vec<(String, [usize; 2])>,
     /// Front and rear pivot, outer joint.
     arms: Vec<[usize; 3]>,
     /// Both pivots.
     rockers: Vec<[usize; 2]>,
-    /// Mount, lower point, and upper where the axis does not run to the mount.
+    /// Mount, lower point, and the upper point of the axis if the axis does not pass through the mount.
     strut: Option<(usize, usize, Option<usize>)>,
     hinge: Option<[usize; 2]>,
     centre: usize,
-    /// The spin axis in the drawing, where the study gives it by its angles; and the inboard point of it where it does
-    /// not.
+    /// Nominal spin axis: the index of its inboard point, or a unit vector if the study gives angles.
     pub spin: Result<usize, V<f64>>,
 }
 
 /// Dimensions of parts.
 #[derive(Clone)]
 pub struct Parts<T> {
-    /// Points as their parts have them.
+    /// Points in the coordinates of their parts.
     pub points: Vec<V<T>>,
     /// Lengths of members.
     pub lengths: Vec<T>,
@@ -91,7 +92,7 @@ pub struct Solved {
     factors: Option<Factors>,
 }
 
-/// Values read off a solution.
+/// Values read from a solution.
 pub struct Reading {
     /// Positions of all points.
     pub places: Vec<V<DoubleDouble>>,
@@ -108,7 +109,7 @@ impl<T: Scalar> Parts<T> {
     }
 }
 
-/// A table within tables, made where it is not there.
+/// Returns a nested table, and creates it if it is absent.
 fn section<'t>(table: &'t mut Table, keys: &[&str]) -> &'t mut Table {
     keys.iter().fold(table, |table, key| {
         let entry = table.entry(*key).or_insert(Value::Table(Table::new()));
@@ -290,7 +291,7 @@ impl Drawing {
         for (number, [first, second]) in self.rockers.iter().enumerate() {
             let [c, s] = [x[turns + 2 * number], x[turns + 2 * number + 1]];
             let (_, [inner, _]) = self.members[rods + number];
-            // Any frame about the axis will do: the rod finds the angle.
+            // Any frame about the axis works, because the rod determines the angle.
             let arm = drawn(inner) - drawn(*first);
             let made = frame(drawn(*second) - drawn(*first), arm);
             let [e, radial, across] = frame(places[*second] - places[*first], arm);
@@ -305,7 +306,7 @@ impl Drawing {
         places
     }
 
-    /// A point of the carrier.
+    /// Position of a point of the carrier.
     fn carried<T: Scalar>(&self, parts: &Parts<T>, x: &[T], point: V<T>) -> V<T> {
         V::new(x[0], x[1], x[2]) + turned(x, point - parts.points[self.centre])
     }
@@ -328,7 +329,7 @@ impl Drawing {
         if let Some([first, second]) = self.hinge {
             let pivot = self.carried(parts, x, drawn(first));
             rows.extend((pivot - places[first]).to_array());
-            // The axis is nowhere near upright in x and z alone.
+            // The hinge axis has a large y component, so the x and z components of the cross product suffice.
             let along = unit(places[second] - places[first]);
             let c = along.cross(turned(x, drawn(second) - drawn(first)));
             rows.extend([c.x, c.z]);
@@ -359,7 +360,7 @@ impl Drawing {
         jacobian.lu()
     }
 
-    /// Length units by which points move with an unknown.
+    /// Length units by which points move per unit of an unknown.
     fn weight(&self, unknown: usize) -> f64 {
         match unknown {
             0..3 => 1.0,
@@ -368,7 +369,7 @@ impl Drawing {
         }
     }
 
-    /// Newton's method, until a correction is below `fine`; with the factors of a Jacobian nearby, if there are any.
+    /// Newton's method until a correction is below `fine`. It uses the factors of a nearby Jacobian if they exist.
     fn newton<T: Scalar>(
         &self,
         parts: &Parts<T>,
@@ -406,7 +407,7 @@ impl Drawing {
         false
     }
 
-    /// Follows a way from 0 to 1, as far as the determinant keeps its sign.
+    /// Follows a path of parts and motion from 0 to 1, while the determinant keeps its sign.
     fn follow(
         &self,
         mut x: Vec<f64>,
@@ -438,7 +439,7 @@ impl Drawing {
         Some(x)
     }
 
-    /// Assembles parts, at rest, from the nominal ones.
+    /// Assembles parts at rest, starting from the nominal parts.
     pub fn put_together(&self, parts: &Parts<DoubleDouble>) -> Option<Solved> {
         let (drawn, built) = (self.drawn().plain(), parts.plain());
         let centre = self.points[self.centre];
@@ -466,7 +467,7 @@ impl Drawing {
         self.refined(parts, rest, x.into_iter().map(DoubleDouble::from).collect())
     }
 
-    /// Moves a solution at rest.
+    /// Moves a solution from rest to a displacement of wheel and rack.
     pub fn moved(&self, parts: &Parts<DoubleDouble>, rest: &Solved, to: Motion) -> Option<Solved> {
         let plain = parts.plain();
         let x = rest.x.iter().map(|x| x.value()).collect();
@@ -477,7 +478,7 @@ impl Drawing {
         self.refined(parts, to, x.into_iter().map(DoubleDouble::from).collect())
     }
 
-    /// Solves for parts that differ little from those of a solution.
+    /// Solves for parts that differ slightly from those of a given solution.
     pub fn beside(
         &self,
         parts: &Parts<DoubleDouble>,
@@ -513,7 +514,7 @@ impl Drawing {
     }
 }
 
-/// v turned by the quaternion among the unknowns: v + 2 w a x v + 2 a x (a x v).
+/// Vector v rotated by the quaternion among the unknowns: v + 2 w a x v + 2 a x (a x v).
 fn turned<T: Scalar>(x: &[T], v: V<T>) -> V<T> {
     let axis = V::new(x[4], x[5], x[6]);
     let t = axis.cross(v) * x[0].constant(2.0);
@@ -524,14 +525,14 @@ fn unit<T: Scalar>(v: V<T>) -> V<T> {
     v * (v.x.one() / v.norm())
 }
 
-/// Along an axis, from it towards a lever's end, and across both.
+/// Frame of an axis: along it, from it towards the end of a lever, and perpendicular to both.
 fn frame<T: Scalar>(axis: V<T>, lever: V<T>) -> [V<T>; 3] {
     let e = unit(axis);
     let radial = unit(lever - e * e.dot(lever));
     [e, radial, e.cross(radial)]
 }
 
-/// A vector that keeps its coordinates from one frame to another.
+/// Vector with the coordinates that v has in the first frame, taken in the second frame.
 fn between<T: Scalar>(v: V<T>, [a, b, c]: [V<T>; 3], [d, e, f]: [V<T>; 3]) -> V<T> {
     d * a.dot(v) + e * b.dot(v) + f * c.dot(v)
 }

@@ -1,11 +1,12 @@
-//! Against a solution at 60 digits by other equations (`tests/data/own/builds.py`).
+//! Tests of builds against a 60-digit solution from other equations (`tests/data/own/builds.py`).
 
 use super::{assembler, parameter, plan, study};
 use crate::support::number;
 use hardpoint::assembly::{Rest, built_curves};
 use serde_json::Value;
 
-/// Positions agree to 1e-13 of the size, derivatives with respect to lengths and points to 1e-10.
+/// Positions of builds agree with the reference to 1e-13 of the size, and derivatives with respect to lengths and
+/// points to 1e-10.
 #[test]
 fn builds_of_every_topology_are_those_of_another_formulation() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/own/builds.json");

@@ -32,8 +32,8 @@ fn drawn_parts_make_the_drawing() {
     }
 }
 
-/// Moves the ends of links on arms as arms whose axes have moved have them: they keep their places in the frame of axis and
-/// outer joint.
+/// Moves the link ends on arms with their arm: they keep their coordinates in the frame of the arm's axis and outer
+/// joint.
 fn keep_links_in_arms(drawn: &Suspension, moved: &mut Suspension) {
     let mechanism = &drawn.mechanism;
     for (inner, _) in mechanism.constraints.iter().filter_map(Constraint::link) {
@@ -55,17 +55,17 @@ fn keep_links_in_arms(drawn: &Suspension, moved: &mut Suspension) {
     }
 }
 
-/// With points moved, lengths cut to them and the carriers shaped after them, the built curves are the curves of the moved
-/// drawing, and so are their derivatives by the chain rule over all parts.
+/// If points move and the lengths and carriers are remade to match, the built curves equal the curves of the moved
+/// design. Their derivatives agree too, by the chain rule over all parts.
 #[test]
 fn with_everything_recut_the_build_is_the_moved_drawing() {
-    // The second joint of an H-arm has no dimension that could be cut anew.
+    // The second joint of an H-arm has no dimension that could be remade to match.
     for name in STUDIES.into_iter().filter(|name| *name != "h_arm_solve") {
         let study = study(name, &["outputs.order=\"acceleration\""]);
         let assembler = assembler(&study);
         let suspension = assembler.suspension();
         let mut moved: Suspension = suspension.clone();
-        // Inner pick-ups only: their carrier is the body, and no static angle changes.
+        // Moves only inner pick-ups: they are on the body, so no static angle changes.
         let body: Vec<usize> = (0..moved.design.len())
             .filter(|i| suspension.mechanism.points[*i].body == hardpoint::model::Body::Chassis)
             .filter(|i| {
@@ -87,7 +87,8 @@ fn with_everything_recut_the_build_is_the_moved_drawing() {
         let built = assembler.build(&parts, Rest::Height(0.0)).unwrap();
         let plan = Plan::of(study.one_wheel().unwrap());
         let found = built_curves(&assembler, &built, &plan, &[]).unwrap().curves;
-        // A point on an arm whose axis moves is shaped after the arm in a drawing, not in a build.
+        // If an arm's axis moves, a nominal point on the arm keeps its coordinates, but a built point moves with the
+        // arm. The test takes the built points.
         let mut expected = moved.clone();
         for (i, point) in moved.mechanism.points.iter().enumerate() {
             if !matches!(
@@ -117,8 +118,8 @@ fn with_everything_recut_the_build_is_the_moved_drawing() {
     }
 }
 
-/// The derivative with respect to a point of the nominal design is that by the point of the part, and by the lengths that follow
-/// it.
+/// The derivative with respect to a nominal point is a sum: the derivative with respect to the part's point, plus those
+/// with respect to the lengths that depend on it.
 #[test]
 fn derivatives_by_the_drawing_are_a_chain_rule_on_those_by_parts() {
     for name in [
@@ -163,7 +164,7 @@ fn derivatives_by_the_drawing_are_a_chain_rule_on_those_by_parts() {
             .collect();
         let directions: Vec<_> = directions.iter().map(|d| &d[..]).collect();
         let by_parts = built_curves(&assembler, &built, &plan, &directions).unwrap();
-        // A point of the arm keeps its place in the arm, not in the drawing.
+        // A point on the arm keeps its position relative to the arm, so the chain rule does not cover its columns.
         let on_arm = |column: usize| {
             let output = &drawn.columns[column].output;
             ["spring", "motion"].iter().any(|w| output.contains(w))

@@ -1,4 +1,4 @@
-//! Set-ups: wanted static values are there when the adjusted parts are put together.
+//! Tests of set-ups: the assembled parts with their adjustments have the target static values.
 
 use super::{assembler, parameter, study};
 use crate::support::random::Random;
@@ -21,7 +21,8 @@ fn value(found: &SetUp, of: Static) -> f64 {
     found.last().values[place]
 }
 
-/// With as many adjustments as wanted values, all are met to rounding, and the spring has its nominal length.
+/// With as many adjustments as targets, the set-up meets all targets to rounding, and the spring keeps its nominal
+/// length.
 #[test]
 fn wishes_are_met_exactly_where_there_are_as_many_adjustments() {
     let found = solved(
@@ -48,8 +49,8 @@ fn wishes_are_met_exactly_where_there_are_as_many_adjustments() {
     assert!(off.abs() < 1e-10, "{off}");
 }
 
-/// The effect of a length unit of an adjustment is the slope of the static values. The slope of the ride height is
-/// the negative of the wheel's.
+/// The effect of one length unit of an adjustment equals the slope of the static values. The slope of the ride height
+/// is the negative of the slope of the wheel height.
 #[test]
 fn effects_are_slopes_of_the_static_values() {
     let name = "double_wishbone_tolerance";
@@ -57,7 +58,7 @@ fn effects_are_slopes_of_the_static_values() {
     let (assembler, setup) = (assembler(&study), study.setup.as_ref().unwrap());
     let found = SetUp::solve(&study, setup, &assembler).unwrap();
     for (k, adjustment) in setup.adjust.iter().enumerate() {
-        // Differences of order four.
+        // Differences of fourth order.
         let h = 0.05;
         let heights = [-2.0, -1.0, 1.0, 2.0].map(|step| {
             let mut parts = assembler.drawn().clone();
@@ -79,7 +80,8 @@ fn effects_are_slopes_of_the_static_values() {
     }
 }
 
-/// Whole shims, threads that make up for them, and a wanted value that nothing moves: it is named.
+/// A set-up uses whole shims and threads that compensate the rounding of the shims. It names a target that no
+/// adjustment changes.
 #[test]
 fn shims_come_whole_and_what_cannot_be_met_is_named() {
     let stepped = solved("double_wishbone_tolerance", &[]);
@@ -87,7 +89,7 @@ fn shims_come_whole_and_what_cannot_be_met_is_named() {
     assert!((shims - shims.round()).abs() < 1e-12);
     assert!(stepped.is_met());
 
-    // The rod meets toe, and does not spoil it for the sake of camber.
+    // The rod meets the toe target and does not sacrifice it for camber.
     let alone = solved(
         "macpherson_tolerance",
         &[
@@ -99,7 +101,7 @@ fn shims_come_whole_and_what_cannot_be_met_is_named() {
     let misses = alone.misses();
     assert!(misses[0].unwrap().abs() > 1.0 && misses[1].unwrap().abs() < 1e-9);
 
-    // More adjustments than wanted values: met, by the smallest of them.
+    // With more adjustments than targets, the smallest adjustments meet the targets.
     let more = solved("macpherson_tolerance", &["setup.want={toe=0.3}"]);
     assert!(more.is_met());
     let by = &more.drawn.by;
@@ -107,8 +109,8 @@ fn shims_come_whole_and_what_cannot_be_met_is_named() {
     assert!((ratio - by[0][1] / by[1][1]).abs() < 0.01, "{ratio}");
 }
 
-/// Whatever whole shims leave of camber, the threads meet toe and ride height to rounding, toe last; camber misses by at
-/// most half a step.
+/// Whole shims may leave a camber error of at most half a step. The threads still meet toe and ride height to rounding,
+/// toe last.
 #[test]
 fn shims_never_spoil_what_threads_can_meet() {
     let adjust = "setup.adjust=[{length=\"tie_rod\",per_turn=2.0},{length=\"pushrod\",per_turn=2.5},\
@@ -120,18 +122,19 @@ fn shims_never_spoil_what_threads_can_meet() {
         let misses = found.misses();
         assert!(misses[1].unwrap().abs() < 1e-9, "{misses:?}");
         assert!(misses[4].unwrap().abs() < 1e-9, "{misses:?}");
-        // About 0.23 deg a mm.
+        // The effect is about 0.23 deg/mm.
         assert!(found.allowed[0] < 0.13 && found.allowed[1] == 0.0 && found.allowed[4] == 0.0);
         assert!(misses[0].unwrap().abs() <= found.allowed[0], "{misses:?}");
         assert!(found.is_met());
-        // No other number of shims is nearer.
+        // The error is at most half a step, so no other number of shims is nearer.
         let step = found.last().by[2][0]
             - found.last().by[0][0] * found.last().by[2][1] / found.last().by[0][1];
         assert!(misses[0].unwrap().abs() < 0.55 * step.abs(), "{step}");
     }
 }
 
-/// Toe that is not wanted stays as it is, if a tie rod can keep it; so does the ride height, if a pushrod can.
+/// Toe without a target stays constant if a tie rod can hold it. The ride height stays constant if a pushrod can hold
+/// it.
 #[test]
 fn what_is_not_wanted_is_kept_by_its_own_thread() {
     let found = solved(
@@ -147,7 +150,8 @@ fn what_is_not_wanted_is_kept_by_its_own_thread() {
     assert!(found.is_met());
 }
 
-/// A half step of a shim is no failure; an aim that the adjustments do not reach is one, however coarse the shims are.
+/// An error of half a shim step does not fail a set-up. A target that the adjustments cannot reach fails it, however
+/// coarse the shims are.
 #[test]
 fn half_steps_of_shims_do_not_fail_a_set_up() {
     let adjust = "setup.adjust=[{length=\"pushrod\",per_turn=2.5},{shim=\"upper_ball_joint\",axis=\"y\",step=1.0}]";
@@ -160,7 +164,7 @@ fn half_steps_of_shims_do_not_fail_a_set_up() {
             found.misses(),
             found.allowed
         );
-        // Half a shim of 1 mm, 0.23 deg a mm.
+        // Half a shim of 1 mm changes camber by 0.115 deg at 0.23 deg/mm.
         for (allowed, most) in found.allowed.iter().zip([0.13, 0.0, 0.0, 0.0, 0.0]) {
             assert!(*allowed <= most, "{:?}", found.allowed);
         }
@@ -177,7 +181,8 @@ fn half_steps_of_shims_do_not_fail_a_set_up() {
     );
 }
 
-/// An aim out of reach is named with the value at which it ends; aims in reach are not.
+/// The set-up names a target out of reach, with the value at which its range ends. It does not name targets within
+/// reach.
 #[test]
 fn aims_out_of_reach_are_named_alone() {
     let case = |want: &str| {
@@ -204,7 +209,7 @@ fn aims_out_of_reach_are_named_alone() {
         assert_eq!(missed.len(), 1, "{missed:?}");
         assert_eq!(missed[0].of, Static::Characteristic(name));
         assert!((missed[0].wanted - sought).abs() < 1e-9);
-        // A wheel on its side has a camber of 90 degrees, and none has more.
+        // Camber cannot exceed 90 degrees, at which the wheel lies on its side.
         assert!((missed[0].value - sought).abs() > 0.29, "{missed:?}");
     }
 }
@@ -231,8 +236,8 @@ const WISHBONE: &Points = &[
     ("spring_upper", [0.0, 30.0, 470.0]),
 ];
 
-/// A wheel of parallelograms in the plane x = 0: arms and tie rod are parallel and of one length, so the carrier is
-/// moved and never turned.
+/// Wheel with parallelograms in the plane x = 0: arms and tie rod are parallel and equally long, so the carrier
+/// translates without rotation.
 const PLANAR: &Points = &[
     ("upper_arm_front", [135.0, 195.0, 342.0]),
     ("upper_arm_rear", [-165.0, 195.0, 342.0]),
@@ -251,7 +256,7 @@ const PLANAR: &Points = &[
     ("spring_upper", [0.0, 30.0, 470.0]),
 ];
 
-/// A convention, a side and a unit: signs of the axes as the manual has them, and length units in a millimetre.
+/// Frame convention with a side and a unit: signs of the axes as in the manual, and length units per millimetre.
 #[derive(Clone, Copy, Debug)]
 struct Door {
     frame: FrameConvention,
@@ -281,7 +286,7 @@ impl Door {
         }
     }
 
-    /// A millimetre in its unit.
+    /// One millimetre in the unit.
     fn millimetre(self) -> f64 {
         match self.unit {
             LengthUnit::Millimetre => 1.0,
@@ -316,8 +321,8 @@ impl Door {
     }
 }
 
-/// A longer pushrod raises the car, by as much as plane trigonometry says. The spring keeps its length, so the rocker stands
-/// still and the pushrod's inner end P is a point of the body; its outer end Q goes about the arm's axis A, and |PQ|
+/// A longer pushrod raises the car by the amount from plane trigonometry. The spring keeps its length, so the rocker is
+/// fixed, and the pushrod's inner end P is a point of the body. Its outer end Q turns about the arm's axis A, and |PQ|
 /// gives the angle at A by the law of cosines.
 #[test]
 fn the_ride_height_that_a_pushrod_gives_is_that_of_the_triangle() {
@@ -334,7 +339,7 @@ fn the_ride_height_that_a_pushrod_gives_is_that_of_the_triangle() {
     let arm = between(axis, joint);
     let start = arm[1].atan2(arm[0]);
     for longer in [-6.0, -0.5, 0.4, 5.0] {
-        // A longer rod turns the arm, and the wheel with it, downward.
+        // A longer rod turns the arm and the wheel downward.
         let down = angle(length + longer) - angle(length);
         let car_rises = norm(arm) * (start.sin() - (start - down).sin());
         assert!(car_rises * longer > 0.0 && down.abs() < PI / 8.0);
@@ -351,7 +356,7 @@ fn the_ride_height_that_a_pushrod_gives_is_that_of_the_triangle() {
                 assert!(found.is_met());
                 let amount = found.last().amounts[0] / mm;
                 assert!((amount - longer).abs() < 1e-8, "{door:?} {amount} {longer}");
-                // What a millimetre does: it raises.
+                // The effect per millimetre is positive: a longer rod raises the car.
                 assert!(*found.drawn.by[0].last().unwrap() > 0.5);
                 let centre = study.wheel().mechanism.point("wheel_centre").unwrap().0;
                 let built = found.last().built.suspension.design[centre].z;
@@ -362,7 +367,7 @@ fn the_ride_height_that_a_pushrod_gives_is_that_of_the_triangle() {
     }
 }
 
-/// Static values of parts that were adjusted by hand: camber, toe and caster in degrees.
+/// Static values of manually adjusted parts: camber, toe and caster in degrees.
 fn values(study: &Study, built: &Built) -> [f64; 3] {
     let found = built_curves(
         &assembler(study),
@@ -375,7 +380,8 @@ fn values(study: &Study, built: &Built) -> [f64; 3] {
     [0, 1, 2].map(|k| values[k].unwrap())
 }
 
-/// Planted rods and shims are recovered, at both wheels, in every frame and unit: shims to the last one, rods to rounding.
+/// The set-up recovers planted rod and shim amounts at both wheels, in every frame and unit: shims exactly, rods to
+/// rounding.
 #[test]
 fn planted_set_ups_are_recovered() {
     let mut random = Random(20);
@@ -427,8 +433,8 @@ fn planted_set_ups_are_recovered() {
     }
 }
 
-/// Reported values of the rounded amounts are true. Sixteenths of turns and whole shims, assembled by hand, give the
-/// reported values. These are within half of the step to which they were rounded.
+/// The reported values of a rounded set-up are true. Parts assembled with sixteenths of turns and whole shims have the
+/// reported values. The rounded amounts are within half a step of the exact ones.
 #[test]
 fn rounded_amounts_are_reported_as_they_assemble() {
     let mut random = Random(21);
@@ -456,7 +462,7 @@ fn rounded_amounts_are_reported_as_they_assemble() {
             let off = found.rounded.amounts[k] - found.last().amounts[k];
             assert!(off.abs() <= half + 1e-12, "{k} {off}");
         }
-        // The steps are these amounts, set one after another.
+        // The steps apply these amounts one after another.
         for (place, step) in found.rounded_steps.iter().enumerate() {
             let done = &found.order[..=place];
             for (k, amount) in found.rounded.amounts.iter().enumerate() {
@@ -495,7 +501,8 @@ fn rounded_amounts_are_reported_as_they_assemble() {
     }
 }
 
-/// The effects of the steps add up to the change from the nominal design to the rounded set-up, and the words state them.
+/// The effects of the steps add up to the change from the nominal design to the rounded set-up, and the instructions
+/// state them.
 #[test]
 fn effects_of_the_steps_add_up_to_the_rounded_set_up() {
     let study = study("double_wishbone_tolerance", &[]);
@@ -533,7 +540,7 @@ fn effects_of_the_steps_add_up_to_the_rounded_set_up() {
         "{words}: {}",
         shim.effect_in_words
     );
-    // The joint moves in the wheel carrier: inboard leans the top of the wheel outboard.
+    // The joint moves in the wheel carrier, so a joint that moves inboard tilts the top of the wheel outboard.
     let is_inboard = shim.instruction.starts_with("move inboard");
     assert_eq!(is_inboard, change > 0.0, "{}", shim.instruction);
 }
@@ -575,8 +582,8 @@ fn differing_axle(frame: FrameConvention, signs: [f64; 3]) -> String {
     text
 }
 
-/// If the wheels of an axle differ, each has its instructions. Their directions are those in which the points move on the car, in
-/// every frame.
+/// If the wheels of an axle differ, each wheel has its own instructions. Their directions are those in which the points
+/// move on the car, in every frame.
 #[test]
 fn directions_of_each_wheel_are_those_of_its_points() {
     for (frame, signs) in [

@@ -1,4 +1,4 @@
-//! Spin axes that camber and toe give: a deviation of the wheel centre moves them in parallel.
+//! Tests of spin axes given by camber and toe: a deviation of the wheel centre translates the axis.
 
 use super::{assembler, parameter, plan, study};
 use hardpoint::assembly::{Rest, built_curves};
@@ -14,9 +14,9 @@ const STUDIES: [&str; 3] = [
     "semi_trailing_arm_rear",
 ];
 
-/// At travel 0 a deviated wheel centre is at its design height. So a centre that is higher in its carrier by dz leaves the carrier
-/// where the design has it at the travel -dz, and camber and toe change by the slopes over travel, negated. Horizontal
-/// deviations change neither. The radius of the wheel has no effect.
+/// At travel 0 a deviated wheel centre is at its design height. If it is dz higher in its carrier, the carrier has its
+/// pose for travel -dz. So camber and toe change by -dz times their slopes over travel. Horizontal deviations change
+/// neither, and the wheel radius has no effect.
 #[test]
 fn a_wheel_centre_moves_its_spin_axis_in_parallel() {
     const STEP: f64 = 0.5;

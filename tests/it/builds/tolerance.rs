@@ -1,4 +1,4 @@
-//! Scatter: the linear answer, the builds, the yields.
+//! Tests of tolerance analyses: first-order standard deviations, builds, yields.
 
 use super::{assembler, parameter, plan, study};
 use hardpoint::assembly::{Rest, built_curves};
@@ -21,7 +21,8 @@ fn built(problem: &Problem) -> (Vec<f64>, Expansion, MonteCarlo) {
     (drawn, expansion, builds)
 }
 
-/// If the linear answer claims to hold, its standard deviation equals the builds', to 2 % and four standard errors.
+/// The standard deviation of the first-order result equals that of the builds within 2 % plus four standard errors,
+/// wherever the first-order result claims to be valid.
 #[test]
 fn first_order_is_the_monte_carlo_where_it_says_so() {
     for (name, travel) in [
@@ -57,7 +58,7 @@ fn first_order_is_the_monte_carlo_where_it_says_so() {
                 .map(|c| expansion.part(&problem, cell, c))
                 .sum();
             assert!((shares / expansion.variance[cell] - 1.0).abs() < 1e-12);
-            // Percentiles of what is nearly normal.
+            // Percentiles of a nearly normal distribution.
             let [_, _, low, middle, high, ..] = spread.percentiles;
             assert!(low < middle && middle < high);
             let width = (high - low) / (2.0 * 1.6449 * spread.sigma);
@@ -67,7 +68,8 @@ fn first_order_is_the_monte_carlo_where_it_says_so() {
     }
 }
 
-/// The second-order part is half the second derivative times the variance: against differences of order four.
+/// The second-order contribution is half the second derivative times the variance, from differences of fourth order. It
+/// shows where the first-order result is not valid.
 #[test]
 fn second_order_tells_where_the_linear_answer_does_not_hold() {
     let study = study(
@@ -108,15 +110,15 @@ fn second_order_tells_where_the_linear_answer_does_not_hold() {
                 (shift - expected).abs() < 1e-3 * expected.abs(),
                 "{shift} {expected}"
             );
-            // Of one normal number the variance grows by twice the square of the shift.
+            // For a single normal source, the variance grows by twice the square of the shift of the mean.
             assert!((growth - 2.0 * shift * shift).abs() < 1e-12 * growth);
         }
     }
     assert_eq!(expansion.holds(problem.cell(0, 0)), Some(false));
 }
 
-/// With wide tolerances, curvature and interaction count. First-order parts of the builds' variance and the
-/// second-order remainder then sum to 1 within the standard error. Without the remainder they do not.
+/// With wide tolerances, curvature and interaction matter. Then the first-order shares of the builds' variance and the
+/// second-order remainder sum to 1 within the standard error. Without the remainder they do not.
 #[test]
 fn shares_and_their_remainder_make_one() {
     let study = study(
@@ -141,7 +143,7 @@ fn shares_and_their_remainder_make_one() {
         let shares: f64 = shares.sum();
         let left = expansion.remainder(cell, spread);
         assert!((shares + left.part - 1.0).abs() < 1e-12);
-        // Third order is about the second's square.
+        // The third-order remainder is about the square of the second-order remainder.
         let most = 4.0 * left.error + 2.0 * left.second * left.second;
         assert!(
             (shares + left.second - 1.0).abs() < most,
@@ -152,7 +154,7 @@ fn shares_and_their_remainder_make_one() {
     assert!(needed > 0);
 }
 
-/// Aligned builds have the nominal toe and camber at rest, to rounding, and the same scatter elsewhere by both ways.
+/// Aligned builds have the nominal toe and camber at rest, to rounding. Both methods give the same scatter elsewhere.
 #[test]
 fn aligned_builds_have_the_drawn_toe_and_camber() {
     let study = study(
@@ -177,7 +179,8 @@ fn aligned_builds_have_the_drawn_toe_and_camber() {
     assert_eq!(builds.rejected(), 0);
 }
 
-/// Two planted tolerances that dominate the yield come first, and half of each lifts the yield as predicted.
+/// The ranking puts the two planted tolerances that dominate the yield first. Halving either one raises the yield as
+/// predicted.
 #[test]
 fn the_tolerances_that_cost_the_yield_are_named_first() {
     let scatter = |tie_rod: f64, leg: f64| {
@@ -205,7 +208,7 @@ fn the_tolerances_that_cost_the_yield_are_named_first() {
     let yields = run(0.3, 0.8);
     let before = yields.all.monte_carlo;
     let first: Vec<usize> = yields.ranking[..2].iter().map(|r| r.contributor).collect();
-    // The tie rod and the front leg, after three hardpoints.
+    // Indices of the tie rod and the front leg, after three hardpoints.
     assert!(
         first.contains(&3) && first.contains(&5),
         "{:?}",
@@ -223,12 +226,12 @@ fn the_tolerances_that_cost_the_yield_are_named_first() {
             "{lifted} {ranking:?} {before}"
         );
     }
-    // A point that hardly adds to anything may be looser.
+    // The ranking marks the tolerance of a point with a negligible contribution as one that can be relaxed.
     let loose = yields.ranking.iter().filter(|r| r.may_be_looser).count();
     assert!(loose >= 1, "{:?}", yields.ranking);
 }
 
-/// The same bits for any number of threads, with builds that cannot be assembled among them.
+/// Results have the same bits with any number of threads, also if some builds cannot be assembled.
 #[test]
 fn results_are_the_same_on_any_number_of_threads() {
     let study = study(
@@ -253,7 +256,7 @@ fn results_are_the_same_on_any_number_of_threads() {
     assert!(rejected.first < 1500 && rejected.why.to_string().contains("cannot reach"));
 }
 
-/// All builds are wanted.
+/// Progress callback that never stops the run.
 fn on(_: u64) -> std::ops::ControlFlow<()> {
     std::ops::ControlFlow::Continue(())
 }
@@ -278,8 +281,8 @@ fn builds_can_be_ended_early() {
     assert!(spread.count + found.rejected() <= found.builds && spread.sigma.is_finite());
 }
 
-/// Alignment sets camber and toe in the design position, so they do not scatter there. Wide bands on both change nothing of the
-/// ranking: rounding errors have no share and cost no yield.
+/// Alignment sets camber and toe in the design position, so they do not scatter there. Wide bands on them leave the
+/// ranking unchanged: rounding errors have no share and cost no yield.
 #[test]
 fn bands_on_values_that_do_not_scatter_leave_the_ranking() {
     let run = |more: &str| {
@@ -305,7 +308,7 @@ fn bands_on_values_that_do_not_scatter_leave_the_ranking() {
     assert!(alone.all.monte_carlo > 0.05 && alone.all.monte_carlo < 0.999);
 }
 
-/// The page says that an aligned camber does not scatter, and gives no Cp of rounding errors.
+/// The page states that an aligned camber does not scatter, and computes no Cp from rounding errors.
 #[test]
 fn the_page_has_no_capability_of_rounding_errors() {
     let directory = tempfile::tempdir().unwrap();
@@ -331,7 +334,8 @@ fn the_page_has_no_capability_of_rounding_errors() {
     assert_eq!(page.matches(">Cp ").count(), 1);
 }
 
-/// Alignment sets toe and camber. A band with a limit at such a value contains every build, and its linear yield agrees.
+/// Alignment sets toe and camber. If a limit of a band equals such a value, the band contains every build, and the
+/// linear yield agrees.
 #[test]
 fn a_value_held_at_a_limit_keeps_its_band() {
     let study = study(
@@ -372,7 +376,7 @@ fn tolerances_within_a_wide_band_can_be_relaxed() {
         wide.iter().all(|r| r.may_be_looser && r.doubled == 1.0),
         "{wide:?}"
     );
-    // In a narrow band, the largest contributors cannot.
+    // In a narrow band, the tolerances of the largest contributors cannot be relaxed.
     let narrow = run("[3.35,3.6]");
     let largest = narrow
         .iter()

@@ -1,4 +1,4 @@
-//! Set-ups with whole shims, weights of aims, and the largest adjustment.
+//! Tests of set-ups with whole shims, of weights of targets, and of the largest accepted adjustment.
 
 use super::{assembler, parameter, plan, study};
 use hardpoint::ask::Unit;
@@ -11,7 +11,8 @@ fn solved(overrides: &[&str]) -> Result<SetUp, SetUpError> {
     SetUp::solve(&study, study.setup.as_ref().unwrap(), &assembler(&study))
 }
 
-/// Half a step of a shim may cause half its effect plus 1 %. A thread adds the effect of half a sixteenth of a turn.
+/// The allowed error for half a shim step is half the step's effect plus 1 %. A thread adds the effect of half a
+/// sixteenth of a turn.
 #[test]
 fn half_steps_allow_half_effects() {
     let shim =
@@ -21,7 +22,7 @@ fn half_steps_allow_half_effects() {
     for (setup, has_thread) in [(shim, false), (both, true)] {
         let found = solved(&[setup]).unwrap();
         let by = &found.last().by;
-        // The thread turns toe back, and changes camber a little.
+        // The thread corrects toe and changes camber slightly.
         let effect = if has_thread {
             by[0][0] - by[1][0] * by[0][1] / by[1][1]
         } else {
@@ -39,7 +40,8 @@ fn half_steps_allow_half_effects() {
     }
 }
 
-/// An adjustment of up to a tenth of the suspension's size is accepted. A larger one is refused with its amount.
+/// The program accepts an adjustment up to a tenth of the suspension size. It refuses a larger one and states its
+/// amount.
 #[test]
 fn adjustments_beyond_a_tenth_of_the_size_are_refused() {
     let adjust = "setup.adjust=[{shim=\"upper_ball_joint\",axis=\"y\"}]";
@@ -97,7 +99,7 @@ fn a_tenth_of_a_degree_counts_as_a_millimetre() {
             curvature += (weight * by).powi(2);
         }
     }
-    // The optimum of the squares is within a step of the shim.
+    // The continuous optimum is within one shim step.
     assert!((slope / curvature).abs() < 1e-4, "{}", slope / curvature);
 }
 
@@ -109,7 +111,8 @@ const SHIMS: [(&str, &str, f64); 5] = [
     ("tie_rod_inner", "z", 1.0),
 ];
 
-/// The whole shims of a set-up are the best of all roundings, up and down, of the smallest adjustment that meets the aims.
+/// The whole shims of a set-up are the best of all roundings, up or down, of the smallest adjustment that meets the
+/// targets.
 #[test]
 fn whole_shims_are_the_best_roundings() {
     let adjust = |with_steps: bool| {
@@ -141,7 +144,7 @@ fn whole_shims_are_the_best_roundings() {
             solved(&[&adjust, &want, "setup.ride_height_change=0.0"]).unwrap()
         };
         let (real, found) = (set_up(false), set_up(true));
-        // Sum of squared errors of whole shims.
+        // Sum of squared errors for given whole shims.
         let error = |amounts: [f64; 5]| {
             let mut parts = assembler.drawn().clone();
             for ((point, axis, _), amount) in SHIMS.into_iter().zip(amounts) {
@@ -170,7 +173,7 @@ fn whole_shims_are_the_best_roundings() {
     }
 }
 
-/// Wanted values that whole shims give are met by these shims, to rounding.
+/// If whole shims can meet the targets exactly, the set-up finds these shims and meets the targets to rounding.
 #[test]
 fn planted_whole_shims_are_found() {
     let adjust = "setup.adjust=[{shim=\"upper_ball_joint\",axis=\"y\",step=0.5}]";

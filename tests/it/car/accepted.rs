@@ -1,4 +1,4 @@
-//! Ranges, scatter and designs keep to the values that the study of a car accepts.
+//! Tests that ranges, scatter and designs of a car stay within the values that its study accepts.
 
 use super::commands::{hardpoint, studies, text};
 use hardpoint::study::CarStudy;
@@ -6,7 +6,7 @@ use hardpoint::tolerance::CarProblem;
 use std::fs;
 use std::path::Path;
 
-/// The road car with these changes.
+/// Reads the study of the road car with these changes.
 fn read(changes: &[&str]) -> Result<CarStudy, String> {
     let changes: Vec<String> = changes.iter().map(|&change| change.to_owned()).collect();
     CarStudy::read(&studies().join("car.toml"), &changes).map_err(|errors| errors.to_string())
@@ -16,7 +16,7 @@ fn refusal(changes: &[&str]) -> String {
     read(changes).map_or_else(|why| why, |_| panic!("accepted: {changes:?}"))
 }
 
-/// Scatter and variables that suit every value of the car.
+/// Scatter and variables that are valid for every value of the car.
 const SCATTER: &str =
     "tolerance.scatter=[{ axle = \"front\", hardpoint = \"tie_rod_inner\", sigma = 0.1 }]";
 const TUNED: &str = "optimise.variables=[{ axle = \"front\", hardpoint = \"tie_rod_inner\", \
@@ -24,7 +24,7 @@ const TUNED: &str = "optimise.variables=[{ axle = \"front\", hardpoint = \"tie_r
 const SWEPT: &str = "sweep.variables=[{ axle = \"front\", hardpoint = \"tie_rod_inner\", \
                      axis = \"z\", range = [-5.0, 5.0] }]";
 
-/// The only variable of the sweep and of the tuning.
+/// Makes this entry the only variable of the sweep and of the tuning.
 fn variable(written: &str) -> [String; 2] {
     [
         format!("sweep.variables=[{{{written}}}]"),
@@ -32,12 +32,12 @@ fn variable(written: &str) -> [String; 2] {
     ]
 }
 
-/// The range of a variable may end where the study still accepts the value itself, and nowhere else.
+/// The range of a variable may end at any value that the study accepts, and at no other value.
 #[test]
 fn a_range_ends_where_the_study_accepts_the_value() {
     let up =
         |key: &str, inside: f64, outside: f64, from: f64| (key.to_owned(), [inside, outside, from]);
-    // Part, key of the value, an accepted value, one that is not, and the other end of the range.
+    // Columns: part, key of the value, an accepted value, a refused value, and the other end of the range.
     let of_car = [
         (
             "brake_share_front",
@@ -68,7 +68,7 @@ fn a_range_ends_where_the_study_accepts_the_value() {
     let of_axle = of_axle.map(|(name, own)| (format!("axle = \"front\", rate = {name:?}"), own));
     for (part, (key, [inside, outside, other])) in of_car.into_iter().chain(of_axle) {
         for (value, is_accepted) in [(inside, true), (outside, false)] {
-            // The scatter and the variables of the sample do not suit every value.
+            // Replaces the scatter and the variables of the sample, which are not valid for every value.
             let own = read(&[&format!("{key}={value:?}"), SCATTER, TUNED, SWEPT]);
             assert_eq!(own.is_ok(), is_accepted, "{key} = {value}");
             let (low, high) = (value.min(other), value.max(other));
@@ -81,7 +81,7 @@ fn a_range_ends_where_the_study_accepts_the_value() {
     }
 }
 
-/// A centre of gravity stays above the ground, and that of a whole car between its axles.
+/// A centre of gravity stays above the ground. The centre of gravity of a whole car stays between its axles.
 #[test]
 fn the_centre_of_gravity_stays_between_the_axles() {
     let of_sprung = variable("car = \"cg_z\", range = [-400.0, 600.0]");
@@ -113,7 +113,7 @@ fn the_centre_of_gravity_stays_between_the_axles() {
     }
 }
 
-/// The road car with the mass of the whole car.
+/// Writes the road car with the mass of the whole car.
 fn whole_car(directory: &Path) -> std::path::PathBuf {
     hardpoint(directory, &["new", "car"]).success();
     let path = directory.join("car.toml");
@@ -123,7 +123,7 @@ fn whole_car(directory: &Path) -> std::path::PathBuf {
     path
 }
 
-/// Both ranges are accepted. A design with the centre of gravity behind its rear axle fails with the reason.
+/// Both ranges are accepted. A design whose centre of gravity is behind its rear axle fails with the reason.
 #[test]
 fn an_impossible_design_of_a_sweep_fails() {
     let directory = tempfile::tempdir().unwrap();
@@ -143,7 +143,7 @@ fn an_impossible_design_of_a_sweep_fails() {
     }
 }
 
-/// Scatter beyond the accepted values is refused, with the numbers.
+/// The program refuses scatter beyond the accepted values, and states the numbers.
 #[test]
 fn scatter_keeps_to_accepted_values() {
     for (entry, words) in [
@@ -167,12 +167,12 @@ fn scatter_keeps_to_accepted_values() {
         let said = refusal(&[&format!("tolerance.scatter=[{entry}]")]);
         assert!(said.contains(words), "{entry}: {said}");
     }
-    // A quarter of 68 % is within the limits in both directions: 0.68 - 4 x 0.07, 0.68 + 4 x 0.07.
+    // The scatter of four sigma stays within the limits in both directions: 0.68 - 4 x 0.07 and 0.68 + 4 x 0.07.
     read(&["tolerance.scatter=[{ car = \"brake_share_front\", sigma = 0.07 }]"]).unwrap();
 }
 
-/// Two sources move the same rate, each uniformly by up to two thirds of it. Their sum is at least the whole rate in one eighth
-/// of the builds.
+/// Two sources change the same rate, each uniformly by up to two thirds of it. In one eighth of the builds they remove
+/// the whole rate, and the program rejects these builds.
 #[test]
 fn impossible_builds_are_rejected() {
     let rate = 30.0;
@@ -203,7 +203,7 @@ fn impossible_builds_are_rejected() {
     }
 }
 
-/// The second of two variables for the same value, or for the same coordinate, is refused.
+/// The program refuses a second variable for the same value or the same coordinate.
 #[test]
 fn a_value_has_one_variable() {
     let pairs = [
@@ -229,7 +229,7 @@ fn a_value_has_one_variable() {
     }
 }
 
-/// A percentage of 0 is nothing, so it is refused.
+/// The program refuses a percentage of 0, because it would have no effect.
 #[test]
 fn a_percentage_of_zero_is_refused() {
     let zero = "car.sprung_cg=[-1290.0, 0.0, 560.0]";
@@ -246,7 +246,7 @@ fn a_percentage_of_zero_is_refused() {
     }
 }
 
-/// A case of a car with rigid tyres cannot have elastic ones. The message gives the reason that applies.
+/// The program refuses elastic tyres in a case of a car with rigid tyres. The message gives the reason that applies.
 #[test]
 fn elastic_tyres_of_a_rigid_case_have_the_right_reason() {
     let case = "cases=[{name=\"turn\",ay=0.6,tyres=\"elastic\"}]";
@@ -258,7 +258,7 @@ fn elastic_tyres_of_a_rigid_case_have_the_right_reason() {
     assert!(!said.contains("both axle studies"), "{said}");
 }
 
-/// With `[tyre]` at one axle only, rigid tyres must be requested.
+/// If only one axle has `[tyre]`, the study must request rigid tyres, and the message names the axle without tyres.
 #[test]
 fn an_axle_without_tyres_is_named() {
     let directory = tempfile::tempdir().unwrap();

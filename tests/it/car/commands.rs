@@ -1,4 +1,4 @@
-//! Commands on studies of cars.
+//! Tests of commands on studies of cars.
 
 use std::fs;
 use std::path::Path;
@@ -16,7 +16,7 @@ pub(super) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// `hardpoint new` writes three files that run, and overwrites none. They are the samples.
+/// `hardpoint new` writes three files that run, and overwrites no file. They equal the samples.
 #[test]
 fn new_cars_run() {
     let directory = tempfile::tempdir().unwrap();
@@ -49,7 +49,7 @@ fn new_cars_run() {
     }
 }
 
-/// A tuned car is three studies whose results are those of the tuning.
+/// A tuned car consists of three studies whose results are those of the tuning.
 #[test]
 fn tuned_cars_are_studies() {
     let directory = tempfile::tempdir().unwrap();
@@ -62,7 +62,7 @@ fn tuned_cars_are_studies() {
     let tuned = directory.path().join("tuned");
     hardpoint(&tuned, &["solve", "optimised.toml", "--out", "again"]).success();
     let read = |path: &str| fs::read_to_string(tuned.join(path)).unwrap();
-    // The page has the misfit before and after, and every variable with its values.
+    // The page shows the misfit before and after, and every variable with its values.
     let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
     let page = read("report.html");
     let (_, section) = page.split_once("<section id=\"variables\">").unwrap();
@@ -82,7 +82,7 @@ fn tuned_cars_are_studies() {
     assert_ne!(read("cases.csv"), read("cases_before.csv"));
 }
 
-/// Commands that do not take cars say so.
+/// Commands that do not support cars refuse them with a message.
 #[test]
 fn other_commands_refuse_cars() {
     let car = studies().join("car.toml");
@@ -98,13 +98,13 @@ fn other_commands_refuse_cars() {
     }
 }
 
-/// Mistakes are named with file, line and key.
+/// The program names mistakes with file, line and key.
 #[test]
 fn mistakes_are_named() {
     let directory = tempfile::tempdir().unwrap();
     hardpoint(directory.path(), &["new", "car"]).success();
     let path = directory.path().join("car.toml");
-    // Without the sections that some mistakes are made in.
+    // Removes `[sweep]`, so that mistakes can be inserted there.
     let good = fs::read_to_string(&path).unwrap();
     let (head, rest) = good.split_once("[sweep]").unwrap();
     let (_, tail) = rest.split_once("[optimise]").unwrap();
@@ -200,7 +200,7 @@ fn mistakes_are_named() {
     }
 }
 
-/// A case cannot displace the rack of an axle that nothing steers.
+/// A case cannot displace the rack of an unsteered axle.
 #[test]
 fn a_rack_needs_something_to_steer() {
     let directory = tempfile::tempdir().unwrap();
@@ -227,7 +227,7 @@ fn a_rack_needs_something_to_steer() {
     }
 }
 
-/// `--set` reaches the axles.
+/// `--set` changes the studies of the axles too.
 #[test]
 fn changes_reach_the_axles() {
     let directory = tempfile::tempdir().unwrap();
@@ -248,7 +248,7 @@ fn changes_reach_the_axles() {
     assert!(stiff > soft + 3.0, "{soft} {stiff}");
 }
 
-/// Member loads are columns of `cases.csv`, a tension of the tie rod for each front wheel among them.
+/// `cases.csv` has columns of member loads, including the tie rod tension of each front wheel.
 #[test]
 fn member_loads_are_written() {
     let directory = tempfile::tempdir().unwrap();
@@ -270,7 +270,7 @@ fn member_loads_are_written() {
     assert_eq!(header[header.len() - 2..], ["reason", "status"]);
 }
 
-/// Several starts are accepted, and numbers out of range are refused.
+/// A tuning of a car accepts several starts and refuses numbers out of range.
 #[test]
 fn starts_of_a_tuning_are_checked() {
     let directory = tempfile::tempdir().unwrap();
@@ -285,7 +285,7 @@ fn starts_of_a_tuning_are_checked() {
     assert!(said.contains("expected 1 to 10000 starts"), "{said}");
 }
 
-/// Inputs without meaning are refused with the place and the reason.
+/// The program refuses meaningless inputs of cars, with the location and the reason.
 #[test]
 fn wrong_inputs_of_cars_are_refused() {
     let directory = tempfile::tempdir().unwrap();
@@ -374,7 +374,7 @@ fn wrong_inputs_of_cars_are_refused() {
     }
 }
 
-/// Values of a map are the numbers that their decimals read as.
+/// Values of a map equal the numbers that their decimal text represents.
 #[test]
 fn values_of_maps_are_decimals() {
     let directory = tempfile::tempdir().unwrap();

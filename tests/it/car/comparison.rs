@@ -1,9 +1,9 @@
-//! Cars side by side, and their points in files.
+//! Tests of comparisons of cars, and of files with their points.
 
 use super::commands::{hardpoint, text};
 use std::fs;
 
-/// A comparison lists the changes, and its differences are those of both solutions.
+/// A comparison lists the changes, and its differences equal those of the two solutions.
 #[test]
 fn changes_and_differences_are_listed() {
     let directory = tempfile::tempdir().unwrap();
@@ -38,7 +38,7 @@ fn changes_and_differences_are_listed() {
             assert_eq!(second - first, difference);
             compared += 1;
         }
-        // The second car's numbers are those of its run.
+        // The values of the second car equal those of its own run.
         assert!(row[4].is_empty() || cases.contains(&row[4]), "{row:?}");
     }
     assert!(compared > 300, "{compared}");
@@ -49,13 +49,13 @@ fn changes_and_differences_are_listed() {
         stdout.is_empty() && stderr.contains("no differences"),
         "{stdout}{stderr}"
     );
-    // A car and an axle have nothing to compare.
+    // `compare` refuses a car with an axle.
     let refused = hardpoint(directory, &["compare", "car.toml", "car_front.toml"]).code(2);
     assert!(text(&refused.get_output().stderr).contains("a car can be compared with cars only"));
 }
 
-/// A car in other units is the same car: nothing changed, and its results differ by rounding. A change is in the units of the
-/// first car.
+/// A car in other units is the same car: no change is listed, and the results differ only by rounding. A change is
+/// stated in the units of the first car.
 #[test]
 fn cars_in_other_units_are_compared() {
     let directory = tempfile::tempdir().unwrap();
@@ -93,7 +93,8 @@ fn cars_in_other_units_are_compared() {
                     assert_eq!(row[3].is_empty(), row[4].is_empty(), "{row:?}");
                     continue;
                 };
-                // Equilibria are solved in other units, to about ten digits. Loads of some kN scale the small forces.
+                // Solving the equilibria in other units gives about ten equal digits. Loads of several kN set the scale
+                // for the small forces.
                 let scale = a.abs().max(b.abs()).max(1.0);
                 assert!((a - b).abs() <= 1e-7 * scale, "{unit:?}: {row:?}");
                 compared += 1;
@@ -119,7 +120,8 @@ fn cars_in_other_units_are_compared() {
     );
 }
 
-/// Points of both axles are in the axes of the car: the rear wheel centre lies a wheelbase behind the front one.
+/// A car's export gives the points of both axles in the axes of the car: the rear wheel centre is one wheelbase behind
+/// the front one.
 #[test]
 fn exported_points_are_those_of_the_car() {
     let directory = tempfile::tempdir().unwrap();
@@ -154,7 +156,7 @@ fn exported_points_are_those_of_the_car() {
         &["export", "car.toml", "--to", "xlsx", "--out", "car.xlsx"],
     )
     .success();
-    // Formats of a single axle name the axles.
+    // An export in a format for a single axle is refused, and the message names the axles.
     let refused = hardpoint(directory, &["export", "car.toml", "--to", "adams"]).code(2);
     assert!(text(&refused.get_output().stderr).contains("car_rear.toml"));
 }

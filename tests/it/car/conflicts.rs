@@ -1,9 +1,9 @@
-//! Constraints of a car that exclude one another.
+//! Tests of conflicts between constraints of a car.
 
 use super::commands::{hardpoint, studies, text};
 use hardpoint::study::CarStudy;
 
-/// Two limits of a result that exclude one another, and others that do not matter.
+/// Two limits of a result that exclude each other, and other limits that are not involved.
 const CHANGES: [&str; 3] = [
     "optimise.variables=[{axle=\"front\",rate=\"spring\",percent=30.0}, \
      {axle=\"front\",hardpoint=\"tie_rod_inner\",axis=\"z\",range=[-5.0,5.0]}]",
@@ -14,7 +14,7 @@ const CHANGES: [&str; 3] = [
      {case=\"static\",characteristic=\"roll_gradient\",at_most=3.45}]",
 ];
 
-/// The tuning names these two and no others.
+/// The tuning names these two constraints and no others.
 #[test]
 fn a_smallest_set_is_named() {
     let study = CarStudy::read(&studies().join("car.toml"), &CHANGES.map(str::to_owned))
@@ -41,7 +41,7 @@ fn a_smallest_set_is_named() {
     );
 }
 
-/// A conflict between an axle alone and a case is found, too.
+/// The tuning also finds a conflict between a constraint of an axle and a constraint of a case.
 #[test]
 fn a_conflict_of_an_axle_alone_is_named() {
     let constraints = "optimise.constraints=[{axle=\"front\",length=\"tie_rod\",at_most=1.0}]";

@@ -1,5 +1,5 @@
-//! Free bodies in states of random cars: carriers, arms, rockers, bars and the body, each by itself, from published positions
-//! and member forces.
+//! Balance of free bodies in states of random cars: carriers, arms, rockers, bars and the body, each separately, from
+//! published positions and member forces.
 
 use crate::support::random::Random;
 use hardpoint::axle::Preloaded;
@@ -15,8 +15,8 @@ use std::path::Path;
 
 type V = Vector3<f64>;
 
-/// The sample car with both axles on double wishbones, with pushrods, springs, heave springs, T-bars, heave bars and anti-roll
-/// bars, moved at random.
+/// Sample car with random changes. Both axles have double wishbones with pushrods, springs, heave springs, T-bars,
+/// heave bars and anti-roll bars.
 fn random_car(random: &mut Random) -> Car {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/own/free_bodies.toml");
     let mut car = CarStudy::read(&path, &[]).unwrap().car;
@@ -28,7 +28,7 @@ fn random_car(random: &mut Random) -> Car {
             load: 1.0e4 * random.signed(),
             rate: 1.0e5,
         });
-        // Every other axle is not symmetric.
+        // About half of the axles are not symmetric.
         if random.signed() > 0.0 {
             let mut right = axle.left.clone();
             right.frame = axle.left.frame.of_other_side();
@@ -61,11 +61,11 @@ fn random_case(random: &mut Random) -> Case {
     case
 }
 
-/// A force at a place.
+/// Force with its point of application: position and vector.
 #[derive(Clone, Copy)]
 struct Force(V, V);
 
-/// Sum of forces and of moments about the origin.
+/// Sum of the forces, and of their moments about the origin.
 fn sum(forces: &[Force]) -> [V; 2] {
     forces
         .iter()
@@ -81,7 +81,8 @@ fn about(first: V, second: V, forces: &[Force]) -> f64 {
     forces.iter().map(moment).sum()
 }
 
-/// 1 if the rod of a rocker, pressed in the design position, turns it in the positive sense about its axis.
+/// 1 if compression of a rocker's rod turns the rocker in the positive sense about its axis in the design position,
+/// else -1.
 fn sense(mechanism: &Mechanism, design: &[V], id: RockerId) -> f64 {
     let rocker = mechanism.rocker(id);
     let [first, second, inner, outer] =
@@ -99,7 +100,7 @@ fn sense(mechanism: &Mechanism, design: &[V], id: RockerId) -> f64 {
     }
 }
 
-/// One wheel in the frame of its side.
+/// Wheel in the frame of its side.
 struct Wheel<'a> {
     mechanism: &'a Mechanism,
     at: Configuration<'a, f64>,
@@ -107,7 +108,7 @@ struct Wheel<'a> {
     members: HashMap<String, f64>,
     /// Forces of tyre and inertia on the carrier.
     outside: Vec<Force>,
-    /// Moment that the carrier does not take.
+    /// Torque that a shaft takes instead of the carrier.
     shaft: V,
     sign: f64,
     state: &'a Balance<f64>,
@@ -119,7 +120,7 @@ impl Wheel<'_> {
         self.at.point(self.mechanism.point(name).unwrap())
     }
 
-    /// The pull of a rod at the end `at` towards `to`.
+    /// Pull of a rod on its end `at`, directed towards `to`.
     fn pull(&self, at: &str, to: &str, tension: f64) -> Force {
         let (at, to) = (self.point(at), self.point(to));
         Force(at, (to - at).normalised() * tension)
@@ -129,7 +130,7 @@ impl Wheel<'_> {
         self.members[name]
     }
 
-    /// The published force on the carrier at a joint: along the study's axes, that is with the true sign of y.
+    /// Published force on the carrier at a joint, in the study's axes with the true sign of y.
     fn joint(&self, name: &str) -> Force {
         let [x, y, z] = ["x", "y", "z"].map(|axis| self.member(&format!("{name}_{axis}")));
         Force(self.point(name), V::new(x, self.sign * y, z))
@@ -139,7 +140,7 @@ impl Wheel<'_> {
         Force(at, -by)
     }
 
-    /// Residuals in force and moment of carrier, arms, rocker and bar, and the forces on the body.
+    /// Residuals of force and of moment for carrier, arms, rocker and bar, and the forces on the body.
     fn residuals(&self, other_end: V) -> (Vec<f64>, Vec<f64>, Vec<Force>) {
         let (lower, upper) = (
             self.joint("lower_ball_joint"),
@@ -188,7 +189,8 @@ impl Wheel<'_> {
         let [first, second] = [rocker.first, rocker.second].map(|id| self.at.point(id));
         let torque = -self.sign * self.state.bars[self.axle] * turn;
         moments.push(about(first, second, &on_bar) + torque);
-        // What arms, rocker, bar, rods and spring pass on to the body. The heave spring joins two rockers.
+        // Forces that arms, rocker, bar, rods and spring transmit to the body. The heave spring acts between two
+        // rockers, not on the body.
         let mut body = Vec::new();
         body.extend(on_lower);
         body.extend(on_upper);
@@ -200,12 +202,12 @@ impl Wheel<'_> {
     }
 }
 
-/// Mirrors a vector in the middle plane, for the right side.
+/// Mirrors a vector at the middle plane, for the right side.
 fn mirrored(v: V, sign: f64) -> V {
     V::new(v.x, sign * v.y, v.z)
 }
 
-/// The largest residuals of forces and of moments over the weight (and a metre).
+/// Largest residuals of forces and of moments, divided by the weight (for moments, by the weight times a metre).
 fn worst(car: &Car, solver: &mut CarSolver<'_>, case: &Case, found: &Equilibrium) -> [f64; 2] {
     let state = solver.balance(case, found).unwrap();
     let all = solver.members(case, found).unwrap();
@@ -239,7 +241,7 @@ fn worst(car: &Car, solver: &mut CarSolver<'_>, case: &Case, found: &Equilibrium
             let push = wheel.heading * wheel.longitudinal_force;
             let centre = wheel.corner.centre;
             let own = |at: V, by: V| Force(mirrored(at - origin, sign), mirrored(by, sign));
-            // Both axles of the file have brakes at the wheels and drive by shafts.
+            // Both axles of the file have brakes at the wheels and shaft drive.
             let shaft = match case.setting.longitudinal {
                 Longitudinal::Brake => V::default(),
                 Longitudinal::Drive => {
@@ -285,10 +287,11 @@ fn worst(car: &Car, solver: &mut CarSolver<'_>, case: &Case, found: &Equilibrium
             Force(mirrored(at, wheel.sign) + origin, mirrored(by, wheel.sign))
         };
         on_body.extend(body.into_iter().map(on_car));
-        // The body takes the torque of the shafts, an axial vector.
+        // The body reacts the torque of the shafts, which is an axial vector.
         torque = torque - mirrored(wheel.shaft, wheel.sign) * wheel.sign;
     }
-    // The study gives the mass of the whole car. In the design position all masses together are at its centre of gravity.
+    // The study gives the mass of the whole car. In the design position its centre of gravity is that of the sprung and
+    // unsprung masses together.
     let sprung = car.mass - total;
     let mut moment = car.cg * car.mass;
     for number in 0..4 {
@@ -312,7 +315,7 @@ fn worst(car: &Car, solver: &mut CarSolver<'_>, case: &Case, found: &Equilibrium
     worst
 }
 
-/// Balances `states` states of `cars` random cars.
+/// Checks the balance in `states` states of each of `cars` random cars.
 fn balance(seed: u64, cars: usize, states: usize) {
     let mut random = Random(seed);
     let (mut solved, mut most) = (0, [0.0_f64; 2]);
@@ -348,7 +351,7 @@ fn free_bodies_of_many_cars_balance() {
     balance(18, 100, 100);
 }
 
-/// The car's studies have ISO axes, as the other tests assume of the file's frame.
+/// The car's studies have ISO axes. The other tests rely on this frame.
 #[test]
 fn the_car_is_in_iso_axes() {
     let mut random = Random(1);

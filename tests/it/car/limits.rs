@@ -1,11 +1,11 @@
-//! Limits of a car along directions of acceleration.
+//! Tests of the limits of a car along directions of acceleration.
 
 use super::{car, reference};
 use crate::support::rows_by_column;
 use hardpoint::car::{Car, CarQuantity, CarSolver, Case, WheelPlace, WheelResult};
 use hardpoint::study::CarStudy;
 
-/// The case scaled to an acceleration, g.
+/// Load case scaled to this horizontal acceleration, in g.
 fn at(case: &Case, g: f64) -> Case {
     let length = case.ax.hypot(case.ay);
     Case {
@@ -29,8 +29,9 @@ fn directions(car: &Car) -> Vec<Case> {
     eighths.collect()
 }
 
-/// At a lift limit the wheel has no load and the others press, just below every wheel is down, just beyond it is lifted. Just
-/// below the end there is an equilibrium, just beyond there is none.
+/// At a lift limit the wheel has zero load and the other wheels are loaded. Just below it every wheel is on the ground;
+/// just beyond it the wheel is lifted. Just below the end of equilibrium the car has an equilibrium, just beyond it
+/// none.
 #[test]
 fn limits_are_where_loads_vanish() {
     let car = car(&reference());
@@ -43,7 +44,7 @@ fn limits_are_where_loads_vanish() {
             let (found, lifted) = loads(&mut solver, &at(&case, lift.acceleration));
             let most = found.iter().copied().fold(0.0, f64::max);
             let wheel = lift.wheel.0;
-            // Where both wheels of an axle lift at once, their loads fall steeply.
+            // If both wheels of an axle lift at once, their loads change steeply.
             let bound = if lift.others_loaded { 1e-10 } else { 1e-7 };
             assert!(found[wheel].abs() < bound * most, "{found:?}");
             let (below, down) = loads(&mut solver, &at(&case, lift.acceleration - 1e-5));
@@ -64,8 +65,8 @@ fn limits_are_where_loads_vanish() {
     assert!(lifts >= 4, "{lifts}");
 }
 
-/// A car that is its own mirror image lifts mirrored wheels at the same accelerations, and both front wheels at
-/// once where it accelerates straight ahead.
+/// A symmetric car lifts mirrored wheels at the same accelerations. In straight acceleration it lifts both front wheels
+/// at once.
 #[test]
 fn limits_of_a_mirror_image_are_mirrored() {
     let path = super::commands::studies().join("formula_student_car.toml");
@@ -82,7 +83,7 @@ fn limits_of_a_mirror_image_are_mirrored() {
         assert_eq!(one.wheel.0 ^ 1, other.wheel.0);
         assert!(one.others_loaded && other.others_loaded);
     }
-    // Under brakes both rear wheels lift at once, and the rear axle cannot brake any more.
+    // Under braking both rear wheels lift at once, and then the rear axle cannot brake.
     let braking = &limits[4];
     let lift = braking.lift.unwrap();
     assert!(!lift.others_loaded && lift.wheel.0 / 2 == 1, "{braking:?}");
@@ -98,8 +99,8 @@ fn limits_of_a_mirror_image_are_mirrored() {
     assert_eq!(limits[2].lift.unwrap().wheel.0 % 2, 0);
 }
 
-/// Static moments about the contact line of the outer wheels bound every lift limit: ay <= t/(2 h) for a level car. Roll
-/// moves the centre of gravity outward, so that the limit is below the bound, and by less than a quarter.
+/// Static moments about the contact line of the outer wheels bound every lift limit: ay <= t/(2 h) for a level car.
+/// Roll moves the centre of gravity outward and lowers the limit, by less than a quarter.
 #[test]
 fn the_lateral_limit_is_below_that_of_a_rigid_car() {
     let path = super::commands::studies().join("formula_student_car.toml");
@@ -116,7 +117,7 @@ fn the_lateral_limit_is_below_that_of_a_rigid_car() {
     assert!(end < bound && end > 0.75 * bound, "{end} {bound}");
 }
 
-/// The command prints directions and cases, and a table for programs.
+/// The command prints directions and cases, and writes a table for other programs.
 #[test]
 fn the_command_prints_a_table() {
     let directory = tempfile::tempdir().unwrap();
@@ -125,7 +126,7 @@ fn the_command_prints_a_table() {
     let arguments = ["limits", study, "--format", "csv"];
     let said = super::commands::hardpoint(directory.path(), &arguments).success();
     let csv = super::commands::text(&said.get_output().stdout);
-    // Only digits that are known are printed.
+    // The table contains only known digits.
     let ends = rows_by_column(&said.get_output().stdout);
     let ends = ends.iter().filter_map(|row| row.get("end_g"));
     let places = |number: &String| number.split_once('.').map_or(0, |(_, places)| places.len());

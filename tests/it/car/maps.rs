@@ -1,4 +1,4 @@
-//! States of a map, each from its neighbour, are those of the cases by themselves; and the time that they take.
+//! Tests of maps: states solved from their neighbours equal those of separate cases. One test also measures the time.
 
 use super::commands::hardpoint;
 use super::{car, reference};
@@ -9,7 +9,7 @@ use hardpoint::number::Width;
 use hardpoint::study::CarStudy;
 use std::time::Instant;
 
-/// Cases over ax and ay, row by row.
+/// Cases of a grid over ax and ay, row by row.
 fn map(car: &Car, count: usize) -> Vec<Vec<Case>> {
     let at = |k: usize, from: f64, to: f64| from + (to - from) * k as f64 / (count - 1) as f64;
     let case = |i: usize, j: usize| {
@@ -31,7 +31,7 @@ fn formula_student_car() -> Car {
     CarStudy::read(&path, &[]).unwrap().car
 }
 
-/// Solves a map, and hands over each state.
+/// Solves a map, and passes each state to `visit`.
 fn walk(
     car: &Car,
     count: usize,
@@ -55,10 +55,10 @@ fn walk(
     states
 }
 
-/// Neighbours are read from the wheels' curves and keep a tangent over several steps. Every result is that of the case solved by
-/// itself, from poses, to 1e-9 of its size. Points of 300 mm are known to 8 roundings, 5e-13 mm, and a roll centre amplifies
-/// that a hundred times: below a twentieth of the unit that is the bound. A quotient such as a roll centre 40 m away amplifies
-/// rounding by its size.
+/// Map states come from interpolated wheel curves and reuse a tangent over several steps. Every result equals that of
+/// the same case solved alone from poses, to 1e-9 of its size. Points of 300 mm are accurate to 8 roundings, 5e-13 mm,
+/// and a roll centre amplifies this a hundred times. This sets the bound for values below a twentieth of the unit. A
+/// quotient, such as a roll centre 40 m away, amplifies rounding by its size.
 #[test]
 fn neighbours_are_the_states_of_their_cases() {
     for car in [car(&reference()), formula_student_car()] {
@@ -88,9 +88,10 @@ fn neighbours_are_the_states_of_their_cases() {
     }
 }
 
-/// States of rows in lanes are those of their cases solved alone, to 1e-11 of the weight, the length unit in metres and a radian: both
-/// searches end at steps of 2e-15 of these sizes, and the tangent amplifies rounding of the residuals. Most states come from lanes. Where
-/// wheels lift or a case has other settings, the state comes from the solver for single cases.
+/// Lanes of map rows give the states of their cases solved alone, to 1e-11 of the weight, of the length unit in metres,
+/// and of a radian. Both searches end at steps of 2e-15 of these sizes, and the tangent amplifies the rounding of the
+/// residuals. Most states come from lanes. If wheels lift or a case has other settings, the solver for single cases
+/// gives the state.
 #[test]
 fn rows_in_lanes_are_the_states_of_their_cases() {
     for (car, lifting) in [(car(&reference()), 1.4), (formula_student_car(), 2.2)] {
@@ -100,7 +101,7 @@ fn rows_in_lanes_are_the_states_of_their_cases() {
                 case.ay *= lifting / 0.9;
             }
         }
-        // A short row, and one whose cases alternate between settings.
+        // One row is short, and one has cases with alternating settings.
         rows[3].truncate(2);
         for case in rows[9].iter_mut().step_by(2) {
             case.racks[0] += 0.001 * car.per_metre();
@@ -142,7 +143,7 @@ fn rows_in_lanes_are_the_states_of_their_cases() {
                     return;
                 }
                 from_lanes += 1;
-                // Results with derivatives follow from such a state as from any other.
+                // Results with derivatives are available from such a state as from any other.
                 assert!(solver.solved(case, &state.found).is_ok());
             });
         let all: usize = rows.iter().map(|row| row.len()).sum();
@@ -172,7 +173,8 @@ fn bytes_do_not_depend_on_the_threads() {
     assert_eq!(maps[0], maps[1]);
 }
 
-/// Prints the states of a map that are solved per second: alone, with the parts of the loads, with all results, with member loads.
+/// Prints the number of map states solved per second: alone, with the components of the loads, with all results, and
+/// with member loads.
 #[test]
 #[ignore = "times: with .ci/long"]
 fn states_per_second() {

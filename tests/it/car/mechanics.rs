@@ -1,4 +1,4 @@
-//! Claims of statics on random states of random cars.
+//! Tests of statics on random states of random cars.
 
 use super::{car, reference};
 use crate::support::random::Random;
@@ -10,12 +10,12 @@ use hardpoint::car::{
 use hardpoint::model::{Axis, Side};
 use hardpoint::number::Vector3;
 
-/// A uniform number between two others.
+/// Random number with uniform distribution between two limits.
 fn between(random: &mut Random, low: f64, high: f64) -> f64 {
     low + 0.5 * (random.signed() + 1.0) * (high - low)
 }
 
-/// The reference car with hardpoints, masses and rates moved at random.
+/// Reference car with random changes of hardpoints, masses and rates.
 fn random_car(random: &mut Random) -> Car {
     let mut moved = car(&reference());
     for axle in &mut moved.axles {
@@ -53,7 +53,7 @@ fn random_case(random: &mut Random, most: f64) -> Case {
     case
 }
 
-/// Calls `check` with the solved states of random cars; returns how many were solved and how many were not.
+/// Calls `check` with the solved states of random cars. Returns the numbers of solved and unsolved states.
 fn for_random_states(
     seed: u64,
     cars: usize,
@@ -79,8 +79,8 @@ fn for_random_states(
     count
 }
 
-/// Forces of tyres, air and inertia, summed up from the published numbers, leave nothing, and the parts of each wheel load
-/// add up to it.
+/// The published forces of tyres, aerodynamics and inertia balance each other, and the components of each wheel load
+/// add up to the load.
 #[test]
 fn free_body_and_parts_of_loads_balance() {
     let mut worst = [0.0_f64; 3];
@@ -106,11 +106,11 @@ fn free_body_and_parts_of_loads_balance() {
             act(wheel.contact, tyre);
             act(wheel.corner.centre, -(acceleration * unsprung(number)));
             let sum: f64 = wheel.parts.iter().sum();
-            // The four loads are solved together: rounding is of the size of their mean.
+            // One solution gives all four loads, so rounding scales with their mean.
             worst[2] = worst[2].max((sum - wheel.load).abs() / (0.25 * weight));
             assert!(found.lifted[number] || wheel.load > 0.0);
         }
-        // The sprung mass in place: its centre of gravity is given in the body's axes.
+        // The centre of gravity of the sprung mass has coordinates in body axes.
         act(car.cg, -(acceleration * car.mass));
         if let Some(air) = &car.air {
             for end in [0, 1] {
@@ -128,7 +128,7 @@ fn free_body_and_parts_of_loads_balance() {
     assert!(worst[2] < 1e-13, "{worst:?}");
 }
 
-/// Gradients along ay are those of neighbouring states.
+/// Gradients along ay equal differences between neighbouring states.
 #[test]
 fn gradients_are_those_of_neighbouring_states() {
     let car = car(&reference());
@@ -149,7 +149,7 @@ fn gradients_are_those_of_neighbouring_states() {
         let [below, above] = [at(ay - step)[0], at(ay + step)[0]];
         let [_, gradient] = at(ay);
         let quotient = (above - below) / (2.0 * step);
-        // The error of a central difference is of the order of the square of the step.
+        // The error of a central difference has the order of the square of the step.
         assert!(
             (gradient - quotient).abs() < 1e-6 * gradient.abs(),
             "{gradient} {quotient}"
@@ -157,8 +157,8 @@ fn gradients_are_those_of_neighbouring_states() {
     }
 }
 
-/// Beyond wheel lift, five starts lead to the same wheels in contact and the same loads. Looks at `states` states with a lifted
-/// wheel.
+/// Beyond wheel lift, five starts lead to the same wheels in contact and the same loads. Examines `states` states with
+/// a lifted wheel.
 fn compare_starts(seed: u64, states: usize) {
     let car = car(&reference());
     let mut solver = CarSolver::new(&car).unwrap();
@@ -208,7 +208,7 @@ fn many_states_with_lifted_wheels_do_not_depend_on_the_start() {
     compare_starts(6, 100);
 }
 
-/// States of random cars below the first lift along their direction: how many of all are solved.
+/// Numbers of solved and of all states of random cars, below the first lift along their direction.
 fn solved_below_lift(seed: u64, cars: usize, directions: usize) -> [usize; 2] {
     let mut random = Random(seed);
     let mut count = [0; 2];
@@ -221,7 +221,7 @@ fn solved_below_lift(seed: u64, cars: usize, directions: usize) -> [usize; 2] {
             let Some(limits) = solver.limits(&case) else {
                 continue;
             };
-            // Without a lift the end of equilibrium bounds the states.
+            // Without a lift, the end of equilibrium limits the states.
             let end = limits.lift.map_or(limits.end, |lift| lift.acceleration);
             let length = case.ax.hypot(case.ay);
             for _ in 0..4 {
@@ -253,7 +253,7 @@ fn nearly_all_states_below_the_lift_limit_are_solved() {
     assert!(100 * solved >= 99 * all, "{solved} of {all}");
 }
 
-/// A car without weight on the ground, one that is thrown over, and one without springs have no equilibrium.
+/// A weightless car, a car that overturns, and a car without springs have no equilibrium. The error states the reason.
 #[test]
 fn what_cannot_stand_is_said_so() {
     let mut car = car(&reference());
@@ -278,7 +278,7 @@ fn what_cannot_stand_is_said_so() {
     assert_eq!(at(&car, 0.0, 0.0), Err(NoEquilibrium::Unsupported));
 }
 
-/// A mirrored case has the mirrored state: a car with its centre of gravity in its plane of symmetry.
+/// If the centre of gravity is in the plane of symmetry, a mirrored case has the mirrored state.
 #[test]
 fn a_right_turn_is_the_mirror_image_of_a_left_turn() {
     let mut car = car(&reference());
@@ -303,8 +303,8 @@ fn a_right_turn_is_the_mirror_image_of_a_left_turn() {
     assert!((left[0] + right[0]).abs() < 1e-13 && (left[1] - right[1]).abs() < 1e-13);
 }
 
-/// Without pitch, the elastic parts of the wheel loads are the wheel loads of the axles by themselves, in roll on a plane
-/// ground at the same mean travel.
+/// Without pitch, the elastic components of the wheel loads equal the wheel loads of each axle alone, in roll on a
+/// plane ground at the same mean travel.
 #[test]
 fn axles_by_themselves_are_a_special_case() {
     let car = car(&reference());
@@ -313,7 +313,7 @@ fn axles_by_themselves_are_a_special_case() {
         let mut case = Case::at_rest("level");
         (case.ay, case.racks[0]) = (ay, rack);
         case.setting.elastic_tyres = false;
-        // The acceleration at which the body does not pitch.
+        // Searches for the acceleration at which the body does not pitch.
         let mut state = None;
         for _ in 0..8 {
             let found = solver.solve(&case).unwrap();
@@ -345,7 +345,7 @@ fn axles_by_themselves_are_a_special_case() {
     }
 }
 
-/// Six variables of both axles find targets planted at a known design.
+/// A tuning with six variables of both axles meets targets that were planted at a known design.
 #[test]
 fn planted_targets_are_met() {
     plant(3, 4);
@@ -363,7 +363,8 @@ fn planted_targets_of_twenty_seeds_are_met() {
     );
 }
 
-/// Tunes six variables of both axles to at least ten targets, planted at known designs. Returns the times in seconds.
+/// Tunes six variables of both axles to at least ten targets that were planted at known designs. Returns the times in
+/// seconds.
 fn plant(seed: u64, seeds: usize) -> Vec<f64> {
     let mut times = Vec::new();
     let car = car(&reference());

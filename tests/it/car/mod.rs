@@ -1,4 +1,4 @@
-//! The whole car: against independent answers, and against statics.
+//! Tests of the whole car against independent results and statics.
 
 mod accepted;
 mod commands;
@@ -34,7 +34,7 @@ use hardpoint::study::Study;
 use serde_json::Value;
 use std::path::Path;
 
-/// A number, as it is or as text.
+/// Number, stored as a number or as text.
 pub fn number(value: &Value) -> f64 {
     match value {
         Value::String(text) => text.parse().unwrap_or(f64::NAN),
@@ -46,7 +46,7 @@ fn vector(value: &Value) -> Vector3<f64> {
     Vector3::from([0, 1, 2].map(|k| number(&value[k])))
 }
 
-/// The left wheel of an axle of `tests/data/reference/car`, as a study would give it.
+/// Left wheel of an axle of `tests/data/reference/car`, as a study would define it.
 fn suspension(axle: &Value) -> Suspension {
     let mut text = format!("[suspension]\ntopology = {}\n", axle["type"]);
     text += "[suspension.hardpoints]\n";
@@ -200,7 +200,7 @@ fn one_point(axle: usize, point: PointId, axis: Axis) -> Moves {
     }])
 }
 
-/// The reference car: strut front and five-link rear, at 90 digits.
+/// Reference of a car with strut front and five-link rear axle, solved at 90 digits.
 pub fn reference() -> Value {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/reference/car/road_car.json");
     serde_json::from_str(&std::fs::read_to_string(path).unwrap()).unwrap()

@@ -1,9 +1,10 @@
-//! The page of a car.
+//! Tests of the page of a car.
 
 use super::commands::{hardpoint, text};
 use std::fs;
 
-/// The page has every section, the record's parts add up to the load transfer, and no picture has a number that is none.
+/// The page has every section. The components in the record add up to the load transfer, and no picture contains an
+/// invalid number.
 #[test]
 fn the_page_shows_the_run() {
     let directory = tempfile::tempdir().unwrap();
@@ -27,7 +28,7 @@ fn the_page_shows_the_run() {
     }
     assert!(!page.contains("NaN") && !page.contains("inf\""));
     assert!(page.contains("Every case is in equilibrium."));
-    // Made again from the record alone, it is the same.
+    // The page made from the record alone is identical.
     fs::remove_file(directory.join("run/report.html")).unwrap();
     hardpoint(directory, &["report", "run"]).success();
     assert_eq!(
@@ -54,7 +55,7 @@ fn the_page_shows_the_run() {
             assert!((parts - whole).abs() < 1e-9 * loads.iter().sum::<f64>());
             compared += 1;
         }
-        // A wheel on the ground touches it where it is drawn.
+        // The drawing shows a loaded wheel with its contact point on the ground.
         for wheel in 0..4 {
             let height = numbers(&state["contacts"][wheel])[2];
             let lifted = state["lifted"][wheel].as_bool().unwrap();
@@ -82,7 +83,7 @@ fn the_page_of_a_tuning_answers_first() {
     assert!(targets < effects);
     assert!(effects < page.find("<section id=\"weights\">").unwrap());
     assert!(page.contains("side effects beyond their tolerances."));
-    // Pictures of curves are of suspensions.
+    // A car's run has no curves to plot; the command refuses `--plots`.
     let refused = hardpoint(directory, &["report", "run", "--plots", "pictures"]).code(2);
     assert!(text(&refused.get_output().stderr).contains("its page has pictures"));
 }

@@ -1,11 +1,11 @@
-//! Every state of `tests/data/reference/car/road_car.json`, which an independent program solved at 90 digits.
+//! Tests of every state of `tests/data/reference/car/road_car.json`, which an independent program solved at 90 digits.
 
 use super::{car, case, number, reference};
 use hardpoint::car::{AxleParameter, BodyParameter, CarMember, CarQuantity, CarSolver, Parameter};
 use serde_json::Value;
 use std::collections::HashMap;
 
-/// Names of the reference that are called differently here.
+/// Names of the reference that differ from those of the program.
 const RENAMED: [(&str, &str); 12] = [
     ("roll_stiffness", "body_roll_stiffness"),
     (
@@ -39,13 +39,13 @@ const RENAMED: [(&str, &str); 12] = [
     ),
 ];
 
-/// Our name of a value of the reference.
+/// Program's name for a value of the reference.
 fn renamed(name: &str) -> &str {
     let known = RENAMED.iter().find(|(theirs, _)| *theirs == name);
     known.map_or(name, |(_, ours)| ours)
 }
 
-/// Size against which the error of a value is measured.
+/// Scale for the error of a value.
 fn scale(name: &str, value: f64) -> f64 {
     let typical =
         if name.contains("percent") || name.contains("distribution") || name.contains("anti_") {
@@ -53,7 +53,7 @@ fn scale(name: &str, value: f64) -> f64 {
         } else if name.ends_with("_stiffness") {
             1e7
         } else if name == "energy" {
-            // A sum of parts of either sign: wheel loads times travels.
+            // The sum of the components can have either sign; its scale is a wheel load times a travel.
             4000.0 * 25.0
         } else if ["load", "force", "torque", "downforce", "drag"]
             .iter()
@@ -89,7 +89,7 @@ fn texts(list: &Value) -> Vec<&str> {
     list.map(|text| text.as_str().unwrap()).collect()
 }
 
-/// The results of a car by name.
+/// Results of a car, by name.
 fn quantities() -> HashMap<String, CarQuantity> {
     let all = CarQuantity::all().into_iter();
     all.map(|quantity| (quantity.name(), quantity)).collect()
@@ -147,7 +147,7 @@ fn every_value_of_every_state_agrees() {
     assert!(compared > 1800);
 }
 
-/// Forces in links, rods and struts of every state, which the reference found from free bodies.
+/// Forces in links, rods and struts of every state agree with those that the reference derives from free bodies.
 #[test]
 fn every_member_load_agrees() {
     let file = reference();
@@ -175,12 +175,12 @@ fn every_member_load_agrees() {
     worst.sort_by(|a, b| b.0.total_cmp(&a.0));
     let (error, text) = &worst[0];
     println!("{} compared, worst {error:e} {text}", worst.len());
-    // 12 states, 26 members.
+    // 12 states with 24 to 26 members.
     assert!(worst.len() >= 12 * 24, "{}", worst.len());
     assert!(*error < 1e-12, "{error:e} {text}");
 }
 
-/// The parameter or hardpoint coordinate that a path of the reference means: its derivative in a gradient.
+/// Derivative of a gradient with respect to the parameter or hardpoint coordinate that a path of the reference names.
 fn derivative(
     car: &hardpoint::car::Car,
     gradient: &hardpoint::car::CarGradient,
@@ -203,7 +203,7 @@ fn derivative(
         ["bar", "rate"] => parameter(AxleParameter::BarRate),
         ["tyre", "rate"] => parameter(AxleParameter::TyreRate),
         ["radius"] => parameter(AxleParameter::Radius),
-        // The reference moves the mass of each wheel.
+        // The reference varies the unsprung mass of each wheel, the program that of the axle.
         ["unsprung_mass"] => 2.0 * parameter(AxleParameter::UnsprungMass),
         ["offset", "0"] => parameter(AxleParameter::OffsetX),
         ["sprung_mass"] => body(BodyParameter::Mass),
@@ -242,7 +242,7 @@ fn every_derivative_agrees() {
                     continue;
                 }
                 let found = derivative(&car, gradient, path);
-                // A change of the parameter by its own size (1 for a length) changes the value by this.
+                // Scale of the error: typical size of the value divided by that of the parameter (100 for a length).
                 let size = scale(names[*k], gradient.value)
                     / match path.as_str() {
                         p if p.ends_with("bar.rate") => 5e5,

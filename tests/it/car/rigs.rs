@@ -1,4 +1,4 @@
-//! Tunings of a car with targets and constraints of its axles by themselves, and variables that move several hardpoints.
+//! Tests of car tunings with targets and constraints of single axles, and with variables that move several hardpoints.
 
 use super::commands::{hardpoint, studies};
 use hardpoint::axle::{AxleSolver, Placement, Quantity};
@@ -7,7 +7,7 @@ use hardpoint::study::CarStudy;
 use serde_json::Value;
 use std::path::Path;
 
-/// The sample car with this section in place of its `[optimise]`.
+/// Sample car with this section in place of its `[optimise]`.
 fn car(directory: &Path, optimise: &str) -> std::path::PathBuf {
     for name in ["car.toml", "car_front.toml", "car_rear.toml"] {
         std::fs::copy(studies().join(name), directory.join(name)).unwrap();
@@ -38,7 +38,7 @@ constraints = [
 ]
 "#;
 
-/// Gradients of all rows are those of differences, and the misfit is the weighted mean of both kinds of targets.
+/// Gradients of all rows equal differences, and the misfit is the weighted mean of both kinds of targets.
 #[test]
 fn targets_of_cases_and_axles_are_tuned_together() {
     let directory = tempfile::tempdir().unwrap();
@@ -50,7 +50,7 @@ fn targets_of_cases_and_axles_are_tuned_together() {
     let outcome = rig
         .outcome(&study.axles[0].vehicle, tuned.fit.x.as_slice())
         .unwrap();
-    // The tie rod keeps its length, although its inner point moves.
+    // The tie rod keeps its length although its inner point moves.
     assert!(outcome.margins[0].abs() < 1e-6, "{outcome:?}");
     let design = &tuned.study.car.axles[0].left.design;
     let before = &study.car.axles[0].left.design;
@@ -58,11 +58,11 @@ fn targets_of_cases_and_axles_are_tuned_together() {
     let [inner, outer] = ["tie_rod_inner", "tie_rod_outer"].map(point);
     let length = |of: &[hardpoint::number::Vector3<f64>]| (of[inner.0] - of[outer.0]).norm();
     assert!((length(design) - length(before)).abs() < 1e-6);
-    // Both arms' points move alike.
+    // The points of both arms move by the same amount.
     let moved_by = |name: &str| (design[point(name).0] - before[point(name).0]).z;
     assert_eq!(moved_by("lower_arm_front"), moved_by("lower_arm_rear"));
     assert!(moved_by("lower_arm_front") != 0.0);
-    // The misfit, put together from published values.
+    // Computes the misfit from published values.
     let mut solver = CarSolver::new(&tuned.study.car).unwrap();
     let turn = study
         .cases
@@ -87,7 +87,8 @@ fn targets_of_cases_and_axles_are_tuned_together() {
     assert!(load.printed(&solved, case).unwrap() < 7000.0 + 1e-3);
 }
 
-/// An axle's target counts as many stations as one target: planted at a known design, both kinds are met there.
+/// A target over the stations of an axle counts as one target. A tuning meets both kinds of targets that were planted
+/// at a known design.
 #[test]
 fn planted_bump_steer_and_distribution_are_found() {
     let directory = tempfile::tempdir().unwrap();
@@ -98,7 +99,7 @@ fn planted_bump_steer_and_distribution_are_found() {
     let wanted = study.optimise.clone().unwrap();
     let planted = [2.0, -3.0, 700_000.0, 350_000.0];
     let truth = moved(&study.car, &wanted.variables, &planted);
-    // The curve of the planted car, from the study of its axle.
+    // Curve of the planted car, from the study of its axle.
     let text = study.axles[0].with_design(&truth.axles[0].left.design);
     let axle = hardpoint::study::Study::from_text("front.toml", &text, Path::new(".")).unwrap();
     let own = axle.axle().unwrap();
@@ -112,7 +113,7 @@ fn planted_bump_steer_and_distribution_are_found() {
             rack: 0.0,
         };
         let placed = solver.place(&placement).unwrap();
-        // The left wheel's is the first.
+        // The first value is that of the left wheel.
         let value = solver.read(&placed).unwrap().value(toe[0]).unwrap();
         points.push(format!("[{roll:?}, {:?}]", value.to_degrees()));
     }
@@ -159,7 +160,7 @@ fn planted_bump_steer_and_distribution_are_found() {
     }
 }
 
-/// The terminal names both kinds of targets and the constraints, and programs read them.
+/// The terminal names both kinds of targets and the constraints, and the JSON output contains them.
 #[test]
 fn the_command_reports_both_kinds() {
     let directory = tempfile::tempdir().unwrap();
@@ -178,8 +179,8 @@ fn the_command_reports_both_kinds() {
     assert_eq!(summary["constraints"].as_array().unwrap().len(), 2);
 }
 
-/// Entries that are neither of a case nor of an axle, or of both, are refused with the place; so are keys and rates that do not
-/// fit.
+/// The program refuses an entry that belongs to neither a case nor an axle, or to both, and names its location. It also
+/// refuses keys and rates that do not fit.
 #[test]
 fn mistakes_of_places_are_named() {
     let directory = tempfile::tempdir().unwrap();
@@ -220,7 +221,7 @@ fn mistakes_of_places_are_named() {
         let text = format!("{errors}");
         assert!(text.contains(expected), "{expected}: {text}");
     }
-    // A study of an axle has no cases.
+    // The study of an axle has no cases.
     let front = std::fs::read_to_string(studies().join("car_front.toml")).unwrap();
     let text = format!(
         "{front}\n[optimise]\nvariables = [{{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-5.0, 5.0] }}]\ntargets = [{{ case = \"turn\", characteristic = \"toe\", at = 0.0, value = 0.0, tolerance = 0.1 }}]\n"

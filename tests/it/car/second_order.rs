@@ -1,4 +1,4 @@
-//! Second-order scatter of a car against differences of complete solutions, and against laws of statistics.
+//! Tests of second-order scatter of a car against differences of complete solutions, and against laws of statistics.
 
 use hardpoint::assembly::Assembler;
 use hardpoint::axle::Axle;
@@ -9,7 +9,7 @@ use hardpoint::tolerance::{CarExpansion, CarProblem};
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// A sample car with these results, cases and scatter.
+/// Sample car with these results, cases and scatter.
 fn car(file: &str, results: &[&str], scatter: &str) -> CarStudy {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(file);
     let results = format!("outputs.characteristics={results:?}");
@@ -32,7 +32,8 @@ fn expansion(problem: &CarProblem<'_>) -> Vec<CarExpansion> {
     problem.expansion().unwrap_or_else(|_| panic!("expands"))
 }
 
-/// Source number `k` of each contributor has one random number here. The car with these numbers, in standard deviations.
+/// Car with the given sources displaced by the given numbers of standard deviations. Each contributor has one random
+/// number here.
 fn moved(problem: &CarProblem<'_>, steps: &[(usize, f64)]) -> Car {
     let mut car = problem.study.car.clone();
     for axle in [0, 1] {
@@ -95,8 +96,9 @@ fn values(problem: &CarProblem<'_>, steps: &[(usize, f64)]) -> Vec<f64> {
     values
 }
 
-/// Second derivatives along one source or the sum of two, per squared standard deviation. Differences of order six, at steps of half
-/// a standard deviation and of a quarter, give those of order eight, and an estimate of their error.
+/// Second derivatives along one source or along the sum of two, times the squared standard deviation. Differences of
+/// sixth order with steps of half and a quarter of a standard deviation give differences of eighth order, and an
+/// estimate of their error.
 fn bends(problem: &CarProblem<'_>, sources: &[usize]) -> Vec<[f64; 2]> {
     let by = |h: f64| -> Vec<f64> {
         let at = |step: i32| {
@@ -122,8 +124,8 @@ fn bends(problem: &CarProblem<'_>, sources: &[usize]) -> Vec<[f64; 2]> {
         .collect()
 }
 
-/// Compares all second-order terms of two sources with differences. Returns the number of results whose curvature is far above
-/// rounding, and of those without a second order.
+/// Compares all second-order terms of two sources with differences. Returns the number of results whose curvature is
+/// far above rounding, and the number of results without a second order.
 fn compare(study: &CarStudy) -> [usize; 2] {
     let problem = problem(study);
     let nominal = problem.nominal().unwrap();
@@ -145,7 +147,8 @@ fn compare(study: &CarStudy) -> [usize; 2] {
             0.5 * (one + two),
             0.5 * (one * one + two * two) + mixed * mixed,
         ];
-        // Solutions have rounding errors of some 1e-13 of the largest numbers behind a result; weights add up to 8 per step squared.
+        // Solutions have rounding errors of about 1e-13 of the largest numbers in a result. The difference weights add
+        // up to 8 per squared step.
         let unit = if name.contains("load") { 4000.0 } else { 1.0 };
         let size = nominal[place].abs().max(unit);
         let error = 4.0 * (a + b + c) + 2e-13 * size * 8.0 / (0.25 * 0.25);
@@ -163,8 +166,8 @@ fn compare(study: &CarStudy) -> [usize; 2] {
     counts
 }
 
-/// Parts of both axles, rates and figures: second derivatives of states, of their derivatives with respect to accelerations and of the heave since
-/// rest, also by two sources of different kinds.
+/// The second derivatives of states, of their acceleration derivatives and of the heave since rest equal differences.
+/// The sources are parts of both axles, rates and car values, including pairs of different kinds.
 #[test]
 fn second_order_is_that_of_complete_solutions() {
     let results = [
@@ -201,7 +204,8 @@ fn second_order_is_that_of_complete_solutions() {
     }
 }
 
-/// Solid axles, one of which is steered by a drag link. Derivatives of a state are left out.
+/// The second-order terms of cars with solid axles equal differences of complete solutions. One of the axles is steered
+/// by a drag link. This test omits derivatives of a state.
 #[test]
 fn second_order_of_solid_axles_is_that_of_complete_solutions() {
     let results = [
@@ -232,8 +236,9 @@ fn second_order_of_solid_axles_is_that_of_complete_solutions() {
     }
 }
 
-/// The car sinks by the square of a lateral displacement of its centre of gravity, whichever side that is on: first order sees nothing
-/// at the middle. The second order is the whole shift and the whole variance of many builds, within four of their standard errors.
+/// If the centre of gravity moves sideways, the car sinks by the square of the displacement, so at the middle the first
+/// order is zero. The second order then gives the whole shift and the whole variance of many builds, within four
+/// standard errors.
 #[test]
 fn builds_confirm_the_second_order() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/car.toml");
@@ -256,7 +261,7 @@ fn builds_confirm_the_second_order() {
             .unwrap();
         let (spread, estimate) = (&builds.spreads[place], expansion[place].estimate);
         let [mean, growth] = estimate.second;
-        // Rounding of a state leaves some 1e-12 of a slope that is zero.
+        // Rounding of a state makes a zero slope about 1e-12.
         assert!(
             estimate.sigma() < 1e-6 * growth.sqrt(),
             "{name}: {estimate:?}"
@@ -278,9 +283,9 @@ fn builds_confirm_the_second_order() {
     assert!(expansion[roll].scatters && expansion[roll].estimate.is_straight() == Some(true));
 }
 
-/// The second order of a single source with second derivative H and variance s^2 is H s^2/2 in the mean and H^2 s^4 (k - 1)/4 in the
-/// variance, k the kurtosis: 3 for a normal and 9/5 for a uniform number. Same parts at both sides of a mirrored car shift results of
-/// the whole car equally.
+/// A single source with second derivative H and variance s^2 adds H s^2/2 to the mean and H^2 s^4 (k - 1)/4 to the
+/// variance. The kurtosis k is 3 for a normal and 9/5 for a uniform distribution. Equal parts on both sides of a
+/// symmetric car shift results of the whole car equally.
 #[test]
 fn laws_and_sides_enter_as_in_statistics() {
     let middle = "car.cg=[-1290.0,0.0,560.0]";
@@ -322,13 +327,14 @@ fn laws_and_sides_enter_as_in_statistics() {
             close(uniform[k][1], 0.4 * growth, 1e-12),
             "{k}: {uniform:?} {normal:?}"
         );
-        // Rounding of a state of a few kilonewtons and of its second derivatives.
+        // The bound covers rounding of a state of a few kilonewtons and of its second derivatives.
         assert!(close(right[k][0], mean, 1e-6), "{k}: {right:?} {normal:?}");
     }
 }
 
-/// A mirrored car on a straight has no roll and no lateral load transfer, whatever its mass, springs and fore-and-aft centre of gravity.
-/// Their first-order scatter is rounding error and does not count. Loads and pitch scatter.
+/// A symmetric car in straight driving has no roll and no lateral load transfer, whatever its mass, springs and
+/// longitudinal centre of gravity. Their first-order scatter is only rounding error, and the program reports that they
+/// do not scatter. Loads and pitch scatter.
 #[test]
 fn what_vanishes_by_symmetry_does_not_scatter() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/car.toml");

@@ -1,4 +1,4 @@
-//! Side effects of a tuned car: against results solved by themselves, and against a tuning of an axle alone.
+//! Tests of side effects of a tuned car, against separately solved results and against a tuning of the axle alone.
 
 use hardpoint::SideEffect;
 use hardpoint::car::{CarQuantity, CarSolver, moved};
@@ -11,7 +11,7 @@ fn study(changes: &[&str]) -> CarStudy {
     CarStudy::read(Path::new("studies/car.toml"), &changes).unwrap()
 }
 
-/// The study with its variables at these values.
+/// Study with its variables at these values.
 fn at(study: &CarStudy, x: &[f64]) -> CarStudy {
     let variables = &study.optimise.as_ref().unwrap().variables;
     CarStudy {
@@ -20,7 +20,7 @@ fn at(study: &CarStudy, x: &[f64]) -> CarStudy {
     }
 }
 
-/// The values of all variables in the study's own car, with some of them changed.
+/// Values of all variables in the original car, with some of them changed.
 fn values(study: &CarStudy, changes: &[(usize, f64)]) -> Vec<f64> {
     let variables = &study.optimise.as_ref().unwrap().variables;
     let own = variables.iter().map(|v| v.moves.value(&study.car).unwrap());
@@ -96,13 +96,14 @@ fn largest_changes_are_those_of_the_cases_solved_before_and_after() {
         compared += 1;
     }
     assert_eq!(compared, 4);
-    // Rates alone do not move the axles by themselves, but their roll stiffness.
+    // Rates change no kinematic result of an axle; they change only its roll stiffness.
     assert!(named(&effects, "camber, front axle").is_unchanged());
 }
 
 #[test]
 fn a_target_takes_its_change_off_the_other_cases() {
-    // The share of the front axle is wanted in `turn`. Elsewhere it may change by up to as much: only the rest is a side effect.
+    // The share of the front axle is a target in `turn`. Other cases may change by the same amount: only the rest is a
+    // side effect.
     let before = study(&[]);
     let after = at(&before, &values(&before, &[(0, 2e5)]));
     let quantity = CarQuantity::named("lateral_load_transfer_distribution")[0];
@@ -137,7 +138,7 @@ fn a_target_takes_its_change_off_the_other_cases() {
 
 #[test]
 fn roll_at_rest_does_not_count_as_changed() {
-    // The roll in `turn` is wanted. At rest a symmetric car does not roll, before or after.
+    // The roll in `turn` is a target. At rest a symmetric car does not roll, before or after.
     let target = "optimise.targets=[{ characteristic = \"roll\", case = \"turn\", value = 1.0, tolerance = 0.01 }]";
     let before = study(&[target, "car.sprung_cg=[-1290.0, 0.0, 560.0]"]);
     let after = at(&before, &values(&before, &[(0, 2e5)]));
@@ -152,7 +153,7 @@ fn roll_at_rest_does_not_count_as_changed() {
     assert!(asked.abs() > 0.1, "{asked}");
     let effects = side_effects_of_car(&before, &after).unwrap();
     let effect = named(&effects, "roll");
-    // In the other turns it rolls less than before, as in `turn`, and by no more than there.
+    // In the other turns the car rolls less than before, as in `turn`, and the change is no larger than there.
     assert!(effect.is_unchanged() && !effect.flagged, "{effect:?}");
     assert!(effect.asked_change * asked > 0.0, "{effect:?}");
     assert!(effect.asked_change.abs() <= asked.abs(), "{effect:?}");
@@ -161,7 +162,7 @@ fn roll_at_rest_does_not_count_as_changed() {
 #[test]
 fn a_changed_axle_is_compared_as_in_its_own_tuning() {
     let before = study(&[]);
-    // The inner toe link of the rear axle goes up by 5 mm; the front axle stays.
+    // Raises the inner toe link point of the rear axle by 5 mm; the front axle does not change.
     let after = at(&before, &values(&before, &[(2, 5.0)]));
     let effects = side_effects_of_car(&before, &after).unwrap();
     assert!(
@@ -176,7 +177,7 @@ fn a_changed_axle_is_compared_as_in_its_own_tuning() {
     let axle = axle.unwrap_or_else(|e| panic!("{e:?}"));
     let alone = side_effects(&axle, &axle.moved(&[5.0])).unwrap();
     let mut compared = 0;
-    // A target is about camber there, so it differs.
+    // Camber is a target there, so its side effects differ and the test skips them.
     for effect in alone
         .iter()
         .filter(|effect| !effect.output.starts_with("camber"))
@@ -199,7 +200,7 @@ fn a_changed_axle_is_compared_as_in_its_own_tuning() {
 fn cases_without_equilibrium_are_lost() {
     let before = study(&["optimise.side_effects=true"]);
     let mut after = before.clone();
-    // No tyre could carry it: the car tips over.
+    // With this centre of gravity the car overturns, so its results are lost.
     after.car.cg.z *= 4.0;
     let effects = side_effects_of_car(&before, &after).unwrap();
     let roll = named(&effects, "roll");

@@ -1,4 +1,4 @@
-//! Solid axles in cars.
+//! Tests of solid axles in cars.
 
 use crate::support::random::Random;
 use hardpoint::car::{
@@ -19,7 +19,7 @@ fn car() -> Car {
     CarStudy::read(&path, &[]).unwrap().car
 }
 
-/// The car with hardpoints of its rear axle moved at random, both halves alike.
+/// Car with random changes of the hardpoints of its rear axle, equal on both sides.
 fn random_car(random: &mut Random) -> Car {
     let mut car = car();
     let points = car.axles[1].left.design.len();
@@ -46,13 +46,14 @@ fn random_case(random: &mut Random) -> Case {
     case
 }
 
-/// A force at a place, as six components about the origin.
+/// Force at a point, as six components about the origin.
 fn wrench(at: V, force: V) -> [f64; 6] {
     let moment = at.cross(force) * 1e-3;
     [force.x, force.y, force.z, moment.x, moment.y, moment.z]
 }
 
-/// The axle alone: tensions of its four links, fitted to six equations, leave nothing of tyre forces, springs and inertia.
+/// The axle alone is in equilibrium: the tensions of its four links, fitted to six equations, balance tyre forces,
+/// springs and inertia.
 #[test]
 fn four_links_hold_the_axle() {
     let mut random = Random(23);
@@ -89,7 +90,7 @@ fn four_links_hold_the_axle() {
                 add(wheel.corner.centre, inertia * 80.0);
                 let [low, high] = ["lower", "upper"].map(|end| format!("{prefix}spring_{end}"));
                 let low = place(&low);
-                // The upper end is on the body: the mirror image of the left one.
+                // The upper end of the right spring is the mirror image of the left one, fixed to the body.
                 let high = match number {
                     2 => place(&high),
                     _ => {
@@ -124,7 +125,7 @@ fn four_links_hold_the_axle() {
     assert!(worst[0] < 1e-11 && worst[1] < 1e-12, "{worst:?}");
 }
 
-/// Results of the solid axle that are not of wheels by themselves.
+/// Results of the solid axle that belong to no single wheel.
 fn results() -> Vec<CarQuantity> {
     let rear = |result| CarQuantity::Axle(AxleEnd::Rear, result);
     let wheel = |number, result| CarQuantity::Wheel(WheelPlace(number), result);
@@ -147,7 +148,7 @@ fn results() -> Vec<CarQuantity> {
     ]
 }
 
-/// Derivatives with respect to hardpoints of both axles, and by the rack, are those of whole designs.
+/// Derivatives with respect to hardpoints of both axles and to the rack equal differences between complete designs.
 #[test]
 fn derivatives_are_those_of_moved_cars() {
     let car = car();
@@ -212,15 +213,14 @@ fn derivatives_are_those_of_moved_cars() {
     check("rack", &at(-step), &at(step), step, &|k| {
         gradients[k].parameters[rack]
     });
-    // A solver without racks does not know these derivatives.
+    // A solver without racks returns NaN for these derivatives.
     let plain = CarSolver::new(&car)
         .unwrap()
         .gradients(&case, &found, &asked);
     assert!(plain.unwrap()[0].parameters[rack].is_nan());
 }
 
-/// At rest, and in a design that is symmetric, the body has not risen and rolls nowhere; the roll centre of the solid axle is in
-/// the middle.
+/// A symmetric car at rest has zero heave and zero roll, and the roll centre of its solid axle is in the middle plane.
 #[test]
 fn a_symmetric_car_at_rest_is_level() {
     let mut car = car();

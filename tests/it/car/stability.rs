@@ -1,4 +1,4 @@
-//! Where equilibria end: planted tips, and states that hold although their stiffness is not symmetric.
+//! Tests of where equilibria end: planted overturning, and stable states whose stiffness matrix is not symmetric.
 
 use hardpoint::axle::{Preloaded, RockerSprings};
 use hardpoint::car::{Car, CarQuantity, CarSolver, Case, Longitudinal, NoEquilibrium};
@@ -24,8 +24,8 @@ fn at_rest() -> Case {
     case
 }
 
-/// The stiffness against roll falls with the height of the centre of gravity: its weight turns the body. A car at rest tips just
-/// above the height where nothing is left of it, and not just below.
+/// The roll stiffness falls with the height of the centre of gravity, because the weight tilts the body. A car at rest
+/// overturns just above the height where this stiffness is zero, and not just below.
 #[test]
 fn a_high_car_tips_where_its_roll_stiffness_ends() {
     let car = formula_student_car();
@@ -57,16 +57,17 @@ fn a_high_car_tips_where_its_roll_stiffness_ends() {
         let mut solver = CarSolver::new(&high).unwrap();
         value(&mut solver, &at_rest(), "body_roll_stiffness")
     };
-    // The root of the stiffness, along its tangent from just below.
+    // Finds the root of the stiffness from its tangent just below the limit.
     let [near, far] = [1e-5, 2e-5].map(|part| stiffness(low * (1.0 - part)));
     let root = low * (1.0 - 1e-5 + 1e-5 * near / (far - near));
-    // A state is known to 1e-10 or refused. At a part p from the root, rounding is amplified by 1/p.
+    // The solver finds a state to 1e-10 or refuses it. At a relative distance p from the root, rounding is amplified by
+    // 1/p.
     assert!((root / low - 1.0).abs() < 1e-6, "{root} {low}");
     let at_design = stiffness(car.cg.z);
     assert!(near > 0.0 && near < 1e-4 * at_design, "{near} {at_design}");
 }
 
-/// A car with rockers whose front axle has a heave bar alone: the same load at rest, and no stiffness in roll.
+/// Car with rockers whose front axle has only a heave bar: the same load at rest, and no stiffness in roll.
 fn without_front_roll_stiffness() -> Car {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/own/free_bodies.toml");
     let mut car = CarStudy::read(&path, &[]).unwrap().car;
@@ -91,8 +92,8 @@ fn without_front_roll_stiffness() -> Car {
     car
 }
 
-/// Nothing but the rear axle resists roll. When its inner wheel lifts, the body stands on one rear wheel and on the middle of the
-/// front axle: it falls. The limit of equilibrium is that lift, and the program calls it tipping.
+/// Only the rear axle resists roll. When its inner wheel lifts, only one rear wheel and the middle of the front axle
+/// support the body, so it falls. The limit of equilibrium is this lift, and the program reports overturning.
 #[test]
 fn a_car_on_two_supports_tips_at_the_lift() {
     let car = without_front_roll_stiffness();
@@ -110,8 +111,9 @@ fn a_car_on_two_supports_tips_at_the_lift() {
     assert_eq!(solver.solve(&beyond).unwrap_err(), NoEquilibrium::Tips);
 }
 
-/// Anti-features of strong brakes make the stiffness so unsymmetric that its symmetric part is not positive, and yet each wheel
-/// presses on the ground, and its load changes smoothly. The car is solved until its rear wheels have no load, and not beyond.
+/// Anti-dive and anti-lift under strong braking make the stiffness matrix so unsymmetric that its symmetric part is not
+/// positive definite. Still each wheel is loaded and its load changes smoothly. The program solves the car until its
+/// rear wheels have no load, and not beyond.
 #[test]
 fn a_braking_car_is_solved_until_its_rear_wheels_lift() {
     let car = formula_student_car();
@@ -130,12 +132,12 @@ fn a_braking_car_is_solved_until_its_rear_wheels_lift() {
         let found = solver.solve(&at(g)).unwrap();
         [found.unknowns[7], found.unknowns[9], found.unknowns[10]]
     };
-    // Just below the end nothing is left on the rear wheels.
+    // Just below the end the rear wheels have almost no load.
     let [front, left, right] = loads(&mut solver, limits.end - 1e-5);
     assert!((left - right).abs() < 1e-6 * front);
     assert!(left > 0.0 && left < 1e-3 * front, "{left} {front}");
     assert_eq!(limits.why, Some(NoEquilibrium::AxleLifted { axle: 1 }));
-    // The load falls steadily, without the vertical slope of a fold.
+    // The load falls steadily; a fold would have a vertical slope.
     let steps = [0.12, 0.09, 0.06, 0.03].map(|less| loads(&mut solver, limits.end - less)[1]);
     let slopes: Vec<f64> = steps.windows(2).map(|pair| pair[0] - pair[1]).collect();
     for pair in slopes.windows(2) {
@@ -143,8 +145,8 @@ fn a_braking_car_is_solved_until_its_rear_wheels_lift() {
     }
 }
 
-/// Springs on links that fold carry a car up to a vertical acceleration. Up to there heave grows faster and faster, and roll hardly
-/// at all. So the reason for the end is that the body sinks, and the car does not tip.
+/// Springs on links that fold carry a car up to a certain vertical acceleration. Below it heave grows faster and
+/// faster, while roll hardly changes. So the reported reason is that the body sinks, not that the car overturns.
 #[test]
 fn a_car_whose_links_fold_sinks() {
     let path = super::commands::studies().join("off_road_car.toml");
@@ -162,8 +164,8 @@ fn a_car_whose_links_fold_sinks() {
     }
 }
 
-/// A rack displacement that a car cannot reach ends on the side to which the rack was moved, whichever wheel is named. The limit
-/// has a unit.
+/// The error for a rack displacement beyond the limit gives the limit with the sign of the displacement, whichever
+/// wheel it names. The limit has a unit.
 #[test]
 fn an_unreachable_rack_has_its_sign_and_unit() {
     let path = super::commands::studies().join("car.toml");

@@ -1,4 +1,4 @@
-//! Steered solid axles in cars: free bodies, derivatives, and the roll centre of the axle itself.
+//! Tests of steered solid axles in cars: free bodies, derivatives, and the roll centre of the axle.
 
 use crate::support::random::Random;
 use hardpoint::axle::{AxlePose, AxleSolver, Placement};
@@ -20,7 +20,7 @@ fn car() -> Car {
     CarStudy::read(&path, &[]).unwrap().car
 }
 
-/// The car with hardpoints of its front axle moved at random.
+/// Car with random changes of the hardpoints of its front axle.
 fn random_car(random: &mut Random) -> Car {
     let mut car = car();
     let left = &car.axles[0].left;
@@ -50,7 +50,7 @@ fn random_case(random: &mut Random) -> Case {
     case
 }
 
-/// Places of points of the front axle in the car's axes.
+/// Positions of points of the front axle in the car's axes.
 fn places(car: &Car, placed: &AxlePose, names: &[&str]) -> Vec<V> {
     let axle = &car.axles[0];
     let ids: Vec<PointId> = names
@@ -67,7 +67,7 @@ fn places(car: &Car, placed: &AxlePose, names: &[&str]) -> Vec<V> {
     now.collect()
 }
 
-/// Forces of the tyre, of the wheel's inertia and of the spring at one wheel, each with its place.
+/// Forces of the tyre, of the wheel's inertia and of the spring at one wheel, each with its point of application.
 fn outside(state: &Balance<f64>, case: &Case, number: usize, unsprung: f64) -> [(V, V); 2] {
     let wheel = &state.wheels[number];
     let road = &state.road;
@@ -107,7 +107,7 @@ const NAMES: [&str; 20] = [
     "right_spring_upper",
 ];
 
-/// The front axle with its knuckles and wheels as free bodies: six equations of the whole, then one about each kingpin.
+/// Front axle with its knuckles and wheels as free bodies: six equations for the whole, then one about each kingpin.
 struct FreeBodies {
     points: Vec<V>,
 }
@@ -150,7 +150,7 @@ impl FreeBodies {
         sum
     }
 
-    /// Unit tensions of links, Panhard rod, drag link and tie rod.
+    /// Coefficients of the tensions of links, Panhard rod, drag link and tie rod in the eight equations.
     fn rods(&self) -> DMatrix<f64> {
         let rods = [
             ("lower_link_axle", "lower_link_chassis"),
@@ -177,8 +177,8 @@ impl FreeBodies {
     }
 }
 
-/// Axle with knuckles and wheels has six equations, each knuckle one about its kingpin. Six tensions, of links, Panhard rod, drag link
-/// and tie rod, leave nothing in all eight.
+/// Axle, knuckles and wheels together have six equations, and each knuckle has one about its kingpin. The six tensions
+/// of links, Panhard rod, drag link and tie rod satisfy all eight.
 #[test]
 fn rods_hold_axle_and_knuckles() {
     let mut random = Random(29);
@@ -230,7 +230,8 @@ fn results() -> Vec<CarQuantity> {
     results
 }
 
-/// Derivatives with respect to hardpoints of the steered axle, and by its steering gear, are those of whole designs.
+/// Derivatives with respect to hardpoints of the steered axle and to its steering gear equal differences between
+/// complete designs.
 #[test]
 fn derivatives_are_those_of_moved_cars() {
     let car = car();
@@ -289,8 +290,8 @@ fn derivatives_are_those_of_moved_cars() {
     check("steering gear", &at, &|k| gradients[k].parameters[gear]);
 }
 
-/// The roll centre is the centre of the axle's own motion, at any steer of its wheels: the point of the middle plane of both contact
-/// points that does not move across, by differences of poses.
+/// The roll centre follows from the motion of the axle itself, at any steer of its wheels. It is the point in the
+/// middle plane of both contact points that has no lateral velocity, from differences of poses.
 #[test]
 fn the_roll_centre_is_that_of_the_axle() {
     let car = car();
@@ -318,7 +319,8 @@ fn the_roll_centre_is_that_of_the_axle() {
         let (below, here, above) = (at(-h), at(0.0), at(h));
         let rate = |k: usize| (above[k] - below[k]) * (0.5 / h);
         let road = &state.road;
-        // The angular velocity about the road's forward axis, from two points: their difference of velocities is w x d.
+        // The angular velocity follows from velocity differences of points: each difference is w x d. One component is
+        // about the road's forward axis.
         let columns: Vec<_> = [1, 2]
             .into_iter()
             .flat_map(|k| {
@@ -345,7 +347,7 @@ fn the_roll_centre_is_that_of_the_axle() {
     }
 }
 
-/// A gear that turns the wheels to the left gives the car's own steer: both wheels steer to the left, the inner one more.
+/// A gear angle to the left steers both wheels to the left, the inner one more.
 #[test]
 fn the_gear_steers_both_wheels() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");
@@ -366,7 +368,8 @@ fn the_gear_steers_both_wheels() {
     );
 }
 
-/// First-order variances of the car by parts of both solid axles are those of differences of cars that are assembled and solved.
+/// First-order variances of the car that parts of both solid axles cause equal differences of assembled and solved
+/// cars.
 #[test]
 fn first_order_of_parts_is_that_of_built_cars() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");
@@ -399,7 +402,7 @@ fn first_order_of_parts_is_that_of_built_cars() {
         for (place, expansion) in expansion.iter().enumerate() {
             let slope = (values[1][place] - values[0][place]) / (2.0 * h);
             let sigma = expansion.sigma();
-            // Errors of central differences, and rounding of values of a few thousand newtons.
+            // Error of central differences, plus rounding of values of a few thousand newtons.
             let error = (sigma - slope.abs()).abs();
             let result = &problem.request.results[place];
             assert!(

@@ -1,4 +1,4 @@
-//! Sweeps of a car: rows are those of the cases, whatever computes them.
+//! Tests of sweeps of a car: rows equal the results of the cases, however the program computes them.
 
 use super::commands::{hardpoint, text};
 use crate::support::rows_by_column;
@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// The road car with a sweep over parts of every kind.
+/// Road car with a sweep over parts of every kind.
 fn car(directory: &Path, samples: u64) {
     hardpoint(directory, &["new", "car"]).success();
     let path = directory.join("car.toml");
@@ -36,8 +36,8 @@ variables = [
     fs::write(&path, format!("{head}{sweep}{optimise}")).unwrap();
 }
 
-/// A row has the numbers of `hardpoint solve` of the design that `--design` prints, to the last bit, and misfits follow from
-/// the columns.
+/// A row has the numbers that `hardpoint solve` finds for the design printed by `--design`, to the last bit. The
+/// misfits follow from the columns.
 #[test]
 fn rows_are_those_of_solve() {
     let directory = tempfile::tempdir().unwrap();
@@ -73,7 +73,7 @@ fn rows_are_those_of_solve() {
             for (column, value) in case {
                 let name = format!("{}_{column}", case["case"]);
                 let Some(swept) = row.get(&name) else {
-                    // A result has no column in cases where it is not defined.
+                    // A result has an empty cell or no column in cases where it is not defined.
                     assert!(value.is_empty() || !column.contains("dive"), "{name}");
                     continue;
                 };
@@ -81,7 +81,7 @@ fn rows_are_those_of_solve() {
                 compared += 1;
             }
         }
-        // Roll and four loads of each case, the distribution where it turns, the anti-dive where it brakes.
+        // Roll and four loads of each case, the distribution in turns, the anti-dive under braking.
         assert_eq!(compared, 5 * 5 + 3 + 2);
         let number = |column: &str| row[column].parse::<f64>().unwrap();
         let share = (number("turn_lateral_load_transfer_distribution_percent") - 48.0) / 0.5;
@@ -97,7 +97,7 @@ fn rows_are_those_of_solve() {
         let misfit = (squares.iter().sum::<f64>() / 3.0).sqrt();
         assert!((number("misfit") - misfit).abs() < 1e-12 * misfit);
     }
-    // The summary ranks designs by their misfit.
+    // The summary ranks designs by misfit.
     let summary: serde_json::Value =
         serde_json::from_slice(&fs::read(directory.join("swept/summary.json")).unwrap()).unwrap();
     let best = rows
@@ -108,11 +108,12 @@ fn rows_are_those_of_solve() {
         })
         .unwrap();
     assert_eq!(summary["best"][0]["design"].to_string(), best["design"]);
-    // The studies of the run are kept.
+    // The run keeps a copy of its studies.
     hardpoint(&directory.join("swept"), &["check", "study.toml"]).success();
 }
 
-/// Bytes are the same for any number of threads, on standard output, and for a sweep that grew.
+/// The bytes do not depend on the number of threads, on the use of standard output, or on whether the sweep was
+/// extended later.
 #[test]
 fn bytes_do_not_depend_on_the_run() {
     let directory = tempfile::tempdir().unwrap();
@@ -134,11 +135,11 @@ fn bytes_do_not_depend_on_the_run() {
     assert_eq!(read("one/designs.csv"), read("two/designs.csv"));
     let said = sweep("-", &[]);
     assert_eq!(said.get_output().stdout, read("two/designs.csv"));
-    // A sharded sweep of one part is done by one of its shards.
+    // Two shards complete a sweep and give the same bytes.
     sweep("three", &["--shard", "1/2"]);
     sweep("three", &["--shard", "2/2"]);
     assert_eq!(read("three/designs.csv"), read("two/designs.csv"));
-    // A merge keeps the studies, which give the results.
+    // A merge keeps the studies, and they give the same results.
     hardpoint(directory, &["merge", "--out", "joined", "two"]).success();
     for name in [
         "designs.csv",
@@ -154,11 +155,11 @@ fn bytes_do_not_depend_on_the_run() {
         );
     }
     hardpoint(&directory.join("joined"), &["check", "study.toml"]).success();
-    // The page of a sweep can be made.
+    // The program can make the page of a sweep.
     hardpoint(directory, &["report", "two"]).success();
 }
 
-/// A design whose case has no equilibrium says which and why; the other cases have their values.
+/// If a case of a design has no equilibrium, the row names the case and the reason. The other cases have their values.
 #[test]
 fn failed_cases_are_named() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! Textbook formulas, where their assumptions hold: small angles, rigid tyres, a symmetric car without air, and for roll massless
-//! wheels.
+//! Tests against textbook formulas where their assumptions hold: small angles, rigid tyres, a symmetric car without
+//! aerodynamics, and for roll massless wheels.
 
 use super::{car, reference};
 use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity};
@@ -8,7 +8,7 @@ use hardpoint::car::{
     WholeResult,
 };
 
-/// The reference car, symmetric and without air.
+/// Symmetric reference car without aerodynamics.
 fn symmetric_car() -> Car {
     let mut car = car(&reference());
     (car.cg.y, car.air) = (0.0, None);
@@ -21,9 +21,10 @@ fn near(what: &str, found: f64, textbook: f64) {
     assert!(error < 0.01, "{what}: {found} {textbook}");
 }
 
-/// Wheel loads at rest by the lever rule; roll gradient W h/(K_f + K_r - W h), h from G to the roll axis; load transfer of the
-/// front axle by its share of the roll stiffness, by the roll centre and by the wheels (W. F. Milliken, D. L. Milliken, Race
-/// Car Vehicle Dynamics, ch. 18).
+/// Three results are near their textbook formulas (W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, ch. 18).
+/// Wheel loads at rest follow the lever rule. The roll gradient is W h/(K_f + K_r - W h), with h from G to the roll
+/// axis. The load transfer of the front axle follows from its share of the roll stiffness, the roll centre and the
+/// wheels.
 #[test]
 fn textbook_formulas_are_near() {
     let car = symmetric_car();
@@ -58,7 +59,7 @@ fn textbook_formulas_are_near() {
         );
         (stiffness[axle], centres[axle]) = (k, h);
     }
-    // The inertia of the wheels goes through the links to the body; textbooks leave it out of the roll.
+    // The inertia of the wheels acts on the body through the links. Textbooks omit it in the roll formula.
     let mut light = car.clone();
     for axle in &mut light.axles {
         axle.setup.unsprung_mass = Some(1e-6);
@@ -90,7 +91,7 @@ fn textbook_formulas_are_near() {
         let of = |result| value(CarQuantity::Axle(end, result));
         let radius = car.axles[axle].setup.wheel_radius.unwrap();
         let carried = weight * [share, 1.0 - share][axle];
-        // The body rolls, which adds its weight's moment.
+        // The rolled body adds the moment of its weight.
         let rolled = weight * arm * (1.0 + gradient);
         let moment = rolled * stiffness[axle] / total
             + carried * centres[axle]
@@ -103,7 +104,7 @@ fn textbook_formulas_are_near() {
     near("distribution", exact, distribution);
 }
 
-/// Values of an axle that stands level at the mean travel of its wheels.
+/// Values of an axle in a level position at the mean travel of its wheels.
 fn of_level_axle(car: &Car, axle: usize, travels: [f64; 2], asked: [A; 2]) -> [f64; 2] {
     let asked = asked.map(Quantity::Axle);
     let mut solver = AxleSolver::<4>::new(&car.axles[axle], &asked, false).unwrap();
@@ -117,8 +118,8 @@ fn of_level_axle(car: &Car, axle: usize, travels: [f64; 2], asked: [A; 2]) -> [f
     asked.map(|quantity| read.value(quantity).unwrap())
 }
 
-/// A twist of the ground meets the roll stiffnesses of both axles in series: with k = K/(track^2/2) of an axle, the body free,
-/// each load changes by 2 k_f k_r/(k_f + k_r) if both tracks are the same.
+/// A twist of the ground loads the roll stiffnesses of both axles in series. With k = K/(track^2/2) of an axle, a free
+/// body and equal tracks, each load changes by 2 k_f k_r/(k_f + k_r).
 #[test]
 fn warp_is_the_series_of_both_axles() {
     let car = symmetric_car();
@@ -140,8 +141,7 @@ fn warp_is_the_series_of_both_axles() {
         tracks[axle] = track;
         rates[axle] = 2.0 * k / (track * track);
     }
-    // Angles of the ground are 2 w/track at the front and minus that at the rear. The body rolls until both moments are
-    // equal.
+    // Ground angles are 2 w/track at the front and minus that at the rear. The body rolls until both moments are equal.
     let [front, rear] = [0, 1].map(|axle| rates[axle] * tracks[axle] * tracks[axle]);
     let twist = 2.0 / tracks[0] + 2.0 / tracks[1];
     let moment = 0.5 * twist * front * rear / (front + rear);

@@ -1,4 +1,4 @@
-//! Scatter of a car against differences of complete solutions, and against laws of statistics.
+//! Tests of scatter of a car against differences of complete solutions, and against laws of statistics.
 
 use super::commands::{hardpoint, studies, text};
 use hardpoint::car::moved;
@@ -8,7 +8,7 @@ use std::fs;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// The road car with scatter of these parts.
+/// Road car with scatter of these parts.
 fn car(directory: &Path, tolerance: &str) -> CarStudy {
     hardpoint(directory, &["new", "car"]);
     let path = directory.join("car.toml");
@@ -24,7 +24,7 @@ fn problem(study: &CarStudy) -> CarProblem<'_> {
         .unwrap_or_else(|(axle, _)| panic!("axle {axle}"))
 }
 
-/// Slopes by rates and figures are those of differences of complete solutions; shares add up to one.
+/// Slopes with respect to rates and car values equal differences of complete solutions. The shares add up to one.
 #[test]
 fn first_order_of_figures_is_that_of_differences() {
     let directory = tempfile::tempdir().unwrap();
@@ -61,7 +61,7 @@ scatter = [
             let slope = (values[1][place] - values[0][place]) / (2.0 * step);
             let sigma = expansion.variances[number].sqrt();
             let expected = slope.abs() * law.variance().sqrt();
-            // Errors of central differences, and rounding of values of a few thousand newtons.
+            // Error of central differences, plus rounding of values of a few thousand newtons.
             assert!(
                 (sigma - expected).abs() < 1e-5 * expected + 1e-5,
                 "{number} {place}: {sigma} {expected}"
@@ -76,9 +76,9 @@ scatter = [
     }
 }
 
-/// Builds of small scatter, each put together and solved, have the first-order standard deviations: 400 builds know them to
-/// 1/sqrt(800), four of which bound the deviation; one of a few hundred values may lie beyond. Parts of both axles, lengths and
-/// both sides take part.
+/// Builds with small scatter, each assembled and solved, have the first-order standard deviations. The standard error
+/// of 400 builds is 1/sqrt(800); the bound is four of it, and one value of a few hundred may exceed the bound. The
+/// scatter includes parts of both axles, lengths and both sides.
 #[test]
 fn builds_confirm_the_first_order_of_parts() {
     let directory = tempfile::tempdir().unwrap();
@@ -120,15 +120,14 @@ scatter = [
         }
         count += 1;
         far += usize::from((spread.sigma - sigma).abs() > 4.0 / 800.0_f64.sqrt() * sigma);
-        // The mean is known to sigma/20.
+        // The standard error of the mean of 400 builds is sigma/20.
         let mean = (spread.mean - nominal[place]).abs();
         assert!(mean < 5.0 / 20.0 * sigma, "{place}: {mean} {sigma}");
     }
     assert!(count > 40 && far <= count / 40, "{far} of {count}");
 }
 
-/// The right wheel's own parts change the right wheel's static toe alone, and on rigid mounts of a mirrored axle both toes
-/// scatter alike.
+/// Scattered tie rods change the toe of their own axle only, and both front toes scatter alike.
 #[test]
 fn both_wheels_scatter_independently_and_alike() {
     let directory = tempfile::tempdir().unwrap();
@@ -143,14 +142,15 @@ fn both_wheels_scatter_independently_and_alike() {
         expansion[problem.request.place(0, quantity).unwrap()].sigma()
     };
     let [left, right] = [sigma("front_left_toe"), sigma("front_right_toe")];
-    // The sample's centre of gravity is 5 mm off the middle: both wheels stand a little differently.
+    // The sample's centre of gravity is 5 mm off the middle, so the wheels differ slightly.
     assert!((left - right).abs() < 0.01 * left, "{left} {right}");
     // A rod 0.1 mm longer at a lever of about 130 mm turns the wheel by 0.044 deg.
     assert!((0.02..0.1).contains(&left), "{left}");
     assert!(sigma("rear_left_toe") < 1e-3 * left);
 }
 
-/// Files and numbers of builds do not depend on the number of threads; a band through the nominal value keeps about a half.
+/// Files and numbers of builds do not depend on the number of threads. About half of the builds are within a band that
+/// ends at the nominal value.
 #[test]
 fn the_command_is_deterministic() {
     let directory = tempfile::tempdir().unwrap();
@@ -187,15 +187,15 @@ fn the_command_is_deterministic() {
     let summary: serde_json::Value =
         serde_json::from_slice(&fs::read(directory.join("1/summary.json")).unwrap()).unwrap();
     let kept = summary["yield_of_all"].as_f64().unwrap();
-    // Four standard deviations of a binomial share of 200.
+    // Four standard deviations of a binomial share with 200 builds.
     assert!(
         (kept - 0.5).abs() < 4.0 * (0.25_f64 / 200.0).sqrt(),
         "{kept}"
     );
 }
 
-/// A symmetric car does not roll under braking, whatever its mass. Its roll there has no shares, and its mass no place in the
-/// ranking of the bands.
+/// A symmetric car does not roll under braking, whatever its mass. Its roll there has no shares, and its mass has no
+/// rank among the tolerances of the bands.
 #[test]
 fn a_result_that_does_not_scatter_ranks_nothing() {
     let directory = tempfile::tempdir().unwrap();
@@ -206,7 +206,7 @@ builds = 8
 scatter = [ { car = "mass", sigma = 15.0 } ]
 bands = [ { case = "braking", characteristic = "roll", between = [-0.1, 0.1] } ]"#,
     );
-    // The sample's centre of gravity is off the middle.
+    // Moves the sample's centre of gravity to the middle.
     let middle = "car.sprung_cg=[-1290.0, 0.0, 560.0]";
     let call = ["tolerance", "car.toml", "--format", "json", "--set", middle];
     let ended = hardpoint(directory.path(), &call);

@@ -1,4 +1,4 @@
-//! Twist beams in cars.
+//! Tests of twist beams in cars.
 
 use hardpoint::car::{AxleEnd, AxleResult, CarQuantity, CarSolver, WheelPlace, WheelResult};
 use hardpoint::study::CarStudy;
@@ -9,8 +9,8 @@ use std::path::Path;
 const BEAM: f64 = 5.0e5;
 const BAR: f64 = 6.0e5;
 
-/// The torque of the beam has its own name. The energy of the car is that of springs, front bar and beam, T^2/(2 k), so the
-/// torque has the right amount; its sign follows the roll angle.
+/// The torque of the beam has its own name. The energy of the car consists of springs, front bar and beam with T^2/(2
+/// k), which confirms the amount of the torque. Its sign follows the roll angle.
 #[test]
 fn the_beam_has_a_torque_and_no_bar() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/own/twist_beam_car.toml");
@@ -31,7 +31,7 @@ fn the_beam_has_a_torque_and_no_bar() {
         let springs = WheelPlace::ALL.map(|place| {
             let of = |result| value(CarQuantity::Wheel(place, result));
             let (force, travel) = (of(WheelResult::SpringForce), of(WheelResult::SpringTravel));
-            // The force grows by the rate from the design position; stops are out of reach.
+            // The spring force grows with the rate from the design position; the motion reaches no stops.
             let rate = [30.0, 28.0][place.0 / 2];
             (force - 0.5 * rate * travel) * travel
         });
@@ -47,7 +47,8 @@ fn the_beam_has_a_torque_and_no_bar() {
     }
 }
 
-/// First order of a twist beam's parts in a car is the slope of the results of built cars, by central differences.
+/// The first-order scatter of a twist beam's parts in a car equals the slopes of the results of built cars, from
+/// central differences.
 #[test]
 fn parts_of_a_beam_scatter_in_a_car() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/own/twist_beam_car.toml");
@@ -80,7 +81,7 @@ fn parts_of_a_beam_scatter_in_a_car() {
         for (place, expansion) in expansion.iter().enumerate() {
             let slope = (values[1][place] - values[0][place]) / (2.0 * h);
             let sigma = expansion.sigma();
-            // Errors of central differences, and rounding of values of a few thousand newtons.
+            // Error of central differences, plus rounding of values of a few thousand newtons.
             let error = (sigma - slope.abs()).abs();
             let result = &problem.request.results[place];
             assert!(

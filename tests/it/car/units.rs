@@ -1,4 +1,5 @@
-//! Inches, pounds-force and pounds: the same car in millimetres, newtons and kilograms gives the same numbers.
+//! Tests of units: a car in inches, pounds-force and pounds has the same results as the same car in millimetres,
+//! newtons and kilograms.
 
 use super::commands::{hardpoint, studies, text};
 use crate::units::{INCH, POUND, POUND_FORCE, in_inches_and_pounds};
@@ -63,7 +64,7 @@ fn sample(name: &str) -> Table {
         .unwrap()
 }
 
-/// The texts of `studies/car.toml` without air, and of its axles, with rates of both axles as variables of a tuning.
+/// Texts of `studies/car.toml` without aerodynamics and of its axles, with rates of both axles as tuning variables.
 fn texts(is_imperial: bool) -> [String; 3] {
     let mut car = sample("car.toml");
     for section in ["gg_map", "sweep", "tolerance"] {
@@ -143,7 +144,7 @@ fn inches_and_pounds_give_the_same_car() {
             let names = studies
                 .each_ref()
                 .map(|study| quantity.column(study.car.length_unit));
-            // Natural frequencies and shares have the same unit in both.
+            // Natural frequencies and shares have the same unit in both systems.
             let (name, factor) = in_inches_and_pounds(&names[0]);
             assert_eq!(names[1], name);
             let values = [0, 1].map(|k| quantity.printed(&solved[k], [case, own][k]));
@@ -152,7 +153,7 @@ fn inches_and_pounds_give_the_same_car() {
                 continue;
             };
             let expected = metric * factor;
-            // Both equilibria are known to rounding of the largest wheel load.
+            // Both equilibria are accurate to the rounding of the largest wheel load.
             let scale = 1.0 + expected.abs();
             assert!(
                 (imperial - expected).abs() < 1e-8 * scale,
@@ -167,7 +168,7 @@ fn inches_and_pounds_give_the_same_car() {
     assert!(compared > 500 && forces > 100, "{compared} {forces}");
 }
 
-/// A tuned rate is written in the unit of its study, so that the tuned study gives the tuned car.
+/// The tuned study contains a tuned rate in its own unit, so it reproduces the tuned car.
 #[test]
 fn tuned_rates_are_in_the_units_of_the_study() {
     let directory = tempfile::tempdir().unwrap();
@@ -231,7 +232,7 @@ fn both_axles_need_the_same_units() {
     );
 }
 
-/// Masses of a car in kilograms beside an axle in pounds are called doubtful, unless the car names their unit.
+/// The program warns of a car's masses in kilograms beside an axle in pounds, unless the car names their unit.
 #[test]
 fn masses_without_a_unit_are_doubted_beside_pounds() {
     let directory = tempfile::tempdir().unwrap();
@@ -253,7 +254,7 @@ fn masses_without_a_unit_are_doubted_beside_pounds() {
     assert!(!said(&named).contains("mass_unit"));
 }
 
-/// Units of both axles are named by their keys, and each need of a result once.
+/// Refusals name unit conflicts of both axles by their keys, and name each missing input of a result once.
 #[test]
 fn refusals_name_keys_once() {
     let refused = |name: &str, set: &str| {

@@ -1,4 +1,4 @@
-//! `hardpoint kc` and `hardpoint check` as a user runs them.
+//! Tests of `hardpoint kc` and `hardpoint check` as a user runs them.
 
 use crate::support::rows_by_column;
 use std::path::Path;
@@ -38,7 +38,7 @@ fn kc_writes_figures_levels_and_the_matrix() {
     );
     assert!(said.contains("toe_by_lateral_force") && said.contains("design load: 4682 N"));
     let figures = rows(&directory.path().join("kc/kc.csv"));
-    // The reference corner at its design height: tests/data/reference/elasto.
+    // Reads values of the reference corner at its design height: tests/data/reference/elasto.
     let value = |load: &str, trail: &str, quantity: &str| -> f64 {
         let row = figures
             .iter()
@@ -116,7 +116,7 @@ fn a_rigid_study_has_its_kinematics_and_jacking() {
     assert!(!said.contains("toe_by_lateral_force"));
 }
 
-/// Every command that takes elastic parts, with pages, pictures and prices.
+/// All commands that support elastic parts run with them, including pages, pictures and costs.
 #[test]
 fn commands_take_elastic_parts() {
     let directory = tempfile::tempdir().unwrap();
@@ -205,7 +205,8 @@ fn other_commands_refuse_elastic_parts() {
     assert!(said.contains("Elastic parts") && said.contains("lower_arm_rear"));
 }
 
-/// A load that the wheel does not hold: the rest is written, the share is named, the exit code is 1.
+/// If a load is too large for the wheel, `kc` still writes all other results. It states the share of the load that has
+/// an equilibrium, and exits with code 1.
 #[test]
 fn a_load_that_is_not_held_is_said() {
     let directory = tempfile::tempdir().unwrap();
@@ -235,7 +236,7 @@ fn a_load_that_is_not_held_is_said() {
     );
 }
 
-/// The study with text at its end, in a file of the directory.
+/// Writes the study with more text at its end into a file of the directory.
 fn extended(directory: &Path, more: &str) -> String {
     let text = std::fs::read_to_string(study("double_wishbone_compliance.toml")).unwrap();
     let path = directory.join("study.toml");
@@ -243,14 +244,14 @@ fn extended(directory: &Path, more: &str) -> String {
     path.display().to_string()
 }
 
-/// A figure in `kc.csv` without trail.
+/// Test result in `kc.csv` without trail.
 fn figure(path: &Path, quantity: &str) -> f64 {
     let figures = rows(path);
     let is_wanted = |row: &&csv::StringRecord| &row[9] == quantity && &row[4] != "30.0";
     figures.iter().find(is_wanted).unwrap()[10].parse().unwrap()
 }
 
-/// The file of sensitivities holds, for a hardpoint and a rate, the changes of figures between two runs.
+/// For a hardpoint and a rate, the file of sensitivities contains the changes of test results between two runs.
 #[test]
 fn sensitivities_are_changes_of_figures() {
     let directory = tempfile::tempdir().unwrap();
@@ -313,7 +314,7 @@ fn sensitivities_are_changes_of_figures() {
     }
 }
 
-/// The tuned study has the figure that was asked for.
+/// The tuned study has the target value of the test result.
 #[test]
 fn a_rate_is_tuned_to_a_figure() {
     let directory = tempfile::tempdir().unwrap();
@@ -349,7 +350,8 @@ targets = [
     assert!((found - 0.04).abs() < 1e-9, "{found}");
 }
 
-/// The page of the tests: the slope of the drawn toe over the side force is the figure, and each load has its charts.
+/// The page of the tests draws the toe over the lateral force with the slope of the test result, and has charts for
+/// each load.
 #[test]
 fn the_page_draws_the_figures() {
     let directory = tempfile::tempdir().unwrap();
@@ -357,7 +359,7 @@ fn the_page_draws_the_figures() {
     let ran = hardpoint(&["kc", &path, "--report", "--out", "kc"], directory.path());
     assert_eq!(ran.status.code(), Some(0));
     let page = std::fs::read_to_string(directory.path().join("kc/report.html")).unwrap();
-    // Of the reference corner, as above.
+    // Value of the reference corner.
     let toe = 8.01723593199302e-7 * 1000.0_f64.to_degrees();
     assert!(page.contains(&format!("Toe by lateral force {toe:.5} deg/kN")));
     for load in [
@@ -373,7 +375,7 @@ fn the_page_draws_the_figures() {
     }
     let start = page.find("aria-label=\"toe by lateral force").unwrap();
     let chart = &page[start..start + page[start..].find("</svg>").unwrap()];
-    // Ticks of the vertical axis: place and value; and the ends of the line, which is at -1000 N and 1000 N.
+    // Ticks of the vertical axis with position and value, then the ends of the line at -1000 N and 1000 N.
     let ticks: Vec<[f64; 2]> = chart
         .split("<text class=\"axis-text\" ")
         .filter(|text| text.contains("text-anchor=\"end\""))
@@ -392,11 +394,11 @@ fn the_page_draws_the_figures() {
         .map(|point| point.split(' ').nth(1).unwrap().parse().unwrap())
         .collect();
     let drawn = (places[places.len() - 1] - places[0]) * per_place / 2.0;
-    // A tenth of a unit of the picture at both ends.
+    // The tolerance is a tenth of a drawing unit at both ends.
     assert!((drawn - toe).abs() < 0.1 * per_place.abs(), "{drawn} {toe}");
 }
 
-/// Carriers that an arm holds at two points are not what the wheel of the tests is: `kc` refuses them.
+/// `kc` refuses topologies whose arm holds the carrier at two points, because its tests do not support them.
 #[test]
 fn kc_refuses_arms_that_hold_the_carrier_twice() {
     let directory = tempfile::tempdir().unwrap();
@@ -409,7 +411,8 @@ fn kc_refuses_arms_that_hold_the_carrier_twice() {
     }
 }
 
-/// `compare` of two runs of `kc` shows the results that differ, with their differences, and refuses other sources.
+/// `compare` of two runs of `kc` shows the results that differ, with their differences. It refuses to compare a run
+/// with a study.
 #[test]
 fn two_runs_of_kc_are_compared() {
     let directory = tempfile::tempdir().unwrap();
@@ -443,7 +446,7 @@ fn two_runs_of_kc_are_compared() {
             difference.map(|(b, a)| b - a)
         );
     }
-    // Bushings do not change the rigid part of the table; the softer arm recedes further.
+    // The soft arm has more recession than the stiff one.
     let recession = both
         .iter()
         .find(|row| row["quantity"] == "recession_by_braking");
@@ -455,7 +458,7 @@ fn two_runs_of_kc_are_compared() {
     assert!(said.contains("runs of `hardpoint kc` only"), "{said}");
 }
 
-/// Curves of a swept design contain its test figures at every station, as the curves of `solve` do.
+/// Curves of a swept design contain its test results at every station, as the curves of `solve` do.
 #[test]
 fn curves_of_a_sweep_have_figures_at_every_station() {
     let directory = tempfile::tempdir().unwrap();
@@ -512,7 +515,8 @@ fn refused(arguments: &[&str], directory: &Path) -> String {
     said
 }
 
-/// A measured sheet that does not exist is named. The keys of a curve, which a sheet does not need, are not requested.
+/// The program names a measured sheet that does not exist. It does not ask for the keys of a curve, which a sheet does
+/// not need.
 #[test]
 fn a_missing_sheet_is_named() {
     let directory = tempfile::tempdir().unwrap();
@@ -530,8 +534,8 @@ fn a_missing_sheet_is_named() {
     );
 }
 
-/// A spring without force does not carry the wheel, although its line has leverage: with a small force the study runs, and
-/// without force it runs with parts that are free in the design position.
+/// `kc` names a spring without force, because it cannot carry the wheel although it has leverage. The study runs with a
+/// small force, or without force if the parts are free in the design position.
 #[test]
 fn a_spring_without_force_is_named() {
     let directory = tempfile::tempdir().unwrap();
@@ -580,12 +584,12 @@ fn kc_does_not_ask_for_impossible_parts() {
         assert!(said.contains(reason), "{name}: {said}");
         assert!(!said.contains("expected [compliance]"), "{name}: {said}");
     }
-    // A solid axle on links can have elastic parts, so it is told which.
+    // A solid axle on links can have elastic parts, so the message names them.
     let said = refused(&["kc", &study("solid_axle_rear.toml")], directory.path());
     assert!(said.contains("expected [compliance]"), "{said}");
 }
 
-/// Without a solved station there are no derivatives to explain.
+/// `kc` explains the signs of derivatives only if a station is solved.
 #[test]
 fn signs_are_explained_only_if_there_are_values() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Curves of equilibria over travel: the outputs of `solve` for a wheel with elastic parts.
+//! Tests of curves of equilibria over travel: the outputs of `solve` for a wheel with elastic parts.
 
 use super::support::{elastic, fourth_order, with};
 use hardpoint::compliance::ElasticWheel;
@@ -26,7 +26,7 @@ fn column(curves: &Curves, name: &str) -> Vec<f64> {
         .collect()
 }
 
-/// The study over closely spaced travels about some places.
+/// Curves at five closely spaced travels about one travel.
 fn near(study: &Study, travel: f64, step: f64) -> Curves {
     let mut moved = study.clone();
     let own = moved.one_wheel_mut().unwrap();
@@ -36,12 +36,12 @@ fn near(study: &Study, travel: f64, step: f64) -> Curves {
     moved.curves().unwrap()
 }
 
-/// Derivative of fourth order from five values.
+/// Derivative from five values, of fourth order.
 fn slope(values: &[f64], step: f64) -> f64 {
     fourth_order([values[0], values[1], values[3], values[4]], step)
 }
 
-/// Curves equal the readings of the equilibria, in printed units.
+/// Curves equal the values of the equilibria, in printed units.
 #[test]
 fn curves_are_read_off_equilibria() {
     let study = elastic(&with("double_wishbone_compliance.toml", OUTPUTS));
@@ -58,13 +58,13 @@ fn curves_are_read_off_equilibria() {
         assert_eq!(curves.stations[k].status, Status::Ok);
         assert!((toe[k] - found.toe.to_degrees()).abs() < 1e-13);
         assert!((camber[k] - found.camber.to_degrees()).abs() < 1e-13);
-        // At the design load the design position is an equilibrium, from which track is counted.
+        // At the design load the design position is an equilibrium, and the track change is relative to it.
         assert!((track[k] - (found.contact.y - design.contact.y)).abs() < 1e-9);
         assert!((spring[k] - wheel.spring(&at).unwrap().length).abs() < 1e-10);
     }
 }
 
-/// Derivatives with respect to travel, gains and the motion ratio are slopes of the curves.
+/// Derivatives with respect to travel, gains and the motion ratio equal the slopes of the curves.
 #[test]
 fn derivatives_by_travel_are_slopes_of_the_curves() {
     let study = elastic(&with("double_wishbone_compliance.toml", OUTPUTS));
@@ -117,7 +117,7 @@ fn derivatives_by_travel_are_slopes_of_the_curves() {
     }
 }
 
-/// With rates times 10^k the curves come nearer to those of the rigid mechanism, in proportion.
+/// With rates times 10^k the curves approach those of the rigid mechanism, in proportion to 10^-k.
 #[test]
 fn stiff_parts_give_the_curves_of_the_rigid_mechanism() {
     for (name, asked) in [
@@ -162,7 +162,7 @@ fn stiff_parts_give_the_curves_of_the_rigid_mechanism() {
     }
 }
 
-/// Shifts become stiffer; torsion of bushings does not, because it is part of the wheel rate.
+/// Parts with stiffer translations. The torsion of bushings keeps its stiffness, because it is part of the wheel rate.
 fn stiffened(
     parts: &hardpoint::compliance::Compliance,
     factor: f64,
@@ -186,7 +186,7 @@ fn stiffened(
     stiff
 }
 
-/// `sensitivities` of a solve are changes of the curves with the hardpoints.
+/// The `sensitivities` of `solve` equal the changes of the curves when hardpoints move.
 #[test]
 fn sensitivities_are_changes_of_the_curves() {
     let more = "\n[outputs]\ncharacteristics = [\"toe\", \"bump_steer\", \"toe_by_lateral_force\"]\nsensitivities = [\"tie_rod_inner\", \"lower_arm_rear\"]\n";
@@ -205,7 +205,8 @@ fn sensitivities_are_changes_of_the_curves() {
         };
         let values = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| at(k * step));
         let expected = slope(&values, step);
-        // At the design load the height decides toe in the design position, where all slopes of it are 0.
+        // At the design load the wheel height determines toe in the design position, so all its slopes are 0 there. The
+        // scale is therefore the largest slope of the column.
         let size = curves
             .sensitivities
             .iter()
@@ -222,7 +223,7 @@ fn sensitivities_are_changes_of_the_curves() {
     assert_eq!(curves.sensitivities.len(), 5 * 3 * 6);
 }
 
-/// A station beyond the wheel's capacity has a status and no values; the others keep theirs.
+/// A station beyond the capacity of the wheel has a status and no values; the others keep theirs.
 #[test]
 fn a_station_without_equilibrium_is_said() {
     let mut study = elastic(&with(
@@ -237,7 +238,7 @@ fn a_station_without_equilibrium_is_said() {
     assert_eq!(curves.stations[1].value(0), None);
 }
 
-/// Quantities of the rigid mechanism are refused by name, with the alternatives.
+/// The program refuses quantities of the rigid mechanism by name, with the alternatives.
 #[test]
 fn quantities_of_the_rigid_mechanism_are_refused_by_name() {
     let dw = "double_wishbone_compliance.toml";

@@ -1,4 +1,5 @@
-//! Derivatives of equilibria and figures by hardpoints, rates and the spring: against independent answers at 120 digits.
+//! Tests of derivatives of equilibria and test results with respect to hardpoints, rates and the spring, against an
+//! independent reference with 120 digits.
 
 use super::reference::{CASES, solved, unit};
 use super::{case, compliance, number, suspension};
@@ -11,7 +12,7 @@ use hardpoint::number::{Tape, Tracked};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// The input with this name in the answers.
+/// Input with this name in the reference.
 fn parameter(name: &str, suspension: &Suspension, parts: &Compliance) -> Parameter {
     let mechanism = &suspension.mechanism;
     match name {
@@ -53,8 +54,8 @@ fn kind(name: &str) -> &str {
     }
 }
 
-/// Returns true for the rate of an axis that has a curve. The answers have the derivative with respect to the rate, which is 0; the
-/// input is the factor of the curve.
+/// Returns true for the rate of an axis that has a curve. The reference gives the derivative with respect to the rate,
+/// which is 0; the input here is the factor of the curve.
 fn is_of_curve(parameter: Parameter, parts: &Compliance) -> bool {
     match parameter {
         Parameter::Stiffness(bushing, axis) => {
@@ -64,7 +65,7 @@ fn is_of_curve(parameter: Parameter, parts: &Compliance) -> bool {
     }
 }
 
-/// Values of an equilibrium by their names in the answers.
+/// Values of an equilibrium with their names in the reference.
 fn values<'t>(
     suspension: &Suspension,
     parts: &Compliance,
@@ -98,7 +99,7 @@ fn values<'t>(
     found
 }
 
-/// Figures by their names in the answers.
+/// Test results with their names in the reference.
 fn figures<'t>(
     wheel: &ElasticWheel<Tracked<'t>>,
     at: &Equilibrium<Tracked<'t>>,
@@ -184,15 +185,15 @@ fn derivatives_are_those_of_the_reference() {
                     if is_of_curve(parameters[number_of], &parts) {
                         continue;
                     }
-                    // Where no input of the kind has an effect, the others are the scale. What no input changes, as
-                    // angles in a design position that is held, has the scale of 1 mm at a distance of 1 m.
+                    // If no input of the kind has an effect, the other inputs set the scale. If no input has an effect,
+                    // as for angles in a held design position, the scale is 1 mm at a distance of 1 m.
                     let largest = match largest_of(&|other| kind(other) == kind(input)) {
                         0.0 => largest_of(&|_| true).max(1e-3),
                         largest => largest,
                     };
                     compared += 1;
-                    // The bound is in parts of the largest derivative of the output. In parts of the largest of its kind,
-                    // terms that cancel leave more.
+                    // The bound is relative to the largest derivative of the output. Relative to the largest of its
+                    // kind, cancelling terms leave a larger error.
                     let whole = largest_of(&|_| true).max(largest);
                     let error = (slope - expected).abs() / whole;
                     let of_kind = (slope - expected).abs() / largest;

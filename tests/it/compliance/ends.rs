@@ -1,4 +1,5 @@
-//! Ends of equilibrium: closed forms, the rigid limit, the law of a fold, fine continuations, and the command.
+//! Tests of ends of equilibrium: closed forms, the rigid limit, the law of a fold, continuations in small steps, and
+//! the command.
 
 use super::command::{hardpoint, study};
 use super::random::varied;
@@ -16,7 +17,7 @@ use serde_json::Value;
 const HEIGHT: HeldQuantity = HeldQuantity::WheelHeight;
 const SAMPLE: &str = "double_wishbone_compliance.toml";
 
-/// A wheel that turns about a vertical axis on rigid horizontal arms. Its centre is 30 mm behind the axis, and a tie rod
+/// Wheel that turns about a vertical axis on rigid horizontal arms. Its centre is 30 mm behind the axis, and a tie rod
 /// of this stiffness, 100 mm behind the axis, holds it.
 fn castor(stiffness: f64) -> String {
     format!(
@@ -37,8 +38,8 @@ fn test_of(load: TestLoad) -> KcTest {
     KcTest::new(load, LengthUnit::Millimetre)
 }
 
-/// A forward force F at the centre of a castored wheel turns it over where F n = k a^2, with the trail n, the steering
-/// arm a and the stiffness k of the tie rod. A rearward force holds it straight.
+/// A forward force F at the centre of a castored wheel makes it unstable at F n = k a^2. The trail is n, the steering
+/// arm a, and the stiffness of the tie rod k. A rearward force stabilises the wheel.
 #[test]
 fn a_castored_wheel_turns_over_at_its_closed_form() {
     for stiffness in [40.0, 280.0, 2000.0] {
@@ -56,7 +57,7 @@ fn a_castored_wheel_turns_over_at_its_closed_form() {
             "{forward:?}"
         );
         assert_eq!(rearward.cause, EndCause::SearchEnds);
-        // Braking is the same force with the other sign.
+        // Braking is the same force with the opposite sign.
         let [lower, _] = run.load_ends(&test_of(TestLoad::Braking)).unwrap();
         assert!(
             (lower.value + critical).abs() < 1e-8 * critical,
@@ -65,7 +66,7 @@ fn a_castored_wheel_turns_over_at_its_closed_form() {
     }
 }
 
-/// With stiffer bushings the travel and the rack at which parts are pulled straight come to those of the rigid mechanism.
+/// With stiffer bushings, the travel and rack limits at which parts align approach those of the rigid mechanism.
 #[test]
 fn travel_ends_come_to_those_of_the_rigid_mechanism() {
     let study = elastic(&with(SAMPLE, ""));
@@ -94,8 +95,8 @@ fn travel_ends_come_to_those_of_the_rigid_mechanism() {
     );
 }
 
-/// Near a fold the camber changes with the inverse root of the load that is left. Under forces that follow the wheel,
-/// stability ends just before the fold, and the law does not hold to the end.
+/// Near a fold the slope of camber grows with the inverse square root of the distance to the end load. Under forces
+/// that follow the wheel, stability ends just before the fold, so the law fails at the very end.
 #[test]
 fn rates_at_the_end_follow_the_law_of_a_fold() {
     let study = elastic(&with(SAMPLE, ""));
@@ -120,7 +121,7 @@ fn rates_at_the_end_follow_the_law_of_a_fold() {
             let by = wheel.figures_along(&tangent, &Change::Load(loads(1.0)));
             rates.push(by.unwrap().camber);
         }
-        // The next term of the law is smaller by the root of the load that is left.
+        // The next term of the law is smaller by the square root of the remaining load.
         let off = |k: usize| (rates[k + 1] / rates[k] - 10.0_f64.sqrt()).abs();
         assert!(off(6) < 0.03 && off(6) < 0.4 * off(5), "{rates:?} {end:?}");
         let beyond = loads(end.value * (1.0 + 1e-8));
@@ -130,7 +131,7 @@ fn rates_at_the_end_follow_the_law_of_a_fold() {
     }
 }
 
-/// The load at which a continuation in small steps ends: steps of `step`, bisected.
+/// End load of a continuation with steps of `step`, refined by bisection.
 fn fine(wheel: &ElasticWheel, unit: &WheelLoads, held: HeldQuantity, step: f64, most: f64) -> f64 {
     let station = wheel.at(0.0, 0.0).unwrap();
     let (mut at, mut reached, mut size) = (station, 0.0_f64, step);
@@ -145,7 +146,7 @@ fn fine(wheel: &ElasticWheel, unit: &WheelLoads, held: HeldQuantity, step: f64, 
     reached
 }
 
-/// Ends of random designs are those of continuations in small steps.
+/// Ends of random designs equal those of continuations in small steps.
 #[test]
 fn ends_are_those_of_fine_continuations() {
     let studies = [
@@ -213,7 +214,7 @@ fn close(a: &[EquilibriumEnd; 2], b: &[EquilibriumEnd; 2]) {
     }
 }
 
-/// A symmetric axle in heave, and under mirrored loads, ends where one wheel does.
+/// A symmetric axle in heave, or under mirrored loads, has the same end as one wheel.
 #[test]
 fn a_symmetric_axle_ends_where_its_wheel_does() {
     let study = elastic(&with(SAMPLE, ""));
@@ -241,7 +242,8 @@ fn a_symmetric_axle_ends_where_its_wheel_does() {
     }
 }
 
-/// With the wheel load held, the wheel lifts where the vertical load is minus the design load, beyond rounding of 1e-6 N.
+/// With the wheel load held, the wheel lifts where the vertical load is minus the design load, within rounding of 1e-6
+/// N.
 #[test]
 fn a_wheel_lifts_where_its_load_is_gone() {
     for name in [SAMPLE, "five_link_compliance.toml"] {
@@ -263,7 +265,8 @@ fn a_wheel_lifts_where_its_load_is_gone() {
     }
 }
 
-/// A softer tie rod lowers the load in proportion: the castored wheel again, through the command.
+/// `limits` prints ends of equilibrium with the part that gives way. A softer tie rod lowers the end load of the
+/// castored wheel in proportion.
 #[test]
 fn limits_prints_ends_with_the_part_that_gives_way() {
     let directory = tempfile::tempdir().unwrap();
@@ -301,7 +304,7 @@ fn limits_prints_ends_with_the_part_that_gives_way() {
             .contains("turns about z")
     );
     assert!(traction["from"].is_null(), "{text}");
-    // Nothing is said of a wheel load that no spring gives.
+    // The command reports no wheel lift if no spring defines a wheel load.
     assert!(!text.contains("wheel lifts"), "{text}");
     assert!(
         traction["because"]
@@ -315,7 +318,7 @@ fn limits_prints_ends_with_the_part_that_gives_way() {
     assert!(page.contains("traction_<wbr>N") && page.contains("gives way"));
 }
 
-/// The rows of the only table of an answer.
+/// Rows of the only table in a JSON output.
 fn find_rows(value: &Value) -> Option<&Vec<Value>> {
     match value {
         Value::Array(rows) if rows.iter().any(|row| row.get("quantity").is_some()) => Some(rows),
@@ -325,7 +328,7 @@ fn find_rows(value: &Value) -> Option<&Vec<Value>> {
     }
 }
 
-/// Sample studies have limits; unusable motions are named.
+/// `limits` runs on the sample studies, and names motions that it cannot use.
 #[test]
 fn samples_have_limits() {
     let directory = tempfile::tempdir().unwrap();
@@ -347,8 +350,8 @@ fn samples_have_limits() {
     );
 }
 
-/// The limit that all builds reach is the nearest of the limits of each build as `tolerance` prints it, of a wheel and of an
-/// axle whose rates scatter.
+/// The limit that all builds reach is the nearest of the limits of each build as `tolerance` prints it. This holds for
+/// a wheel and for an axle whose rates scatter.
 #[test]
 fn limits_of_elastic_builds_are_the_nearest_of_each() {
     let directory = tempfile::tempdir().unwrap();
@@ -381,7 +384,7 @@ fn limits_of_elastic_builds_are_the_nearest_of_each() {
         let mut compared = 0;
         for (k, row) in rows.iter().enumerate() {
             for (nearest, end, sign) in [("nearest", "from", 1.0), ("nearest_there", "to", -1.0)] {
-                // A limit beyond the search has no value.
+                // A limit beyond the range of the search has no value.
                 let values = single.iter().filter_map(|limits| limits[k][end].as_f64());
                 let expected = values.map(|value| sign * value).reduce(f64::max);
                 let found = row[nearest].as_f64().map(|value| sign * value);
@@ -399,7 +402,7 @@ fn limits_of_elastic_builds_are_the_nearest_of_each() {
     }
 }
 
-/// Studies with parts taken away or rates out of proportion are computed or refused with a reason.
+/// Studies with removed parts or extreme rates are computed or refused with a reason.
 #[test]
 fn mutilated_studies_have_ends_or_a_reason() {
     let mut random = Random(45);

@@ -1,4 +1,5 @@
-//! Equilibria in SIMD lanes against those of single wheels: same values, same refusals, the same bits at every width.
+//! Tests of equilibria in SIMD lanes against single wheels: same values, same refusals, and the same bits at every lane
+//! width.
 
 use super::support::{elastic, with};
 use hardpoint::evaluate::NotInLanes;
@@ -6,10 +7,10 @@ use hardpoint::number::Width;
 use hardpoint::study::Study;
 use hardpoint::sweep::{SweepPlan, Worker};
 
-/// More designs than the widest registers have lanes, and no multiple of any number of lanes.
+/// Number of designs: more than the widest registers have lanes, and no multiple of any lane width.
 const DESIGNS: usize = 37;
 
-/// Every point moves by up to `by` mm, and rates change by up to a factor of 2.
+/// Study whose points move by up to `by` mm, and whose rates change by up to a factor of 2.
 fn study(name: &str, rates: &str, head: &str, by: f64) -> Study {
     let text = with(name, "");
     let text = text.split("\n[motion]").next().unwrap().to_owned()
@@ -74,8 +75,9 @@ fn bits(values: &[Vec<f64>]) -> Vec<u64> {
         .collect()
 }
 
-/// Lanes have the values of designs one by one, with the same failures, and the same bits at every width. Both stop at corrections
-/// of 1e-13 rad, which is 1e-11 of the largest angles here; figures are as accurate as the tangents from which they follow.
+/// Lanes have the values of designs one by one, with the same failures, and the same bits at every width. Both stop at
+/// corrections of 1e-13 rad, which is 1e-11 of the largest angles here. Test results are as accurate as the tangents
+/// that give them.
 #[test]
 fn lanes_have_the_values_of_designs_one_by_one() {
     for (name, rates) in [ARMS, LINKS] {
@@ -114,7 +116,7 @@ fn lanes_have_the_values_of_designs_one_by_one() {
     }
 }
 
-/// Lanes reach travels beyond the largest first correction, 60 mm, in parts.
+/// Lanes also solve travels beyond the largest first correction, 60 mm, by several increments.
 #[test]
 fn long_travels_stay_in_lanes() {
     if !crate::support::has_lanes() {
@@ -136,8 +138,8 @@ fn long_travels_stay_in_lanes() {
     }
 }
 
-/// A travel that only some designs reach: lanes refuse the other ones, with the status that they have alone, and the values
-/// of a design do not depend on its neighbours.
+/// If only some designs reach a travel, lanes refuse the others with the same status as alone. The values of a design
+/// do not depend on its neighbours.
 #[test]
 fn a_design_without_equilibrium_does_not_disturb_its_neighbours() {
     let far = MOTION.replace("[-40.0, 0.0, 25.0]", "[-40.0, 0.0, 260.0]");
@@ -161,7 +163,7 @@ fn a_design_without_equilibrium_does_not_disturb_its_neighbours() {
     assert_eq!(failed, failures(&lanes));
     let refused = lanes.one_by_one().to_vec();
     assert!(failed.iter().all(|(design, _)| refused.contains(design)));
-    // In lanes of another width, designs have other neighbours.
+    // At another lane width, designs have other neighbours.
     let columns = plan.values().len();
     for width in Width::available() {
         let mut others = worker(&plan, Some(width));
@@ -173,7 +175,7 @@ fn a_design_without_equilibrium_does_not_disturb_its_neighbours() {
     }
 }
 
-/// The elastic mount of a strut is not supported in lanes, and the worker says so.
+/// Lanes do not support the elastic mount of a strut, and the worker reports this.
 #[test]
 fn a_strut_on_an_elastic_mount_goes_one_by_one() {
     if !crate::support::has_lanes() {

@@ -1,4 +1,4 @@
-//! Mechanics of elastic wheels: limits, identities, two descriptions of one mechanism.
+//! Tests of the mechanics of elastic wheels: limits, identities, and two descriptions of one mechanism.
 
 use super::reference::unit;
 use super::{case, compliance, suspension};
@@ -17,7 +17,7 @@ fn wheel(case: &Value) -> ElasticWheel {
     ElasticWheel::new(&suspension, &compliance(case, &suspension)).unwrap()
 }
 
-/// Toe, camber and spin, rad, and the wheel centre, per 300 mm.
+/// Toe, camber and spin in rad, and the wheel centre divided by 300 mm.
 fn numbers(f: &WheelFigures) -> [f64; 6] {
     let [x, y, z] = f.centre.to_array().map(|c| c / 300.0);
     [f.toe, f.camber, f.spin, x, y, z]
@@ -28,7 +28,7 @@ fn largest_difference(a: &WheelFigures, b: &WheelFigures) -> f64 {
     pairs.fold(0.0, |m, (a, b)| (a - b).abs().max(m))
 }
 
-/// A side force behind the contact point is one at it and a moment about the vertical.
+/// A lateral force behind the contact point equals a lateral force at it plus a moment about the vertical.
 #[test]
 fn a_trail_is_a_lateral_force_and_an_aligning_moment() {
     for name in ["double_wishbone", "macpherson", "semi_trailing_arm"] {
@@ -44,9 +44,10 @@ fn a_trail_is_a_lateral_force_and_an_aligning_moment() {
         };
         let (lateral, aligning) = (by(&unit("lateral")), by(&unit("aligning")));
         let found = by(&trail);
-        // The heading of a toed wheel: its x component.
+        // x component of the heading of a toed wheel.
         let heading = wheel.figures(&at).toe.cos();
-        // Rounding of a solution is relative to its largest part, here of turns and shifts at 300 mm.
+        // Rounding of a solution is relative to its largest component, here of rotations and of displacements divided
+        // by 300 mm.
         let parts = numbers(&lateral).into_iter().zip(numbers(&aligning));
         let scale = parts.fold(0.0_f64, |m, (a, b)| m.max(a.abs() + 45.0 * b.abs()));
         for (k, found) in numbers(&found).into_iter().enumerate() {
@@ -57,7 +58,8 @@ fn a_trail_is_a_lateral_force_and_an_aligning_moment() {
     }
 }
 
-/// Elements and a vertical force have an energy: forces and displacements of the wheel centre are reciprocal.
+/// Elastic parts under a vertical force have an energy, so the forces and displacements of the wheel centre are
+/// reciprocal.
 #[test]
 fn the_compliance_of_the_wheel_centre_is_symmetric() {
     for name in [
@@ -93,7 +95,8 @@ fn the_compliance_of_the_wheel_centre_is_symmetric() {
     }
 }
 
-/// With stiffer parts the wheel moves as the rigid mechanism does; the difference falls as one by the stiffness.
+/// As the stiffness rises, the motion of the wheel approaches that of the rigid mechanism. The difference is
+/// proportional to one over the stiffness.
 #[test]
 fn stiff_parts_move_as_the_rigid_mechanism() {
     for name in ["double_wishbone", "macpherson", "formula_student_links"] {
@@ -111,7 +114,7 @@ fn stiff_parts_move_as_the_rigid_mechanism() {
                         *rate *= factor;
                     }
                 }
-                // The tilt of a strut is no hinge: it would move the strut.
+                // A strut's bushing cannot be torsionally free, because tilt would displace the strut.
                 part.shapes[3..].iter_mut().for_each(|shape| {
                     *shape = Shape::Cubic {
                         rate: 1.0,
@@ -136,7 +139,7 @@ fn stiff_parts_move_as_the_rigid_mechanism() {
     }
 }
 
-/// A rigid mechanism has the derivatives with respect to travel and rack that the kinematics have.
+/// A rigid mechanism has the same derivatives with respect to travel and rack as the kinematics.
 #[test]
 fn rigid_parts_have_the_derivatives_of_the_mechanism() {
     for name in ["double_wishbone", "macpherson", "semi_trailing_arm"] {
@@ -173,15 +176,15 @@ fn five_link() -> Suspension {
     Study::read_elastic(&path, &[]).unwrap().into_wheel()
 }
 
-/// Laws of a bushing of the same stiffness in all directions, with a torsional one about its x axis.
+/// Laws of a bushing with equal stiffness in all directions and a torsional stiffness about its x axis.
 fn uniform(rate: f64, torsion: f64) -> [Shape; 6] {
     let law = |rate| Shape::Cubic { rate, cubic: 0.0 };
     let (k, t, none) = (law(rate), law(torsion), law(0.0));
     [k.clone(), k.clone(), k, t, none.clone(), none]
 }
 
-/// A link between bushings that are equally stiff in all directions is a two-force member: it stretches with half
-/// their stiffness, or with that of its one bushing. So every kind of link is known by another description.
+/// A link between bushings with equal stiffness in all directions acts as an elastic two-force member with half their
+/// stiffness, or with that of its single bushing. So every kind of link has a second description to compare.
 #[test]
 fn links_on_uniform_bushings_are_stretching_links() {
     let suspension = five_link();
@@ -192,7 +195,8 @@ fn links_on_uniform_bushings_are_stretching_links() {
     );
     let spring = elastic.unwrap().compliance().unwrap().parts.spring.clone();
     let rate = 8000.0;
-    // Torsion about the link's line at one end alone: the link follows that end, and has no torque.
+    // The torsional stiffness about the link's line is at one end only, so the link follows that end and carries no
+    // torque.
     let with_torsion = |name: &str, torsion: f64| BushingPart {
         point: mechanism.point(name).unwrap(),
         shapes: uniform(rate, torsion),
@@ -234,8 +238,8 @@ fn links_on_uniform_bushings_are_stretching_links() {
             spring: spring.clone(),
         };
         let [a, b] = [bushed, stretched].map(|c| ElasticWheel::new(&suspension, &c).unwrap());
-        // What statics gives is the same. Away from the design position the preload of a bushing keeps its direction in
-        // the body, that of a link follows the link.
+        // In the design position both descriptions have the same statics. Elsewhere they may differ: the preload of a
+        // bushing keeps its direction in the body, and that of a link follows the link.
         if let (Some(a), Some(b)) = (a.design_load(), b.design_load()) {
             assert!((a - b).abs() < 1e-11 * b, "{a} {b}");
             continue;
@@ -266,7 +270,7 @@ fn links_on_uniform_bushings_are_stretching_links() {
     }
 }
 
-/// An arm with one bushing is one whose other bushing has no bound on its stiffness.
+/// An arm with one bushing and one ball joint is the limit of an arm with two bushings when the stiffness of one grows.
 #[test]
 fn a_ball_joint_is_the_limit_of_a_stiff_bushing() {
     let case = case("double_wishbone");
@@ -312,7 +316,8 @@ fn a_ball_joint_is_the_limit_of_a_stiff_bushing() {
     }
 }
 
-/// The side force that a wheel holds with its load held ends at a fold, known from an independent calculation.
+/// With the wheel load held, the lateral force on a wheel ends at a fold, whose value comes from an independent
+/// calculation.
 #[test]
 fn a_side_force_ends_at_the_fold() {
     let wheel = wheel(&case("double_wishbone"));
@@ -330,16 +335,16 @@ fn a_side_force_ends_at_the_fold() {
     let found = wheel.loaded(&at, &side(wanted), HeldQuantity::WheelLoad);
     let why = found.unwrap_err();
     let reached = why.share * wanted;
-    // The share is known to 1e-6.
+    // The share is accurate to 1e-6.
     assert!((reached - 18_129.16).abs() < 2e-6 * wanted, "{reached}");
     assert!(why.softest.is_some() && !why.is_unstable);
-    // With the height held there is no fold.
+    // With the height held the wheel has no fold.
     wheel
         .loaded(&start, &side(wanted), HeldQuantity::WheelHeight)
         .unwrap();
 }
 
-/// A link without torsional stiffness turns about its own line.
+/// The program refuses a link without torsional stiffness, because it could turn freely about its own line.
 #[test]
 fn a_loose_link_is_refused() {
     let suspension = five_link();
@@ -363,7 +368,7 @@ fn a_loose_link_is_refused() {
     assert_eq!(part, "toe_link");
 }
 
-/// Constant forces of bushings come on top of those that hold the design position. With linear laws this is a free
+/// Constant forces of bushings add to those that hold the design position. With linear laws the result equals a free
 /// suspension whose constant forces are the sum of both.
 #[test]
 fn constant_forces_and_those_at_the_design_load_add() {

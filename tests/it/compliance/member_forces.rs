@@ -1,4 +1,5 @@
-//! Loads on elastic suspensions: the forces of all members balance the bodies, and tend to those of the rigid mechanism.
+//! Tests of loads on elastic suspensions: the forces of all members balance the bodies, and approach those of the rigid
+//! mechanism.
 
 use super::support::{elastic, with};
 use hardpoint::compliance::{ElasticAxle, ElasticWheel, Equilibrium, HeldQuantity, WheelLoads};
@@ -8,7 +9,7 @@ use hardpoint::number::Vector3;
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// Loads of a study: complete ones at the contact point and at the wheel centre, and one with the height held.
+/// Loads of a study: complete loads at the contact point and at the wheel centre, and one with the height held.
 #[derive(Clone, Copy)]
 struct Given {
     braking: [f64; 3],
@@ -18,7 +19,7 @@ struct Given {
 }
 
 impl Given {
-    /// Loads for a wheel that carries about this force.
+    /// Loads for a wheel that carries approximately this force.
     fn about(wheel_load: f64) -> Self {
         let of = |shares: [f64; 3]| shares.map(|share| share * wheel_load);
         Given {
@@ -74,7 +75,7 @@ fn turned(v: Vector3<f64>, by: Vector3<f64>) -> Vector3<f64> {
     v * angle.cos() + axis.cross(v) * angle.sin() + axis * (axis.dot(v) * (1.0 - angle.cos()))
 }
 
-/// The equilibrium of a load, found anew, with the whole force and the point where it acts.
+/// Equilibrium under a load, solved separately, with the total force and its point of application.
 struct Loaded {
     wheel: ElasticWheel,
     at: Equilibrium,
@@ -138,7 +139,8 @@ impl Loaded {
 /// Name of a rod, its inner and its outer end.
 type Rod = (&'static str, &'static str, &'static str);
 
-/// Samples with a usual wheel load, and the parts that hold the carrier: joints, and rods with their inner and outer ends.
+/// Samples with a typical wheel load, and the parts that hold the carrier: joints, and rods with their inner and outer
+/// ends.
 const CASES: [(&str, f64, &[&str], &[Rod]); 3] = [
     (
         "double_wishbone_compliance.toml",
@@ -208,7 +210,7 @@ fn printed_forces_balance_the_wheel_carrier() {
                     push * value(&curves, station, &format!("{load}_spring_N")),
                 );
             }
-            // The bound of equilibria: 1e-10 of the load.
+            // Residual bound of equilibria: 1e-10 of the load.
             let size = loaded.force.norm();
             assert!(
                 total.norm() < 1e-10 * size,
@@ -235,7 +237,8 @@ fn printed_forces_balance_the_wheel_carrier() {
     }
 }
 
-/// An arm without a spring passes the forces of its bushings to the carrier. Bushings, spring and links are those of `kc`.
+/// An arm without a spring transmits the forces of its bushings to the carrier. The forces of bushings, spring and
+/// links equal those of `kc`.
 #[test]
 fn an_arm_passes_the_forces_of_its_bushings() {
     let given = Given::about(4000.0);
@@ -274,8 +277,8 @@ fn an_arm_passes_the_forces_of_its_bushings() {
     }
 }
 
-/// With bushings of high stiffness and no torsion, members carry what they carry in the rigid mechanism under the same load.
-/// The difference is proportional to one over the stiffness.
+/// With very stiff bushings without torsion, members carry the same forces as in the rigid mechanism under the same
+/// load. The difference is proportional to one over the stiffness.
 #[test]
 fn stiff_bushings_carry_the_forces_of_the_rigid_mechanism() {
     let base = with("double_wishbone_compliance.toml", "");
@@ -312,7 +315,7 @@ fn stiff_bushings_carry_the_forces_of_the_rigid_mechanism() {
     let off = |rate: f64| {
         let curves = stiff(rate);
         let up = value(&curves, 0, "both_vertical_force_N");
-        // A rigid wheel stands at its travel whatever its spring, so its study has no rate.
+        // A rigid wheel is at its given travel whatever its spring, so its study has no spring rate.
         let (points, motion) = rigid.split_once("[spring]").unwrap();
         let (_, motion) = motion.split_once("[motion]").unwrap();
         let text = format!(
@@ -339,8 +342,8 @@ loads = [
 ]
 "#;
 
-/// On a subframe that turns, the forces of the joints leave the tension of the tie rod at each wheel. The forces of the bar, of
-/// the rack and of the bushings are those of the equilibrium.
+/// At each wheel on a rotating subframe, the tie rod tension balances the joint forces. The forces of bar, rack and
+/// bushings equal those of the equilibrium.
 #[test]
 fn forces_of_an_axle_balance_both_carriers() {
     let study = elastic(&with("subframe_axle_compliance.toml", AXLE_LOADS));
@@ -364,7 +367,7 @@ fn forces_of_an_axle_balance_both_carriers() {
         let loads = Side::ALL.map(|side| {
             let [x, y, z] = sides[side as usize];
             let mut loads = WheelLoads::none(0.0);
-            // The right wheel's frame is a mirror image.
+            // The right wheel's frame is mirrored.
             let mirror = if side == Side::Left { 1.0 } else { -1.0 };
             loads.contact = Vector3::new(x, mirror * y, z);
             if is_complete {
@@ -397,7 +400,7 @@ fn forces_of_an_axle_balance_both_carriers() {
                 "{found} {readings:?}"
             );
         }
-        // The subframe turns little, so the rack carries nearly the side forces of both tie rods.
+        // The subframe rotates only slightly, so the rack carries nearly the lateral forces of both tie rods.
         let rack = value(&curves, 0, &format!("{name}_rack_force_N"));
         assert!((rack - model.rack_force(&at)).abs() < 1e-8);
         assert!(
@@ -409,7 +412,8 @@ fn forces_of_an_axle_balance_both_carriers() {
     }
 }
 
-/// A load beyond the capacity of the wheel has no forces, and the station says so. Wrong loads are refused at their key.
+/// A load beyond the capacity of the wheel has no member forces, and the station reports this. The program refuses
+/// invalid loads at their key.
 #[test]
 fn loads_that_cannot_be_held_have_no_values() {
     let one = |load: &str| {

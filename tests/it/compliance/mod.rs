@@ -1,4 +1,4 @@
-//! Elasto-kinematics: against answers computed independently at 120 digits, and against mechanics.
+//! Tests of elasto-kinematics against independent reference values with 120 digits, and against mechanics.
 
 mod axle;
 mod command;
@@ -39,7 +39,7 @@ pub fn case(name: &str) -> Value {
     serde_json::from_str(&text).expect("valid JSON")
 }
 
-/// A number, which the answers hold as text.
+/// Number that the reference stores as text.
 pub fn number(value: &Value) -> f64 {
     match value {
         Value::String(text) => text.parse().unwrap(),
@@ -54,7 +54,7 @@ pub fn vector(value: &Value) -> Vector3<f64> {
     }
 }
 
-/// The suspension of a case, as a study would give it.
+/// Suspension of a case, as a study would define it.
 pub fn suspension(case: &Value) -> Suspension {
     let topology = case["topology"].as_str().unwrap();
     let topology = topology.strip_suffix("_links").unwrap_or(topology);
@@ -79,7 +79,7 @@ fn points(value: &Value) -> Vec<[f64; 2]> {
     pairs.map(|p| [number(&p[0]), number(&p[1])]).collect()
 }
 
-/// The spring of a case.
+/// Spring of a case.
 pub fn spring(case: &Value) -> SpringLaw {
     let spring = &case["spring"];
     let stop = &spring["bump_stop"];
@@ -97,7 +97,7 @@ pub fn spring(case: &Value) -> SpringLaw {
     }
 }
 
-/// The elastic parts of a case.
+/// Elastic parts of a case.
 pub fn compliance(case: &Value, suspension: &Suspension) -> Compliance {
     let mechanism = &suspension.mechanism;
     let empty = serde_json::Map::new();
@@ -144,7 +144,7 @@ pub fn compliance(case: &Value, suspension: &Suspension) -> Compliance {
     }
 }
 
-/// The loads of a state. The vertical force on the design load is in them.
+/// Loads of a state, including the vertical force that adds to the design load.
 pub fn loads(load: &Value, design_load: f64) -> WheelLoads {
     let mut contact = vector(&load["contact"]);
     contact.z += load["on_design_load"].as_f64().unwrap_or(0.0) * design_load;

@@ -1,4 +1,5 @@
-//! Random loads on random bushed designs: every reported equilibrium is one, and refused loads have none.
+//! Tests of random loads on random designs with bushings: every reported equilibrium is true, and refused loads have no
+//! equilibrium.
 
 use super::support::{elastic, with};
 use crate::support::random::Random;
@@ -10,11 +11,11 @@ use hardpoint::model::Suspension;
 use hardpoint::number::Vector3;
 use hardpoint::study::Study;
 
-/// The largest force, N.
+/// Largest force, N.
 const LARGEST: f64 = 10_000.0;
-/// Steps of the fine continuation.
+/// Number of steps of the fine continuation.
 const FINE: usize = 40;
-/// Bisections of the end of a continuation.
+/// Number of bisections at the end of a continuation.
 const BISECTIONS: usize = 12;
 
 /// Counts of the cases.
@@ -22,13 +23,13 @@ const BISECTIONS: usize = 12;
 struct Seen {
     loads: usize,
     ok: usize,
-    /// Loads below half of the end of a fine continuation, and those of them that are ok.
+    /// Number of loads below half of the end of a fine continuation, and number of solved ones among them.
     below_half: [usize; 2],
-    /// The same below 0.9 of it.
+    /// Number of loads below 0.9 of that end, and number of solved ones among them.
     below_end: [usize; 2],
     worst_balance: f64,
     worst_difference: f64,
-    /// The same after a second solution that begins in the first.
+    /// Largest change by a second solution that starts from the first.
     worst_correction: f64,
 }
 
@@ -36,12 +37,12 @@ fn between(random: &mut Random, low: f64, high: f64) -> f64 {
     low + (high - low) * 0.5 * (random.signed() + 1.0)
 }
 
-/// A whole number from 0 to below `count`.
+/// Random integer from 0 to `count` - 1.
 fn below(random: &mut Random, count: usize) -> usize {
     ((0.5 * (random.signed() + 1.0) * count as f64) as usize).min(count - 1)
 }
 
-/// A study's suspension and parts, points moved by up to 10 mm and rates by up to a factor of 2.
+/// Suspension and parts of a study, with points moved by up to 10 mm and rates changed by up to a factor of 2.
 pub fn varied(study: &Study, random: &mut Random) -> (Suspension, Compliance) {
     let mut suspension = study.wheel().clone();
     suspension.design = random.scattered(&suspension.design, 10.0);
@@ -63,7 +64,7 @@ pub fn varied(study: &Study, random: &mut Random) -> (Suspension, Compliance) {
     (suspension, parts)
 }
 
-/// A load with forces at the contact point and the wheel centre, up to 10 kN, and a moment.
+/// Load with forces at the contact point and the wheel centre, up to 10 kN, and a moment.
 fn load(random: &mut Random) -> WheelLoads {
     let mut loads = WheelLoads::none(0.0);
     let direction = random.vector(1.0);
@@ -86,7 +87,7 @@ fn times(loads: &WheelLoads, share: f64) -> WheelLoads {
     scaled
 }
 
-/// Greatest difference of angles, rad, and of the wheel centre over 300 mm.
+/// Largest difference of angles (rad), and of the wheel centre divided by 300 mm.
 fn difference(a: &WheelFigures, b: &WheelFigures) -> f64 {
     let centre = (a.centre - b.centre).norm() / 300.0;
     [a.toe - b.toe, a.camber - b.camber, a.spin - b.spin]
@@ -94,7 +95,8 @@ fn difference(a: &WheelFigures, b: &WheelFigures) -> f64 {
         .fold(centre, |m, d| m.max(d.abs()))
 }
 
-/// The share of a load that is reached in fine steps, bisected, and the equilibrium of the whole if that is reached.
+/// Share of a load that a continuation in fine steps with bisection reaches, and the equilibrium of the whole load if
+/// it is reached.
 fn fine(
     wheel: &ElasticWheel,
     station: &Equilibrium,
@@ -123,7 +125,7 @@ fn fine(
     (1.0, Some(at))
 }
 
-/// The largest stiffness of a shift, N/mm.
+/// Largest translational stiffness, N/mm.
 fn stiffest(parts: &Compliance) -> f64 {
     let shapes = parts.bushings.iter().flat_map(|part| &part.shapes[..3]);
     let rates = shapes.map(|shape| shape.initial_rate());
@@ -162,7 +164,7 @@ fn check(seed: u64, designs: usize, loads_of_each: usize) -> Seen {
             seen.loads += 1;
             let found = wheel.loaded_about(&station, &station, &loads, held);
             let (end, whole) = fine(&wheel, &station, &loads, held, FINE);
-            // The load is this share of the one at which the continuation would end.
+            // The load is this share of the load at which the continuation would end.
             let is_ok = found.is_ok();
             if let Ok(at) = &found {
                 seen.ok += 1;
@@ -174,17 +176,18 @@ fn check(seed: u64, designs: usize, loads_of_each: usize) -> Seen {
                 let left = wheel.out_of_balance(at);
                 seen.worst_balance = seen.worst_balance.max(left / bound);
                 assert!(left <= bound, "{left} {bound}: {loads:?} {held:?}");
-                // Corrections that are foreseen to be small are left out; they are.
+                // The solver skips corrections that it predicts to be small; this second solution shows that they are
+                // small.
                 let again = wheel.loaded_about(&station, at, &loads, held).unwrap();
                 let off = difference(&wheel.figures(at), &wheel.figures(&again));
                 seen.worst_correction = seen.worst_correction.max(off);
-                // No branch jumps: a continuation in fine steps ends in the same state.
+                // The solution does not jump between branches: a continuation in fine steps ends in the same state.
                 let whole = whole.unwrap_or_else(|| panic!("fine steps end at {end}: {loads:?}"));
                 let off = difference(&wheel.figures(at), &wheel.figures(&whole));
                 seen.worst_difference = seen.worst_difference.max(off);
                 assert!(off < 1e-9, "{off}: {loads:?} {held:?}");
             } else {
-                // A refusal is right: fine steps do not get there either.
+                // The refusal is correct: fine steps do not reach the load either.
                 assert!(
                     whole.is_none(),
                     "refused, but held in fine steps: {loads:?} {held:?}"
@@ -198,7 +201,7 @@ fn check(seed: u64, designs: usize, loads_of_each: usize) -> Seen {
                     counts[1] += usize::from(found.is_ok());
                 }
             } else if is_ok {
-                // At most half of a load that is held, and at most 0.9 of it.
+                // Counts loads up to half of the solvable load, and up to 0.9 of it.
                 for counts in [&mut seen.below_half, &mut seen.below_end] {
                     counts[0] += 1;
                     counts[1] += 1;

@@ -1,4 +1,5 @@
-//! States and metrics against independent answers at 120 digits (`tests/data/reference/elasto`).
+//! Tests of states and test results against independent reference values with 120 digits
+//! (`tests/data/reference/elasto`).
 
 use super::{case, compliance, loads, number, suspension};
 use hardpoint::compliance::{
@@ -17,7 +18,7 @@ pub const CASES: [&str; 6] = [
     "formula_student_links",
 ];
 
-/// The equilibrium of a state, with its held quantity.
+/// Equilibrium of a state, with its held quantity.
 pub fn solved(wheel: &ElasticWheel, state: &Value, design_load: f64) -> Equilibrium {
     let load = &state["load"];
     let rack = load["rack"].as_f64().unwrap_or(0.0);
@@ -40,7 +41,7 @@ fn put(into: &mut BTreeMap<String, f64>, name: &str, v: Vector3<f64>) {
     }
 }
 
-/// The figures by their names in the answers.
+/// Test results with their names in the reference.
 fn figures(f: &WheelFigures, vertical: f64) -> BTreeMap<String, f64> {
     let mut values = BTreeMap::new();
     put(&mut values, "wheel_centre", f.centre);
@@ -59,7 +60,7 @@ fn figures(f: &WheelFigures, vertical: f64) -> BTreeMap<String, f64> {
     values
 }
 
-/// All values of a state by their names.
+/// All values of a state with their names.
 fn values(case: &Value, wheel: &ElasticWheel, at: &Equilibrium) -> BTreeMap<String, f64> {
     let suspension = suspension(case);
     let compliance = compliance(case, &suspension);
@@ -88,8 +89,8 @@ fn values(case: &Value, wheel: &ElasticWheel, at: &Equilibrium) -> BTreeMap<Stri
     values
 }
 
-/// Bound of a value: of lengths 1e-11 mm on positions that are sums of several hundred millimetres, of angles 1e-13 rad;
-/// forces and torques follow from the bounds of deflections and rotations with the rates.
+/// Bound of a value: for lengths 1e-11 mm, because positions are sums of several hundred millimetres, and for angles
+/// 1e-13 rad. Bounds of forces and torques follow from those of deflections and rotations times the rates.
 fn bound(name: &str) -> f64 {
     const LENGTHS: [&str; 5] = [
         "wheel_centre",
@@ -151,7 +152,7 @@ fn states_are_those_of_the_reference() {
     assert!(worst.values().all(|(error, _)| *error < 1.0));
 }
 
-/// A unit load of the reference.
+/// Unit load of the reference.
 pub fn unit(name: &str) -> WheelLoads {
     let mut load = WheelLoads::none(0.0);
     match name {
@@ -188,7 +189,7 @@ fn metrics_are_those_of_the_reference() {
                     let change = Change::Load(unit(load));
                     let by = wheel.figures_by(&at, &change, held).unwrap();
                     let found = figures(&by, by.vertical);
-                    // Of all figures of one test, those of one kind have one scale.
+                    // Test results of one kind in one test share a scale.
                     let scale = |value: &str| {
                         let is_angle = |n: &str| {
                             !n.contains("wheel_centre")
@@ -226,7 +227,7 @@ fn metrics_are_those_of_the_reference() {
     assert!(worst.0 < 1e-10, "{worst:?}");
 }
 
-/// Secants over +-1000 N and +-100 N m, height held.
+/// Secants over +-1000 N and +-100 N m with the height held equal those of the reference.
 #[test]
 fn secants_are_those_of_the_reference() {
     for name in CASES {
@@ -254,7 +255,7 @@ fn secants_are_those_of_the_reference() {
             for (value, expected) in names.iter().zip(expected.as_array().unwrap()) {
                 let value = value.as_str().unwrap();
                 let error = (found[value] - number(expected)).abs();
-                // Differences of states that are right to 1e-11 mm, 1e-13 rad and 1e-7 N.
+                // The bound follows from differences of states that are accurate to 1e-11 mm, 1e-13 rad and 1e-7 N.
                 let bound = if value == "vertical_contact_force" {
                     1e-7
                 } else if value.contains("wheel_centre") || value.contains("contact") {

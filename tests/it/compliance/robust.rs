@@ -1,4 +1,4 @@
-//! Robust tuning of a wheel with elastic parts: builds scatter in hardpoints and rates.
+//! Tests of robust tuning of a wheel with elastic parts: hardpoints and rates of the builds scatter.
 
 use super::support::{elastic, fourth_order, with};
 use hardpoint::optimise::{Control, LeastSquares, Linearisation, Objective, TargetLayout, tune};
@@ -43,7 +43,8 @@ scatter = [
 ]
 "#;
 
-/// Derivatives of the builds by hardpoints and rates agree with differences, where a rate is a variable and scatters.
+/// Derivatives of the builds with respect to hardpoints and rates equal differences, where a rate is a variable and
+/// also scatters.
 #[test]
 fn derivatives_of_elastic_builds_are_exact() {
     let study = elastic(&with(NAME, SCATTERED));
@@ -67,12 +68,12 @@ fn derivatives_of_elastic_builds_are_exact() {
             );
         }
     }
-    // Scatter moves the builds apart.
+    // Scatter makes the builds differ.
     let apart = (here.residuals[0] - here.residuals[3]).abs();
     assert!(apart > 0.01, "{apart}");
 }
 
-/// Builds that hardly scatter have the residuals of the nominal design.
+/// Builds with very small scatter have the residuals of the nominal design.
 #[test]
 fn builds_of_exact_parts_are_the_nominal_design() {
     let mut text = with(NAME, SCATTERED);
@@ -130,8 +131,8 @@ bands = [
 ]
 "#;
 
-/// Builds of `tolerance`, which the tuning has not seen, keep the bands more often after the robust tuning. Their share is the
-/// expected one, within five standard errors of both samples.
+/// Builds of `tolerance` that the tuning did not use meet the bands more often after the robust tuning. Their share
+/// agrees with the expected one within five standard errors of both samples.
 #[test]
 fn the_robust_design_has_the_larger_yield() {
     let study = elastic(&with(NAME, YIELD));

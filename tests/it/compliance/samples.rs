@@ -1,4 +1,4 @@
-//! Sweeps, builds and limits of a wheel with elastic parts.
+//! Tests of sweeps, builds and limits of a wheel with elastic parts.
 
 use super::support::{elastic, with};
 use hardpoint::optimise::{Control, TargetLayout, assessed_at, tune};
@@ -30,12 +30,12 @@ variables = [
 ]
 "#;
 
-/// Returns true if two numbers differ by no more than the last corrections of an equilibrium.
+/// Returns true if two numbers differ by at most the last corrections of an equilibrium.
 fn is_same(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-11 * b.abs().max(1e-2)
 }
 
-/// Rows of a sweep, which lanes compute, equal the results of each design alone, up to rounding errors.
+/// Rows of a sweep, which the program computes in lanes, equal the results of each design alone up to rounding errors.
 #[test]
 fn rows_of_a_sweep_are_those_of_single_designs() {
     let study = elastic(&with(NAME, SWEEP));
@@ -98,7 +98,7 @@ fn rows_of_a_sweep_are_those_of_single_designs() {
             let expected = values(&format!("{name}{unit}"))[2];
             assert!(is_same(found, expected), "{name}: {found} {expected}");
         }
-        // The gain of toe is the bump steer.
+        // The gain of toe equals the bump steer.
         let (gain, steer) = (
             row[column("toe_gain_deg_per_mm")],
             row[column("bump_steer_design_deg_per_mm")],
@@ -150,7 +150,8 @@ bands = [
 ]
 "#;
 
-/// For small scatter the standard deviation of builds is that of first order, and the gradients are differences.
+/// For small scatter the standard deviation of builds equals the first-order result, and the gradients equal
+/// differences.
 #[test]
 fn builds_scatter_as_first_order_says() {
     let study = elastic(&with(NAME, BUILDS));
@@ -187,7 +188,7 @@ fn builds_scatter_as_first_order_says() {
         }
     }
     assert_eq!(checked, 2 * problem.stations().count() + 1);
-    // A rate changes the figure as a study with another rate says.
+    // Changing a rate changes the test result as in a study with that rate.
     let (cell, rate) = (
         problem.cell(2, design),
         expansion.gradient(problem.cell(2, design))[4],
@@ -206,7 +207,7 @@ fn builds_scatter_as_first_order_says() {
         rate != 0.0 && (rate - expected).abs() < 1e-5 * rate.abs(),
         "{rate} {expected}"
     );
-    // Printed as a study, a build has the values of the Monte Carlo.
+    // A build that is printed as a study has the values of the Monte Carlo build.
     let text = problem.built_text(5).unwrap();
     let built = elastic(&text);
     let own = &built.compliance().unwrap().parts.bushings[1].shapes[1];
@@ -233,7 +234,7 @@ constraints = [
 ]
 "#;
 
-/// A limit on a figure binds where the target wants more, and its rows have exact slopes.
+/// A limit on a test result is active if the target demands more, and its rows have exact slopes.
 #[test]
 fn a_figure_keeps_its_limit() {
     let study = elastic(&with(NAME, LIMITED));
@@ -246,7 +247,7 @@ fn a_figure_keeps_its_limit() {
     };
     let x = [1.3, 0.2];
     let found = at(&x);
-    // One row for the figure, five stations of camber, two limits of a length.
+    // One row for the test result, five stations of camber, two limits of a length.
     assert_eq!(found.rows.residuals.len(), 8);
     for (k, step) in [(0, 1e-3), (1, 1e-4)] {
         let moved = |by: f64| {
@@ -271,7 +272,7 @@ fn a_figure_keeps_its_limit() {
     assert!(best.constraints[0].room.abs() < 1e-6);
 }
 
-/// A figure of a moved study, printed.
+/// Printed test result of a moved study.
 fn figure(study: &Study, moved: &Study, name: &str) -> f64 {
     let text =
         study.with_points_of(moved) + &format!("\n[outputs]\ncharacteristics = [\"{name}\"]\n");
@@ -280,7 +281,7 @@ fn figure(study: &Study, moved: &Study, name: &str) -> f64 {
     curves.stations[middle].value(0).unwrap()
 }
 
-/// Constraints about poses of the rigid mechanism are refused, those about the design are not.
+/// The program refuses constraints on poses of the rigid mechanism, and accepts constraints on the design.
 #[test]
 fn constraints_of_poses_are_refused() {
     let fails =

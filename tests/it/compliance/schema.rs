@@ -1,9 +1,9 @@
-//! Names of figures in the schema for editors.
+//! Tests of the names of test results in the schema for editors.
 
 use super::support::{elastic, with};
 use std::collections::BTreeSet;
 
-/// Returns true if a text matches a pattern of groups with alternatives, `^(a|b)(_c_-?[0-9.]+)?(_d|_e)?$`.
+/// Returns true if a text matches a pattern of groups with alternatives, such as `^(a|b)(_c_-?[0-9.]+)?(_d|_e)?$`.
 fn matches(pattern: &str, text: &str) -> bool {
     let inside = pattern.strip_prefix("^(").unwrap();
     let inside = inside.strip_suffix("$").unwrap();
@@ -34,7 +34,8 @@ fn matches(pattern: &str, text: &str) -> bool {
     left.contains("")
 }
 
-/// The schema accepts the names that studies accept: with trail, hold, mode, bar, steering, secant and load. It marks others.
+/// The schema accepts the names that studies accept: with trail, hold, mode, bar, steering, secant and load. It rejects
+/// other names.
 #[test]
 fn the_schema_accepts_figures_with_suffixes() {
     let schema = hardpoint::study::schema();

@@ -1,5 +1,5 @@
-//! Set-ups of wheels and axles with elastic parts: against equilibria of the adjusted hardpoints, against the rigid mechanism, and
-//! against differences of builds.
+//! Tests of set-ups of wheels and axles with elastic parts: against equilibria of the adjusted hardpoints, against the
+//! rigid mechanism, and against differences of builds.
 
 use super::support::{elastic, fourth_order, with};
 use hardpoint::assembly::{Assembler, Rest};
@@ -16,7 +16,7 @@ pub const RUBBER: &str = "double_wishbone_compliance.toml";
 const TUBES: &str = "formula_student_compliance.toml";
 pub const LINKS: &str = "five_link_compliance.toml";
 
-/// A study of the repository with this set-up, relaxed in the design position without load.
+/// Study of the repository with this set-up, with parts relaxed in the design position without load.
 pub fn free(name: &str, setup: &str) -> Study {
     let text = with(
         name,
@@ -39,7 +39,7 @@ pub fn one(found: &FoundSetUp) -> &SetUpSummary {
     summary
 }
 
-/// Value after the set-up, and its effect of an adjustment.
+/// Value after the set-up of a column.
 pub fn set(summary: &SetUpSummary, column: &str) -> f64 {
     let own = summary.statics.iter().find(|s| s.column == column);
     own.unwrap_or_else(|| panic!("no {column}")).set.unwrap()
@@ -66,7 +66,7 @@ fn spring(suspension: &Suspension) -> f64 {
     suspension.spring_length(&suspension.design).unwrap()
 }
 
-/// Force of the spring of a study at this length between its hardpoints.
+/// Spring force of a study at this length between its hardpoints.
 fn force_at(study: &Study, length: f64) -> f64 {
     let law = match &study.vehicle {
         Vehicle::Wheel(own) => own
@@ -85,7 +85,7 @@ fn force_at(study: &Study, length: f64) -> f64 {
     force + rate * (spring(study.wheel()) - length)
 }
 
-/// The study of the adjusted hardpoints, written as text and read again. Its springs are the same parts.
+/// Study of the adjusted hardpoints, written as text and read again. Its springs are the same parts.
 pub fn read_again(study: &Study, found: &FoundSetUp) -> Study {
     let adjusted = &found.adjusted;
     let text = match &adjusted.vehicle {
@@ -101,7 +101,7 @@ pub fn read_again(study: &Study, found: &FoundSetUp) -> Study {
     let end = start + text[start..].find(['\n', '#']).unwrap();
     let text = format!("{}force = {force:?} {}", &text[..start], &text[end..]);
     let mut again = elastic(text.split("[setup]").next().unwrap());
-    // A text has one force for both springs of an axle.
+    // A study text has one force for both springs of an axle.
     if let Vehicle::Axle(both) = &mut again.vehicle {
         let forces = hardpoint::model::Side::ALL
             .map(|side| force_at(study, spring(both.axle.suspension(side))));
@@ -115,7 +115,7 @@ pub fn read_again(study: &Study, found: &FoundSetUp) -> Study {
     again
 }
 
-/// Printed values at rest, by the names of the columns.
+/// Printed values at rest, in the order of the columns.
 pub fn at_rest(study: &Study, columns: &[&str]) -> Vec<f64> {
     let solved = Solved::of(study).unwrap();
     let curves = solved.curves();
@@ -135,7 +135,7 @@ pub fn at_rest(study: &Study, columns: &[&str]) -> Vec<f64> {
     columns.iter().map(value).collect()
 }
 
-/// The rigid mechanism of a study's text, with more at its end. It has no spring and no tyre.
+/// Rigid mechanism of a study's text, with more text at its end. It has no spring and no tyre.
 fn rigid(text: &str, more: &str) -> Study {
     let (head, _) = text.split_once("[compliance]").unwrap();
     let (mechanism, further) = head.split_once("[spring]").unwrap();
@@ -145,7 +145,8 @@ fn rigid(text: &str, more: &str) -> Study {
     read.unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Wanted values are those of the equilibrium of the adjusted hardpoints. They differ from those of the rigid mechanism.
+/// The equilibrium of the adjusted hardpoints has the target values. The rigid mechanism of these hardpoints has other
+/// values.
 #[test]
 fn wanted_values_are_those_of_the_adjusted_equilibrium() {
     let arms = "adjust = [{ length = \"tie_rod\" }, { shim = \"upper_ball_joint\", axis = \"y\" }]\nwant = { camber = -1.2, toe = 0.15 }";
@@ -167,7 +168,7 @@ fn wanted_values_are_those_of_the_adjusted_equilibrium() {
         for (value, want) in values.iter().zip(want) {
             assert!((value - want).abs() < 1e-9, "{name}: {value} {want}");
         }
-        // The curves of the command are those of this study.
+        // The curves of the command equal those of this study.
         let own = at_rest(
             &found.adjusted,
             &["camber_deg", "toe_deg", "spring_length_mm"],
@@ -175,7 +176,7 @@ fn wanted_values_are_those_of_the_adjusted_equilibrium() {
         for (own, value) in own.iter().zip(&values) {
             assert!((own - value).abs() < 1e-9, "{name}: {own} {value}");
         }
-        // The hardpoints themselves have other angles, because the parts yield.
+        // The hardpoints themselves have other angles, because the parts deflect.
         let rigid = rigid(
             &again.text,
             &format!("[outputs]\ncharacteristics = {OUTPUTS}"),
@@ -185,8 +186,8 @@ fn wanted_values_are_those_of_the_adjusted_equilibrium() {
     }
 }
 
-/// With `at_design_load` and without preload the design position is the equilibrium. So amounts, values and ride height are those of
-/// the rigid mechanism, and so are the effects on camber, toe and height.
+/// With `at_design_load` and without preload the design position is the equilibrium. So amounts, values and ride height
+/// equal those of the rigid mechanism, and so do the effects on camber, toe and height.
 #[test]
 fn at_the_design_load_the_set_up_is_that_of_the_rigid_mechanism() {
     for (name, setup) in [
@@ -223,7 +224,7 @@ fn at_the_design_load_the_set_up_is_that_of_the_rigid_mechanism() {
         }
         for (a, b) in own.statics.iter().zip(&other.statics) {
             if a.column.starts_with("bump_steer") {
-                // Its rates contain the bushings.
+                // The rates include the bushings.
                 assert!((a.set.unwrap() - b.set.unwrap()).abs() > 1e-7);
                 continue;
             }
@@ -236,7 +237,8 @@ fn at_the_design_load_the_set_up_is_that_of_the_rigid_mechanism() {
     }
 }
 
-/// A pushrod sets the height: the spring has the length of the nominal equilibrium, and with it the force that carries the car.
+/// A pushrod sets the height: the spring keeps the length of the nominal equilibrium, and so the force that carries the
+/// car.
 #[test]
 fn the_spring_keeps_the_length_of_the_nominal_equilibrium() {
     let setup = "adjust = [{ length = \"pushrod\", per_turn = 2.0 }, { length = \"tie_rod\" }]\nwant = { toe = 0.2 }\nride_height_change = -7.0";
@@ -253,7 +255,7 @@ fn the_spring_keeps_the_length_of_the_nominal_equilibrium() {
         (values[0] - 0.2).abs() < 1e-9 && (values[1] - nominal).abs() < 1e-9,
         "{values:?}"
     );
-    // The tubes yield under the force of the spring, so the hardpoints of the equilibrium have another length.
+    // The tubes deflect under the spring force, so the spring has another length between the nominal hardpoints.
     assert!((spring(study.wheel()) - nominal).abs() > 1e-3);
     let wheel = study.wheel();
     let [before, after] =
@@ -261,7 +263,7 @@ fn the_spring_keeps_the_length_of_the_nominal_equilibrium() {
     assert!((after - before - 7.0).abs() < 1e-9, "{after} {before}");
 }
 
-/// Values of a build in equilibrium, with the wheel centre at a height: camber, toe, bump steer and the length of the spring.
+/// Values of a build in equilibrium at a given height of the wheel centre: camber, toe, bump steer and spring length.
 fn built(study: &Study, name: &str, by: f64, height: f64) -> [f64; 4] {
     let assembler = Assembler::new(study.wheel()).unwrap();
     let setup = study.setup.as_ref().unwrap();
@@ -272,7 +274,7 @@ fn built(study: &Study, name: &str, by: f64, height: f64) -> [f64; 4] {
     let built = assembler.build(&parts, Rest::Height(height)).unwrap();
     let elastic = study.compliance().unwrap();
     let mut parts = elastic.parts.clone();
-    // The same spring: its force counts from the new length.
+    // The spring is the same part: its force at the new length is the nominal force of the build.
     let Some(Law::Linear { force, .. }) = parts.spring.as_mut().map(|law| &mut law.spring) else {
         panic!("a linear spring");
     };
@@ -292,7 +294,7 @@ fn built(study: &Study, name: &str, by: f64, height: f64) -> [f64; 4] {
     })
 }
 
-/// Effects are slopes of builds at the same height, also with a preloaded bushing and at another height.
+/// Effects equal slopes of builds at the same height, also with a preloaded bushing and at another height.
 #[test]
 fn effects_are_slopes_of_elastic_builds() {
     let setup = "adjust = [{ length = \"tie_rod\" }, { shim = \"upper_ball_joint\", axis = \"y\" }, { shim = \"lower_arm_front\", axis = \"z\" }]\n\
@@ -323,7 +325,7 @@ fn effects_are_slopes_of_elastic_builds() {
     }
 }
 
-/// The same of a pushrod, whose builds settle on the spring.
+/// Effects of a pushrod equal slopes of builds that settle to the height that the spring gives.
 #[test]
 fn effects_of_a_pushrod_are_slopes_of_settled_builds() {
     let setup =
@@ -333,7 +335,7 @@ fn effects_of_a_pushrod_are_slopes_of_settled_builds() {
     let summary = one(&found);
     let length = built(&study, "pushrod", 0.0, 0.0)[3];
     for adjustment in ["pushrod", "tie_rod"] {
-        // The secant method finds the height at which the spring has its length.
+        // The secant method finds the height at which the spring has its nominal length.
         let settled = |by: f64| {
             let (mut a, mut b) = (0.0, 0.5);
             let miss = |height: f64| built(&study, adjustment, by, height)[3] - length;
@@ -366,7 +368,8 @@ fn effects_of_a_pushrod_are_slopes_of_settled_builds() {
     }
 }
 
-/// Ever stiffer parts come to the amounts of the rigid mechanism; the rest is proportional to one over the stiffness.
+/// With increasing stiffness the amounts approach those of the rigid mechanism. The difference is proportional to one
+/// over the stiffness.
 #[test]
 fn stiff_parts_have_the_amounts_of_the_rigid_mechanism() {
     let setup = "adjust = [{ length = \"tie_rod\" }, { shim = \"upper_ball_joint\", axis = \"y\" }]\nwant = { camber = -1.2, toe = 0.15 }";
@@ -387,7 +390,8 @@ fn stiff_parts_have_the_amounts_of_the_rigid_mechanism() {
     }
 }
 
-/// The text with the numbers of each list scaled. `factors` gives the factors of a line, or none.
+/// Text in which the numbers of each list are multiplied by factors. `factors` returns the factors of a line, or
+/// `None`.
 fn rescaled(text: &str, factors: impl Fn(&str) -> Option<Vec<f64>>) -> String {
     let line = |line: &str| -> String {
         let Some((name, list)) = line.split_once(" = ") else {
@@ -410,7 +414,7 @@ fn rescaled(text: &str, factors: impl Fn(&str) -> Option<Vec<f64>>) -> String {
     text.lines().map(line).collect()
 }
 
-/// A wheel on the right side, and one in inches with other units of force, need the same adjustments.
+/// The same wheel on the right side, or in inches with other units of force, needs the same adjustments.
 #[test]
 fn set_ups_do_not_depend_on_side_and_units() {
     let setup = "adjust = [{ length = \"tie_rod\" }, { shim = \"upper_ball_joint\", axis = \"y\" }]\nwant = { camber = -1.2, toe = 0.15 }";
@@ -421,7 +425,7 @@ fn set_ups_do_not_depend_on_side_and_units() {
         let name = line.split(' ').next().unwrap_or_default();
         study.wheel().mechanism.point(name).is_some()
     };
-    // Every y has the other sign, and so has a shim along y.
+    // Every y changes its sign, and so does a shim along y.
     let text = rescaled(&study.text, |line| {
         is_point(line).then(|| vec![1.0, -1.0, 1.0])
     });
@@ -453,7 +457,7 @@ fn set_ups_do_not_depend_on_side_and_units() {
     }
 }
 
-/// A height at which the wheel has no equilibrium is a reason, not a number.
+/// If the wheel has no equilibrium at the requested height, the set-up gives the reason and no numbers.
 #[test]
 fn a_rest_without_equilibrium_is_named() {
     let setup =

@@ -1,4 +1,4 @@
-//! Measured sheets, property files of bushings, names of other programs.
+//! Tests of measured sheets, property files of bushings, and names of other programs.
 
 use super::support::{elastic, sheet as noisy, with};
 use hardpoint::compliance::{ElasticWheel, HeldQuantity, Shape, WheelLoads};
@@ -17,7 +17,7 @@ fn variables(names: &[(&str, &str)]) -> String {
     list.collect::<Vec<_>>().join(",\n")
 }
 
-/// A sheet of the study in which the rates have these factors, with noise of a seed and a column of tolerances.
+/// Sheet of the study with its rates multiplied by these factors, with random noise and a column of tolerances.
 fn sheet(study: &Study, factors: &[f64], seed: u64) -> String {
     let variables = &study.optimise.as_ref().unwrap().variables;
     let mut planted = study.clone();
@@ -54,7 +54,7 @@ fn fitted(names: &[(&str, &str)], factors: &[f64], seed: u64) -> (Study, Tuning)
     (study, tuning)
 }
 
-/// Rates that were planted are found within their standard errors, and the scatter is that of the noise.
+/// A fit recovers planted rates within their standard errors, and estimates the scatter of the noise.
 #[test]
 fn rates_are_identified_from_a_sheet_with_noise() {
     let names = [
@@ -79,18 +79,18 @@ fn rates_are_identified_from_a_sheet_with_noise() {
                 "{seed} {:?}: {off} standard errors",
                 names[k]
             );
-            // The sheet says something of each rate.
+            // The sheet determines every rate.
             assert!(sigma < 0.3, "{:?}: {sigma}", names[k]);
             squares += off * off;
         }
     }
-    // Twelve squares of standard errors: their mean is about 1.
+    // Sum of twelve squared errors in standard errors: their mean is about 1.
     let mean = squares / 12.0;
     assert!((0.15..3.0).contains(&mean), "{mean}");
 }
 
-/// The stiffness of an arm along its axis is the sum of both bushings'. A sheet cannot tell them apart, and the
-/// program says so.
+/// The stiffness of an arm along its axis is the sum of the stiffnesses of both bushings. A sheet cannot separate them,
+/// and the program reports this.
 #[test]
 fn rates_that_a_sheet_cannot_separate_are_named() {
     let names = [
@@ -119,7 +119,8 @@ fn rates_that_a_sheet_cannot_separate_are_named() {
     );
 }
 
-/// A fit of an exact sheet ends at zero from every start. Its residuals are the rounding of equilibria, and so is their slope.
+/// A fit of an exact sheet ends at zero misfit from every start. Its residuals are rounding errors of equilibria, and
+/// so is their slope.
 #[test]
 fn a_fit_of_an_exact_sheet_converges() {
     let names = [("lower_arm_rear", "y"), ("lower_arm_front", "x")];
@@ -147,7 +148,7 @@ fn a_fit_of_an_exact_sheet_converges() {
     }
 }
 
-/// A study with a sheet is written out with the sheet's targets in it, and reads back as the same targets.
+/// The written study contains the targets of its sheet, and reads back as the same targets.
 #[test]
 fn a_sheet_is_written_out_in_the_study() {
     let (study, _) = fitted(&[("lower_arm_rear", "y")], &[1.1], 2);
@@ -187,7 +188,7 @@ fn mistakes_in_a_sheet_are_named_with_their_line() {
             2,
             "a number in the column tolerance",
         ),
-        // Trail 0 and trail 30 have this figure.
+        // Two tests have this result, with trail 0 and trail 30.
         ("trail_mm", "reason", 2, "several tests"),
         ("lateral,0.0", "lateral,15.0", 2, "no test of the study has"),
         (
@@ -202,7 +203,7 @@ fn mistakes_in_a_sheet_are_named_with_their_line() {
             1,
             "several columns have the name value",
         ),
-        // A row without travel is not one at travel 0.
+        // An empty travel does not mean travel 0.
         (
             "tolerance\nlateral,0.0,camber_by_lateral_force,0.02,deg_per_kN,0.001\n",
             "tolerance,travel_mm\nlateral,0.0,camber_by_lateral_force,0.02,deg_per_kN,0.001,\n",
@@ -239,7 +240,7 @@ fn bus(fy: &str) -> String {
     text + &format!("[FY_CURVE]\n{fy}\n")
 }
 
-/// A property file with straight curves is a bushing of their stiffness.
+/// A property file with straight curves defines a bushing with their stiffness.
 #[test]
 fn a_property_file_with_straight_curves_is_a_linear_bushing() {
     let directory = tempfile::tempdir().unwrap();
@@ -268,10 +269,10 @@ fn a_property_file_with_straight_curves_is_a_linear_bushing() {
     for (a, b) in found.iter().zip(expected) {
         assert!((a - b).abs() < 1e-9 * b.abs().max(1e-9), "{a} {b}");
     }
-    // The text needs no file beside it.
+    // The text needs no separate file.
     assert!(!study.text.contains("rear.bus"));
     assert_eq!(elastic(&study.text).compliance(), study.compliance());
-    // A law that falls, a law beside the file, no file.
+    // Mistakes: a falling law, a missing block, a law in addition to the file, a missing file.
     for (fy, more, phrase) in [
         ("-5.0 100.0\n5.0 -100.0", "", "must rise"),
         (
@@ -302,11 +303,12 @@ fn a_property_file_with_straight_curves_is_a_linear_bushing() {
     assert!(matches!(law, Shape::Curve { .. }) && (law.initial_rate() - 8.0e4).abs() < 1e-6);
 }
 
-/// Values by the definitions of other programs are rotations and shifts by loads on levers straight down, on either side.
+/// Values by the definitions of other programs equal rotations and displacements under loads at levers straight down,
+/// on either side.
 #[test]
 fn values_of_other_programs_follow_their_definitions() {
     for side in ["left", "right"] {
-        // Their matrices leave the springs free.
+        // The compliance matrices of other programs leave the springs free.
         let tests = "relaxed = \"at_design_load\"\ntests = [{ load = \"lateral\", hold = \"wheel_load\" }, { load = \"aligning\", hold = \"wheel_load\" }, { load = \"vertical\" }]";
         let mut text = with(NAME, "").replace("relaxed = \"at_design_load\"", tests);
         if side == "right" {
@@ -322,7 +324,7 @@ fn values_of_other_programs_follow_their_definitions() {
         let at = wheel.at(0.0, 0.0).unwrap();
         let tangent = wheel.tangent(&at, HeldQuantity::WheelLoad).unwrap();
         let along = |load: &WheelLoads| wheel.twist_along(&tangent, load).unwrap();
-        // In the frame of a left wheel: a force of 1 kN to the inside, 310 mm straight below the wheel centre.
+        // In the frame of a left wheel: an inboard force of 1 kN, 310 mm straight below the wheel centre.
         let mut force = WheelLoads::none(0.0);
         force.centre = Vector3::new(0.0, -1000.0, 0.0);
         force.moment = Vector3::new(-310.0 * 1000.0, 0.0, 0.0);
@@ -348,7 +350,7 @@ fn values_of_other_programs_follow_their_definitions() {
             let own: f64 = cell(row, "value").parse().unwrap();
             Some((cell(row, "other_value").parse::<f64>().unwrap(), own))
         };
-        // Toe-in of a left wheel is a turn to the right; camber a turn to the outside.
+        // Toe-in of a left wheel is a rotation to the right; positive camber tilts the top outboard.
         let expected = [
             (
                 OtherProgram::Altair,
@@ -408,7 +410,7 @@ fn values_of_other_programs_follow_their_definitions() {
     }
 }
 
-/// A line of hardpoints with y of the other side.
+/// Line of hardpoints with the sign of y reversed.
 fn mirror(line: &str) -> String {
     let Some((name, list)) = line
         .split_once('=')
@@ -428,7 +430,7 @@ fn mirror(line: &str) -> String {
     )
 }
 
-/// A sheet without the needed columns is named with the columns that it lacks.
+/// The program names a sheet without the required columns, and the missing columns.
 #[test]
 fn a_sheet_without_its_columns_is_named() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! Studies with elastic parts: mistakes are named by line and key, and commands that would leave the parts out refuse
-//! them.
+//! Tests of studies with elastic parts: mistakes are named by line and key, and commands that would ignore the elastic
+//! parts refuse them.
 
 use crate::support::mutants::mutilated;
 use crate::support::random::Random;
@@ -19,7 +19,8 @@ fn text(name: &str) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// The good study has `from` once; with `to` in its place it has one mistake, on the line with `on`.
+/// Asserts that the good study, with its only `from` replaced by `to`, has exactly one mistake, on the line that
+/// contains `on`.
 fn assert_mistake(from: &str, to: &str, on: &str, phrase: &str) {
     let good = text(STUDIES[0]);
     assert_eq!(good.matches(from).count(), 1, "{from:?}");
@@ -167,13 +168,14 @@ fn mistakes_are_named_by_line() {
     }
 }
 
-/// A figure that no test of the study has is named with the test to add. Neither its name nor its spelling is doubted.
+/// If no test of the study gives a requested result, the message names the test to add. It does not call the name
+/// unknown or suggest another spelling.
 #[test]
 fn figures_without_their_test_are_named_with_it() {
     let refusal = |study: &str, tests: &str, outputs: &str| {
         let text = text(study);
         let kept = text.lines().scan(false, |is_list, line| {
-            // A list of tests ends with the line that starts with a bracket.
+            // A list of tests ends with the first line that ends with a bracket.
             let begins = line.starts_with("tests = [");
             let skips = begins || *is_list;
             *is_list = skips && !line.trim_end().ends_with(']');
@@ -239,7 +241,8 @@ fn figures_without_their_test_are_named_with_it() {
     }
 }
 
-/// The strut turns freely about its line: no stiffness, no constant torque, and no torque of a property file.
+/// The strut turns freely about its line, so the program refuses stiffness, constant torque and a property file's
+/// torque about it.
 #[test]
 fn nothing_acts_about_the_line_of_a_strut() {
     let good = text("macpherson_compliance.toml");
@@ -305,7 +308,7 @@ fn mutilated_studies_are_tested_or_refused_with_a_reason() {
     assert!(ran > 30 && refused > 50, "{ran} {refused}");
 }
 
-/// Mistakes of elastic axles name the place and what is expected.
+/// Messages about mistakes in elastic axles name the location and the expected input.
 #[test]
 fn mistakes_of_elastic_axles_are_named() {
     let text = text("subframe_axle_compliance.toml");

@@ -1,4 +1,4 @@
-//! Studies of the repository with elastic parts, with text at their end.
+//! Support for tests: studies of the repository with elastic parts, with more text at their end.
 
 use crate::support::random::Random;
 use hardpoint::compliance::Compliance;
@@ -6,7 +6,7 @@ use hardpoint::model::Suspension;
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// The text of a study of the repository, with more at its end.
+/// Text of a study of the repository, with more text at its end.
 pub fn with(name: &str, more: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("studies")
@@ -14,12 +14,12 @@ pub fn with(name: &str, more: &str) -> String {
     std::fs::read_to_string(path).unwrap() + more
 }
 
-/// A study with elastic parts from its text.
+/// Study with elastic parts, read from its text.
 pub fn elastic(text: &str) -> Study {
     Study::elastic_from_text("case.toml", text, Path::new("")).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// A suspension with a drop link and an anti-roll bar, and its elastic parts: the sample of a topology.
+/// Sample suspension of a topology with a drop link and an anti-roll bar, and its elastic parts.
 pub fn elastic_axle(topology: &str) -> (Suspension, Compliance) {
     let (bar, bodies) = match topology {
         "double_wishbone" => (
@@ -40,15 +40,15 @@ pub fn elastic_axle(topology: &str) -> (Suspension, Compliance) {
     (study.into_wheel(), parts)
 }
 
-/// Derivative of fourth order from the values two steps and one step below, and one step and two steps above.
+/// Derivative of fourth order, from the values two steps and one step below, and one step and two steps above.
 pub fn fourth_order([a, b, c, d]: [f64; 4], step: f64) -> f64 {
     (8.0 * (c - b) - (d - a)) / (12.0 * step)
 }
 
-/// Standard deviation of a measurement in parts of the value.
+/// Standard deviation of a measurement relative to its value.
 const NOISE: f64 = 0.01;
 
-/// A measured sheet: `kc.csv` without secants, with a column of tolerances, and with the noise of a seed times `share`.
+/// Measured sheet: `kc.csv` without secants, with a column of tolerances and random noise times `share`.
 pub fn sheet(csv: &[u8], share: f64, seed: u64) -> String {
     let mut reader = csv::Reader::from_reader(csv);
     let header = reader.headers().unwrap().clone();
@@ -61,9 +61,9 @@ pub fn sheet(csv: &[u8], share: f64, seed: u64) -> String {
         let Ok(value) = cells[place("value")].parse::<f64>() else {
             continue;
         };
-        // Measurements have no secants beside them.
+        // A measured sheet contains no secants.
         cells[place("secant")].clear();
-        // A sum of twelve uniform numbers has the variance of the normal law.
+        // A sum of twelve uniform numbers approximates a normal distribution with the same variance.
         let normal: f64 = (0..12).map(|_| 0.5 * random.signed()).sum();
         let sigma = NOISE * value.abs().max(1e-3);
         cells[place("value")] = format!("{:?}", value + share * sigma * normal);

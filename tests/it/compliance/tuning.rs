@@ -1,11 +1,11 @@
-//! Tuning of kinematics and compliance together.
+//! Tests of tuning kinematics and compliance together.
 
 use hardpoint::optimise::{Control, LeastSquares, Linearisation, Objective, TargetLayout, tune};
 use hardpoint::study::{Study, Wanted};
 use nalgebra::DVector;
 use std::path::Path;
 
-/// Six coordinates, six rates and ten targets: four of kinematics over travel, six figures of tests.
+/// Six coordinates, six rates and ten targets: four kinematic targets over travel, six results of tests.
 const ASKED: &str = r#"
 [optimise]
 good_enough = 0.0
@@ -44,7 +44,7 @@ fn study(asked: &str) -> Study {
     Study::elastic_from_text("case.toml", &text, Path::new("")).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Numbers between -1 and 1 from a seed.
+/// Random numbers between -1 and 1.
 fn numbers(seed: u64) -> impl FnMut() -> f64 {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
     move || {
@@ -55,7 +55,7 @@ fn numbers(seed: u64) -> impl FnMut() -> f64 {
     }
 }
 
-/// A design within 5 mm and 20 % of the study's.
+/// Random design within 5 mm and 20 % of the study's design.
 fn planted(study: &Study, seed: u64) -> DVector<f64> {
     let variables = &study.optimise.as_ref().unwrap().variables;
     let mut number = numbers(seed);
@@ -67,7 +67,7 @@ fn planted(study: &Study, seed: u64) -> DVector<f64> {
     DVector::from_vec(offsets.collect())
 }
 
-/// The study with its targets at the values of a planted design.
+/// Study whose targets have the values of a planted design.
 fn with_planted_targets(mut study: Study, at: &DVector<f64>) -> Study {
     let optimise = study.optimise.as_ref().unwrap();
     let layout = TargetLayout::of(optimise, &study.vehicle);
@@ -98,7 +98,8 @@ fn with_planted_targets(mut study: Study, at: &DVector<f64>) -> Study {
     study
 }
 
-/// Ten targets of kinematics and compliance, planted at a known design up to 5 mm and 20 % away, are all reached.
+/// A tuning meets ten targets of kinematics and compliance that were planted at a known design up to 5 mm and 20 %
+/// away.
 #[test]
 fn planted_targets_of_kinematics_and_compliance_come_back() {
     let asked = study(ASKED);
@@ -127,7 +128,7 @@ fn planted_targets_of_kinematics_and_compliance_come_back() {
     );
 }
 
-/// The Jacobian of targets by hardpoints and rates agrees with differences of fourth order.
+/// The Jacobian of targets with respect to hardpoints and rates equals differences of fourth order.
 #[test]
 fn slopes_along_variables_are_those_of_differences() {
     let study = study(ASKED);
@@ -155,7 +156,7 @@ fn slopes_along_variables_are_those_of_differences() {
         for (row, slope) in slopes.iter().enumerate() {
             let found = here.jacobian[(row, column)];
             let size = here.jacobian.row(row).amax() * 15.0;
-            // Every column per its range.
+            // The error applies to a change by the full range of the variable.
             let range = variable.range[1] - variable.range[0];
             let error = (found - slope).abs() * range / size;
             assert!(
@@ -167,7 +168,7 @@ fn slopes_along_variables_are_those_of_differences() {
     }
 }
 
-/// The tuned text holds the tuned rates and hardpoints, and reads as the tuned study.
+/// The tuned text contains the tuned rates and hardpoints, and reads as the tuned study.
 #[test]
 fn the_tuned_text_is_the_tuned_study() {
     let asked = study(ASKED);

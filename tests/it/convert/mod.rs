@@ -1,4 +1,4 @@
-//! `hardpoint convert`: a study in other units and axes describes the same vehicle.
+//! Tests of `hardpoint convert`: a study in other units and axes describes the same vehicle.
 
 mod physical;
 mod texts;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// Options of two conversions that together change every unit and the direction of every axis.
+/// Options of two conversions; together they change every unit and the direction of every axis.
 const INCHES: [&str; 4] = ["--unit", "in", "--frame", "sae_j670"];
 const METRES: [&str; 4] = ["--unit", "m", "--frame", "x_rear"];
 
@@ -35,7 +35,7 @@ fn done(arguments: &[&str]) {
     assert_eq!(code, 0, "{arguments:?}\n{said}");
 }
 
-/// Converts a study. Returns the file of the new one.
+/// Converts a study and returns the file of the converted study.
 fn converted(file: &Path, options: &[&str], directory: &Path) -> PathBuf {
     let name = file.file_name().unwrap();
     let out = if CarStudy::is_at(file) {
@@ -45,7 +45,7 @@ fn converted(file: &Path, options: &[&str], directory: &Path) -> PathBuf {
         directory.join(name)
     };
     let (study, out) = (file.to_str().unwrap(), out.to_str().unwrap());
-    // A car writes its axles, which are studies themselves.
+    // A conversion of a car also writes its axles, which are separate studies.
     let base = ["convert", study, "--out", out, "--force"];
     done(&[&base[..], options].concat());
     directory.join(name)

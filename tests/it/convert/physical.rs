@@ -1,11 +1,11 @@
-//! Results of a converted study are physically those of the study.
+//! Tests that a converted study has physically the same results.
 
 use super::{INCHES, METRES, converted, is_elastic, results, studies};
 use hardpoint::study::CarStudy;
 use std::fs;
 use std::path::Path;
 
-/// Value of a word of a unit in SI units and degrees.
+/// Factor of a unit word to SI units and degrees.
 fn si_of_word(word: &str) -> Option<f64> {
     Some(match word {
         "mm" => 1e-3,
@@ -21,7 +21,7 @@ fn si_of_word(word: &str) -> Option<f64> {
     })
 }
 
-/// Name of a column without its unit, and the unit in SI units.
+/// Splits the name of a column into the name without its unit and the factor of the unit.
 fn split_unit(column: &str) -> (String, f64) {
     let words: Vec<&str> = column.split('_').collect();
     let is_unit = |word: &&str| *word == "per" || si_of_word(word).is_some();
@@ -43,7 +43,8 @@ fn sign(stem: &str, signs: [f64; 3]) -> f64 {
     if ["rack", "steer_by_rack", "caster_by_rack", "rack_force"].contains(&stem) {
         return signs[1];
     }
-    // Components: wheel_centre_y, wheel_centre_vy, wheel_centre_y_d1. The accelerations ax and ay of a car point forward and to the left.
+    // Examples of components: wheel_centre_y, wheel_centre_vy, wheel_centre_y_d1. The accelerations ax and ay of a car
+    // always point forward and to the left.
     let mut words = stem.split('_').filter(|word| !["d1", "d2"].contains(word));
     let last = words.next_back().filter(|_| stem.contains('_'));
     let last = last.unwrap_or_default();
@@ -63,7 +64,7 @@ fn signs(options: &[&str]) -> [f64; 3] {
 
 type Rows = Vec<Vec<Result<f64, String>>>;
 
-/// Columns without units, and rows in SI units and ISO axes, in the order of the stations.
+/// Names of columns without units, and rows in SI units and ISO axes, ordered by station.
 fn table(file: &Path, signs: [f64; 3]) -> (Vec<String>, Rows) {
     let mut reader = csv::Reader::from_path(file).unwrap();
     let header: Vec<(String, f64)> = reader.headers().unwrap().iter().map(split_unit).collect();
@@ -72,7 +73,7 @@ fn table(file: &Path, signs: [f64; 3]) -> (Vec<String>, Rows) {
     let mut rows: Rows = Vec::new();
     for record in reader.records() {
         let record = record.unwrap();
-        // Rows of test figures have a unit each.
+        // Each row of test results has its own unit.
         let own_unit = at("unit").map(|unit| split_unit(&format!("value_{}", &record[unit])).1);
         let quantity = at("quantity").map_or("", |quantity| &record[quantity]);
         let cells = record.iter().zip(&header).map(|(text, (stem, factor))| {
@@ -92,7 +93,7 @@ fn table(file: &Path, signs: [f64; 3]) -> (Vec<String>, Rows) {
         });
         rows.push(cells.collect());
     }
-    // A range of racks begins at the other end if the y axis is turned around.
+    // A range of rack displacements is in reverse order if the y axis is reversed.
     let stations = [
         "case",
         "travel",
@@ -113,16 +114,16 @@ fn table(file: &Path, signs: [f64; 3]) -> (Vec<String>, Rows) {
     (names, rows)
 }
 
-/// Compares two tables, column by column, relative to the largest value of the column.
+/// Compares two tables by column, relative to the largest value of the column.
 fn compare(label: &str, one: &Path, other: &Path, signs: [f64; 3], bound: f64) {
     let (names, expected) = table(one, [1.0; 3]);
     let (others, found) = table(other, signs);
     assert_eq!(names, others, "{label}");
     assert_eq!(expected.len(), found.len(), "{label}");
-    // The window of a test is in the unit of its load, which its heading does not name.
+    // The window of a test has the unit of its load, which the heading does not name.
     let columns = names.iter().enumerate();
     for (column, name) in columns.filter(|(_, name)| *name != "window") {
-        // Values of test figures have no common scale.
+        // Values of different test results have no common scale.
         let of_row = names.iter().any(|name| name == "quantity");
         let size =
             |row: &Vec<Result<f64, String>>| row[column].as_ref().map_or(0.0, |value| value.abs());
@@ -130,7 +131,7 @@ fn compare(label: &str, one: &Path, other: &Path, signs: [f64; 3], bound: f64) {
         for (row, new) in expected.iter().zip(&found) {
             let scale = if of_row { size(row) } else { largest };
             let is_same = match (&row[column], &new[column]) {
-                // Values of rounding size differ freely.
+                // Values as small as rounding errors may differ freely.
                 (Ok(old), Ok(new)) => (old - new).abs() <= bound * scale.max(1e-4),
                 (old, new) => old == new,
             };
@@ -155,7 +156,7 @@ fn tables_of_results(directory: &Path) -> Vec<String> {
     names
 }
 
-/// Curves, figures of tests and states of cars are physically the same in both conversions.
+/// Curves, test results and states of cars are physically the same in both conversions.
 #[test]
 fn every_sample_study_gives_the_same_physical_results_in_other_units_and_axes() {
     let directory = tempfile::tempdir().unwrap();
@@ -169,7 +170,8 @@ fn every_sample_study_gives_the_same_physical_results_in_other_units_and_axes() 
             let new = results(command, &new, &[], &place);
             for name in tables_of_results(&old) {
                 let label = format!("{} {name} {options:?}", file.display());
-                // Attia's fifteen equations lose more digits in accelerations than the pose of the wheel carrier.
+                // The fifteen equations of Attia's method are less accurate in accelerations than the pose of the wheel
+                // carrier.
                 let bound = if file.ends_with("attia.toml") {
                     1e-8
                 } else {
@@ -205,7 +207,7 @@ fn assert_near(label: &str, old: &serde_json::Value, new: &serde_json::Value, bo
     );
 }
 
-/// Targets, tolerances and weights are the same: the misfit of the design does not change.
+/// Targets, tolerances and weights keep their meaning: the misfit of the design does not change.
 #[test]
 fn every_sample_tuning_begins_with_the_same_misfit_in_other_units_and_axes() {
     let directory = tempfile::tempdir().unwrap();
@@ -218,7 +220,7 @@ fn every_sample_tuning_begins_with_the_same_misfit_in_other_units_and_axes() {
     let mut compared = 0;
     for file in studies() {
         let text = fs::read_to_string(&file).unwrap();
-        // Robust tunings take long, and their targets have no other form.
+        // Skips robust tunings, which take long; their targets have the same form.
         if !text.contains("\n[optimise]") || text.contains("\nscatter = ") {
             continue;
         }

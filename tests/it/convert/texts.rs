@@ -1,4 +1,4 @@
-//! Texts of converted studies: numbers, comments and errors.
+//! Tests of the texts of converted studies: numbers, comments and errors.
 
 use super::{INCHES, METRES, ROOT, converted, is_elastic, run, studies};
 use hardpoint::study::Study;
@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// Numbers of a study by their path, and everything else as text.
+/// Collects the numbers of a study by their path, and all other values as text.
 fn leaves(value: &toml::Value, path: &str, into: &mut BTreeMap<String, Result<f64, String>>) {
     match value {
         toml::Value::Table(table) => {
@@ -44,7 +44,7 @@ fn assert_same_numbers(label: &str, old: &str, new: &str) {
         match (value, &new[path]) {
             (Ok(one), Ok(other)) => {
                 let error = (one - other).abs();
-                // Two roundings of each conversion.
+                // Each conversion rounds twice.
                 assert!(
                     error <= 8.0 * f64::EPSILON * one.abs(),
                     "{label} {path}: {one} {other}"
@@ -55,7 +55,7 @@ fn assert_same_numbers(label: &str, old: &str, new: &str) {
     }
 }
 
-/// A conversion and its inverse give the same numbers, and keep all comments.
+/// A conversion followed by its inverse gives the same numbers, and keeps all comments.
 #[test]
 fn there_and_back_gives_the_numbers_of_every_sample_study() {
     let directory = tempfile::tempdir().unwrap();
@@ -71,7 +71,7 @@ fn there_and_back_gives_the_numbers_of_every_sample_study() {
     ];
     for file in studies() {
         let text = fs::read_to_string(&file).unwrap();
-        // The axles of a car are converted with it. Attia's study is in metres.
+        // Skips Attia's study, which is in metres. The test converts the axles of a car together with it.
         if text.contains("length_unit = \"m\"") {
             continue;
         }
@@ -94,7 +94,7 @@ fn there_and_back_gives_the_numbers_of_every_sample_study() {
     }
 }
 
-/// A study with entries that no sample has: components along axes, forces, rates, and limits on one side.
+/// Study with entries that no sample has: components along axes, forces, rates, and one-sided limits.
 const ENTRIES: &str = r#"
 [compliance]
 relaxed = "free"
@@ -134,7 +134,7 @@ targets = [
 ]
 "#;
 
-/// Text of the sample study of a wheel with other sections in place of its own elastic parts.
+/// Text of a wheel's sample study whose elastic parts are replaced by other sections.
 fn elastic_study() -> String {
     let text = fs::read_to_string(Path::new(ROOT).join("studies/double_wishbone_compliance.toml"));
     let text = text.unwrap();
@@ -192,7 +192,7 @@ fn entries_are_converted_by_their_quantity() {
         list(&format!("{front}.stiffness")),
         [8e5, 9e6, 9e6, 20.0, 1000.0, 1000.0]
     );
-    // N/mm3 to N/m3.
+    // N/mm3 becomes N/m3.
     assert_eq!(list(&format!("{front}.cubic"))[..3], [8e9, 9e10, 9e10]);
     assert_eq!(
         list(&format!("{front}.preload")),
@@ -200,23 +200,24 @@ fn entries_are_converted_by_their_quantity() {
     );
     assert_eq!(list(&format!("{front}.x_axis")), [-1.0, -0.25, 0.5]);
     assert_eq!(list("bushings.lower_arm_rear.fx.2"), [0.002, 2500.0]);
-    // N/mm2 to N/m2, and mm2 to m2.
+    // N/mm2 becomes N/m2, and mm2 becomes m2.
     assert_eq!(number("links.tie_rod.modulus"), 2.1e11);
     assert_eq!(number("links.tie_rod.area"), 1.2e-4);
-    // The y axis points to the other side, so the ends of the range change places.
+    // The y axis reverses, so the ends of the range swap.
     assert_eq!(list("optimise.variables.0.range"), [-0.008, 0.005]);
-    // A direction turns with the axes, so its range does not.
+    // A direction rotates with the axes, so its range stays.
     assert_eq!(list("optimise.variables.1.direction"), [0.0, -0.6, 0.8]);
     assert_eq!(list("optimise.variables.1.range"), [-0.004, 0.006]);
     assert_eq!(list("optimise.variables.2.range"), [500.0, 2000.0]);
     assert_eq!(list("optimise.variables.3.range"), [0.5, 2.0]);
     assert_eq!(list("optimise.variables.4.range"), [2e7, 3e7]);
-    // Names of figures contain the trail.
+    // Names of test results contain the trail.
     assert_eq!(
         at("optimise.targets.0.figure").as_str(),
         Some("toe_by_lateral_force_trail_0.03")
     );
-    // Steer by a displacement of the rack along +y: deg/mm to deg/m, with the other sign, so a lower limit becomes an upper one.
+    // Steer per displacement of the rack along +y: deg/mm becomes deg/m with the opposite sign, so a lower limit
+    // becomes an upper limit.
     assert_eq!(number("optimise.targets.1.at_most"), 500.0);
     assert!(at("optimise.targets.1").get("at_least").is_none());
     let line = "{ figure = \"steer_by_rack\", tolerance = 10.0, at_most = 500.0 },";
@@ -272,7 +273,7 @@ fn a_key_that_cannot_be_converted_is_named_with_its_line() {
             assert!(said.contains(phrase), "{phrase}: {said}");
         }
     }
-    // Units alone keep the signs, so different limits on both sides are no obstacle.
+    // A change of units keeps all signs, so limits that differ between the sides are valid.
     let (code, said, new) = text_in(&tolerance, &["--unit", "m"]);
     assert_eq!(code, 0, "{said}");
     assert!(new.contains("limits = [-0.0001, 0.0003]"), "{new}");
@@ -289,7 +290,7 @@ fn comments_and_layout_stay() {
     );
     assert!(new.contains("# x rearward, y right, z up"), "{new}");
     assert_eq!(text.lines().count(), new.lines().count());
-    // Angles stay exactly as written.
+    // Angles stay exactly as the user wrote them.
     let angles = |text: &str| -> Vec<String> {
         let lines = text.lines().filter(|line| line.contains("static_"));
         lines.map(str::to_owned).collect()
@@ -307,7 +308,7 @@ fn a_converted_file_never_replaces_its_study() {
     let (code, said) = run(&["convert", path, "--unit", "in", "--out", path, "--force"]);
     assert_eq!(code, 2, "{said}");
     assert_eq!(fs::read(&file).unwrap(), text);
-    // The three files of a car go to another directory, or nowhere.
+    // The three files of a car need another directory: the studies' own directory and standard output are refused.
     let studies = Path::new(ROOT).join("studies");
     let car = studies.join("car.toml");
     let car = car.to_str().unwrap();

@@ -1,4 +1,4 @@
-//! Names of test figures with the trail of their load, in other units.
+//! Tests of names of test results that contain the trail of their load, in other units.
 
 use super::{METRES, converted, done};
 use hardpoint::study::Study;
@@ -16,7 +16,7 @@ const TEMPLATES: [&str; 5] = [
     "trailing_arm_two_links",
 ];
 
-/// A template with these parts.
+/// Writes a template with these parts.
 fn template(directory: &Path, name: &str, parts: &str) -> PathBuf {
     let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
     let made = command
@@ -40,8 +40,8 @@ fn figures(path: &Path) -> Vec<String> {
     of_axle.chain(of_wheel).collect()
 }
 
-/// The default test with a trail of 30 mm has the same figures in every unit. Its names are those that a converted study uses,
-/// there and back.
+/// The default test with a trail of 30 mm has the same results in every unit. A converted study uses the same names,
+/// also after conversion back.
 #[test]
 fn a_converted_study_names_the_trail_of_its_default_test() {
     let directory = tempfile::tempdir().unwrap();
@@ -79,7 +79,7 @@ fn a_converted_study_names_the_trail_of_its_default_test() {
                 self::figures(&named).contains(&renamed),
                 "{name} {options:?}"
             );
-            // The way back gives the old name, also from inches to metres and from metres to inches.
+            // Converting back gives the old name, also from inches to metres and from metres to inches.
             for back in [&["--unit", "mm"][..], &INCHES, &METRES] {
                 let again = converted(&named, back, &directory.join("again"));
                 self::figures(&again);
@@ -92,7 +92,7 @@ fn a_converted_study_names_the_trail_of_its_default_test() {
     }
 }
 
-/// A trail that is not a round number in any unit.
+/// A result whose test has an explicit trail keeps its test, even if the trail is not a round number in any unit.
 #[test]
 fn an_explicit_trail_keeps_its_figure() {
     let directory = tempfile::tempdir().unwrap();
@@ -116,7 +116,8 @@ fn an_explicit_trail_keeps_its_figure() {
     assert!(text.contains("17.123456789"), "{text}");
 }
 
-/// Measured values in the layout of `kc.csv`: the rows of a sheet of the study's own tests become targets in other units.
+/// `convert` converts targets of a measured sheet in the layout of `kc.csv`: its rows become targets in the other
+/// units.
 #[test]
 fn targets_of_a_sheet_are_converted() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! Orders and signs of coordinates: the same suspension or a refusal, never another suspension.
+//! Tests of the orders and signs of coordinates: an import gives the same suspension or a refusal, never another
+//! suspension.
 
 use super::{Said, file, imported};
 use hardpoint::exchange::Imported;
@@ -6,7 +7,7 @@ use hardpoint::model::{Frame, Side};
 use hardpoint::number::Vector3;
 use std::collections::BTreeMap;
 
-/// Numbers between bounds, from a seed.
+/// Random numbers between bounds.
 struct Chance(u64);
 
 impl Chance {
@@ -55,7 +56,7 @@ fn lower_arm(c: &mut Chance) -> Points {
     ]
 }
 
-/// A left wheel in ISO 8855 (mm), anywhere along the car; `has_spring` gives a trailing arm its spring.
+/// Random left wheel in ISO 8855 (mm), anywhere along the car. `has_spring` gives a trailing arm its spring.
 fn geometry(topology: &str, c: &mut Chance, has_spring: bool) -> Points {
     let mut points = match topology {
         "double_wishbone" => {
@@ -259,7 +260,7 @@ fn geometry(topology: &str, c: &mut Chance, has_spring: bool) -> Points {
             c.point([-50.0, 80.0], [480.0, 560.0], [180.0, 300.0]),
         ));
     }
-    // Rear axles and other origins along the car.
+    // Offset along the car, as for rear axles and other origins.
     let along = c.between(-2800.0, 1200.0);
     for (_, [x, ..]) in &mut points {
         *x += along;
@@ -267,7 +268,7 @@ fn geometry(topology: &str, c: &mut Chance, has_spring: bool) -> Points {
     points
 }
 
-/// The 48 orders and signs, each as the names of its columns' ways.
+/// The 48 orders and signs, each with the names of its columns' directions, and whether it is right-handed.
 fn orders() -> Vec<([usize; 3], [f64; 3], String, bool)> {
     let names = [["forward", "rearward"], ["left", "right"], ["up", "down"]];
     let mut all = Vec::new();
@@ -284,7 +285,7 @@ fn orders() -> Vec<([usize; 3], [f64; 3], String, bool)> {
             let ways: Vec<&str> = (0..3)
                 .map(|k| names[order[k]][usize::from(signs[k] < 0.0)])
                 .collect();
-            // The determinant, written out.
+            // Determinant, written out.
             let mut matrix = [[0.0; 3]; 3];
             for k in 0..3 {
                 matrix[k][order[k]] = signs[k];
@@ -314,7 +315,7 @@ fn table(
     text
 }
 
-/// Returns true if an import has the points of a suspension, seen in the frame of its own wheel.
+/// Returns true if an import has the points of a suspension, in the frame of its wheel.
 fn is_the_same(imported: &Imported, points: &Points) -> bool {
     let frame = Frame::new(imported.frame, imported.side);
     points.iter().all(|(name, position)| {
@@ -338,13 +339,14 @@ fn no_order_of_coordinates_makes_another_of_many_suspensions() {
     import_in_all_orders(5);
 }
 
-/// 38 geometries of all topologies, times `scale`, in all 48 orders and signs. A right-handed order is imported to the
-/// same doubles or refused; a left-handed one is refused, as long as `--axes` does not say it.
+/// The test reads 38 geometries of all topologies, times `scale`, in all 48 orders and signs. The import of a
+/// right-handed order gives the same doubles or a refusal. The import of a left-handed order is a refusal, unless
+/// `--axes` names the order.
 fn import_in_all_orders(scale: usize) {
     const SEED: u64 = 20_261_125;
     let directory = tempfile::tempdir().unwrap();
     let mut chance = Chance(SEED);
-    // The last four have fewer geometries, since reading them takes longer.
+    // The last four topologies have fewer geometries, because reading them takes longer.
     let topologies: [(&str, usize); 8] = [
         ("double_wishbone", 6 * scale),
         ("macpherson", 6 * scale),
@@ -389,8 +391,9 @@ fn import_in_all_orders(scale: usize) {
         counts.insert(topology, (right, refused));
     }
     println!("imported and refused of the right-handed orders: {counts:?}");
-    // Trailing arms without a spring (a quarter) show no height, and some with a spring none that is clear: of 60 geometries
-    // 39 were imported. Links of a solid axle show no front. All others are clear.
+    // Trailing arms without a spring (a quarter) do not show which direction is up, and some with a spring are
+    // ambiguous. Of 60 geometries the program imports 39. Links of a solid axle do not show which direction is forward.
+    // All other topologies are clear.
     for (topology, (right, refused)) in &counts {
         let least = match *topology {
             "semi_trailing_arm" => 0.5,
@@ -402,7 +405,7 @@ fn import_in_all_orders(scale: usize) {
     }
 }
 
-/// The same with the side in the names: of a right wheel, too.
+/// If the names of the points contain the side, the program imports all orders of a left or right wheel.
 #[test]
 fn orders_of_either_wheel_are_told_by_its_side() {
     let directory = tempfile::tempdir().unwrap();
@@ -437,8 +440,8 @@ fn orders_of_either_wheel_are_told_by_its_side() {
     }
 }
 
-/// Headers say the ways in words: all 24 right-handed orders are read, also where the points show no height, and
-/// headers that the points contradict are refused.
+/// Headers may state the directions in words. The program reads all 24 right-handed orders, also where the points do
+/// not show which direction is up. It refuses headers that the points contradict.
 #[test]
 fn headers_are_read_by_letter_and_words() {
     let directory = tempfile::tempdir().unwrap();
@@ -478,7 +481,7 @@ fn headers_are_read_by_letter_and_words() {
         let text = table(&wheel, order, [1.0; 3], header, " L");
         let path = file(&directory, "points.csv", text.as_bytes());
         let read = imported(&path, "double_wishbone", &Said::default());
-        // Lateral, longitudinal, vertical with left, forward, up is a left hand's.
+        // Lateral, longitudinal, vertical with left, forward, up is left-handed.
         if header[0] == "Lateral" {
             assert!(read.unwrap_err().contains("--axes left,forward,up"));
         } else {

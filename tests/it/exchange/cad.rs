@@ -1,4 +1,4 @@
-//! Solids that close and drawings that join hardpoints.
+//! Tests of CAD files: closed solids, and drawings that join hardpoints.
 
 use super::parsers::{all_ways, entities, of_text, pairs, template};
 use super::round_trips::{changed, studies};
@@ -10,7 +10,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// The envelope of a tyre: each solid closed, outward, of the volume of its prism, around the wheel of its pose.
+/// Each solid in the envelope of a tyre is closed, has outward faces and the volume of its prism, and surrounds the
+/// wheel of its pose.
 #[test]
 fn tyre_envelopes_are_closed_solids_about_the_wheel() {
     let text = template("double_wishbone");
@@ -42,7 +43,7 @@ fn tyre_envelopes_are_closed_solids_about_the_wheel() {
                     "{}",
                     volume(solid)
                 );
-                // The wheel centre is up by the travel: downward in these axes.
+                // The wheel centre is above its design position by the travel; up is negative z in these axes.
                 let frame = Frame::new(FrameConvention::SaeJ670, side);
                 let id = study.wheel().mechanism.wheel_centre;
                 let design = outgoing.position(side, id);
@@ -53,7 +54,7 @@ fn tyre_envelopes_are_closed_solids_about_the_wheel() {
                 let expected = design[2] + frame.sign(Axis::Z) * length(travel);
                 assert!((z - expected).abs() < length(0.01), "{z} {expected}");
             }
-            // The rack goes along the file's y: rearward and forward steer are mirror poses of each other's side.
+            // STL files have a title with unit and frame.
             let stl = envelope.stl();
             assert_eq!(stl.len(), 84 + 50 * envelope.triangles());
             let title = std::str::from_utf8(&stl[..80]).unwrap();
@@ -66,7 +67,7 @@ fn tyre_envelopes_are_closed_solids_about_the_wheel() {
     }
 }
 
-/// A rack that moves to the left turns the wheels the same way, in whichever axes the file is.
+/// A rack that moves to the left steers the wheels in the same direction, whatever the axes of the file.
 #[test]
 fn the_rack_of_an_envelope_goes_along_the_axis_of_the_file() {
     let template = of_text(template("double_wishbone"));
@@ -81,7 +82,7 @@ fn the_rack_of_an_envelope_goes_along_the_axis_of_the_file() {
     let mut found = Vec::new();
     for convention in FrameConvention::ALL {
         let outgoing = Outgoing::of(&template, None, Some(convention));
-        // To the left.
+        // Sign of a displacement to the left.
         let y = Frame::new(convention, Side::Left).sign(Axis::Y);
         let rack = Span {
             ends: [8.0 * y, 8.0 * y],
@@ -90,7 +91,7 @@ fn the_rack_of_an_envelope_goes_along_the_axis_of_the_file() {
         let envelope = Envelope::of(&outgoing, tyre, still, rack).unwrap();
         let frame = Frame::new(convention, Side::Left);
         let point = |p: &[f32; 3]| frame.vector(Vector3::from(p.map(f64::from)));
-        // The outboard centre of the cylinder, seen from the car.
+        // Outboard centre of the cylinder, in the axes of the car.
         found.push(point(&envelope.solids[0][0][0]));
     }
     assert!(
@@ -101,7 +102,7 @@ fn the_rack_of_an_envelope_goes_along_the_axis_of_the_file() {
     assert!((found[0] - straight).norm_squared() > 1.0);
 }
 
-/// Every edge belongs to two triangles, which run along it in opposite directions.
+/// Asserts that every edge belongs to two triangles, which traverse it in opposite directions.
 fn closed(solid: &[[[f32; 3]; 3]]) {
     let mut edges: BTreeMap<[[u32; 3]; 2], i32> = BTreeMap::new();
     for triangle in solid {
@@ -116,8 +117,9 @@ fn closed(solid: &[[[f32; 3]; 3]]) {
     }
 }
 
-/// Both wheels of a solid axle and of a twist beam, at every combination of their travels. Each wheel centre is up by its own travel.
-/// A mirrored axle with exchanged travels is the mirror image. The wheel centres of an axle that is not steered keep their distance.
+/// The envelope contains both wheels of a solid axle or twist beam at every combination of their travels. Each wheel
+/// centre is above its design position by its own travel. A mirrored axle with swapped travels is the mirror image. The
+/// wheel centres of an unsteered axle keep their distance.
 #[test]
 fn tyres_of_solid_axles_take_all_combinations_of_travels() {
     let steered = include_str!("../../../studies/off_road_car_front.toml");
@@ -156,7 +158,7 @@ fn tyres_of_solid_axles_take_all_combinations_of_travels() {
         let design = Side::ALL.map(|side| Vector3::from(outgoing.position(side, wheel_centre)));
         let apart = |a: Vector3<f64>, b: Vector3<f64>| (a - b).norm_squared().sqrt();
         let travels = [-30.0, 0.0, 30.0];
-        // Coordinates are rounded to 32 bits.
+        // The file rounds coordinates to 32 bits.
         for (number, (l, r)) in left.iter().zip(&right).enumerate() {
             let own = [travels[number / 3 % 3], travels[number % 3]];
             assert!((l.z - design[0].z - own[0]).abs() < 1e-3, "{number}: {l:?}");
@@ -171,13 +173,13 @@ fn tyres_of_solid_axles_take_all_combinations_of_travels() {
             }
         }
         if racks == 2 {
-            // With the gear at rest the tyre is elsewhere than with the gear moved.
+            // A displacement of the steering gear moves the tyre.
             assert!(apart(left[4], left[13]) > 0.1);
         }
     }
 }
 
-/// The volume that triangles enclose, positive if they are seen from outside.
+/// Volume that triangles enclose, positive if their faces point outward.
 fn volume(solid: &[[[f32; 3]; 3]]) -> f64 {
     let origin = Vector3::from(solid[0][0].map(f64::from));
     let six = solid.iter().map(|triangle| {
@@ -219,7 +221,7 @@ fn envelopes_that_cannot_be_are_refused_by_name() {
     assert!(said.contains("left wheel at travel 1995 mm"), "{said}");
 }
 
-/// Centre lines join hardpoints by name, on the layers of their bodies; every point is there once with its name.
+/// Centre lines join hardpoints by name, on the layers of their bodies. Every point appears once with its name.
 #[test]
 fn drawings_join_hardpoints() {
     for study in studies().iter().step_by(7) {
@@ -246,7 +248,7 @@ fn drawings_join_hardpoints() {
                 "{line:?}"
             );
         }
-        // Letters of 6 mm in the file's unit.
+        // Letters are 6 mm high in the file's unit.
         for text in of("TEXT") {
             assert!((text.number(40) - 6.0 / 25.4).abs() < 1e-15);
         }
@@ -258,7 +260,7 @@ fn drawings_join_hardpoints() {
             said.text,
             "unit in; frame x_rear: x rearward, y right, z up"
         );
-        // Every layer that is used is in the table of layers, and the unit is said there too.
+        // The table of layers contains every used layer, and the header contains the unit.
         let pairs = pairs(&drawing(&outgoing));
         let insunits = pairs
             .iter()
@@ -296,8 +298,8 @@ fn drawings_join_hardpoints() {
     }
 }
 
-/// At poses between, no corner of the tyre is further outside of all solids than the bound says; with more values the
-/// bound is smaller.
+/// At intermediate poses, no corner of the tyre is farther outside all solids than the stated bound. With more values
+/// the bound is smaller.
 #[test]
 fn the_gap_between_poses_is_bounded() {
     assert_gap_is_bounded("double_wishbone", 20.0);
@@ -321,7 +323,7 @@ fn assert_gap_is_bounded(topology: &str, rack: f64) {
     let (coarse, dense) = (envelope(3), envelope(9));
     assert!(dense.gap() < 0.3 * coarse.gap());
     let point = |p: [f32; 3]| Vector3::from(p.map(f64::from));
-    // Centre and axis of each solid, from the middles of its rings.
+    // Centre and axis of each solid, from the means of its rings.
     let cylinders = coarse.solids.iter().map(|solid| {
         let [outer, inner] = [point(solid[0][0]), point(solid[1][0])];
         ((outer + inner) * 0.5, (outer - inner) * (1.0 / tyre.width))

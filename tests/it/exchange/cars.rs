@@ -1,4 +1,5 @@
-//! Axles and cars in: solid axles, vehicles of Project Chrono, both axles of Assetto Corsa, bushings of Adams/Car.
+//! Tests of the import of axles and cars: solid axles, vehicles of Project Chrono, both axles of Assetto Corsa,
+//! bushings of Adams/Car.
 
 use super::{Said, file, imported};
 use hardpoint::exchange::{
@@ -45,7 +46,7 @@ fn car_of(path: &Path, radius: Option<f64>) -> Result<ImportedCar, String> {
     import_car(&table, [&front, &rear], "there").map_err(|refusal| refusal.to_string())
 }
 
-/// Writes the files of a car and reads them back.
+/// Writes the files of a car, and reads them again.
 fn kept(directory: &Path, car: &ImportedCar) -> CarStudy {
     for (name, text) in CAR_FILES.iter().zip(&car.files) {
         std::fs::write(directory.join(name), text).unwrap();
@@ -53,7 +54,7 @@ fn kept(directory: &Path, car: &ImportedCar) -> CarStudy {
     CarStudy::read(&directory.join(CAR_FILES[0]), &[]).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// An invented double wishbone of Project Chrono.
+/// Invented double wishbone suspension of Project Chrono.
 const WISHBONES: &str = r#"{ "Type": "Suspension", "Template": "DoubleWishbone",
 "Spindle": { "Mass": 1.5, "COM": [0.0, 0.8, 0.02] },
 "Upright": { "Mass": 2.5 },
@@ -65,7 +66,8 @@ const WISHBONES: &str = r#"{ "Type": "Suspension", "Template": "DoubleWishbone",
 "Spring": { "Location Chassis": [0.05, 0.47, 0.31], "Location Arm": [0.05, 0.56, -0.09], "Free Length": 0.5,
   "Spring Coefficient": 50000.0 } }"#;
 
-/// The spring of a single suspension goes into the study of an axle, and is listed for a wheel.
+/// The import writes the spring of a single suspension into the study of an axle, and lists it as left out for a single
+/// wheel.
 #[test]
 fn springs_of_single_suspensions_are_not_lost() {
     let directory = tempfile::tempdir().unwrap();
@@ -83,7 +85,8 @@ fn springs_of_single_suspensions_are_not_lost() {
     }
 }
 
-/// Two upper links and a Panhard rod are five links, which cannot be rigid. One upper link keeps its actual y.
+/// The import refuses two upper links together with a Panhard rod: these five links overconstrain a rigid axle. A
+/// single upper link keeps its actual y.
 #[test]
 fn five_links_of_a_solid_axle_are_refused() {
     let directory = tempfile::tempdir().unwrap();
@@ -115,7 +118,7 @@ fn five_links_of_a_solid_axle_are_refused() {
     }
 }
 
-/// A vehicle of two axles with these wishbones, rear axle first.
+/// Vehicle with two axles with these wishbones, with the rear axle first in the file.
 const VEHICLE: &str = r#"{ "Type": "Vehicle", "Template": "WheeledVehicle",
 "Chassis": { "Input File": "made/chassis.json" },
 "Axles": [
@@ -146,7 +149,7 @@ fn a_vehicle_of_chrono_is_a_car_that_is_solved() {
     let car = car_of(&path, Some(0.31)).unwrap();
     assert_eq!(car.missing, Vec::<String>::new());
     let study = kept(directory.path(), &car);
-    // The axle further ahead is the front one. Points are those of the file plus the place of the axle.
+    // The axle farther forward is the front one. Points are those of the file plus the position of the axle.
     let at = |axle: usize, name: &str| {
         let suspension = study.axles[axle].wheel();
         let place = suspension.design[suspension.mechanism.point(name).unwrap().0];
@@ -156,10 +159,10 @@ fn a_vehicle_of_chrono_is_a_car_that_is_solved() {
         assert_eq!(at(axle, "wheel_centre"), [0.0 + x, 0.8, 0.02 + z]);
         assert_eq!(at(axle, "upper_arm_rear"), [-0.19 + x, 0.45, 0.19 + z]);
         let setup = &study.axles[axle].axle().unwrap().axle.setup;
-        // Two wheels: spindle, upright and wheel.
+        // Mass of two wheels, each with spindle, upright and wheel.
         assert_eq!(setup.unsprung_mass, Some(2.0 * (1.5 + 2.5 + 16.0)));
     }
-    // The spring of 0.41 m by Pythagoras, from 0.09 and 0.4.
+    // The spring is 0.41 m long, by Pythagoras from 0.09 and 0.4.
     let force = 50000.0 * (0.5 - f64::hypot(0.09, 0.4));
     assert!(car.files[1].contains("rate = 50000.0"), "{}", car.files[1]);
     let line = car.files[1]
@@ -168,11 +171,11 @@ fn a_vehicle_of_chrono_is_a_car_that_is_solved() {
         .unwrap();
     let written: f64 = line.split_whitespace().nth(2).unwrap().parse().unwrap();
     assert!((written - force).abs() < 1e-9 * force, "{line}");
-    // A hole is subtracted: 1000 kg at 0.5 m less 200 kg at 1 m.
+    // The import subtracts a hole: 1000 kg at 0.5 m minus 200 kg at 1 m.
     assert_eq!(study.car.mass, 800.0);
     assert!((study.car.cg - Vector3::new(0.25, 0.0, 0.375)).norm() < 1e-15);
     assert_eq!(study.car.rear_offset, Vector3::new(0.0, 0.0, 0.0));
-    // Without a radius the car says what it needs.
+    // Without a radius the import lists what the car still needs.
     let lacking = car_of(&path, None).unwrap().missing;
     assert!(
         lacking.iter().all(|line| line.contains("--radius")) && lacking.len() == 2,
@@ -180,7 +183,7 @@ fn a_vehicle_of_chrono_is_a_car_that_is_solved() {
     );
 }
 
-/// A single axle of the same vehicle, and vehicles that are refused.
+/// The import can take a single axle of the same vehicle, and refuses vehicles that are not cars with two axles.
 #[test]
 fn vehicles_that_are_no_cars_are_refused() {
     let directory = tempfile::tempdir().unwrap();
@@ -232,7 +235,7 @@ fn vehicles_that_are_no_cars_are_refused() {
     }
 }
 
-/// Points of solid axles of Project Chrono: two pairs of links, and a triangular upper link.
+/// The import reads the points of solid axles of Project Chrono: two pairs of links, and a triangular upper link.
 #[test]
 fn solid_axles_of_chrono_are_read() {
     let upper = [
@@ -296,8 +299,8 @@ fn solid_axles_of_chrono_are_read() {
     }
 }
 
-/// Solid axles with four links, and with a Panhard rod, to Assetto Corsa and back: the same places relative to the middle
-/// of both wheel centres.
+/// Solid axles with four links, or with a Panhard rod, keep their points through an export to Assetto Corsa and back.
+/// Points are relative to the midpoint of both wheel centres.
 #[test]
 fn solid_axles_come_back_from_assetto_corsa() {
     let directory = tempfile::tempdir().unwrap();
@@ -349,8 +352,8 @@ fn solid_axles_come_back_from_assetto_corsa() {
     }
 }
 
-/// Solid axles and a twist beam as tables and back, in every unit and in every axes: the numbers of the left half. Points of
-/// another right half are named.
+/// Solid axles and a twist beam keep the coordinates of their left half through a table and back, in every unit and in
+/// all axes. The import names points of a right half that differs.
 #[test]
 fn axles_of_one_body_come_back_from_tables() {
     let directory = tempfile::tempdir().unwrap();
@@ -411,7 +414,7 @@ fn axles_of_one_body_come_back_from_tables() {
     }
 }
 
-/// Halves that differ: each point has one row a side with its own coordinates, and the table gives the same axle.
+/// If the halves differ, each point has one row for each side with its coordinates, and the table gives the same axle.
 #[test]
 fn axles_with_different_halves_come_back_from_tables() {
     let directory = tempfile::tempdir().unwrap();
@@ -432,14 +435,14 @@ fn axles_with_different_halves_come_back_from_tables() {
         let again = study(&back.study("back", "there").unwrap());
         assert_eq!(again.wheel().design, own.wheel().design, "{topology}");
     }
-    // A drag link is no mirror image, so such an axle always has two different halves.
+    // A drag link has no mirror image, so such an axle always has two different halves.
     let steered = Study::read(&studies().join("off_road_car_front.toml"), &[]).unwrap();
     let rows = csv(&point_rows(&Outgoing::of(&steered, None, None)));
     let table = String::from_utf8(rows).unwrap();
     assert_eq!(table.matches("\nwheel_centre,").count(), 1, "{table}");
 }
 
-/// Links that a solid axle does not have are refused with the reason, and names settle it.
+/// The import refuses links that a solid axle cannot have, with the reason. Names that the user assigns resolve this.
 #[test]
 fn other_links_of_assetto_corsa_are_named() {
     let directory = tempfile::tempdir().unwrap();
@@ -447,7 +450,7 @@ fn other_links_of_assetto_corsa_are_named() {
     let written = suspensions_ini(&Outgoing::of(&own, None, None)).unwrap();
     let text = String::from_utf8(written.bytes).unwrap();
     assert!(text.contains("LINK_COUNT=4"), "{text}");
-    // Two further links that are no mirror images.
+    // The file has two further links that are not mirror images.
     let more = text.replace("LINK_COUNT=4", "LINK_COUNT=6")
         + "J4_CAR=0.6,0.01,0.48\nJ4_AXLE=0,0.02,-0.03\nJ5_CAR=-0.6,-0.01,0.48\nJ5_AXLE=0,0.02,-0.03\n";
     let path = file(&directory, "suspensions.ini", more.as_bytes());
@@ -482,8 +485,8 @@ fn other_links_of_assetto_corsa_are_named() {
     assert!(refused.contains("LINK_COUNT is 5"), "{refused}");
 }
 
-/// Rate at the left wheel, N/m, from the slope of the wheel load over heave. The pads rise by the cosine of camber
-/// otherwise than the wheel centres: less than 1 %.
+/// Rate at the left wheel in N/m, from the slope of the wheel load over heave. With camber the pads rise differently
+/// from the wheel centres, by less than 1 %.
 fn springs_alone(study: &Study) -> f64 {
     let start = study.text.find("[motion]").unwrap();
     let text = study.text[..start].to_owned()
@@ -495,8 +498,8 @@ fn springs_alone(study: &Study) -> f64 {
     1000.0 * (load(2) - load(0))
 }
 
-/// A car of two double wishbones to Assetto Corsa and back: the same places relative to the wheel centres, wheelbase, weight
-/// distribution and heights.
+/// A car with two double wishbone axles is the same after an export to Assetto Corsa and back: its points relative to
+/// the wheel centres, its wheelbase, weight distribution and heights.
 #[test]
 fn a_car_comes_back_from_assetto_corsa() {
     let directory = tempfile::tempdir().unwrap();
@@ -535,7 +538,7 @@ fn a_car_comes_back_from_assetto_corsa() {
             "{text}"
         );
     }
-    // The rate at the wheel in N/m.
+    // Rate at the wheel in N/m.
     let ini = String::from_utf8(written.bytes).unwrap();
     let rates = ini.lines().filter_map(|l| l.strip_prefix("SPRING_RATE="));
     let rates: Vec<f64> = rates.map(|rate| rate.parse().unwrap()).collect();
@@ -544,7 +547,7 @@ fn a_car_comes_back_from_assetto_corsa() {
         let slope = springs_alone(axle);
         assert!((rate / slope - 1.0).abs() < 0.01, "{rate} {slope}");
     }
-    // Springs of the game have a rate at the wheel and no points. The car says what it needs.
+    // Springs of the game have a rate at the wheel and no points. The import lists what the car needs.
     let left_out = car.axles[0].left_out.join("\n");
     assert!(
         left_out.contains("N/m at the wheel") && left_out.contains("motion_ratio^2"),
@@ -581,7 +584,7 @@ fn a_car_comes_back_from_assetto_corsa() {
     near(-back.position[0], metres(front.x - rear.x));
 }
 
-/// A table with both axles and a right wheel that is not the mirror image.
+/// A table with both axles and a right wheel that is not the mirror image is imported as a car.
 #[test]
 fn a_table_with_four_corners_is_a_car() {
     let template = Topology::named("double_wishbone").unwrap().template;
@@ -595,7 +598,7 @@ fn a_table_with_four_corners_is_a_car() {
         ("RR", -1.0, 2500.0),
     ] {
         for (point, place) in suspension.mechanism.points.iter().zip(&suspension.design) {
-            // The rear right inner point is 2 mm higher.
+            // The inner point of the tie rod at the right rear is 2 mm higher.
             let up = if corner == "RR" && point.name == "tie_rod_inner" {
                 2.0
             } else {
@@ -699,7 +702,7 @@ fn bus(fy: f64) -> String {
     text + "[TZ_CURVE]\n-1.0 -50.0\n1.0 50.0\n"
 }
 
-/// Bushings whose directions the files settle are taken, the others named.
+/// The import takes bushings whose directions follow from the files, and names the others.
 #[test]
 fn bushings_of_adams_are_taken_where_their_directions_are_known() {
     let directory = tempfile::tempdir().unwrap();
@@ -749,7 +752,7 @@ fn bushings_of_adams_are_taken_where_their_directions_are_known() {
     let text = read.study("s", "there").unwrap();
     let study = study(&text);
     assert!(study.wheel().mechanism.point("lower_arm_front").is_some());
-    // The axis of Adams' z is x here, with its factor. 50 N mm at 1 deg are 50 x 180/pi N mm/rad.
+    // Adams' z axis is x here, with its factor. 50 N mm at 1 deg are 50 x 180/pi N mm/rad.
     let about = 50.0 * 180.0 / std::f64::consts::PI;
     let line = text
         .lines()

@@ -1,4 +1,4 @@
-//! The commands as a user meets them.
+//! Tests of the commands for file exchange, as a user runs them.
 
 use assert_cmd::Command;
 use hardpoint::model::Topology;
@@ -47,7 +47,7 @@ fn a_table_goes_out_and_comes_back_on_the_command_line() {
     let said = hardpoint(&import).assert().success();
     assert!(text(&said.get_output().stderr).contains("9 hardpoints of macpherson"));
     hardpoint(&["check", &study]).assert().success();
-    // A file that is there is not written over, and a wrong topology is refused by what is missing.
+    // The import does not overwrite an existing file, and refuses a wrong topology with the list of missing points.
     hardpoint(&import).assert().code(2);
     let refused = hardpoint(&["import", &table, "--topology", "five_link"])
         .assert()
@@ -68,9 +68,9 @@ fn rounding_says_what_it_costs() {
         said.contains("27 of 27 coordinates rounded to 10 mm: misfit"),
         "{said}"
     );
-    // The motion is no output.
+    // The table of outputs does not contain the coordinate of the motion.
     assert!(!said.contains("\n  travel_mm"), "{said}");
-    // In figures as other tables have them.
+    // The table prints numbers in the same style as other tables.
     let of_camber = said.lines().find(|line| line.starts_with("  camber_deg"));
     let change = of_camber.unwrap().split_whitespace().last().unwrap();
     assert!(
@@ -116,7 +116,7 @@ fn designs_stand_side_by_side() {
     assert_eq!(csv.lines().count(), 42);
     let page = std::fs::read_to_string(out_path.join("report.html")).unwrap();
     assert!(page.contains("Content-Security-Policy") && page.contains("double_wishbone_solve"));
-    // The same study twice: no difference anywhere.
+    // A study compared with itself has no differences.
     let same = hardpoint(&["compare", &a, &a, "--out", "-"])
         .assert()
         .success();
@@ -165,7 +165,7 @@ fn shells_editors_and_man_get_theirs() {
     assert!(text(&page.get_output().stdout).contains("HARDPOINT IMPORT"));
     let schema = hardpoint(&["schema"]).assert().success();
     let schema: serde_json::Value = serde_json::from_slice(&schema.get_output().stdout).unwrap();
-    // A study is that of a suspension or that of a car.
+    // A study describes either a suspension or a car.
     let kinds = schema["anyOf"].as_array().or(schema["oneOf"].as_array());
     assert!(kinds.is_some_and(|kinds| kinds.len() == 2), "{schema}");
     let new = hardpoint(&["new", "macpherson", "--with", "pushrod"])
@@ -174,7 +174,7 @@ fn shells_editors_and_man_get_theirs() {
     assert!(text(&new.get_output().stderr).contains("its strut is the spring"));
 }
 
-/// A run is enough without its study: its points are exported and compared with its overrides.
+/// A run can be exported and compared without its study: it keeps the points, including overrides.
 #[test]
 fn a_run_keeps_its_study() {
     let directory = tempfile::tempdir().unwrap();
@@ -202,7 +202,8 @@ fn a_run_keeps_its_study() {
     let said = text(&compare.get_output().stdout);
     assert!(said.contains("tie_rod_inner"), "moved: {said}");
 
-    // The same study solved again in its own directory, under the name of the copy, keeps it.
+    // If the output directory is that of the study, and the study has the name of the run's copy, the run keeps the
+    // study unchanged.
     let own = directory.path().join("study.toml");
     std::fs::copy(&study, &own).unwrap();
     let own = own.to_str().unwrap();
@@ -216,7 +217,8 @@ fn a_run_keeps_its_study() {
     }
 }
 
-/// An import says the role of each point and the next command, asks nothing in a pipe, and never replaces its input.
+/// An import prints the role of each point and the next command. In a pipe it asks no questions, and it never replaces
+/// its input.
 #[test]
 fn an_import_says_what_it_did_and_keeps_its_input() {
     let directory = tempfile::tempdir().unwrap();
@@ -267,7 +269,7 @@ fn an_import_says_what_it_did_and_keeps_its_input() {
     import(&["--corner", "FL", "--axle", "front"])
         .assert()
         .code(2);
-    // A device, which may have no end, is refused.
+    // The import refuses a device file, which may be endless.
     if cfg!(unix) {
         let endless = [
             "import",
@@ -282,7 +284,8 @@ fn an_import_says_what_it_did_and_keeps_its_input() {
     }
 }
 
-/// A cell of 5 MB in any format, where a name, a number, a unit or a word is expected: an answer of the usual length.
+/// If a cell contains 5 MB where a name, number, unit or word is expected, the message has the usual length, in any
+/// format.
 #[test]
 fn huge_cells_get_short_answers() {
     let directory = tempfile::tempdir().unwrap();
@@ -320,8 +323,7 @@ fn huge_cells_get_short_answers() {
     }
 }
 
-/// `check` reports as doubtful the cases that an import would refuse: columns in another order, and a wheel at the
-/// centre plane.
+/// `check` warns of mistakes that an import would refuse: columns in another order, and a wheel at the centre plane.
 #[test]
 fn check_doubts_axes_and_a_wheel_at_the_centre_plane() {
     let directory = tempfile::tempdir().unwrap();
@@ -352,7 +354,7 @@ fn check_doubts_axes_and_a_wheel_at_the_centre_plane() {
     );
     let at_origin = doubts(|[x, y, z]| [x, y - 760.0, z]);
     assert!(at_origin.contains("from the centre plane"), "{at_origin}");
-    // One coordinate with a wrong decimal place is named before the doubts that it causes.
+    // `check` names one coordinate with a wrong decimal point before the warnings that follow from it.
     let slip = doubts(|at| {
         if at == [10.0, 700.0, 180.0] {
             [10.0, 700.0, 1800.0]
@@ -369,7 +371,7 @@ fn check_doubts_axes_and_a_wheel_at_the_centre_plane() {
     );
 }
 
-/// Printed commands can be copied into a shell, also with a space in a path. Files that were written are named.
+/// Printed commands can be pasted into a shell, even if a path contains a space. The output names the written files.
 #[test]
 fn printed_commands_quote_their_paths() {
     let directory = tempfile::tempdir().unwrap();
@@ -411,8 +413,8 @@ fn printed_commands_quote_their_paths() {
     assert_eq!(text(&said.get_output().stderr), "");
 }
 
-/// A solid axle with one upper link has its study's coordinates after its table is read. Two upper links and a linkage across the
-/// axle are refused.
+/// A solid axle with one upper link has the same coordinates after export to a table and import. The import refuses two
+/// upper links together with a lateral linkage.
 #[test]
 fn solid_axles_with_one_upper_link_go_out_and_come_back() {
     let directory = tempfile::tempdir().unwrap();

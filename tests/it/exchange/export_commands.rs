@@ -1,4 +1,4 @@
-//! `hardpoint export` for a user: rounded coordinates, overwritten files, curves and their points.
+//! Tests of `hardpoint export` as a user runs it: rounded coordinates, protected files, curves and their points.
 
 use super::{Said, imported};
 use assert_cmd::Command;
@@ -25,7 +25,7 @@ fn sample(name: &str) -> PathBuf {
         .join(name)
 }
 
-/// The points of a table by name.
+/// Points of a table by name.
 fn points(path: &Path) -> BTreeMap<String, [f64; 3]> {
     let text = std::fs::read_to_string(path).unwrap();
     let rows = text.lines().skip(1).filter_map(|line| {
@@ -36,7 +36,7 @@ fn points(path: &Path) -> BTreeMap<String, [f64; 3]> {
     rows.collect()
 }
 
-/// The curves of a rounded workbook are those of the rounded points, in every unit.
+/// The curves in a rounded workbook are those of the rounded points, in every unit.
 #[test]
 fn a_rounded_workbook_has_the_curves_of_its_points() {
     let directory = tempfile::tempdir().unwrap();
@@ -61,7 +61,8 @@ fn a_rounded_workbook_has_the_curves_of_its_points() {
                 "{said}"
             );
 
-            // Every coordinate is a multiple, and the study of these points has the curves of the book.
+            // Every coordinate is a multiple of the rounding step, and the curves in the workbook are those of these
+            // points.
             let study = Study::read(&path, &[]).unwrap();
             let suspension = study.wheel();
             let table = exported_points(&call, directory.path());
@@ -91,7 +92,7 @@ fn a_rounded_workbook_has_the_curves_of_its_points() {
                     let place = place.map(|x| suspension.length_unit.convert(x, unit));
                     let place = suspension.frame.vector(place);
                     moved += usize::from(place != suspension.design[n]);
-                    // A coordinate that does not move keeps its bits.
+                    // A coordinate that does not change keeps its bits.
                     let keep = |a: f64, b: f64| if (a - b).abs() < 1e-9 { b } else { a };
                     let own = suspension.design[n];
                     Vector3::new(
@@ -125,7 +126,7 @@ fn a_rounded_workbook_has_the_curves_of_its_points() {
     }
 }
 
-/// The same points as a table.
+/// Exports the same points as a table.
 fn exported_points(call: &[&str], directory: &Path) -> PathBuf {
     let table = directory.join("points.csv");
     let mut call = call.to_vec();
@@ -135,7 +136,7 @@ fn exported_points(call: &[&str], directory: &Path) -> PathBuf {
     table
 }
 
-/// A run's curves stay where its points do.
+/// An exported run has the curves of the run, if its points are unchanged.
 #[test]
 fn a_run_has_its_own_curves() {
     let directory = tempfile::tempdir().unwrap();
@@ -155,7 +156,7 @@ fn a_run_has_its_own_curves() {
     let rows = point_rows(&outgoing);
     let expected = workbook(&[Page { name, rows }, curves]);
     assert!(std::fs::read(&book).unwrap() == expected);
-    // Points that --set has moved have other curves.
+    // If --set has moved points, the curves are different.
     let moved = "suspension.hardpoints.tie_rod_inner=[-110.0, 335.0, 240.0]";
     let (_, said) = run(
         &[&["export", out, "--set", moved][..], &to_book].concat(),
@@ -165,7 +166,7 @@ fn a_run_has_its_own_curves() {
         said.contains("the sheet curves_of_solve has the curves of the run"),
         "{said}"
     );
-    // A table has no sheets.
+    // A CSV table has no sheets.
     let to_table = ["--to", "csv", "--force", "--out"];
     let table = directory.path().join("points.csv");
     let call = ["export", out, "--set", moved];
@@ -176,7 +177,7 @@ fn a_run_has_its_own_curves() {
     assert!(!said.contains("sheet"), "{said}");
 }
 
-/// Rounding moves the coordinates that a tuning may move or has moved, and no others; with --round-all all of them.
+/// Rounding changes only coordinates that a tuning may move or has moved; with --round-all it changes all coordinates.
 #[test]
 fn rounding_moves_what_was_tuned() {
     let directory = tempfile::tempdir().unwrap();
@@ -227,7 +228,7 @@ fn rounding_moves_what_was_tuned() {
                 .any(|id| study.wheel().mechanism.name(id) == name)
         })
     };
-    // Of the run, with 7 mm as a grid that fits none of the coordinates by chance.
+    // Rounds the run to 7 mm, a step of which no coordinate is a multiple by chance.
     let (rounded, said) = export(out, &["--round", "7"]);
     assert!(
         said.contains("coordinates rounded to 7 mm: misfit"),
@@ -249,7 +250,7 @@ fn rounding_moves_what_was_tuned() {
         }
     }
     assert!(count > 0);
-    // Of the tuned study alone: what its variables may move.
+    // Rounds the tuned study alone: its variables determine the coordinates.
     let file = Path::new(out).join("optimised.toml");
     let (rounded, _) = export(file.to_str().unwrap(), &["--round", "7"]);
     for (name, position) in &after {
@@ -257,7 +258,7 @@ fn rounding_moves_what_was_tuned() {
     }
     let (rounded, _) = export(out, &["--round", "7", "--round-all"]);
     assert!(rounded.values().flatten().all(|x| (x / 7.0).fract() == 0.0));
-    // A study without a tuning has nothing to round, and what --set has moved is.
+    // A study without a tuning has nothing to round, except the points that --set has moved.
     let plain = sample("macpherson_solve.toml");
     let plain = plain.to_str().unwrap();
     let (same, said) = export(plain, &["--round", "7"]);
@@ -273,7 +274,7 @@ fn rounding_moves_what_was_tuned() {
     assert_eq!(changed[0].1[2] % 7.0, 0.0);
 }
 
-/// A command never overwrites its inputs, by whatever name.
+/// A command never overwrites its inputs, under any name.
 #[test]
 fn inputs_are_never_written_over() {
     let directory = tempfile::tempdir().unwrap();
@@ -323,7 +324,7 @@ fn inputs_are_never_written_over() {
     ];
     run(&[&import[..], &[&at("front.sub")]].concat(), 2);
     assert_eq!(std::fs::read(at("front.sub")).unwrap(), sub);
-    // The files of a run are its inputs.
+    // The files of a run count as its inputs.
     run(&["-q", "solve", &study, "--out", &at("run")], 0);
     let curves = directory.path().join("run/curves.csv");
     let before = std::fs::read(&curves).unwrap();
@@ -339,7 +340,7 @@ fn inputs_are_never_written_over() {
     assert_eq!(std::fs::read(&curves).unwrap(), before);
 }
 
-/// Options that do not go together are refused by name, and nothing is written.
+/// The program names and refuses options that cannot be combined, and writes nothing.
 #[test]
 fn calls_that_make_no_sense_are_refused() {
     let directory = tempfile::tempdir().unwrap();
@@ -420,7 +421,7 @@ fn calls_that_make_no_sense_are_refused() {
     assert!(!Path::new(out).exists());
 }
 
-/// The curves of a study as a table, in other units and under other names.
+/// Export writes the curves of a study as a table, in other units and with other names.
 #[test]
 fn curves_go_out_as_a_table() {
     let path = sample("macpherson_front.toml");
@@ -466,7 +467,7 @@ fn curves_go_out_as_a_table() {
     }
 }
 
-/// `-` is standard output, as for commands that write directories; no file has this name.
+/// `-` means standard output, as for commands that write directories; the program writes no file with this name.
 #[test]
 fn a_dash_is_standard_output() {
     let directory = tempfile::tempdir().unwrap();

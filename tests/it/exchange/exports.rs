@@ -1,5 +1,5 @@
-//! Files for other tools: planted lengths in every unit, signs in every frame, curves that are those of the study written in
-//! the other unit and axes.
+//! Tests of files for other tools: planted lengths in every unit, signs in every frame, and curves of the study
+//! rewritten in the other unit and axes.
 
 use super::parsers::{all_ways, cells, entities, of_text, sample, template};
 use super::round_trips::changed;
@@ -11,7 +11,7 @@ use hardpoint::model::{Axis, Frame, FrameConvention, LengthUnit, Side};
 use hardpoint::solved::Solved;
 use hardpoint::study::Study;
 
-/// Lengths of 508 mm, 0.508 m and 20 in are one length in each of the files, whichever of them the study is written in.
+/// Lengths of 508 mm, 0.508 m and 20 in are equal in each of the files, whatever the unit of the study.
 #[test]
 fn planted_lengths_are_right_in_every_file_and_unit() {
     let study = of_text(template("double_wishbone"));
@@ -45,7 +45,7 @@ fn planted_lengths_are_right_in_every_file_and_unit() {
             let point = lines.iter().find(|e| e.text == "wheel_centre").unwrap();
             assert!(is(&point.place(10)[1].to_string()));
 
-            // A wheel that stands straight: half track and diameter are those of the wheel centre.
+            // The planted wheel is straight, so its half track and diameter are those of the wheel centre.
             let (rows, _) = optimum_k_rows(&outgoing).unwrap();
             let rows = cells(&rows);
             let figure = |name: &str| rows.iter().find(|row| row[1] == name).unwrap()[2].clone();
@@ -65,7 +65,7 @@ fn planted_lengths_are_right_in_every_file_and_unit() {
                 .find(|row| row.iter().any(|cell| cell == "Length"));
             assert!(length.unwrap().contains(&unit.symbol().to_owned()));
 
-            // Always metres there.
+            // The unit of this file is always the metre.
             let ini = String::from_utf8(suspensions_ini(&outgoing).unwrap().bytes).unwrap();
             let track = ini.lines().find_map(|line| line.strip_prefix("TRACK="));
             assert!((track.unwrap().parse::<f64>().unwrap() - 1.016).abs() <= 1e-12);
@@ -91,7 +91,7 @@ fn planted_lengths_are_right_in_every_file_and_unit() {
     }
 }
 
-/// In its axes each file has the wheel on the right side, ahead and above.
+/// Each file has the wheel on the correct side, ahead and above, in its axes.
 #[test]
 fn files_have_the_signs_of_their_axes() {
     let study = of_text(template("double_wishbone"));
@@ -100,7 +100,7 @@ fn files_have_the_signs_of_their_axes() {
         for out in FrameConvention::ALL {
             let outgoing = Outgoing::of(&study, None, Some(out));
             let left = if side == Side::Left { 1.0 } else { -1.0 };
-            // x, y and z of a point ahead, on this wheel's side, above.
+            // Signs of x, y and z of a point that is ahead, on this wheel's side, and above.
             let signs = match out {
                 FrameConvention::Iso8855 => [1.0, left, 1.0],
                 FrameConvention::SaeJ670 => [1.0, -left, -1.0],
@@ -119,7 +119,7 @@ fn files_have_the_signs_of_their_axes() {
     }
 }
 
-/// A study as its author would have written it in another unit and other axes.
+/// Study as its author would write it in another unit and other axes.
 fn rewritten(study: &Study, unit: LengthUnit, convention: FrameConvention) -> Study {
     let own = study.wheel().length_unit;
     let (_, side) = study.wheel().frame.meaning();
@@ -150,8 +150,8 @@ fn rewritten(study: &Study, unit: LengthUnit, convention: FrameConvention) -> St
     other
 }
 
-/// Coordinates, angular velocities, racks, angles and gains with their derivatives: the columns of a study in other units
-/// and axes are what that study, written in them, is solved to.
+/// Converted curves of coordinates, angular velocities, racks, angles, gains and their derivatives equal the curves of
+/// the same study rewritten in the other unit and axes.
 #[test]
 fn curves_are_those_of_the_study_in_the_other_unit_and_axes() {
     let template = template("double_wishbone");
@@ -186,7 +186,7 @@ fn curves_are_those_of_the_study_in_the_other_unit_and_axes() {
                 for (found, expected) in found.rows[1..].iter().zip(&expected.rows[1..]) {
                     let name = &expected_name(&own, column);
                     match (&found[column], &expected[column]) {
-                        // The travel is the wheel centre's height: its second derivative is rounding.
+                        // The travel equals the height of the wheel centre, so its second derivative is only rounding.
                         (Value::Number(a), Value::Number(b)) if scale < 1e-12 => {
                             assert!(a.abs() < 1e-12 && b.abs() < 1e-12, "{name}: {a} {b}");
                         }
@@ -213,7 +213,8 @@ fn largest(page: &Page, column: usize) -> f64 {
     values.fold(0.0, f64::max)
 }
 
-/// Newton metres are printed in metres whatever the unit of length; a name that ends as a unit does is no unit.
+/// The program converts the unit at the end of a name. N m stays N m for any unit of length, and a name that merely
+/// ends like a unit has no unit.
 #[test]
 fn units_of_an_axle_are_converted_by_their_names() {
     let study = sample("macpherson_axle.toml");
@@ -268,7 +269,7 @@ fn units_of_an_axle_are_converted_by_their_names() {
             );
         }
     }
-    // From metres: `m` in a torque is none of the study's lengths.
+    // In a study in metres, the `m` of a torque is not the study's length unit.
     let in_metres = rewritten_unit(&study, LengthUnit::Metre);
     let outgoing = Outgoing::of(&in_metres, Some(LengthUnit::Millimetre), None);
     let names = [
@@ -297,7 +298,7 @@ fn rewritten_unit(study: &Study, unit: LengthUnit) -> Study {
     other
 }
 
-/// The curves of a run under the names of other tools.
+/// Curves of a run can have the names of other tools.
 #[test]
 fn curves_have_the_names_of_other_tools() {
     let names = [
@@ -348,7 +349,7 @@ fn curves_have_the_names_of_other_tools() {
         ]
     );
     assert_eq!(left_out.len(), 3);
-    // A corner has the side of its study.
+    // A single wheel has the side of its study.
     let mut corner = of_text(template("macpherson"));
     corner.wheel_mut().frame = Frame::new(FrameConvention::Iso8855, Side::Right);
     let outgoing = Outgoing::of(&corner, None, None);
@@ -360,7 +361,7 @@ fn curves_have_the_names_of_other_tools() {
     );
 }
 
-/// A subsystem names the points whose bodies it cannot contain, for each wheel.
+/// The export of a subsystem names, for each wheel, the points whose bodies the file cannot express.
 #[test]
 fn bodies_of_both_wheels_are_named() {
     let axle = include_str!("../../../studies/double_wishbone_axle.toml");

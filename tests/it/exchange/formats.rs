@@ -1,4 +1,4 @@
-//! Files in the layouts of other tools, of our own making: OptimumKinematics, Project Chrono, Assetto Corsa.
+//! Tests of invented files in the layouts of other tools: OptimumKinematics, Project Chrono, Assetto Corsa.
 
 use super::{Said, file, imported};
 use hardpoint::exchange::{Imported, Page, Value, workbook};
@@ -27,7 +27,7 @@ fn runs(read: &Imported) -> Study {
     Study::from_text("s.toml", &text, Path::new(".")).unwrap()
 }
 
-/// Points of a made-up wheel under the names of OptimumKinematics, left wheel.
+/// Points of an invented left wheel under the names of OptimumKinematics.
 const OPTIMUM: [(&str, [f64; 3]); 17] = [
     ("CHAS_LowFor", [151.0, 205.0, 118.0]),
     ("CHAS_LowAft", [-139.0, 207.0, 123.0]),
@@ -48,7 +48,7 @@ const OPTIMUM: [(&str, [f64; 3]); 17] = [
     ("CHAS_PivPnt_L", [-150.0, 230.0, 240.0]),
 ];
 
-/// A workbook of one axle: titles, names in column B, left wheel in C to E, right one in G to I.
+/// Workbook of one axle: titles, names in column B, left wheel in C to E, right wheel in G to I.
 fn optimum(rod: &str, bar: &str) -> Vec<Vec<Value>> {
     let row = |cells: &[&str]| -> Vec<Value> {
         let cell = |text: &&str| match (*text, text.parse()) {
@@ -122,7 +122,8 @@ fn workbooks_of_optimum_kinematics_are_read() {
     };
     let book = workbook(&[page("Front Suspension", optimum("UpperAArm", "Rocker"))]);
     let path = file(&directory, "car.xlsx", &book);
-    // By hand: toe-out 0.25 is toe-in -0.25; the wheel centre is the radius above the contact point in the wheel's plane.
+    // Calculated by hand: toe-out 0.25 is toe-in -0.25; the wheel centre is one radius above the contact point, in the
+    // wheel plane.
     let (camber, toe) = (-1.5_f64.to_radians(), -0.25_f64.to_radians());
     let centre = [
         2.0 + 203.0 * camber.sin() * toe.sin(),
@@ -151,7 +152,7 @@ fn workbooks_of_optimum_kinematics_are_read() {
             ("lower_arm_front", 0),
             ("upper_ball_joint", 5),
             ("tie_rod_outer", 7),
-            // The rod's end at the wheel is the higher one.
+            // The higher end of the rod is the end at the wheel.
             ("pullrod_outer", 8),
             ("pullrod_inner", 12),
             ("rocker_pivot_front", 10),
@@ -186,7 +187,7 @@ fn workbooks_of_optimum_kinematics_are_read() {
         text.contains("pullrod_outer = \"knuckle\"") && !text.contains("drop_link_outer = \""),
         "{text}"
     );
-    // Two sheets: the axle chooses.
+    // The workbook has two sheets; `--axle` chooses one.
     let two = workbook(&[
         page("Front Suspension", optimum("UpperAArm", "Rocker")),
         page("Rear Suspension", optimum("Upright", "Rocker")),
@@ -202,10 +203,10 @@ fn workbooks_of_optimum_kinematics_are_read() {
     assert!(read.notes.join(" ").contains("Rear Suspension"));
 }
 
-/// A part of a suspension of Project Chrono with its locations.
+/// Part of a suspension of Project Chrono with its locations.
 type Part<'a> = (&'a str, &'a [(&'a str, [f64; 3])]);
 
-/// A suspension of Project Chrono: parts by name, each with its locations.
+/// Suspension of Project Chrono: parts by name, each with its locations.
 fn chrono(template: &str, parts: &[Part<'_>]) -> String {
     let mut text = format!(
         "// made up\n{{ \"Name\": \"x // y\", \"Type\": \"Suspension\", \"Template\": \"{template}\",\n/* two\nlines */"
@@ -292,7 +293,7 @@ fn every_template_of_chrono_with_a_topology_is_read() {
     let refused = of_chrono("macpherson", &text).unwrap_err();
     assert!(refused.contains("--topology double_wishbone"), "{refused}");
 
-    // The reduced one has no spring of its own, and its damper on the upright.
+    // The reduced template has no separate spring, and its damper is on the upright.
     let on_upright: Part<'_> = (
         "Shock",
         &[
@@ -424,7 +425,7 @@ fn every_template_of_chrono_with_a_topology_is_read() {
     }
 }
 
-/// A car with wishbones in front and struts behind; only `TYPE` and what a study needs.
+/// Car with front wishbones and rear struts, with only `TYPE` and the entries that a study needs.
 const CAR: &str = "\
 [HEADER]
 VERSION=2
@@ -481,7 +482,7 @@ fn both_axles_of_assetto_corsa_are_read() {
         (wishbones.side, wishbones.unit),
         (Side::Left, LengthUnit::Metre)
     );
-    // By hand: half the track less the lateral coordinate, 10 mm further out by the rim's offset.
+    // Calculated by hand: half the track minus the lateral coordinate, plus 10 mm outboard for the rim offset.
     for (name, wanted) in [
         ("upper_arm_front", [0.13, 0.75 - 0.38 + 0.01, 0.12]),
         ("lower_ball_joint", [0.0, 0.75 - 0.1 + 0.01, -0.1]),
@@ -517,7 +518,7 @@ fn both_axles_of_assetto_corsa_are_read() {
     );
     runs(&strut);
 
-    // The first version has no offset of the rim.
+    // The first version of the format has no rim offset.
     let first = read(
         &CAR.replace("VERSION=2", "VERSION=1"),
         "double_wishbone",
@@ -529,7 +530,7 @@ fn both_axles_of_assetto_corsa_are_read() {
         [0.13, 0.75 - 0.38, 0.12],
         "upper_arm_front",
     );
-    // Without a track the wheel is at the origin.
+    // Without a track the wheel centre is at the origin.
     let without = CAR.replace("TRACK=1.5\n", "");
     assert!(
         read(&without, "double_wishbone", front)

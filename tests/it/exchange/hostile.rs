@@ -1,4 +1,4 @@
-//! Files as they should not be: a clear refusal or the right numbers.
+//! Tests of faulty files: the import refuses them clearly or reads the correct numbers.
 
 use super::{Said, file, imported};
 use hardpoint::exchange::{Page, Value, workbook};
@@ -70,7 +70,7 @@ fn other_units_and_axes_are_recognised_and_contradictions_refused() {
     };
     let metres = of_text(&scaled(0.001, 0.001, 0.001), &Said::default()).unwrap();
     assert_eq!(metres.unit, LengthUnit::Metre);
-    // A right wheel in these axes, or a left one in a left hand's: which is not certain.
+    // In these axes it could be a right wheel, or a left wheel in left-handed axes, so the import refuses the file.
     let turned = scaled(-1.0 / 25.4, 1.0 / 25.4, 1.0 / 25.4);
     let refused = refusal(&turned, &Said::default());
     assert!(
@@ -91,7 +91,7 @@ fn other_units_and_axes_are_recognised_and_contradictions_refused() {
         (sae.frame, sae.side),
         (FrameConvention::SaeJ670, Side::Left)
     );
-    // The title states the wheel, and the points are on the other side in these axes.
+    // The title names the wheel, but in these axes the points are on the other side.
     let sae = Said {
         frame: Some(FrameConvention::SaeJ670),
         ..Said::default()
@@ -102,7 +102,7 @@ fn other_units_and_axes_are_recognised_and_contradictions_refused() {
         "{refused}"
     );
     assert!(refused.contains("--side right"), "{refused}");
-    // Turned about y: no frame of studies, so that the points change their signs.
+    // The file is rotated about y, which is no frame of studies, so the points change their signs.
     let turned = of_text(&scaled(-1.0, 1.0, -1.0), &Said::default()).unwrap();
     assert_eq!(
         (turned.frame, turned.side),
@@ -203,7 +203,7 @@ fn sheets_are_chosen_by_name_or_by_their_points() {
     let mixed = workbook(&[page("it's front", cells()), page("old", broken)]);
     let mixed = file(&directory, "mixed.xlsx", &mixed);
     let read = imported(&mixed, "macpherson", &Said::default());
-    // A coordinate that is no number is a matter of the import, so the sheet counts.
+    // An invalid coordinate does not exclude a sheet: only the import finds it, so both sheets remain candidates.
     let refused = read.unwrap_err();
     assert!(
         refused.contains("say --sheet 'it'\\''s front' or --sheet old"),
@@ -239,7 +239,7 @@ fn other_files_are_told_from_tables() {
     };
     assert!(refused(&[0xd0, 0xcf, 0x11, 0xe0, 0xa1]).contains("old or an encrypted workbook"));
     assert!(refused(b"PK\x03\x04 and nothing else").contains("damaged"));
-    // UTF-16 with a mark, as spreadsheets save "Unicode text".
+    // UTF-16 text with a byte order mark, as spreadsheets save "Unicode text".
     let tabs = TABLE.replace(',', "\t");
     let wide = tabs.encode_utf16().flat_map(u16::to_le_bytes);
     let bytes: Vec<u8> = [0xff, 0xfe].into_iter().chain(wide).collect();
@@ -253,7 +253,8 @@ fn other_files_are_told_from_tables() {
     );
 }
 
-/// A file of rFactor is refused by name. Names that are not known are the cause, not the unit that nothing shows.
+/// The import names the cause of a problem, not its consequences. It refuses a file of rFactor by name, and it reports
+/// unknown names instead of an unknown unit.
 #[test]
 fn causes_are_named_and_not_their_consequences() {
     let bars = "// suspension\n[BODY]\nname=fl_spindle mass=(8.0)\npos=(0.67,0.0,-1.65)\n[BAR]\nname=fl_fore_upper\n";
@@ -264,12 +265,13 @@ fn causes_are_named_and_not_their_consequences() {
         said.contains("missing for macpherson") && said.contains("lower_arm_front"),
         "{said}"
     );
-    // A word in brackets begins like JSON.
+    // A word in brackets looks like the start of JSON.
     let ini = refusal("[POINTS]\nLCA front = 120\n", &Said::default());
     assert!(ini.contains("no table of points"), "{ini}");
 }
 
-/// Names of OptimumKinematics below keys of a script, and abbreviations of wishbones and track rods.
+/// The import reads names of OptimumKinematics below the keys of a script, and abbreviations of wishbones and track
+/// rods.
 #[test]
 fn keys_of_scripts_hide_no_names() {
     let directory = tempfile::tempdir().unwrap();
@@ -300,7 +302,7 @@ fn keys_of_scripts_hide_no_names() {
     }
 }
 
-/// A map in JSON is the same table, and its errors are as clear.
+/// A name map in JSON works like a table, and its errors are as clear.
 #[test]
 fn maps_in_json_are_tables_too() {
     let rows = TABLE.lines().skip(1);
@@ -334,7 +336,7 @@ fn maps_in_json_are_tables_too() {
     }
 }
 
-/// The layout of Project Chrono's suspensions: parts with their locations, in metres.
+/// The import reads the layout of Project Chrono's suspensions: parts with their locations, in metres.
 #[test]
 fn suspensions_of_chrono_are_read() {
     let text = r#"{
@@ -371,8 +373,8 @@ fn suspensions_of_chrono_are_read() {
     assert!(curves.are_complete());
 }
 
-/// A geometry file as Suspension Explorer documents it: the hub's face and the wheel's offset instead of the
-/// wheel centre, the tyre's size instead of a radius, both wheels under their sides.
+/// The import reads geometry files as Suspension Explorer documents them: hub face and wheel offset instead of the
+/// wheel centre, tyre size instead of a radius, and both wheels under their sides.
 #[test]
 fn geometry_files_of_suspension_explorer_are_read() {
     let corner = |sign: f64| {
@@ -417,7 +419,7 @@ fn geometry_files_of_suspension_explorer_are_read() {
         };
         assert_eq!(at("tie_rod_outer"), [-95.0, sign * 690.0, 175.0]);
         assert_eq!(at("spindle_inner"), [0.0, sign * 600.0, 260.0]);
-        // 30 mm back along the axis, whose length is the root of 180 squared and 4 squared.
+        // The wheel centre is 30 mm inboard along the axis, whose length is the root of 180 squared plus 4 squared.
         let length = 180.0_f64.hypot(4.0);
         let wanted = [
             0.0,

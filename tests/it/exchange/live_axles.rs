@@ -1,4 +1,4 @@
-//! Solid axles in files of Assetto Corsa.
+//! Tests of solid axles in files of Assetto Corsa.
 
 use std::fs;
 use std::path::Path;
@@ -14,7 +14,7 @@ fn sample(name: &str) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// The file for the axle of a sample, with the notes of the export.
+/// File for the axle of a sample, and the notes of the export.
 fn exported(name: &str, directory: &Path) -> (String, String) {
     let file = directory.join("suspensions.ini");
     let out = file.to_str().unwrap();
@@ -32,7 +32,7 @@ fn value(text: &str, key: &str) -> f64 {
     line[start.len()..].parse().unwrap()
 }
 
-/// The format has the links of one solid axle.
+/// The format has the links of only one solid axle, so the export refuses a car with two.
 #[test]
 fn a_second_solid_axle_is_not_exported() {
     let directory = tempfile::tempdir().unwrap();
@@ -54,7 +54,8 @@ fn a_second_solid_axle_is_not_exported() {
     assert!(!file.exists());
 }
 
-/// A file with two sections of links, or with one for two axles, would give one of the axles the links of the other.
+/// The import refuses a file with two sections of links, or with one section for two axles, because it would assign
+/// links to the wrong axle.
 #[test]
 fn links_of_two_axles_are_not_mixed() {
     let directory = tempfile::tempdir().unwrap();
@@ -103,7 +104,8 @@ fn links_of_two_axles_are_not_mixed() {
     assert_eq!(code, 0, "{said}");
 }
 
-/// Both wheels of a solid axle rise together. Its rate per wheel is half of the increase of both loads per length of heave.
+/// Both wheels of a solid axle rise together. The exported rate per wheel is half of the increase of both loads per
+/// length of heave.
 #[test]
 fn the_rate_is_that_of_the_axle_in_heave() {
     let directory = tempfile::tempdir().unwrap();
@@ -143,7 +145,7 @@ fn the_rate_is_that_of_the_axle_in_heave() {
             own.map(|(_, cell)| cell.parse::<f64>().unwrap()).sum()
         })
         .collect();
-    // The difference quotient has an error of second order in the heave.
+    // The error of the difference quotient is of second order in the heave.
     let expected = 1000.0 * 0.5 * (loads[2] - loads[0]) / (2.0 * heave);
     let found = value(&text, "SPRING_RATE");
     assert!(
@@ -152,7 +154,7 @@ fn the_rate_is_that_of_the_axle_in_heave() {
     );
 }
 
-/// An axle that a drag link steers has an internal point. The list of derivatives does not name it.
+/// An axle steered by a drag link has an internal point. The list of derivatives omits it.
 #[test]
 fn derivatives_by_internal_points_are_not_listed() {
     let directory = tempfile::tempdir().unwrap();
@@ -172,7 +174,8 @@ fn derivatives_by_internal_points_are_not_listed() {
     assert!(!rows.contains("drag_link_place"));
 }
 
-/// One link of a Watt linkage alone would hold the axle as a Panhard rod of half the length.
+/// The export refuses a Watt linkage, because one of its links alone would hold the axle like a Panhard rod of half the
+/// length.
 #[test]
 fn a_watt_linkage_is_not_exported() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,4 +1,5 @@
-//! Points out to other tools and back: the same doubles; and files as they should not be.
+//! Tests of exporting points to other tools and importing them again: the doubles stay the same, and faulty files are
+//! handled.
 
 mod axes;
 mod cad;
@@ -56,7 +57,7 @@ fn imported(path: &Path, topology: &str, said: &Said) -> Result<Imported, String
     import(&table, &options).map_err(|refusal| refusal.to_string())
 }
 
-/// A file in a directory of its own.
+/// Writes a file in a temporary directory.
 fn file(directory: &tempfile::TempDir, name: &str, bytes: &[u8]) -> PathBuf {
     let path = directory.path().join(name);
     std::fs::write(&path, bytes).unwrap();

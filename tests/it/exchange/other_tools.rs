@@ -1,4 +1,4 @@
-//! Files of OptimumKinematics and Assetto Corsa: their content, and the way back through their readers to a study.
+//! Tests of files of OptimumKinematics and Assetto Corsa: their content, and reading them back as a study.
 
 use super::parsers::{cells, close, of_text, sample, template};
 use super::round_trips::studies;
@@ -8,8 +8,8 @@ use hardpoint::model::{Frame, FrameConvention, LengthUnit, Side};
 use hardpoint::number::Vector3;
 use std::collections::BTreeMap;
 
-/// Double wishbones as OptimumKinematics has them: the points of both wheels, the wheel by its contact point, toe-out
-/// positive.
+/// The export writes double wishbones in the form of OptimumKinematics: the points of both wheels, the wheel by its
+/// contact point, toe-out positive.
 #[test]
 fn optimum_k_tables_hold_the_wheel() {
     let mut count = 0;
@@ -50,7 +50,7 @@ fn optimum_k_tables_hold_the_wheel() {
                     expected.map(|x| x + 0.0)
                 );
             }
-            // The wheel centre from the contact point, by the reader's equation.
+            // Wheel centre from the contact point, by the reader's equation.
             let [camber, toe_out] =
                 ["Static Camber", "Static Toe"].map(|name| number(name, first).to_radians());
             let toe = -toe_out;
@@ -69,7 +69,7 @@ fn optimum_k_tables_hold_the_wheel() {
         }
     }
     assert!(count >= 18, "{count}");
-    // Toe-in of 0.3 degrees is written as -0.3.
+    // The file has -0.3 for a toe-in of 0.3 degrees.
     let text = template("double_wishbone");
     let text = text
         .replace("spindle_inner    =", "# spindle_inner =")
@@ -83,7 +83,7 @@ fn optimum_k_tables_hold_the_wheel() {
     assert_eq!([&toe[2], &toe[6]], ["-0.3", "-0.3"]);
 }
 
-/// Rod, rocker and spring of a pushrod, with the part that the rod is mounted on.
+/// The file contains rod, rocker and spring of a pushrod, and the part that carries the rod.
 #[test]
 fn optimum_k_tables_hold_the_rocker() {
     let study = sample("double_wishbone_pushrod.toml");
@@ -125,7 +125,7 @@ fn optimum_k_tables_hold_the_rocker() {
     );
 }
 
-/// Every wishbone and strut in `suspensions.ini`, put together again from the wheel centre: the same points.
+/// The points of every wishbone and strut in `suspensions.ini`, added to the wheel centre, equal those of the study.
 #[test]
 fn suspensions_ini_holds_the_points() {
     let mut kinds = BTreeMap::new();
@@ -180,7 +180,7 @@ fn suspensions_ini_holds_the_points() {
                 .collect();
             let id = suspension.mechanism.point(name).unwrap();
             let expected = suspension.design[id.0].map(metres).to_array();
-            // x inboard, y up, z forward of the wheel centre.
+            // Coordinates relative to the wheel centre: x inboard, y up, z forward.
             let found = [
                 centre.x + parts[2],
                 centre.y - parts[0],
@@ -198,7 +198,8 @@ fn suspensions_ini_holds_the_points() {
     );
 }
 
-/// BASEY is the height of the wheel centre over the centre of gravity: radius times the cosine of camber, less its height.
+/// BASEY is the height of the wheel centre relative to the centre of gravity: radius times the cosine of camber, minus
+/// the height of the centre of gravity.
 #[test]
 fn heights_of_suspensions_ini_are_from_the_centre_of_gravity() {
     let mut study = of_text(template("macpherson"));
@@ -219,8 +220,8 @@ fn heights_of_suspensions_ini_are_from_the_centre_of_gravity() {
     assert_eq!(value("WHEELBASE="), "2.6");
 }
 
-/// The same points in the file's unit; the wheel centre, which the file gives by its contact point, to rounding; the
-/// angles with the study's signs.
+/// Double wishbones come back from OptimumKinematics with the same points in the file's unit. The wheel centre, which
+/// the file gives by its contact point, is equal to rounding. The angles have the study's signs.
 #[test]
 fn double_wishbones_come_back_from_optimum_k() {
     let directory = tempfile::tempdir().unwrap();
@@ -252,7 +253,7 @@ fn double_wishbones_come_back_from_optimum_k() {
                 );
                 let size = outgoing.length(suspension.size());
                 for (name, _, position) in outgoing.points(side) {
-                    // Rods have one name, and a bar has one point of its axis on each side.
+                    // The format has one name for both kinds of rods, and one axis point of a bar on each side.
                     let name = name.replace("pullrod", "pushrod");
                     let found = back
                         .hardpoints
@@ -264,7 +265,7 @@ fn double_wishbones_come_back_from_optimum_k() {
                             assert!(close(found.position, position, 1e-14 * size), "{name}");
                         }
                         (_, Some(found)) => assert_eq!(found.position, position, "{name}"),
-                        // A spring without a rocker and a bar that lies askew have no place in the file.
+                        // The file cannot contain a spring without a rocker, or an oblique bar; the notes name them.
                         (name, None) => {
                             assert!(notes.iter().any(|note| note.contains(name)), "{name}");
                         }
@@ -288,7 +289,7 @@ fn double_wishbones_come_back_from_optimum_k() {
     }
 }
 
-/// The same points relative to the wheel centre, in metres.
+/// The points come back the same relative to the wheel centre, in metres.
 #[test]
 fn wishbones_and_struts_come_back_from_assetto_corsa() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Small parsers of written files, independent of the readers, and the studies of the tests.
+//! Small parsers of written files, independent of the program's readers, and studies for the tests.
 
 use hardpoint::exchange::{Value, csv};
 use hardpoint::model::{FrameConvention, LengthUnit, Side, Topology};
@@ -16,7 +16,7 @@ pub(super) fn of_text(text: &str) -> Study {
     Study::from_text("s.toml", text, Path::new(".")).unwrap()
 }
 
-/// A text of the rows of a page, cell by cell.
+/// Cells of the rows of a page, as text.
 pub(super) fn cells(rows: &[Vec<Value>]) -> Vec<Vec<String>> {
     let text = String::from_utf8(csv(rows)).unwrap();
     let lines = text
@@ -31,7 +31,7 @@ pub(super) fn all_ways() -> impl Iterator<Item = (LengthUnit, FrameConvention, S
     pairs.flat_map(|(unit, convention)| Side::ALL.map(|side| (unit, convention, side)))
 }
 
-/// The pairs of a drawing: a code, and the value on the line below.
+/// Pairs of a drawing: a code, and the value on the line below.
 pub(super) fn pairs(drawing: &[u8]) -> Vec<(u32, String)> {
     let text = std::str::from_utf8(drawing).unwrap();
     let lines: Vec<&str> = text.lines().collect();
@@ -41,7 +41,7 @@ pub(super) fn pairs(drawing: &[u8]) -> Vec<(u32, String)> {
     pairs.iter().map(pair).collect()
 }
 
-/// An entity of a drawing: its kind, layer, places by code, text.
+/// Entity of a drawing: its kind, layer, coordinates by code, and text.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Entity {
     pub(super) kind: String,
@@ -86,7 +86,7 @@ pub(super) fn close(a: [f64; 3], b: [f64; 3], within: f64) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() <= within)
 }
 
-/// The template of a topology.
+/// Template of a topology.
 pub(super) fn template(topology: &str) -> &'static str {
     Topology::named(topology).unwrap().template
 }

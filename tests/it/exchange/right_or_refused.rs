@@ -1,10 +1,11 @@
-//! Two axles, wheels at the origin, ends of rods, static angles: the right number, or a refusal that names the flag.
+//! Tests of two axles, wheels at the origin, ends of rods and static angles: the import reads the right number, or its
+//! refusal names the option.
 
 use super::{Said, file, imported};
 use hardpoint::exchange::Imported;
 use hardpoint::model::{AxlePosition, LengthUnit, Side};
 
-/// A front wheel and a rear wheel of one car, left, ISO 8855, mm.
+/// Left front and left rear wheel of one car, ISO 8855, mm.
 const FRONT: [(&str, [f64; 3]); 9] = [
     ("LCA front", [150.0, 210.0, 120.0]),
     ("LCA rear", [-140.0, 215.0, 126.0]),
@@ -66,7 +67,7 @@ fn has_points(read: &Imported, points: &[(&str, [f64; 3])]) {
     }
 }
 
-/// Files that hold both axles, each in another way.
+/// Files with both axles, each in another layout.
 fn files_of_two_axles() -> Vec<(&'static str, &'static str, String)> {
     let head = "name,x,y,z\n";
     let by_name = format!(
@@ -138,7 +139,7 @@ fn axles_are_never_mixed() {
             has_points(&read, points);
         }
     }
-    // One axle alone is imported, and said.
+    // A file with only one axle is imported, with a note that names the axle.
     let text = format!(
         "name,x,y,z\n{}",
         rows(&FRONT, |name| format!("Front {name}"))
@@ -156,7 +157,7 @@ fn axles_are_never_mixed() {
     );
 }
 
-/// A file of four wheels whose left and right differ: each is its own.
+/// In a file with four wheels whose sides differ, each wheel keeps its own points.
 #[test]
 fn each_of_four_wheels_is_its_own() {
     let right = |points: &[(&'static str, [f64; 3])]| -> Vec<(&'static str, [f64; 3])> {
@@ -209,7 +210,7 @@ fn a_wheel_at_the_origin_needs_its_half_track() {
         let read = of("points.csv", &format!("{text}{line}"), &Said::default()).unwrap();
         has_points(&read, &FRONT);
     }
-    // The right wheel of such a file, whose body lies on the other side.
+    // Right wheel of such a file, with the sign of y reversed.
     let right: Vec<(&str, [f64; 3])> = moved
         .iter()
         .map(|(n, [x, y, z])| (*n, [*x, -y, *z]))
@@ -217,7 +218,7 @@ fn a_wheel_at_the_origin_needs_its_half_track() {
     let text = format!("name,x,y,z\n{}", rows(&right, |name| format!("{name} RH")));
     let read = of("points.csv", &text, &flag).unwrap();
     assert_eq!(at(&read, "wheel_centre"), [0.0, -612.0, 203.0]);
-    // A half track that contradicts the points.
+    // The given half track contradicts the points.
     let text = format!("name,x,y,z\n{}", rows(&FRONT, str::to_owned));
     let wrong = Said {
         half_track: Some(700.0),
@@ -230,7 +231,7 @@ fn a_wheel_at_the_origin_needs_its_half_track() {
     );
 }
 
-/// Rows of a pushrod, its rocker, its spring and a bar whose drop link hangs on the rocker.
+/// Rows of a pushrod, its rocker, its spring, and an anti-roll bar whose drop link is on the rocker.
 const ROCKER: &str = "\
 Push rod lower (on LCA),0,530,136
 Push rod upper (rocker),0,262,480
@@ -251,7 +252,7 @@ fn ends_of_rods_sit_where_rows_put_them() {
     assert_eq!(whole.hardpoints.len(), 19, "{:?}", whole.left_out);
     let study = whole.study("s", "there").unwrap();
     assert!(study.contains("drop_link_outer = \"rocker\""), "{study}");
-    // An incomplete rocker takes the spring and the drop link with it, and says so.
+    // If the rocker is incomplete, the import also leaves out the spring and the drop link, and reports this.
     let without = ROCKER.replace("Rocker pivot fwd,20,205,445\n", "");
     let read = of("points.csv", &format!("{wheel}{without}"), &Said::default()).unwrap();
     let names: Vec<&str> = read.hardpoints.iter().map(|h| h.name).collect();
@@ -267,7 +268,7 @@ fn ends_of_rods_sit_where_rows_put_them() {
         assert!(said.contains(expected), "{expected}: {said}");
     }
     assert!(!said.contains("pullrod"), "{said}");
-    // A spring of which no row says where it ends goes with the rocker, too.
+    // A spring whose end is not stated in any row is left out with the rocker.
     let nameless = without.replace("Damper o/b (rocker)", "Damper lower");
     let read = of(
         "points.csv",
@@ -280,7 +281,7 @@ fn ends_of_rods_sit_where_rows_put_them() {
             .iter()
             .all(|h| !h.name.starts_with("spring"))
     );
-    // What the user names is not left out with exit 0.
+    // The import never leaves out a point that the user has named, but refuses instead.
     let mut said = Said::default();
     said.names.insert(
         "pushrod_inner".to_owned(),
@@ -308,7 +309,7 @@ fn a_drop_link_between_two_bodies_is_asked_for() {
         let study = read.study("s", "there")?;
         Ok::<bool, String>(study.contains("drop_link_outer = \"rocker\""))
     };
-    // At the rocker, at the arm, and between them.
+    // The end of the drop link is near the rocker, near the arm, or between them.
     assert!(body(&link("-28,200,420"), &Said::default()).unwrap());
     assert!(!body(&link("-10,480,130"), &Said::default()).unwrap());
     let between = link("-20,250,370");
@@ -354,7 +355,7 @@ fn one_point_is_one_hardpoint() {
         refused.contains("lower_ball_joint and upper_ball_joint are both"),
         "{refused}"
     );
-    // A map cannot tell two rows with one name apart, so it is not recommended.
+    // A name map cannot distinguish two rows with the same name, so the message does not recommend one.
     let twice = format!("{text}LBJ,3,580,124\n");
     let refused = of("points.csv", &twice, &Said::default()).unwrap_err();
     assert!(
@@ -464,7 +465,7 @@ fn inch_marks_and_decimal_commas_are_read() {
     );
 }
 
-/// A cell of megabytes is no name and no number; the rest is read.
+/// The import skips a cell of several megabytes, which is neither a name nor a number, and reads the rest.
 #[test]
 fn a_huge_cell_is_passed_over() {
     let huge = "lower arm ".repeat(500_000);
@@ -485,7 +486,7 @@ fn a_huge_cell_is_passed_over() {
     );
 }
 
-/// Axes that a file says and its points contradict: the numbers are not taken as they stand.
+/// The import refuses a file whose points contradict its stated axes.
 #[test]
 fn axes_that_the_points_contradict_are_refused() {
     let swapped: Vec<(&str, [f64; 3])> = FRONT
@@ -525,7 +526,8 @@ fn axes_that_the_points_contradict_are_refused() {
     assert!(refused.contains("--axes"), "{refused}");
 }
 
-/// One coordinate with a wrong sign or decimal place is named, with its likely value. The whole file is not called wrong.
+/// The import names one coordinate with a wrong sign or decimal point, with its likely value, and does not call the
+/// whole file wrong.
 #[test]
 fn a_slip_in_one_coordinate_is_named() {
     for (axis, wrong, likely) in [(1, 575.0, -575.0), (2, -1240.0, -124.0)] {
@@ -569,7 +571,7 @@ fn the_other_wheel_is_the_mirror_image() {
     }
 }
 
-/// The contact point gives the radius in the wheel's plane, also where the wheel is at the origin.
+/// The contact point gives the radius in the wheel plane, also if the wheel centre is at the origin.
 #[test]
 fn the_contact_point_gives_the_radius() {
     let (x, y, z) = (3.0, 7.0, 203.0);
@@ -596,7 +598,7 @@ fn the_contact_point_gives_the_radius() {
     assert!((at_origin - radius).abs() < 1e-12 * radius);
 }
 
-/// A half track of the file that is not the wheel centre's distance from the centre plane is reported.
+/// The import reports a half track in the file that differs from the distance between wheel centre and centre plane.
 #[test]
 fn a_half_track_beside_the_points_is_compared() {
     let with = |line: &str| {
@@ -616,7 +618,7 @@ fn a_half_track_beside_the_points_is_compared() {
     }
 }
 
-/// Points of the other axle are no reason for another topology.
+/// Points of the other axle do not make the import suggest another topology.
 #[test]
 fn the_other_axle_suggests_no_topology() {
     let links = [
@@ -645,7 +647,7 @@ fn the_other_axle_suggests_no_topology() {
         !said.contains("five_link") && !said.contains("toe link"),
         "{said}"
     );
-    // The same points on one axle do suggest it.
+    // The same points on one axle make the import suggest it.
     let one: String = text
         .lines()
         .filter(|line| !line.contains("tie rod") && *line != "rear,wheel centre,-1520,620,200")

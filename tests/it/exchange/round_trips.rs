@@ -1,4 +1,4 @@
-//! Study -> CSV, XLSX, Adams -> study.
+//! Tests of round trips: study to CSV, XLSX or Adams, and back to a study.
 
 use super::{Said, file, imported};
 use hardpoint::exchange::{Outgoing, Page, csv, into_subsystem, point_rows, subsystem, workbook};
@@ -6,12 +6,12 @@ use hardpoint::model::{Axis, Frame, FrameConvention, LengthUnit, Side, Topology}
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// The templates, and the samples with rockers and bars, each in every frame, on both sides, in every unit;
-/// coordinates with all of their digits.
+/// Templates and samples with rockers and bars, in every frame, on both sides and in every unit, with all digits of the
+/// coordinates.
 pub(super) fn studies() -> Vec<Study> {
     let mut texts: Vec<String> = Topology::ALL
         .iter()
-        // Files of other programs are those of one wheel.
+        // Files of other programs describe one wheel, so these tests skip solid axles and twist beams.
         .filter(|t| !t.carries_both_wheels())
         .map(|t| t.template.to_owned())
         .collect();
@@ -33,7 +33,7 @@ pub(super) fn studies() -> Vec<Study> {
     studies
 }
 
-/// A template without a point of the spin axis.
+/// Template without a point of the spin axis.
 fn by_angles(template: &str) -> String {
     template
         .replace("spindle_inner    =", "# spindle_inner =")
@@ -41,7 +41,7 @@ fn by_angles(template: &str) -> String {
         .replace("# static_toe =", "static_toe =")
 }
 
-/// The same wheel as another study would have it.
+/// Same wheel as a study with another unit and other axes would define it.
 pub(super) fn changed(
     study: &Study,
     unit: LengthUnit,
@@ -92,7 +92,7 @@ fn check(study: &Study, path: &Path, said: &Said, frame: Frame) {
     }
     assert_eq!(back.unit, suspension.length_unit);
     assert_eq!((back.frame, back.side), frame.meaning());
-    // The study of it is of the same wheel; that it runs is found out once for each kind.
+    // The imported study describes the same wheel. The test reads the written study only once for each kind.
     if suspension.length_unit != LengthUnit::Metre || back.side != Side::Left {
         return;
     }
@@ -115,7 +115,7 @@ fn tables_and_workbooks_give_the_same_study() {
         let name = "hardpoints".to_owned();
         let book = file(&directory, "points.xlsx", &workbook(&[Page { name, rows }]));
         check(&study, &book, &Said::default(), study.wheel().frame);
-        // Nothing of our own export is left over.
+        // The import uses every row of the program's own export.
         let radius = study.wheel().wheel_radius.is_some();
         let back = imported(
             &book,
@@ -125,7 +125,7 @@ fn tables_and_workbooks_give_the_same_study() {
         let back = back.unwrap();
         assert_eq!(back.left_out, Vec::<String>::new());
         assert_eq!(back.wheel_radius.is_some(), radius);
-        // What rods stand on comes back, too.
+        // The bodies that carry the rods are also imported.
         if study.wheel().length_unit != LengthUnit::Metre {
             continue;
         }
@@ -144,8 +144,8 @@ fn tables_and_workbooks_give_the_same_study() {
     }
 }
 
-/// Any study in any other unit and axes: the file has the lengths that these are, the reader takes them as they are, and
-/// nothing is left over. So for tables, workbooks and subsystems.
+/// Any study can be exported in any other unit and axes. The file has the converted lengths, and the import uses them
+/// without change and without remainder. This holds for tables, workbooks and subsystems.
 #[test]
 fn every_unit_and_frame_goes_out_and_comes_back() {
     let directory = tempfile::tempdir().unwrap();
@@ -193,7 +193,7 @@ fn every_unit_and_frame_goes_out_and_comes_back() {
                         assert_eq!(back.wheel_radius, radius);
                     }
                 }
-                // Into a file of another unit.
+                // Inserts the points into a file with another unit.
                 for of_file in LengthUnit::ALL {
                     let other = subsystem(&Outgoing::of(&study, Some(of_file), None)).bytes;
                     let into = into_subsystem(&outgoing, &other).unwrap().bytes;
@@ -232,7 +232,7 @@ fn subsystems_give_the_same_study() {
         let new = subsystem(&Outgoing::of(&study, None, None)).bytes;
         let frame = Frame::new(FrameConvention::XRear, side);
         check(&study, &file(&directory, "new.sub", &new), &said, frame);
-        // Into a copy of another one, all of whose coordinates it replaces.
+        // Inserts the points into a copy with other coordinates, all of which it replaces.
         let moved = study.at_design(suspension.design.iter().map(|p| *p * 1.25).collect());
         let other = subsystem(&Outgoing::of(&moved, None, None)).bytes;
         let into = into_subsystem(&Outgoing::of(&study, None, None), &other).unwrap();
@@ -245,7 +245,8 @@ fn subsystems_give_the_same_study() {
     }
 }
 
-/// A subsystem whose wheels differ, in inches, and one with the right wheel alone.
+/// The import distinguishes the wheels of a subsystem in inches whose sides differ, and reads a subsystem with only the
+/// right wheel.
 #[test]
 fn the_wheels_of_a_subsystem_are_told_apart() {
     let directory = tempfile::tempdir().unwrap();
@@ -260,7 +261,7 @@ fn the_wheels_of_a_subsystem_are_told_apart() {
     let both = String::from_utf8(subsystem(&Outgoing::of(&study, None, None)).bytes).unwrap();
     let right = |line: &str| {
         let right = line.replace("'left/right'", "'right     '");
-        // A left wheel's y is negative.
+        // The y of a left wheel is negative here.
         let mut fields: Vec<String> = right.split_whitespace().map(str::to_owned).collect();
         let y = fields.len() - 2;
         fields[y] = fields[y].trim_start_matches('-').to_owned();
@@ -282,7 +283,7 @@ fn the_wheels_of_a_subsystem_are_told_apart() {
     let frame = Frame::new(FrameConvention::XRear, Side::Right);
     check(&study, &path, &Said::default(), frame);
     assert_eq!(frame.sign(Axis::Y), 1.0);
-    // The left wheel of that file is the mirror image, and said to be.
+    // The import gives the left wheel of that file as the mirror image, and reports this.
     let said = Said {
         side: Some(Side::Left),
         ..Said::default()
@@ -296,7 +297,7 @@ fn the_wheels_of_a_subsystem_are_told_apart() {
     );
 }
 
-/// Each wheel of an axle comes back with its own angles.
+/// Each wheel of an axle keeps its angles through export and import.
 #[test]
 fn wheels_with_different_angles_come_back_with_their_own() {
     let directory = tempfile::tempdir().unwrap();

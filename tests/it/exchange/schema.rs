@@ -1,11 +1,11 @@
-//! The schema that editors check studies by agrees with the reader about keys and types.
+//! Tests that the schema, which editors use to check studies, agrees with the reader about keys and types.
 
 use hardpoint::study::{CarStudy, Study, schema};
 use serde_json::Value;
 use std::path::Path;
 
-/// Checks a value against the parts of JSON schema that ours uses: type, properties, required, additionalProperties,
-/// items, anyOf, enum.
+/// Checks a value against the keywords of JSON schema that the program's schema uses: type, properties, required,
+/// additionalProperties, items, anyOf, enum.
 fn is_valid(schema: &Value, value: &Value) -> bool {
     if let Some(any) = schema.get("anyOf") {
         return any
@@ -57,8 +57,7 @@ fn as_json(text: &str) -> Value {
     serde_json::to_value(table).unwrap()
 }
 
-/// The same study once for each of its values, which is of a wrong type there, and once for each of its
-/// tables, which has a key nobody knows.
+/// Faulty variants of a study: for each value one with a wrong type there, and for each table one with an unknown key.
 fn broken(value: &toml::Value) -> Vec<toml::Value> {
     match value {
         toml::Value::Table(table) => {
@@ -67,7 +66,7 @@ fn broken(value: &toml::Value) -> Vec<toml::Value> {
             unknown.insert("no_such_key".to_owned(), 1.into());
             all.push(toml::Value::Table(unknown));
             for (key, inner) in table {
-                // It takes both: true and a list.
+                // This key accepts two types, true and a list, so a changed type is no mistake.
                 if key == "sensitivities" {
                     continue;
                 }
@@ -94,7 +93,7 @@ fn broken(value: &toml::Value) -> Vec<toml::Value> {
     }
 }
 
-/// Returns true if the reader refuses a text as the study of a car, beside the axles of `directory`.
+/// Returns true if the reader refuses a text as the study of a car in the presence of the axles of `directory`.
 fn refuses_car(text: &str, directory: &Path) -> bool {
     let own = tempfile::tempdir().unwrap();
     for name in ["car", "formula_student_car"] {
@@ -130,7 +129,7 @@ fn the_schema_takes_every_sample_and_refuses_what_the_reader_refuses() {
                 Study::from_text("broken.toml", &text, &directory).is_err()
             };
             let by_schema = is_valid(&schema, &as_json(&text));
-            // Names of hardpoints are not keys to the schema.
+            // The schema does not restrict the names of hardpoints.
             let is_name = text.contains("no_such_key = 1") && by_schema && !is_car;
             assert!(is_refused && (!by_schema || is_name), "{by_schema}: {text}");
         }
@@ -138,7 +137,7 @@ fn the_schema_takes_every_sample_and_refuses_what_the_reader_refuses() {
     assert!(count > 100, "{count}");
 }
 
-/// Whole numbers written as decimals: the schema says as little against them as the reader, at every place.
+/// The schema accepts a whole number written as a decimal exactly where the reader accepts it.
 #[test]
 fn a_decimal_is_whole_to_the_schema_where_it_is_to_the_reader() {
     let schema = schema();

@@ -1,4 +1,4 @@
-//! `hardpoint compare` of one design in different axes and units: it does not differ from itself.
+//! Tests of `hardpoint compare` of one design in different axes and units: it does not differ from itself.
 
 use assert_cmd::Command;
 use std::collections::BTreeMap;
@@ -32,7 +32,7 @@ fn changed(text: &str, lines: &[(&str, &str)]) -> String {
     text
 }
 
-/// A study of one wheel with several racks, components of points and forces.
+/// Study of one wheel with several rack displacements, and components of points and forces.
 fn wheel() -> String {
     changed(
         &sample("double_wishbone_solve.toml"),
@@ -51,7 +51,7 @@ fn wheel() -> String {
     )
 }
 
-/// A study of an axle with several racks, components of points and forces.
+/// Study of an axle with several rack displacements, and components of points and forces.
 fn axle() -> String {
     changed(
         &sample("double_wishbone_axle.toml"),
@@ -59,7 +59,7 @@ fn axle() -> String {
             ("roll = ", "travel_left = [-5.0, 5.0]"),
             ("heave = ", "rack = [-4.0, 0.0, 8.0]"),
             ("steering_wheel_angle = ", ""),
-            // Other quantities of the sample need a plane ground or steered wheels.
+            // The other quantities of the sample need a plane ground or steered wheels.
             (
                 "  \"camber_to_road\"",
                 "  \"camber_to_road\", \"steer\", \"force_roll_centre_height\",",
@@ -94,7 +94,7 @@ fn compare(directory: &Path, sources: [&str; 2]) -> (usize, BTreeMap<String, f64
     let columns = header.iter().enumerate();
     let differences = columns.filter(|(_, name)| name.contains(" - "));
     let relative = differences.map(|(column, name)| {
-        // The column before it has the value of the second design.
+        // The column to the left has the value of the second design.
         (
             name.to_owned(),
             largest(column) / largest(column - 1).max(1e-3),
@@ -117,7 +117,8 @@ fn assert_same(directory: &Path, sources: [&str; 2], rows: usize, columns: usize
     }
 }
 
-/// Racks, points, velocities, accelerations, angular velocities and forces, of studies and of runs, in both orders.
+/// A design in other axes has no differences in racks, points, velocities, accelerations, angular velocities and
+/// forces. This holds for studies and for runs, in both orders.
 #[test]
 fn a_design_is_the_same_in_other_axes() {
     for (text, rows, columns) in [(wheel(), 9, 50), (axle(), 6, 140)] {
@@ -146,7 +147,8 @@ fn a_design_is_the_same_in_other_axes() {
     }
 }
 
-/// A design in another unit has not moved, although the conversion rounds its coordinates. A real move of a nanometre is listed.
+/// A design converted to another unit counts as unmoved, although the conversion rounds its coordinates. `compare`
+/// lists a real move of a nanometre.
 #[test]
 fn conversions_of_units_move_no_point() {
     let directory = tempfile::tempdir().unwrap();
@@ -176,7 +178,7 @@ fn conversions_of_units_move_no_point() {
     }
 }
 
-/// Curves at a single rack displacement do not show the rack. `compare` still uses the displacement.
+/// Curves at a single rack displacement have no column for the rack. `compare` still uses the displacement.
 #[test]
 fn a_fixed_rack_is_part_of_the_station() {
     let directory = tempfile::tempdir().unwrap();
@@ -209,7 +211,7 @@ fn a_fixed_rack_is_part_of_the_station() {
     }
 }
 
-/// Forces in pounds-force are shown in the newtons of the first study, and the other way round.
+/// `compare` shows forces in pounds-force in the newtons of the first study, and the reverse.
 #[test]
 fn a_design_is_the_same_in_other_units() {
     let directory = tempfile::tempdir().unwrap();
@@ -238,13 +240,13 @@ fn a_design_is_the_same_in_other_units() {
         let (rows, differences) = compare(at, sources);
         assert!(rows == 3 && differences.len() > 50, "{sources:?}");
         for (name, difference) in differences {
-            // Accelerations are second derivatives of rounded coordinates.
+            // Accelerations are second derivatives of rounded coordinates, so their bound is larger.
             assert!(difference <= 1e-9, "{sources:?} {name}: {difference}");
         }
     }
 }
 
-/// Every other study is solved over the drive of the first study, or the reason is given.
+/// `compare` solves every other study over the drive of the first study, or states why it cannot.
 #[test]
 fn studies_follow_the_drive_of_the_first_study() {
     let directory = tempfile::tempdir().unwrap();
@@ -273,7 +275,7 @@ fn studies_follow_the_drive_of_the_first_study() {
             assert_same(at, [first, other], rows, columns);
         }
     }
-    // Another design has other travels at the same angles.
+    // Another design has other travels at the same arm angles.
     let sources = ["compare", "angle.toml", "macpherson.toml", "--out", "-"];
     let [csv, _] = run(at, &sources, 0);
     assert!(csv.starts_with("arm_angle_deg,travel_mm [angle],"), "{csv}");
@@ -302,7 +304,8 @@ fn studies_follow_the_drive_of_the_first_study() {
     );
 }
 
-/// Results of rig tests at the same positions of the rack are the same, and they are shown at the first run's positions.
+/// Results of rig tests at the same physical rack positions are equal, and `compare` shows them at the positions of the
+/// first run.
 #[test]
 fn rig_tests_are_the_same_in_other_axes() {
     let directory = tempfile::tempdir().unwrap();
@@ -378,7 +381,7 @@ fn a_car_is_the_same_in_other_axes() {
             .filter(|line| !line.is_empty() && !line.starts_with("table,"));
         assert_eq!(rows.count(), 0, "{printed}");
     }
-    // A change is shown in the axes of the first car.
+    // `compare` shows a change in the axes of the first car.
     let other = format!("{}/{file}", FRAMES[0]);
     let text = fs::read_to_string(at.join(&other)).unwrap();
     let centre = text.lines().find(|line| line.starts_with("cg = "));
@@ -446,7 +449,7 @@ fn exported_curves_are_those_of_the_converted_study() {
             let is_force = |name: &&String| name.ends_with("_y_N");
             assert!(names.iter().filter(is_force).count() >= forces, "{names:?}");
             for name in names {
-                // Ranges of racks begin at the other end.
+                // A range of rack displacements is in reverse order in the other axes.
                 let sorted = |cells: Option<Vec<String>>| {
                     let mut cells: Vec<_> = cells.unwrap().iter().map(|c| rounded(c)).collect();
                     cells.sort();
@@ -471,7 +474,7 @@ fn columns(text: &str) -> BTreeMap<String, Vec<String>> {
         .collect()
 }
 
-/// Number with seven digits behind the point. Other text stays.
+/// Number with seven decimals. Other text stays unchanged.
 fn rounded(cell: &str) -> String {
     let number = cell.parse::<f64>();
     number.map_or(cell.to_owned(), |number| format!("{:.7}", number + 0.0))

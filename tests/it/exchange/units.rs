@@ -1,4 +1,4 @@
-//! Units of lengths and angles that a file states: the right number, or a refusal.
+//! Tests of the units of lengths and angles that a file states: the import reads the right number or refuses.
 
 use super::{Said, file, imported};
 use hardpoint::exchange::Imported;
@@ -107,7 +107,7 @@ fn stated_centimetres_and_feet_are_converted() {
     }
 }
 
-/// The file's unit applies to lengths beside the points, and to lengths that the user gives.
+/// The unit of the file also applies to lengths outside the table of points, and to lengths that the user gives.
 #[test]
 fn lengths_beside_points_are_converted_too() {
     let head = format!("name,x [cm],y [cm],z [cm]\n{}", rows(10.0));
@@ -231,7 +231,7 @@ fn angles_in_minutes_and_as_lengths_are_rejected() {
     assert!(read("points.json", &text, &Said::default()).is_err());
 }
 
-/// A value that cannot be read is listed.
+/// The import lists values that it cannot read.
 #[test]
 fn values_that_are_not_one_number_are_listed() {
     let listed = |found: Imported, name: &str| {

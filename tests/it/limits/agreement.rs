@@ -1,4 +1,4 @@
-//! `check`, `solve` and `limits` report the same for one motion, and have the same exit codes.
+//! Tests that `check`, `solve` and `limits` report the same for one motion, with the same exit codes.
 
 use hardpoint::study::Study;
 use std::path::Path;
@@ -23,7 +23,7 @@ fn run(command: &str, study: &str, set: &[&str]) -> Output {
         .unwrap()
 }
 
-/// Output of a command on both streams, in one line.
+/// Output of a command on both streams, as one line.
 fn said(output: &Output) -> String {
     let both = [&output.stdout, &output.stderr].map(|s| String::from_utf8_lossy(s).into_owned());
     both.concat()
@@ -74,7 +74,7 @@ fn a_named_motion_that_is_not_reached_is_said_by_all_three() {
 
 #[test]
 fn a_column_without_a_value_is_not_done() {
-    // Points that the definition tells apart are at one place, so that the quotient has no value.
+    // Two points of the definition coincide, so the quotient has no value.
     let set = "suspension.hardpoints.wheel_centre=[1.47979023854085, 0.3715370715633186, 0.2223007791913243]";
     let spindle = "suspension.hardpoints.spindle_inner=[1.60607, 0.39391, 0.04829]";
     let same = "suspension.hardpoints.strut_upper=[1.47979023854085, 0.3715370715633186, 0.2223007791913243]";
@@ -149,7 +149,7 @@ fn exchanged_pivots_and_offsets_for_coordinates_are_doubted() {
     }
 }
 
-/// The end of the rack has the sign of the study's own axis, as its displacements have.
+/// The limit of the rack has the sign of the study's axis, as the displacements have.
 #[test]
 fn the_end_of_the_rack_has_its_sign() {
     for (set, end) in [
@@ -161,7 +161,7 @@ fn the_end_of_the_rack_has_its_sign() {
             assert!(said.contains(end), "{command}: {said}");
         }
     }
-    // The mirror image in axes whose y points the other way.
+    // The mirror image is in axes with the opposite y direction.
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("study.toml");
     let own = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_solve.toml");
@@ -190,7 +190,8 @@ fn the_end_of_the_rack_has_its_sign() {
     assert!(said.contains("no further than 113.322620 mm"), "{said}");
 }
 
-/// A rack that does not get to its place has no range there, and none at every rack.
+/// If the rack cannot reach its displacement, `limits` gives no range there and no range common to all rack
+/// displacements.
 #[test]
 fn a_rack_out_of_reach_has_no_range() {
     let output = run(
@@ -216,7 +217,7 @@ fn a_rack_out_of_reach_has_no_range() {
     );
 }
 
-/// If no part is on a rack, a moving rack is reported as doubtful.
+/// The program warns if the motion displaces the rack but no part is attached to it.
 #[test]
 fn a_rack_that_nothing_is_on_is_doubted() {
     let moved = "motion.rack=[-10.0, 0.0, 10.0]";
@@ -237,7 +238,8 @@ fn a_rack_that_nothing_is_on_is_doubted() {
     }
 }
 
-/// A motion that ends just before the toggle of its pushrod is told so by `limits`: toggle less distance is the end of the motion.
+/// `limits` names the toggle of a pushrod just beyond the motion: the toggle's travel minus the stated distance is the
+/// end of the motion.
 #[test]
 fn a_toggle_beside_the_motion_is_named() {
     let set = "motion.travel=[0.0, 140.0]";
@@ -256,8 +258,8 @@ fn a_toggle_beside_the_motion_is_named() {
     assert!(said.matches("reaches its toggle").count() == 2, "{said}");
 }
 
-/// A spring is shortest where it stops shortening in jounce. Beyond that travel `check` and `solve` doubt it; a motion that ends
-/// before is not doubted.
+/// The length of a spring has a minimum in jounce. `check` and `solve` warn of a motion beyond that travel, and do not
+/// warn of a motion that ends before it.
 #[test]
 fn a_spring_that_turns_round_is_doubted_at_its_shortest_length() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_pushrod.toml");

@@ -1,10 +1,11 @@
-//! Distances of a strut, an upper arm and a tie rod from their own singularities, from points alone: volumes.
+//! Distances of a strut, an upper arm and a tie rod from their singular positions, calculated from points alone as
+//! volumes.
 
 use hardpoint::mechanism::{LimitCause, Pose};
 use hardpoint::model::{Body, Mechanism};
 use hardpoint::number::Vector3;
 
-/// The points of a mechanism in a pose.
+/// Points of a mechanism in a pose.
 pub struct Points<'a> {
     pub mechanism: &'a Mechanism,
     pub design: &'a [Vector3<f64>],

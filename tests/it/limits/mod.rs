@@ -1,9 +1,8 @@
-//! Causes of limits, by measures of the parts that are written down here once more.
+//! Tests of the causes of limits, with independent measures of the parts.
 //!
-//! - of random designs ([`random`]): a named part is singular by its own measure, and a part that is not named is
-//!   not;
-//! - ([`agreement`]) the reports of `check`, `solve` and `limits` on a motion;
-//! - of designs that are led away from a toggle that was planted ([`planted`]): it is found again, and named.
+//! - [`random`]: in random designs a named part is singular by its measure, and no other part is.
+//! - [`agreement`]: `check`, `solve` and `limits` report the same about a motion.
+//! - [`planted`]: in designs that were moved away from a planted toggle, the program finds and names it.
 
 mod agreement;
 mod measures;
@@ -13,7 +12,7 @@ mod random;
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// A sample study's suspension.
+/// Suspension of a sample study.
 fn sample(name: &str) -> hardpoint::model::Suspension {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
     let study = Study::read(&path.join(format!("{name}.toml")), &[]);

@@ -1,8 +1,8 @@
-//! Toggles that are planted and found again.
+//! Tests in which the program finds planted toggles.
 //!
-//! A design is made singular in one part; from there the carrier is pushed along the motion in which the drive
-//! stands still, by Newton's method on lengths alone. What comes out is a design whose motion must end where it was
-//! taken from, because of that part.
+//! The test makes a design singular in one part. Then it moves the carrier along the motion that leaves the drive at
+//! rest, by Newton's method on lengths alone. The motion of the resulting design must end at the planted position,
+//! because of that part.
 
 use super::sample;
 use crate::support::random::Random;
@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 type Points = Vec<Vector3<f64>>;
 
-/// Quantity that moves up to the fold.
+/// Quantity that drives the motion up to the fold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Quantity {
     Travel,
@@ -23,7 +23,7 @@ enum Quantity {
     Rack,
 }
 
-/// A design in its planted fold, with the name of the limit.
+/// Design at its planted fold, with the name of the limit.
 struct Planted {
     mechanism: Mechanism,
     folded: Points,
@@ -33,7 +33,7 @@ struct Planted {
     dependent: Vec<PointId>,
 }
 
-/// A vector turned by a rotation vector.
+/// Vector rotated by a rotation vector.
 fn turned(v: Vector3<f64>, by: Vector3<f64>) -> Vector3<f64> {
     let angle = by.norm();
     if angle == 0.0 {
@@ -44,7 +44,8 @@ fn turned(v: Vector3<f64>, by: Vector3<f64>) -> Vector3<f64> {
 }
 
 impl Planted {
-    /// The points with the carrier shifted by x_0..3 and turned by x_3..6 in sizes, the rack displaced by x_6.
+    /// Points with the carrier translated by x_0..3 (divided by the suspension size) and rotated by x_3..6, and the
+    /// rack displaced by x_6.
     fn moved(&self, x: &DVector<f64>) -> Points {
         let origin = self.folded[self.mechanism.origin.0];
         let shift = Vector3::new(x[0], x[1], x[2]) * self.size;
@@ -58,7 +59,7 @@ impl Planted {
         moved.collect()
     }
 
-    /// Five constraints, and the drive's way from the fold; in sizes.
+    /// Residuals of the five constraints, and the change of the drive from the fold, divided by the suspension size.
     fn residuals(&self, x: &DVector<f64>) -> DVector<f64> {
         let (was, now) = (&self.folded, self.moved(x));
         let mut rows = Vec::new();
@@ -98,7 +99,7 @@ impl Planted {
         DVector::from_vec(rows) / self.size
     }
 
-    /// Their derivatives, by differences.
+    /// Derivatives of the residuals, from differences.
     fn jacobian(&self, x: &DVector<f64>) -> DMatrix<f64> {
         let step = 1e-5;
         DMatrix::from_columns(&Vec::from_iter((0..7).map(|k| {
@@ -110,7 +111,7 @@ impl Planted {
         })))
     }
 
-    /// The carrier's motion with the drive at rest.
+    /// Motion of the carrier with the drive at rest.
     fn free(&self) -> DVector<f64> {
         let jacobian = self.jacobian(&DVector::zeros(7));
         let by_pose = jacobian.columns(0, 6).into_owned();
@@ -120,7 +121,7 @@ impl Planted {
         rows.row(least).transpose()
     }
 
-    /// The design that is `far` away from the fold along that motion.
+    /// Design at the distance `far` from the fold along that motion, if it exists.
     fn led_away(&self, far: f64) -> Option<Points> {
         let free = self.free();
         let mut x = DVector::zeros(7);
@@ -142,7 +143,7 @@ impl Planted {
             }
             miss[5] -= far;
             match self.quantity {
-                // The rack is held, or the wheel's height is.
+                // The row holds either the rack or the wheel height.
                 Quantity::Rack => {
                     rows.set_row(6, &jacobian.row(5));
                     miss[6] = all[5];
@@ -164,7 +165,7 @@ impl Planted {
         Some(self.moved(&x)).filter(|_| self.residuals(&x).rows(0, 5).norm() < 1e-13)
     }
 
-    /// Returns true if the fold is found and named, from `far` away; `None` if there is no such design.
+    /// Returns true if the program finds and names the fold from the distance `far`; `None` if there is no such design.
     fn is_found(&self, far: f64) -> Option<bool> {
         let design = self.led_away(far)?;
         let mut solver = Solver::new(&self.mechanism, &design).ok()?;
@@ -210,7 +211,7 @@ fn causes(range: &Range) -> [Option<LimitCause>; 2] {
     })
 }
 
-/// A design of a strut or a double wishbone with a part in its singular position.
+/// Strut or double wishbone design with a part in its singular position.
 fn plant(sample: &Suspension, cause: LimitCause, quantity: Quantity, number: u64) -> Planted {
     let random = &mut Random(100 + number);
     let size = sample.size();
@@ -228,7 +229,7 @@ fn plant(sample: &Suspension, cause: LimitCause, quantity: Quantity, number: u64
     let axis = points[upper] - base;
     let along = axis * (1.0 / axis.norm());
     let (inner, outer) = (id("tie_rod_inner"), id("tie_rod_outer"));
-    // The motion of the carrier, about the lower ball joint.
+    // Motion of the carrier about the lower ball joint.
     let turn = match cause {
         LimitCause::TieRodToggle => {
             let across = |p: usize| {
@@ -242,7 +243,7 @@ fn plant(sample: &Suspension, cause: LimitCause, quantity: Quantity, number: u64
         }
         _ => {
             let way = if strut {
-                // Square to the steering axis.
+                // Perpendicular to the steering axis.
                 let away = random.vector(1.0);
                 let square = (away - along * along.dot(away)).normalised();
                 points[id("strut_lower")] = points[upper] + square * (0.3 * size);
@@ -263,7 +264,7 @@ fn plant(sample: &Suspension, cause: LimitCause, quantity: Quantity, number: u64
         }
     };
     if quantity != Quantity::ArmAngle {
-        // A wheel centre that this motion does not lift.
+        // Wheel centre that this motion does not lift.
         let level = Vector3::new(turn.x, turn.y, 0.0).normalised();
         let height = points[wheel].z - base.z;
         points[wheel] = base + level * (0.25 * size) + Vector3::new(0.0, 0.0, height);
@@ -278,7 +279,7 @@ fn plant(sample: &Suspension, cause: LimitCause, quantity: Quantity, number: u64
     }
 }
 
-/// A five-link in which two links and the toe link meet in one point and lie in one plane.
+/// Five-link design in which two links and the toe link meet in one point and lie in one plane.
 fn plant_links(sample: &Suspension, number: u64) -> Planted {
     let random = &mut Random(900 + number);
     let size = sample.size();
@@ -312,7 +313,7 @@ fn plant_links(sample: &Suspension, number: u64) -> Planted {
     }
 }
 
-/// Every part by every quantity, `each` times.
+/// Examines every part with every quantity, `each` times.
 fn examine(each: u64) {
     let [strut, wishbone, links] = [
         "macpherson_solve",
@@ -334,7 +335,7 @@ fn examine(each: u64) {
             quantities.map(|quantity| plant(sample, *cause, quantity, number))
         });
         for toggle in toggles.chain([plant_links(&links, number)]) {
-            // Another fold may lie between; from nearer by there is none.
+            // From this distance another fold may lie between; the test then tries smaller distances.
             let nearer = |named| {
                 named
                     || [0.3, 0.1, 0.03]

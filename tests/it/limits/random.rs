@@ -1,5 +1,5 @@
-//! Random double wishbones and struts: the part that is named is singular by its own measure; where none is
-//! named, none is.
+//! Tests of random double wishbones and struts: a named part is singular by its measure, and if no part is named, no
+//! part is singular.
 
 use super::measures::Points;
 use super::sample;
@@ -8,7 +8,7 @@ use hardpoint::analyse::{Range, RangeEnd};
 use hardpoint::mechanism::LimitCause;
 use hardpoint::solve::Solver;
 
-/// A part is singular below this.
+/// Measure below which a part is singular.
 const SINGULAR: f64 = 1e-6;
 
 #[derive(Debug, Default)]
@@ -71,7 +71,7 @@ fn examine(designs: u64, scatter: f64) -> Count {
             look(limits.rack.as_ref().unwrap(), true);
             let arm = limits.arm_angle.as_ref().unwrap();
             look(arm, false);
-            // Every fold of the arm's angle has its part.
+            // Every fold of the arm angle names a part.
             for end in [&arm.lower, &arm.upper] {
                 if let RangeEnd::Fold(limit) = end {
                     assert_ne!(limit.cause, LimitCause::ArmStandsStill, "{number}");

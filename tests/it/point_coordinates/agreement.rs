@@ -1,4 +1,4 @@
-//! The paper's formulation and the production one on the same struts.
+//! Tests that the paper's formulation and the production formulation agree on the same struts.
 
 use super::scatter::Scatter;
 use super::unsuitable;
@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 
 const TRAVELS: [f64; 4] = [-0.08, -0.04, 0.04, 0.08];
 
-/// The strut as a mechanism of the production formulation.
+/// Strut as a mechanism of the production formulation.
 fn mechanism_of(strut: &Strut) -> (Mechanism, Vec<Vector3<f64>>) {
     let points = [
         ("lower_arm_front", Some(strut.lower_arm_front)),
@@ -37,7 +37,7 @@ fn mechanism_of(strut: &Strut) -> (Mechanism, Vec<Vector3<f64>>) {
     (mechanism, design)
 }
 
-/// Poses of the production formulation at [`TRAVELS`], with the strut's size.
+/// Poses of the production formulation at [`TRAVELS`], with the size of the strut suspension.
 fn production(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
     let (mechanism, design) = mechanism_of(strut);
     let mut solver = Solver::new(&mechanism, &design).ok()?;
@@ -57,7 +57,7 @@ fn production(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
     Some((poses, solver.size()))
 }
 
-/// Poses of the paper's formulation at [`TRAVELS`], with the condition number of the worst.
+/// Poses of the paper's formulation at [`TRAVELS`], with the largest condition number.
 fn paper(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
     let equations = PointCoordinates::new(strut, StrutPoints::Spread, Drive::Travel).ok()?;
     let (mut poses, mut condition) = ([None; 4], 0.0_f64);
@@ -71,7 +71,8 @@ fn paper(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
     Some((poses, condition))
 }
 
-/// Distance between two poses, the rotation counted at the distance `size`, relative to that size.
+/// Distance between two poses, divided by `size`; a rotation counts as the displacement that it causes at the distance
+/// `size`.
 fn distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
     let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);
@@ -89,13 +90,12 @@ fn both_formulations_find_the_same_poses_of_ten_thousand_struts() {
     agreement_of(10_000);
 }
 
-/// So many sensible struts over +-80 mm: both formulations find the same poses to 1e-11 of the
-/// strut's size.
+/// Asserts that both formulations find the same poses of this many random struts over +-80 mm, to 1e-11 of the strut's
+/// size.
 ///
-/// Each hardpoint of a road car is moved by up to 20 mm along every axis. Those for which the paper's
-/// equations have a condition number of 1e4 or more do not count (the road car's is about a hundred):
-/// they are one or two in a hundred, mostly with the ball joint close to the strut's axis, and
-/// production solves them like the others.
+/// The test moves each hardpoint of a road car by up to 20 mm along every axis. It skips struts for which the paper's
+/// equations have a condition number of 1e4 or more (the road car's is about a hundred). One or two in a hundred are
+/// skipped, mostly with the ball joint close to the strut axis; production solves them like the others.
 fn agreement_of(struts: u32) {
     let mut scatter = Scatter(2003);
     let (mut worst, mut compared, mut unfit) = (0.0_f64, 0, 0);
@@ -118,13 +118,13 @@ fn agreement_of(struts: u32) {
     assert!(50 * unfit < struts, "{unfit}");
 }
 
-/// If the suspension is sound but the paper's equations are singular, the paper's formulation refuses it by name. The
-/// production formulation solves it: every length and the strut's line hold at +-80 mm.
+/// If the suspension is sound but the paper's equations are singular, the paper's formulation refuses it and names the
+/// singularity. The production formulation solves it: every length and the strut's line hold at +-80 mm.
 #[test]
 fn production_solves_what_the_paper_s_equations_cannot_describe() {
     for (what, strut) in unsuitable() {
         assert!(paper(&strut).is_none());
-        // A level strut is on its way out of reach: its length stays, the travel is short.
+        // A level strut hardly changes its length and soon reaches its limit, so its travel is short.
         let travels = match what {
             Singular::HorizontalStrut => [-0.01, 0.01],
             _ => [-0.08, 0.08],
@@ -162,7 +162,8 @@ fn check_assembly(strut: &Strut, pose: &Pose<f64>, travel: f64) {
         let stretched = (now(outer) - inner).norm() - (outer - inner).norm();
         assert!(stretched.abs() < rounding, "{stretched:e}");
     }
-    // The mount is on the line through the knuckle-fixed point that was there, along the turned axis.
+    // The mount is on the turned axis, which passes through the knuckle point that was at the mount in the design
+    // position.
     let axis = pose.rotation.apply(strut.axis());
     let off = (strut.strut_top - now(strut.strut_top)).cross(axis).norm();
     assert!(off < rounding, "{off:e}");

@@ -1,4 +1,4 @@
-//! Points of interest on every body, in both formulations, against answers of 110 digits.
+//! Tests of points of interest on every body, in both formulations, against reference values of 110 digits.
 
 use super::{bound, number, reference, size, strut, vector};
 use hardpoint::attia::Drive;
@@ -25,10 +25,10 @@ const HARDPOINTS: [(&str, &str); 10] = [
     ("spindle_inner", "p11"),
 ];
 
-/// A spring seat on the lower arm, off its axis and off its plane.
+/// Spring seat on the lower arm, off its axis and off its plane.
 const SEAT: Vector3<f64> = Vector3::new(-0.02, 0.56, 0.17);
 
-/// The road car over these travels, with points that the reference knows as extra points.
+/// Study of the road car over these travels, with the reference's extra points.
 fn study(case: &Value, travels: &[f64], formulation: &str) -> Study {
     let coordinates = |name: &str| {
         let p = vector(&case["hardpoints"][name]);
@@ -56,7 +56,7 @@ fn study(case: &Value, travels: &[f64], formulation: &str) -> Study {
     Study::from_text("extra.toml", &text, Path::new(".")).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Position and both derivatives of a point, from the columns.
+/// Position of a point with its first and second derivatives, from the columns.
 fn point(curves: &Curves, station: usize, name: &str) -> [Vector3<f64>; 3] {
     [0, 1, 2].map(|order| {
         let component = |axis: &str| {
@@ -69,7 +69,7 @@ fn point(curves: &Curves, station: usize, name: &str) -> [Vector3<f64>; 3] {
     })
 }
 
-/// A point of the lower arm, turned about 1-2 as the reference's point 5 is.
+/// Point of the lower arm, turned about 1-2 like the reference's point 5.
 fn arm_point(case: &Value, state: &Value, designed: Vector3<f64>) -> [Vector3<f64>; 3] {
     let at = |name: &str| vector(&case["hardpoints"][name]);
     let (p1, axis) = (at("p1"), (at("p2") - at("p1")).normalised());

@@ -1,4 +1,4 @@
-//! Singular designs, dead centres and the ends of the travel.
+//! Tests of singular designs, dead centres and the ends of the travel.
 
 use super::{at, bound, nominal, reference, size, strut, unsuitable, with_points};
 use hardpoint::attia::Drive;
@@ -8,7 +8,8 @@ use hardpoint::attia::{Strut, StrutPoints};
 use hardpoint::number::Vector3;
 use std::f64::consts::PI;
 
-/// The drive turns back at theta = pi (t = 1.2985 s): refused there, followed on either side of it.
+/// The drive reverses at theta = pi (t = 1.2985 s). The solver refuses this station and follows the motion on either
+/// side of it.
 #[test]
 fn the_paper_s_drive_bounces_at_its_dead_centre() {
     let strut = strut(&reference("attia-example"));
@@ -41,8 +42,8 @@ fn the_paper_s_drive_bounces_at_its_dead_centre() {
     }
 }
 
-/// With point 1 half a metre ahead, d51 exceeds the arm's radius: no solution near pi, the same side
-/// afterwards.
+/// With point 1 half a metre farther forward, d51 exceeds the arm's radius. There is no solution near pi, and
+/// afterwards the arm is on the same side.
 #[test]
 fn where_the_arm_is_shorter_than_d51_stations_near_pi_are_refused() {
     let mut strut = strut(&reference("attia-example"));
@@ -74,18 +75,18 @@ fn where_the_arm_is_shorter_than_d51_stations_near_pi_are_refused() {
     assert!(last.station().value > PI && last.moving()[0].y > strut.lower_arm_front.y);
 }
 
-/// Beside the end of a branch the equations hold to rounding beyond it as well, the further the larger
-/// the coordinates are: no pose there, however little beyond and however near the start. Before the end,
-/// where there is an answer it is right to what the conditioning leaves.
+/// Near the end of a branch, the equations hold to rounding even beyond it; this zone grows with the coordinates. The
+/// solver returns no pose beyond the end, however close and from whatever start. Before the end, a returned pose is
+/// accurate to the conditioning.
 #[test]
 fn what_rounding_alone_solves_is_refused() {
     for distance in [0.0, 1.0, 128.0, 8192.0] {
-        // The coordinates, and so the limits, are known to this.
+        // The coordinates, and so the limits, are accurate to this amount.
         let rounding = 4.0 * f64::EPSILON * (1.0 + distance);
         let far =
             |strut: Strut| with_points(&strut, |p| p + Vector3::new(distance, -distance, distance));
 
-        // A paper's drive with d51 above the arm's radius: its end is not where the sine of theta is zero.
+        // The paper's drive with d51 above the arm's radius: its end is not where the sine of theta is zero.
         let mut strut = strut(&reference("attia-example"));
         strut.lower_arm_front.x += 0.5;
         let d51 = (strut.lower_ball_joint - strut.lower_arm_front).norm();
@@ -98,7 +99,7 @@ fn what_rounding_alone_solves_is_refused() {
             (pose.moving()[0].z - depth).abs()
         });
 
-        // The folds of travel of a road car, up and down, to 110 digits.
+        // Folds of travel of a road car in bump and droop, to 110 digits.
         let strut = far(nominal());
         let mechanism = PointCoordinates::new(&strut, StrutPoints::Spread, Drive::Travel).unwrap();
         for limit in [0.3496678070358349, -0.3657959368312455] {
@@ -108,7 +109,7 @@ fn what_rounding_alone_solves_is_refused() {
             });
         }
 
-        // The toggle of its tie rod, by the rack with the arm held.
+        // Toggle of the tie rod over the rack displacement, with the arm held.
         let mechanism =
             PointCoordinates::new(&strut, StrutPoints::Spread, Drive::ArmAngle).unwrap();
         let by_rack = |rack| Station { value: 0.0, rack };
@@ -120,8 +121,8 @@ fn what_rounding_alone_solves_is_refused() {
     }
 }
 
-/// Refused from `rounding` beyond the limit on, solved from a thousand times that before it inward, with
-/// an `error` no more than the conditioning explains.
+/// Asserts that stations more than `rounding` beyond the limit are refused. Stations from a thousand times that
+/// distance before it are solved, with an `error` that the conditioning explains.
 fn check_end(
     mechanism: &PointCoordinates,
     station: impl Fn(f64) -> Station,
@@ -152,8 +153,8 @@ fn check_end(
     }
 }
 
-/// The rack's displacement inward at which the nominal car's tie rod is just long enough to reach the
-/// circle of its outer end about the steering axis.
+/// Inward rack displacement at which the nominal car's tie rod just reaches the circle of its outer end about the
+/// steering axis.
 fn rack_at_toggle() -> f64 {
     let s = nominal();
     let axis = (s.strut_top - s.lower_ball_joint).normalised();
@@ -204,7 +205,7 @@ fn singular_designs_are_named() {
         }),
         Refusal::Singular(Singular::TieRodToggle)
     );
-    // A micrometre between 6 and 7 leaves fewer than half of the digits.
+    // A distance of one micrometre between points 6 and 7 leaves fewer than half of the digits.
     assert_eq!(
         refusal(
             &|s| s.strut_upper = Some(s.strut_lower + s.axis() * 1e-6),
@@ -234,8 +235,8 @@ fn beyond_the_travel_limits_there_is_no_pose() {
         match solve_travel(&nominal(), request, 0.0).unwrap_err() {
             Refusal::Unreachable { value, limit: what } => {
                 assert_eq!(what, Singular::TravelLimit);
-                // Half of the digits are left where the slope is 1/condition, so the height is known
-                // to its square: well within a micrometre.
+                // The solver stops where the slope is about 1/condition with half of the digits. The height is accurate
+                // to the square of this: well within a micrometre.
                 assert!((value - limit).abs() < 1e-6, "{value}");
             }
             other => panic!("{other:?}"),

@@ -1,4 +1,4 @@
-//! The paper's formulation against its own table, against answers of 110 digits, and at its limits.
+//! Tests of the paper's formulation against its table, against reference values of 110 digits, and at its limits.
 
 mod agreement;
 mod extra_points;
@@ -48,7 +48,7 @@ fn strut(case: &Value) -> Strut {
     }
 }
 
-/// Sound suspensions that the paper's equations cannot describe, and why.
+/// Sound suspensions that the paper's equations cannot describe, with the reason.
 fn unsuitable() -> [(Singular, Strut); 3] {
     let (s, nominal) = (nominal(), nominal());
     let (p5, steering, axis) = (
@@ -58,7 +58,7 @@ fn unsuitable() -> [(Singular, Strut); 3] {
     );
     let offset = (steering - axis * steering.dot(axis)).normalised();
     [
-        // A strut as horizontal as one can be with its top mount above the arm: its line level.
+        // The strut's line is level, with its top mount above the arm.
         (
             Singular::HorizontalStrut,
             Strut {
@@ -75,7 +75,7 @@ fn unsuitable() -> [(Singular, Strut); 3] {
                 ..nominal
             },
         ),
-        // A steering arm towards the strut, and a tie rod along the car.
+        // The steering arm points towards the strut, and the tie rod runs along the car.
         (
             Singular::CoplanarKnuckle,
             Strut {
@@ -87,7 +87,7 @@ fn unsuitable() -> [(Singular, Strut); 3] {
     ]
 }
 
-/// The strut with each of its points put somewhere else.
+/// Strut with each of its points mapped by a function.
 fn with_points(strut: &Strut, to: impl Fn(Vector3<f64>) -> Vector3<f64>) -> Strut {
     Strut {
         lower_arm_front: to(strut.lower_arm_front),
@@ -113,11 +113,10 @@ fn nominal() -> Strut {
 
 /// Bound on the rounding error of a derivative of this order. `largest` is the size of the terms.
 ///
-/// At a solution each of the fifteen equations holds to 8 D M eps, with D the largest distance and M the
-/// largest coordinate (the solver's own bound). The unknowns are off by no more than the norm of the
-/// inverse Jacobian times sqrt(15) 8 D M eps, and the Jacobian's norm is at least 2 D: together
-/// 16 eps M times the condition number. Derivatives inherit the errors of the orders below: once more
-/// for each.
+/// At a solution each of the fifteen equations holds to 8 D M eps, the solver's bound, with the largest distance D and
+/// the largest coordinate M. The error of the unknowns is at most the norm of the inverse Jacobian times sqrt(15) 8 D M
+/// eps. The Jacobian's norm is at least 2 D, so the error is at most 16 eps M times the condition number. A derivative
+/// also inherits the errors of all lower orders, which adds this factor once for each order.
 fn bound(mechanism: &PointCoordinates, pose: &Pose, order: usize, largest: f64) -> f64 {
     16.0 * (order + 1) as f64 * f64::EPSILON * mechanism.condition(pose) * largest.max(1.0)
 }

@@ -1,4 +1,4 @@
-//! Answers of 110 digits.
+//! Tests against reference values of 110 digits.
 
 use super::{bound, number, reference, size, strut, vector, with_points};
 use hardpoint::attia::Drive;
@@ -27,13 +27,13 @@ fn solved(case: &Value, state: &Value, points: StrutPoints) -> (PointCoordinates
     (mechanism, pose)
 }
 
-/// A point or its derivative as that of the left wheel, which the equations are written for.
+/// Point or its derivative, mirrored to the left wheel, for which the equations are written.
 fn to_left_wheel(case: &Value, v: Vector3<f64>) -> Vector3<f64> {
     let side = case.get("side").map_or(1.0, number);
     Vector3::new(v.x, side * v.y, v.z)
 }
 
-/// The same for an angular velocity or acceleration, whose mirror image turns the other way round.
+/// Angular velocity or acceleration, mirrored to the left wheel; its mirror image has the opposite sense.
 fn turning_to_left_wheel(case: &Value, v: Vector3<f64>) -> Vector3<f64> {
     let side = case.get("side").map_or(1.0, number);
     to_left_wheel(case, v) * side
@@ -107,8 +107,8 @@ fn compare(name: &str) {
     }
 }
 
-/// A velocity error turns into one of angular velocity by the shortest lever: the ball joint's distance
-/// from the strut's axis, more than 50 mm in all of these cases.
+/// A velocity error divided by the shortest lever is an error of angular velocity. The lever is the ball joint's
+/// distance from the strut axis, more than 50 mm in all these cases.
 fn check_angular(
     (mechanism, pose, lever): (&PointCoordinates, &Pose, f64),
     motion: &Motion,
@@ -145,8 +145,8 @@ fn angular_velocity_in_the_plane_of_6_7_8_is_no_obstacle() {
     compare("angular-velocity-in-plane");
 }
 
-/// Equation (25) on the very velocities from which the least squares get omega to rounding: some 1e-16
-/// over some 1e-16.
+/// Equation (25) fails if omega lies in the plane of points 6, 7 and 8, because it divides about 1e-16 by about 1e-16.
+/// From the same velocities the least squares method finds omega to rounding.
 #[test]
 fn equation_25_fails_where_omega_lies_in_the_plane_of_6_7_8() {
     let case = reference("angular-velocity-in-plane");
@@ -164,14 +164,14 @@ fn equation_25_fails_where_omega_lies_in_the_plane_of_6_7_8() {
     assert!(worst > 0.01, "{worst}");
 }
 
-/// Points 6 and 7 a millimetre apart: the study's own points cost accuracy, and the condition number
-/// says how much; spread points do not.
+/// If points 6 and 7 of the study are a millimetre apart, they reduce the accuracy, and the condition number shows by
+/// how much. Spread points do not reduce it.
 #[test]
 fn close_strut_points_cost_accuracy_unless_they_are_spread() {
     let case = reference("strut-points-1mm");
     let condition = |points| {
         let mut strut = strut(&case);
-        // The case's line runs from point 6 to point 4; point 7 lies on it, a millimetre from 6.
+        // The case's line runs from point 6 to point 4. Point 7 is on it, a millimetre from 6.
         strut.strut_upper =
             (points == StrutPoints::Study).then(|| vector(&case["hardpoints"]["p7"]));
         let mechanism = PointCoordinates::new(&strut, points, Drive::Travel).unwrap();
@@ -185,7 +185,7 @@ fn close_strut_points_cost_accuracy_unless_they_are_spread() {
     }
 }
 
-/// (16) and (17) with their derivatives, by Taylor series over the motion of 5, 7 and 10.
+/// The angles of (16) and (17) and their derivatives agree with Taylor series over the motion of points 5, 7 and 10.
 #[test]
 fn the_paper_s_angles_and_their_derivatives() {
     for name in ["attia-example", "angular-velocity-in-plane"] {
@@ -207,8 +207,8 @@ fn the_paper_s_angles_and_their_derivatives() {
                 let expected = &state["angles"][name];
                 for (order, key) in ["d0", "d1", "d2"].into_iter().enumerate() {
                     let (now, expected) = (angle.derivative(order), number(&expected[key]));
-                    // The lines 5-7 and 7-10 are no shorter than 0.15 m; a derivative of order k has
-                    // terms with the (k + 1)-th power of their inverse.
+                    // The lines 5-7 and 7-10 are at least 0.15 m long. A derivative of order k has terms with the (k +
+                    // 1)-th power of their inverse.
                     let largest = size(&motion.acceleration).max(1.0);
                     let bound =
                         bound(&mechanism, &pose, order, largest) / 0.15_f64.powi(order as i32 + 1);

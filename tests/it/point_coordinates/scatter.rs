@@ -1,4 +1,4 @@
-//! Many struts, and one in another unit.
+//! Tests of many struts, and of one in another unit.
 
 use super::{at, bound, nominal, size, with_points};
 use hardpoint::attia::Drive;
@@ -6,7 +6,7 @@ use hardpoint::attia::{PointCoordinates, Pose, solve_travel};
 use hardpoint::attia::{Strut, StrutPoints};
 use hardpoint::number::Vector3;
 
-/// A generator good enough to scatter hardpoints (Numerical Recipes' quick 64-bit one).
+/// Random generator for scattering hardpoints (Numerical Recipes' quick 64-bit one).
 pub(super) struct Scatter(pub(super) u64);
 
 impl Scatter {
@@ -36,8 +36,9 @@ impl Scatter {
     }
 }
 
-/// 300 scattered struts over +-80 mm: the knuckle is rigid and not mirrored, the strut's line passes the
-/// mount, the tie rod and the arm keep their lengths; a single jump arrives where small steps do.
+/// 300 scattered struts over +-80 mm stay on their branch: the knuckle is rigid and not mirrored, the strut's line
+/// passes through the mount, and tie rod and arm keep their lengths. A single large step reaches the same pose as small
+/// steps.
 #[test]
 fn scattered_struts_stay_on_their_branch() {
     let mut scatter = Scatter(1);
@@ -80,7 +81,7 @@ fn scattered_struts_stay_on_their_branch() {
 fn check_assembly(strut: &Strut, mechanism: &PointCoordinates, pose: &Pose) {
     let ([a5, a6, a7, a8, _], [p5, p6, p7, p8, p9]) =
         (*mechanism.design().moving(), *pose.moving());
-    // Twice the solver's own bound, 8 D M eps with D, M below 1.3 m.
+    // Twice the solver's bound, 8 D M eps with D and M below 1.3 m.
     let rounding = 16.0 * 1.3 * 1.3 * f64::EPSILON;
     let (before, now) = ([a5, a6, a7, a8], [p5, p6, p7, p8]);
     for i in 0..4 {
@@ -100,7 +101,7 @@ fn check_assembly(strut: &Strut, mechanism: &PointCoordinates, pose: &Pose) {
     assert!(volume(before) * volume(now) > 0.0, "mirrored");
     let along = (p7 - p6).normalised();
     for p in [strut.strut_top, p9] {
-        // Equations (11)-(14) give two components of the vector products, over the axis's z.
+        // Equations (11)-(14) give two components of the cross products, divided by the z component of the axis.
         let off = (p - p6).cross(along).norm();
         assert!(
             off < rounding / ((p7 - p6).norm() * along.z.abs()),
@@ -113,7 +114,7 @@ fn check_assembly(strut: &Strut, mechanism: &PointCoordinates, pose: &Pose) {
     assert!((height - pose.station().value).abs() < rounding * weights / 0.2);
 }
 
-/// In millimetres it is the same computation: exactly so for a unit that is a power of two.
+/// The result in another unit is the same, with equal bits if the unit ratio is a power of two.
 #[test]
 fn the_unit_of_length_does_not_matter() {
     let s = Strut {

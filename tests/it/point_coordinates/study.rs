@@ -1,4 +1,4 @@
-//! The paper's example as a study, through the program.
+//! Tests of the paper's example as a study, through the program.
 
 use super::table::check_table;
 use super::{at, bound, number, reference, size, strut, vector};
@@ -17,7 +17,7 @@ fn study_file(name: &str) -> String {
     format!("{}/studies/{name}.toml", env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A CSV file by rows and column names.
+/// CSV file by rows and column names.
 struct Table {
     places: HashMap<String, usize>,
     rows: Vec<Vec<String>>,
@@ -38,7 +38,7 @@ impl Table {
         Vector3::new(x, y, z)
     }
 
-    /// Position, velocity and acceleration of a point, the derivatives with respect to time.
+    /// Position of a point with its velocity and acceleration, the derivatives with respect to time.
     fn point(&self, row: usize, name: &str) -> [Vector3<f64>; 3] {
         [("", "m"), ("v", "m_per_s"), ("a", "m_per_s2")]
             .map(|(letter, unit)| self.vector(row, |axis| format!("{name}_{letter}{axis}_{unit}")))
@@ -50,7 +50,7 @@ impl Table {
             .map(|(what, unit)| self.vector(row, |axis| format!("knuckle_{what}_{axis}_{unit}")))
     }
 
-    /// The eleven vectors of a time in Table 2, in its order.
+    /// Eleven vectors at one time of Table 2, in its order.
     fn of_table_2(&self, row: usize) -> Vec<Vector3<f64>> {
         let points = ["tie_rod_outer", "rod_point", "wheel_centre"];
         let points = points.into_iter().flat_map(|name| self.point(row, name));
@@ -91,7 +91,7 @@ fn solve_example(formulation: &str) -> Table {
     table
 }
 
-/// Row of a time in the example, which has a hundred steps a second.
+/// Row of a time in the example, which has a hundred steps per second.
 fn row(time: f64) -> usize {
     (100.0 * time) as usize
 }
@@ -107,7 +107,8 @@ fn the_sample_study_writes_table_2() {
     }
 }
 
-/// The same at the table's times against 110 digits, with the paper's two angles of Fig. 5.
+/// At the table's times, both formulations agree with 110-digit values within their conditioning, including the paper's
+/// two angles of Fig. 5.
 #[test]
 fn the_sample_study_is_right_to_the_accuracy_of_its_conditioning() {
     let case = reference("attia-example");
@@ -149,7 +150,7 @@ fn the_sample_study_is_right_to_the_accuracy_of_its_conditioning() {
             }
             for (k, key) in ["omega", "alpha"].into_iter().enumerate() {
                 let error = (table.knuckle(row)[k] - vector(&state["time"][key])).norm();
-                // By the shortest lever, see the reference tests.
+                // Divides by the shortest lever, as in the reference tests.
                 assert!(error < bounds[k + 1] / 0.05, "{key}, {time} s: {error:e}");
             }
             for (column, key) in [
@@ -158,7 +159,7 @@ fn the_sample_study_is_right_to_the_accuracy_of_its_conditioning() {
             ] {
                 let expected = number(&state["angles"][key]["d0"]);
                 let error = table.number(row, column).to_radians() - expected;
-                // The lines 5-7 and 7-10 are no shorter than 0.15 m.
+                // The lines 5-7 and 7-10 are at least 0.15 m long.
                 assert!(
                     error.abs() < bounds[0] / 0.15,
                     "{column}, {time} s: {error:e}"
@@ -168,11 +169,11 @@ fn the_sample_study_is_right_to_the_accuracy_of_its_conditioning() {
     }
 }
 
-/// Fig. 4 and the whole motion: the wheel falls until the arm turns back at theta = pi, t = 1.2985 s (its
-/// centre is lowest 0.02 s before and after that), and the formulations agree all the way.
+/// Fig. 4 over the whole motion: the wheel falls until the arm reverses at theta = pi, t = 1.2985 s (its centre is
+/// lowest 0.02 s before and after that). The formulations agree along the whole motion.
 ///
-/// Every derivative with respect to theta divides by its sine once more, beyond what the condition number says of the
-/// equations; angular rates are velocities over the shortest lever, 50 mm.
+/// Every derivative with respect to theta divides once more by its sine, in addition to the condition number of the
+/// equations. Angular rates are velocities divided by the shortest lever, 50 mm.
 #[test]
 fn the_formulations_agree_through_the_bounce() {
     let strut = strut(&reference("attia-example"));
@@ -198,8 +199,8 @@ fn the_formulations_agree_through_the_bounce() {
     }
 }
 
-/// Angles in degrees, and derivatives with respect to them; a multiple of 180 degrees is refused with its reason and
-/// its neighbours are not; beyond it the arm comes back.
+/// The drive accepts angles in degrees and gives derivatives with respect to them. It refuses a multiple of 180 degrees
+/// with the reason, and solves its neighbours. Beyond it the arm moves back.
 #[test]
 fn dead_centres_are_refused_with_the_reason() {
     for (formulation, reason) in FORMULATIONS
@@ -236,7 +237,7 @@ fn dead_centres_are_refused_with_the_reason() {
     }
 }
 
-/// A road car, whose arm axis is neither level nor beside point 1: theta is the angle of (15) in both.
+/// For a road car, whose arm axis is neither level nor beside point 1, theta is the angle of (15) in both formulations.
 #[test]
 fn theta_of_a_road_car_is_that_of_equation_15() {
     let motion = "motion={ drive = \"paper_theta\", theta = [88.0, 90.0, 92.0, 95.0], rack = 5.0 }";
@@ -269,8 +270,8 @@ fn theta_of_a_road_car_is_that_of_equation_15() {
     }
 }
 
-/// `check` shows the design position with derivatives with respect to the study's own drive: theta, of which z5 has the
-/// derivative -d51 sin(theta), so that the ball joint's height falls as theta grows.
+/// `check` shows the design position with derivatives with respect to theta, the study's drive. The derivative of z5 is
+/// -d51 sin(theta), so the ball joint falls as theta grows.
 #[test]
 fn check_differentiates_by_theta() {
     let strut = strut(&reference("attia-example"));
@@ -292,7 +293,7 @@ fn check_differentiates_by_theta() {
     }
 }
 
-/// Outputs that the formulation or the drive cannot give are refused by line, before the program solves anything.
+/// The program refuses outputs that the formulation or the drive cannot give, by line, before it solves anything.
 #[test]
 fn what_cannot_be_given_is_refused_by_line() {
     let paper = "solver.formulation=point_coordinates";
@@ -356,7 +357,8 @@ fn what_cannot_be_given_is_refused_by_line() {
     }
 }
 
-/// A design the paper's equations cannot describe: refused by name, and solved by default.
+/// The paper's formulation refuses a design that its equations cannot describe and names the cause; the default
+/// formulation solves it.
 #[test]
 fn a_ball_joint_on_the_strut_axis_is_named() {
     let study = study_file("macpherson_solve");

@@ -1,4 +1,4 @@
-//! Pages for the keyboard and for screen readers: names, references and headings, by the text of the page.
+//! Tests of pages for keyboards and screen readers: names, references and headings, from the text of the page.
 
 use super::*;
 use std::collections::BTreeSet;
@@ -20,8 +20,8 @@ fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
     rest.split('"').next()
 }
 
-/// Identifiers are unique, references lead to one, pictures have a name, regions that scroll can have the focus, headings skip
-/// no level, and values that follow the pointer are not read aloud.
+/// Asserts that identifiers are unique, references have a target, pictures have a name, and scrolling regions can have
+/// the focus. Headings skip no level, and screen readers do not announce values that follow the pointer.
 fn assert_accessible(page: &str) {
     assert!(page.contains("<html lang=\"en\">"));
     assert!(page.contains("name=\"viewport\""));
@@ -85,7 +85,7 @@ fn pages_have_names_and_references() {
     }
 }
 
-/// Pages of cars, of limits and of comparisons.
+/// Pages of cars, limits and comparisons have names and references.
 #[test]
 fn other_pages_have_names_and_references() {
     let directory = tempfile::tempdir().unwrap();

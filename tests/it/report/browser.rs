@@ -1,4 +1,4 @@
-//! The page in a real browser, where there is one.
+//! Tests of the page in a real browser, if one is installed.
 
 use super::*;
 use std::process::{Child, Stdio};
@@ -21,7 +21,7 @@ fn browser() -> Option<PathBuf> {
     all.find(|path| path.is_file())
 }
 
-/// Result of a page in a browser: attributes of its root element, and its messages to the console.
+/// State of a page in a browser: attributes of its root element, and its console messages.
 struct Shown {
     root: String,
     console: Vec<String>,
@@ -104,8 +104,8 @@ fn a_browser_draws_a_sweep_and_shows_a_design() {
         assert!(shown.console.is_empty(), "{:#?}", shown.console);
         assert_eq!(shown.attribute("errors"), "0", "{}", shown.root);
         assert_eq!(shown.attribute("ready"), "true");
-        // The scatter, the parallel coordinates and two plots of effects; the curves and the mechanism of
-        // designs that have them.
+        // Plots: the scatter, the parallel coordinates and two of effects, plus curves and mechanism of designs that
+        // have them.
         let plots = shown.attribute("plots-drawn");
         assert_eq!(shown.attribute("plots-expected"), plots);
         assert!(plots.parse::<usize>().unwrap() >= 4);
@@ -153,7 +153,7 @@ fn a_browser_draws_everything_and_moves_the_wheel() {
         assert!(shown.console.is_empty(), "{:#?}", shown.console);
         assert_eq!(shown.attribute("errors"), "0", "{}", shown.root);
         assert_eq!(shown.attribute("ready"), "true");
-        // The curves, the mechanism, the history, two plots of sensitivities and what moving further buys.
+        // Plots: the curves, the mechanism, the history, two of sensitivities, and misfit against size of change.
         assert_eq!(shown.attribute("plots-drawn"), (outputs + 5).to_string());
         assert_eq!(shown.attribute("station"), station.to_string());
         let centre: Vec<f64> = shown
@@ -173,7 +173,7 @@ fn a_browser_draws_everything_and_moves_the_wheel() {
     }
 }
 
-/// Both wheels, the path of the roll centre and the turn from above, at a place of both sliders.
+/// A browser draws both wheels, the path of the roll centre and the turn from above, at the positions of both sliders.
 #[test]
 fn a_browser_draws_an_axle() {
     let Some(browser) = browser() else {
@@ -189,7 +189,8 @@ fn a_browser_draws_an_axle() {
     assert_eq!(shown.attribute("ready"), "true");
     let data = run.data();
     let outputs = data["record"]["outputs"].as_array().unwrap();
-    // Both wheels share a chart, and there is one for each column along it. The mechanism and the turn stand besides.
+    // Both wheels share a chart, and each coordinate of the motion has one. The mechanism and the turn are two more
+    // plots.
     let column = |output: &serde_json::Value| output["column"].as_str().unwrap().to_owned();
     let right = |output: &&serde_json::Value| column(output).starts_with("right_");
     let along = 1 + data["record"]["further"].as_array().unwrap().len();

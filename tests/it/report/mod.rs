@@ -1,4 +1,4 @@
-//! The page and the pictures of a run: required content, forbidden content, and the display in a browser.
+//! Tests of the page and the pictures of a run: required content, forbidden content, and the display in a browser.
 
 mod access;
 mod browser;
@@ -13,14 +13,13 @@ use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A run in a directory of its own.
+/// Run in a temporary directory.
 struct Run {
     directory: tempfile::TempDir,
 }
 
 impl Run {
-    /// Runs a command on a study of this name and text, with `--report` and, where there are curves,
-    /// `--plots`.
+    /// Runs a command on a study with this name and text, with `--report` and, if it has curves, `--plots`.
     fn of(command: &str, name: &str, study: &str, more: &[&str]) -> Run {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join(format!("{name}.toml"));
@@ -51,7 +50,7 @@ impl Run {
         fs::read_to_string(self.path().join("report.html")).unwrap()
     }
 
-    /// The data in the page.
+    /// Data in the page.
     fn data(&self) -> Value {
         let page = self.page();
         let opening = r#"<script type="application/json" id="run">"#;
@@ -60,7 +59,7 @@ impl Run {
         serde_json::from_str(&page[start..end]).unwrap()
     }
 
-    /// A CSV file: its header, and its cells by column.
+    /// CSV file: its header, and its cells by column.
     fn csv(&self, name: &str) -> (Vec<String>, Vec<Vec<String>>) {
         let mut reader = csv::Reader::from_path(self.path().join(name)).unwrap();
         let header: Vec<String> = reader
@@ -93,7 +92,7 @@ fn study(name: &str) -> String {
     fs::read_to_string(studies().join(name)).unwrap()
 }
 
-/// Travel beyond the reach of the strut, at several places of the rack.
+/// Travel beyond the reach of the strut, at several rack displacements.
 const TOO_FAR: [&str; 4] = [
     "--set",
     "motion.travel={from=-360.0,to=360.0,steps=37}",
@@ -101,15 +100,15 @@ const TOO_FAR: [&str; 4] = [
     "motion.rack={from=-40.0,to=40.0,steps=3}",
 ];
 
-/// A name that is markup, a script, a template, a sentence that turns round, and a car.
+/// Name with markup, a script, a template, right-to-left text, and a car emoji.
 const HOSTILE_NAME: &str = "<img src=x onerror=alert(1)>\"'&amp;{data} \u{202e}abc 🏎";
 
-/// A sweep of the sample study under this name.
+/// Sweep of the sample study with this name.
 fn sweep(name: &str, more: &[&str]) -> Run {
     Run::of("sweep", name, &study("macpherson_sweep.toml"), more)
 }
 
-/// A tuning whose study is named so, with constraints that the page draws.
+/// Tuning whose study has this name, with constraints that the page draws.
 fn hostile() -> Run {
     let outputs = "[outputs]\npoints = [\"wheel_centre\"]";
     let mut text = study("macpherson_front.toml").replace("[outputs]", outputs);

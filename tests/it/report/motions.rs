@@ -1,4 +1,4 @@
-//! Named motions in the page of a run and in its files.
+//! Tests of named motions in the page of a run and in its files.
 
 use super::*;
 
@@ -50,7 +50,7 @@ fn the_page_has_the_curves_of_named_motions() {
             let cells = &columns[place.unwrap()];
             let cells: Vec<f64> = cells.iter().map(|c| c.parse().unwrap()).collect();
             assert_eq!(cells.len(), 5);
-            // The tables of the named motion follow those of the study's own.
+            // The tables of the named motion follow those of the main motion.
             let table = &data["curves"][own + k];
             let names = table["header"].as_array().unwrap();
             let place = names
@@ -62,7 +62,7 @@ fn the_page_has_the_curves_of_named_motions() {
         assert_eq!(target["column"], "left_camber_to_road_deg");
         assert_eq!(target["points"].as_array().unwrap().len(), 5);
         assert_eq!(data["record"]["targets"].as_array().unwrap().len(), 0);
-        // Charts over roll belong to the named motion: the study's own has heave alone.
+        // Charts over roll belong to the named motion: the main motion has only heave.
         let charts = data["charts"].as_array().unwrap().iter();
         let over_roll = charts.filter(|chart| chart["x"]["column"] == "roll_deg");
         for chart in over_roll.clone() {
@@ -76,7 +76,7 @@ fn the_page_has_the_curves_of_named_motions() {
     }
 }
 
-/// A name whose file would be that of the design before a tuning is refused.
+/// The program refuses the name of a motion whose file would be that of the design before a tuning.
 #[test]
 fn a_motion_cannot_have_the_name_of_another_file() {
     let text = study("macpherson_solve.toml");

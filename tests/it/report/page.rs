@@ -1,14 +1,14 @@
-//! Content of the page.
+//! Tests of the content of the page.
 
 use super::*;
 
-/// The page without the namespace of SVG, which is no address, and references within the page.
+/// Page without the SVG namespace, which is no web address, and without references within the page.
 pub fn own_text(page: &str) -> String {
     page.replace("http://www.w3.org/2000/svg", "")
         .replace("url(#", "")
 }
 
-/// The most bytes of a page.
+/// Largest accepted size of a page, in bytes.
 pub const MOST_BYTES: usize = 1_500_000;
 
 #[test]
@@ -27,7 +27,7 @@ fn it_is_small_and_needs_nothing_else() {
         assert!(!own.contains("unsafe-eval"));
         assert!(!own.contains("unsafe-inline"));
         assert!(!own.contains("style=\""), "the policy forbids it");
-        // The data and the script.
+        // The page has two script elements: the data and the code.
         assert_eq!(page.matches("<script").count(), 2);
     }
 }
@@ -52,7 +52,7 @@ fn a_large_run_still_makes_a_small_page() {
 #[test]
 fn its_values_are_those_of_the_files() {
     let text = study("macpherson_front.toml");
-    // A range that is too small for the targets.
+    // This range is too small for the targets.
     let top = "{ hardpoint = \"strut_top\",        axis = \"y\", range = [-20.0";
     assert!(text.contains(top));
     let text = text.replace(top, &top.replace("-20.0", "-10.0"));
@@ -78,15 +78,15 @@ fn its_values_are_those_of_the_files() {
     assert!(run.page().contains("at lower bound"));
 }
 
-/// Every chart of the page names rows and columns of its tables, and its scales show all of their values; the page has the chart
-/// itself as SVG.
+/// Every chart of the page names rows and columns of its tables, and its scales show all of their values. The page
+/// contains each chart as SVG.
 #[test]
 fn charts_show_all_values_of_their_tables() {
     let run = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]);
     let (data, page) = (run.data(), run.page());
     let charts = data["charts"].as_array().unwrap();
     let outputs = data["record"]["outputs"].as_array().unwrap().len();
-    // The outputs, the course of the tuning and the price list.
+    // Charts of the outputs, of the progress of the tuning, and of misfit against size of change.
     assert_eq!(charts.len(), outputs + 2);
     assert_eq!(
         page.matches("<figure class=\"chart\"").count(),
@@ -157,7 +157,7 @@ fn every_topology_is_drawn() {
         let mut different = names.clone();
         different.sort();
         different.dedup();
-        // A solid axle and a twist beam are drawn from either side.
+        // A solid axle and a twist beam are drawn from both sides.
         let is_axle = ["solid_axle", "twist_beam"].contains(&stem);
         let sides = if is_axle { 2 } else { 1 };
         assert_eq!(names.len(), sides * different.len(), "{names:?}");
@@ -170,7 +170,7 @@ fn every_topology_is_drawn() {
                 .all(|p| (p.as_u64().unwrap() as usize) < count)
         );
         assert!(joined.count() >= 4, "{name}");
-        // Of an axle the page has no influences.
+        // The page of an axle has no influences.
         let has_influences = !record["influences"].as_array().unwrap().is_empty();
         assert_eq!(has_influences, !is_axle, "{name}");
     }
@@ -201,8 +201,8 @@ fn a_failed_station_is_a_gap_with_a_reason() {
     }
 }
 
-/// If a drop link of an axle no longer reaches its lever, the page draws nothing there and gives the reason.
-/// Elsewhere every point has its place.
+/// If a drop link of an axle no longer reaches its lever, the page omits the drawing of that station and gives the
+/// reason. At all other stations every point is drawn.
 #[test]
 fn an_axle_is_drawn_as_far_as_its_rockers_go() {
     let text = study("macpherson_axle.toml").replace(
@@ -262,7 +262,7 @@ fn numbers(value: &Value) -> Vec<f64> {
     list.iter().map(|v| v.as_f64().unwrap()).collect()
 }
 
-/// The centres are drawn where the characteristics say they are, the roll centre on the line from the contact
+/// The page draws the centres at the positions of the characteristics. The roll centre is on the line from the contact
 /// point to the centre in front view.
 #[test]
 fn centres_are_where_the_characteristics_say() {
@@ -316,7 +316,7 @@ fn centres_are_where_the_characteristics_say() {
     }
 }
 
-/// A target out of reach is marked wherever it is shown.
+/// The page marks a target out of reach wherever it appears.
 #[test]
 fn missed_targets_are_marked() {
     let far = "optimise.targets=[{characteristic=\"camber\", at=0.0, value=-9.0, tolerance=0.01},\
@@ -332,12 +332,12 @@ fn missed_targets_are_marked() {
     assert_eq!(missed.len(), 1, "{missed:?}");
     assert_eq!(missed[0][0], "camber_deg");
     let own = own_text(&run.page());
-    // On the opening screen and in the table.
+    // The target is marked on the opening screen and in the table.
     assert_eq!(own.matches("<tr class=\"unmet\">").count(), 2);
     assert!(own.contains("<span class=\"bad\">1</span> of 2 <small>targets</small>"));
     let picture = fs::read_to_string(run.plots().join("camber_deg.svg")).unwrap();
     assert!(picture.contains("class=\"missed\"") && picture.contains(">missed</text>"));
-    // A target at one place has its tolerance: a bar with two ends.
+    // A target at one travel shows its tolerance as a bar with two ends.
     assert_eq!(picture.matches("class=\"bar\"").count(), 3);
     let good = fs::read_to_string(run.plots().join("toe_deg.svg")).unwrap();
     assert!(!good.contains("class=\"missed\""));

@@ -1,4 +1,4 @@
-//! The pictures.
+//! Tests of the pictures.
 
 use super::*;
 use resvg::tiny_skia::Pixmap;
@@ -10,7 +10,7 @@ fn there_is_one_for_each_output_and_an_overview() {
         .unwrap()
         .map(|f| f.unwrap().file_name().into_string().unwrap())
         .collect();
-    // One says whose the pictures are, the other has the layouts.
+    // `run.json` names the run of the pictures, and `charts.json` contains their layouts.
     names.retain(|name| name != "run.json" && name != "charts.json");
     names.sort();
     assert_eq!(
@@ -38,7 +38,7 @@ fn there_is_one_for_each_output_and_an_overview() {
     ] {
         assert!(overview.contains(part), "{part}");
     }
-    // Three targets, and the strips of deviations of the two that are values.
+    // Bands of three targets, plus the deviation strips of the two targets that are values.
     assert_eq!(overview.matches("class=\"band\"").count(), 3 + 2);
 }
 
@@ -85,13 +85,13 @@ fn names_are_text_and_stay_in_the_directory() {
     }
 }
 
-/// Red, green and blue of a pixel of a PNG, at a place of the SVG.
+/// Red, green and blue of a pixel of a PNG, at a position of the SVG.
 fn colour(png: &Pixmap, [x, y]: [f64; 2]) -> [u8; 3] {
     let pixel = png.pixel((2.0 * x) as u32, (2.0 * y) as u32).unwrap();
     [pixel.red(), pixel.green(), pixel.blue()]
 }
 
-/// Number of columns of pixels in a part of a PNG, from the first with ink to the last.
+/// Width in pixels of the ink in a part of a PNG.
 fn width_of_ink(png: &Pixmap, across: [u32; 2], down: [u32; 2]) -> u32 {
     let dark = |x: u32, y: u32| png.pixel(x, y).unwrap().red() < 0x80;
     let inked = |x: &u32| (down[0]..down[1]).any(|y| dark(*x, y));
@@ -102,8 +102,8 @@ fn width_of_ink(png: &Pixmap, across: [u32; 2], down: [u32; 2]) -> u32 {
     }
 }
 
-/// The pixels are the SVG's: twice its size, white, its curve where it is in the SVG and of its colour;
-/// and there are letters, as many as the words have.
+/// The PNG shows the SVG at twice its size: white background, the curve at its position and with its colour. The widths
+/// of the labels fit the numbers of their letters.
 #[test]
 fn the_png_shows_what_the_svg_does() {
     let run = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]);
@@ -127,12 +127,12 @@ fn the_png_shows_what_the_svg_does() {
         places += 1;
     }
     assert_eq!(places, 41);
-    // The title of the axis below the plot: as wide as its 17 letters, 24 pixels high.
+    // The title of the horizontal axis: as wide as its 17 letters, 24 pixels high.
     let below = |png: &Pixmap| width_of_ink(png, [128, 800], [664, 700]);
     let kingpin = png("kingpin_inclination_deg");
     let widths = [below(&camber), below(&kingpin)];
     assert!(widths.iter().all(|w| (170..240).contains(w)), "{widths:?}");
-    // The name of the chart, 6 and 19 letters, and the title beside the plot, which runs up.
+    // The names of the charts have 6 and 19 letters. The title of the vertical axis is rotated.
     let name = |png: &Pixmap| width_of_ink(png, [4, 600], [14, 48]);
     let widths = [name(&camber), name(&kingpin)];
     assert!((70..110).contains(&widths[0]), "{widths:?}");
@@ -141,7 +141,7 @@ fn the_png_shows_what_the_svg_does() {
     assert!((10..32).contains(&beside), "{beside}");
 }
 
-/// The same numbers make the same bytes.
+/// Equal numbers give equal bytes of the pictures.
 #[test]
 fn pictures_are_made_alike() {
     let solve = || Run::of("solve", "plain", &study("macpherson_solve.toml"), &[]);
@@ -153,8 +153,8 @@ fn pictures_are_made_alike() {
     }
 }
 
-/// The picture of a tuning shows the mechanism, every target and the side effects beyond their tolerances; the drawing of the
-/// mechanism has the name of every point.
+/// The picture of a tuning shows the mechanism, every target, and the side effects beyond their tolerances. The drawing
+/// of the mechanism has the name of every point.
 #[test]
 fn a_tuning_is_shown_with_its_mechanism_and_side_effects() {
     let run = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]);
@@ -182,13 +182,13 @@ fn a_tuning_is_shown_with_its_mechanism_and_side_effects() {
         "tie_rod_outer",
         "wheel_centre",
     ] {
-        // Front view, side view, top view.
+        // The name appears in the front view, the side view and the top view.
         assert_eq!(mechanism.matches(&format!(">{name}<")).count(), 3, "{name}");
     }
 }
 
-/// In the front view the left wheel is on the right, in the side view forward is to the left, from above to the top. A right
-/// wheel is on the left; from its side, forward is to the right.
+/// In the front view the left wheel is on the right. In the side view forward is to the left, and in the top view it is
+/// up. A right wheel is on the left in the front view, and in its side view forward is to the right.
 #[test]
 fn views_are_as_their_titles_say() {
     let left = study("double_wishbone_solve.toml");
@@ -220,8 +220,8 @@ fn views_are_as_their_titles_say() {
     }
 }
 
-/// The picture in the README is the program's own, made with
-/// `hardpoint optimise studies/macpherson_front.toml --plots out/plots`.
+/// The picture in the README is the one that `hardpoint optimise studies/macpherson_front.toml --plots out/plots`
+/// makes.
 #[test]
 fn the_picture_of_the_sample_study_is_current() {
     let run = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]);
@@ -230,7 +230,7 @@ fn the_picture_of_the_sample_study_is_current() {
     crate::support::assert_same_picture(&kept, &made, "out/plots/tuning.svg");
 }
 
-/// Each rack has its shade and its name, the one at zero the strongest line.
+/// Each rack displacement has its own shade and label, and the line at zero is the strongest.
 #[test]
 fn racks_are_told_apart() {
     let more = ["--set", "motion.rack={from=-30.0,to=30.0,steps=3}"];
@@ -249,8 +249,8 @@ fn racks_are_told_apart() {
     assert!(picture.contains("9 of 21 values of rack"));
 }
 
-/// Limits are drawn where they hold, between two of them is shaded, and what is outside of them by more than the
-/// tolerance is marked.
+/// A picture draws limits where they apply and shades the area between two limits. It marks values that are outside by
+/// more than the tolerance.
 #[test]
 fn bands_are_drawn_and_what_is_outside_is_marked() {
     let out_of_reach = "between = [[[-60.0, 0.2], [60.0, 0.2]], [[-60.0, 1.5], [60.0, 1.5]]]";
@@ -284,7 +284,7 @@ fn bands_are_drawn_and_what_is_outside_is_marked() {
     assert_eq!(count("toe_deg.svg", "missed"), outside);
     assert_eq!(count("toe_deg.svg", "limit"), 2);
     assert_eq!(count("toe_deg.svg", "band"), 1);
-    // At one place a limit is a short line across.
+    // A limit at a single travel is a short horizontal line.
     assert_eq!(count("kingpin_inclination_deg.svg", "limit"), 2);
     assert_eq!(count("kingpin_inclination_deg.svg", "band"), 0);
     assert_eq!(count("caster_deg.svg", "limit"), 0);

@@ -1,4 +1,4 @@
-//! Directories that are not runs, and calls that make no sense.
+//! Tests of refused reports: directories that are not runs, and calls without meaning.
 
 use super::*;
 
@@ -80,7 +80,7 @@ fn a_sweep_whose_files_do_not_belong_together_is_refused() {
     let misfit = &best[best.len() - 5];
     let least = misfit.iter().map(|m| m.parse::<f64>().unwrap());
     let least = least.fold(f64::INFINITY, f64::min).to_string();
-    // Of the same length: a file of another length is refused for that.
+    // The changed value has the same length, because the program would refuse a file of another length for that reason.
     let last = if least.ends_with('1') { "2" } else { "1" };
     let other = format!("{}{last}", &least[..least.len() - 1]);
     for (contents, part) in [
@@ -103,7 +103,7 @@ fn a_sweep_whose_files_do_not_belong_together_is_refused() {
     let none = "no part of the sweep is complete";
     refused(hardpoint(&["report"]).arg(run.path()), none);
     assert!(!page.exists(), "nothing is written");
-    // What it came to follows from the statistics of its parts.
+    // Without its summary the page can still be made: the result follows from the statistics of the shards.
     fs::write(&designs, text).unwrap();
     fs::remove_file(&summary).unwrap();
     hardpoint(&["report"]).arg(run.path()).assert().success();

@@ -1,9 +1,9 @@
-//! Content of the page of a sweep.
+//! Tests of the content of the page of a sweep.
 
 use super::page::{MOST_BYTES, own_text};
 use super::*;
 
-/// Columns of `designs.csv` with numbers that the page has: all but the last three and the first.
+/// Columns of `designs.csv` whose numbers are in the page: all except the first and the last four.
 fn numbers(header: &[String]) -> std::ops::Range<usize> {
     1..header.len() - 4
 }
@@ -13,7 +13,7 @@ fn designs(data: &Value) -> Vec<u64> {
     shown.iter().map(|d| d.as_u64().unwrap()).collect()
 }
 
-/// Every value in the page is the one in the file, and cells empty there are missing here.
+/// Asserts that every value in the page equals the one in the file, and that cells empty there are missing here.
 fn assert_values_of_the_file(run: &Run) {
     let data = run.data();
     let (header, cells) = run.csv("designs.csv");
@@ -127,7 +127,7 @@ fn report_makes_the_same_page_for_any_number_of_threads() {
     assert!(page("1") == page("2"));
 }
 
-/// The page shows the last run in a directory: a forced sweep replaces a solve.
+/// The page shows the last run in a directory: a sweep with `--force` replaces a solve.
 #[test]
 fn a_sweep_in_the_same_directory_takes_its_place() {
     let run = sweep("plain", &["--set", "sweep.samples=200"]);
@@ -155,7 +155,7 @@ fn a_hostile_name_of_a_sweep_is_text() {
     assert!(!own.contains("<img") && !own.contains("<script>alert"));
 }
 
-/// The curves of a chosen design are those of its study.
+/// The curves of a chosen design equal those of its study.
 #[test]
 fn a_chosen_design_has_its_curves_and_its_mechanism() {
     let run = sweep("plain", &["--set", "sweep.samples=64"]);
@@ -198,7 +198,7 @@ fn a_chosen_design_has_its_curves_and_its_mechanism() {
     );
 }
 
-/// Outputs that no variable changes do not appear among the effects as rounding noise.
+/// The page lists no effects for outputs that no variable changes, because they would only be rounding errors.
 #[test]
 fn what_nothing_moves_has_no_effects() {
     let run = sweep("plain", &["--set", "sweep.samples=64"]);

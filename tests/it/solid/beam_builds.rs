@@ -1,4 +1,4 @@
-//! Builds of twist beams against a formulation of their own (`built_beam.rs`).
+//! Tests of builds of twist beams against an independent formulation (`built_beam.rs`).
 
 use super::built_beam::{HEAVE, Parts, ROLL, study, study_of};
 use super::own::{Point, mirror};
@@ -17,7 +17,7 @@ fn axle_of(vehicle: Vehicle) -> Axle {
     }
 }
 
-/// Largest differences of wheel centres and spin axes from the other formulation.
+/// Largest differences of wheel centres and of spin axes from the other formulation.
 fn apart(axle: &Axle, parts: &Parts, travels: [f64; 2]) -> [f64; 2] {
     let wanted = [Quantity::Axle(A::BeamTwist), Quantity::Axle(A::MeanSteer)];
     let mut solver = AxleSolver::<2>::new(axle, &wanted, false).unwrap();
@@ -52,7 +52,8 @@ fn problem(study: &Study) -> Problem<'_> {
 const ALL: &str = "[tolerance]\nscatter = [{ hardpoints = [\"mount\", \"wheel_centre\", \"spindle_inner\"], sigma = 1.5 }, \
                    { hardpoint = \"shear_centre\", sigma = 1.5 }]\n";
 
-/// Forty builds with deviations of millimetres, at rest and at two positions: their wheels are where the other formulation has them.
+/// In forty builds with deviations of millimetres, at rest and at two positions, the wheels have the positions of the
+/// other formulation.
 #[test]
 fn builds_are_two_rigid_bodies_on_their_mounts() {
     let study = study(HEAVE, ALL);
@@ -70,12 +71,13 @@ fn builds_are_two_rigid_bodies_on_their_mounts() {
         }
     }
     println!("{worst:?}");
-    // Residuals are a few roundings of coordinates of 700 mm at a condition below 1e3. Axes come from points 100 mm apart.
+    // Residuals are a few roundings of coordinates of 700 mm, with a condition number below 1e3. Axes follow from
+    // points 100 mm apart.
     assert!(worst[0] < 1e-9, "{:e} mm", worst[0]);
     assert!(worst[1] < 1e-10, "{:e}", worst[1]);
 }
 
-/// Each wheel sees the same build.
+/// Both wheels describe the same build.
 #[test]
 fn both_wheels_see_the_same_build() {
     let study = study(HEAVE, ALL);
@@ -102,7 +104,8 @@ fn both_wheels_see_the_same_build() {
     }
 }
 
-/// A build printed as a study is the build: the study has both points of its hinge, and its curves are those of the build.
+/// A build printed as a study equals the build: the study has both points of its hinge, and its curves are those of the
+/// build.
 #[test]
 fn printed_builds_are_the_builds() {
     let study = study(ROLL, ALL);
@@ -137,10 +140,10 @@ fn printed_builds_are_the_builds() {
     }
 }
 
-/// Half the width of the scatter of a build whose parts are known.
+/// Half the width of the scatter range; it is so narrow that the deviation of a part is known.
 const NARROW: f64 = 1e-13;
 
-/// Values of a beam whose parts deviate by these steps, by output and station.
+/// Values of a beam whose parts deviate by these amounts, by output and station.
 fn built(motion: &str, steps: &[(&str, f64)]) -> Vec<Vec<f64>> {
     let entry = |(part, step): &(&str, f64)| {
         let [low, high] = [step - NARROW, step + NARROW];
@@ -180,7 +183,7 @@ const ENTRIES: [&str; 8] = [
     r#"hardpoint = "spindle_inner", axis = "x", side = "right""#,
 ];
 
-/// Gradients with respect to every part are the slopes of builds that are solved one by one, to differences of fourth order.
+/// Gradients with respect to every part equal slopes of builds solved one by one, from differences of fourth order.
 #[test]
 fn gradients_are_slopes_of_builds() {
     let scatter: Vec<String> = ENTRIES
@@ -216,8 +219,8 @@ fn gradients_are_slopes_of_builds() {
     assert!(looked_at > 15 * ENTRIES.len(), "{looked_at}");
 }
 
-/// The second-order part is that of differences of builds, on a rolled ground, on a plane with given travels and on pads. It is
-/// unknown for quantities made of velocities.
+/// The second-order contribution equals that from differences of builds, on rolled ground, at given travels on a plane,
+/// and on pads. It is unknown for quantities made of velocities.
 #[test]
 fn second_order_is_that_of_builds() {
     let motions = [
@@ -294,8 +297,8 @@ fn second_order_is_that_of_builds() {
     assert!(all >= 16, "{all}");
 }
 
-/// Builds have the same values in lanes and one by one, and the same bits on any number of threads. Where scatter is small, first order
-/// is their standard deviation.
+/// Builds have the same values in lanes and one by one, and the same bits with any number of threads. For small
+/// scatter, their standard deviation is the first-order result.
 #[test]
 fn builds_are_the_same_in_lanes_and_one_by_one() {
     if !crate::support::has_lanes() {
@@ -340,7 +343,7 @@ fn builds_are_the_same_in_lanes_and_one_by_one() {
     }
 }
 
-/// The hinge is the same line, however its point lies along it.
+/// Scatter of the hinge point along the hinge line has no effect, because the line stays the same.
 #[test]
 fn a_shear_centre_has_no_place_along_its_line() {
     let study = study(

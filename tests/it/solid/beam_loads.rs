@@ -1,4 +1,5 @@
-//! Forces of twist beams under loads: the balances of each half as a free body, written with the columns of the curves alone.
+//! Tests of the forces of twist beams under loads: the balances of each half as a free body, from the columns of the
+//! curves alone.
 
 use super::axle;
 use super::own::{Point, minus};
@@ -8,7 +9,7 @@ use hardpoint::axle::axle_curves;
 use hardpoint::curves::Curves;
 use hardpoint::model::Side;
 
-/// Weight on the axle, N: the scale of the errors.
+/// Weight on the axle in N, the scale of the errors.
 const WEIGHT: f64 = 7000.0;
 
 fn cross(a: Point, b: Point) -> Point {
@@ -51,7 +52,7 @@ impl Read<'_> {
     }
 }
 
-/// Sum of the forces on a half, and of their moments about the origin with couples.
+/// Sum of the forces on a half, and of their moments about the origin plus couples.
 fn sums(forces: &[(Point, Point)], couples: &[Point]) -> [Point; 2] {
     let (mut sum, mut about) = ([0.0; 3], [0.0; 3]);
     for (place, force) in forces {
@@ -67,9 +68,9 @@ fn sums(forces: &[(Point, Point)], couples: &[Point]) -> [Point; 2] {
     [sum, about]
 }
 
-/// Forces and moments on each half add up to nothing: of its mount, its spring, the load and the other half at the shear
-/// centre. The beam's moment has no part along the hinge, and both mounts bear the same side force. The axle is heaved and rolled, the
-/// load is on either wheel, and the right half may be no mirror image.
+/// Forces and moments on each half are in balance: those of its mount, its spring, the load, and the other half at the
+/// shear centre. The beam's moment has no component along the hinge, and both mounts carry the same lateral force. The
+/// test covers heave and roll, loads on either wheel, and different halves.
 #[test]
 fn each_half_is_in_balance() {
     let mut generator = Random(91);
@@ -131,7 +132,7 @@ fn each_half_is_in_balance() {
                         sum[i].abs() < 1e-11 * WEIGHT,
                         "{number} {loaded:?} {half:?}: {sum:?}"
                     );
-                    // Levers are up to 1 m.
+                    // Levers are up to 1 m long.
                     assert!(
                         about[i].abs() < 1e-11 * WEIGHT * 1e3,
                         "{number} {loaded:?} {half:?}: {about:?}"

@@ -1,4 +1,4 @@
-//! Set-ups of twist beams against a formulation of their own (`built_beam.rs`).
+//! Tests of set-ups of twist beams against an independent formulation (`built_beam.rs`).
 
 use super::built_beam::{HEAVE, Parts, angles, nominal, study};
 use super::own::minus;
@@ -11,7 +11,7 @@ fn found(study: &Study) -> FoundSetUp {
     found.unwrap_or_else(|why| panic!("{}", why.reason()))
 }
 
-/// Shims at the mounts and at the wheel flanges: the amounts give the wanted values in the other formulation.
+/// With the amounts of shims at the mounts and at the wheel flanges, the other formulation has the target values.
 #[test]
 fn set_ups_are_met_in_the_other_formulation() {
     let adjust = "adjust = [{ shim = \"mount\", axis = \"x\" }, { shim = \"spindle_inner\", axis = \"x\" }, { shim = \"spindle_inner\", axis = \"z\" }, \
@@ -43,7 +43,7 @@ fn set_ups_are_met_in_the_other_formulation() {
         (middle[0] - 1.5).abs() < 1e-9 && (middle[1] + 0.7).abs() < 1e-9,
         "{middle:?}"
     );
-    // The curves count from the new resting position.
+    // The travels of the curves start from the new resting position.
     let Vehicle::Axle(both) = &found.adjusted.vehicle else {
         panic!("an axle");
     };
@@ -58,7 +58,7 @@ fn set_ups_are_met_in_the_other_formulation() {
     assert!((curves.stations[0].value(camber).unwrap() + 1.6).abs() < 1e-9);
 }
 
-/// Effects are slopes of the set values: central differences of the other formulation.
+/// Effects equal slopes of the set values, from central differences of the other formulation.
 #[test]
 fn effects_are_slopes_in_the_other_formulation() {
     let adjust = "adjust = [{ shim = \"mount\", axis = \"x\" }, { shim = \"mount\", axis = \"z\" }, { shim = \"spindle_inner\", axis = \"z\" }]";
@@ -101,7 +101,7 @@ fn effects_are_slopes_in_the_other_formulation() {
     }
 }
 
-/// A twist beam has no links, and its springs' seats cannot be adjusted.
+/// The program refuses links and spring seats as adjustments of a twist beam: it has no links, and its seats are fixed.
 #[test]
 fn parts_that_a_beam_does_not_have_are_refused() {
     let refusal = |further: &str| {

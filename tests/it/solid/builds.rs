@@ -1,4 +1,4 @@
-//! Builds of solid axles: geometry of the assembled parts, and builds as studies.
+//! Tests of builds of solid axles: geometry of the assembled parts, and builds as studies.
 
 use super::kinds::{KINDS, Kind};
 use hardpoint::axle::axle_curves;
@@ -36,8 +36,8 @@ fn problem(study: &Study) -> Problem<'_> {
     Problem::of(study, study.tolerance.as_ref().unwrap()).unwrap()
 }
 
-/// Parts of a build from its random numbers, without the assembler: nominal points of both halves plus scatter, and changes of
-/// lengths.
+/// Parts of a build from its random numbers, without the assembler: nominal points of both halves plus scatter, and
+/// changes of lengths.
 struct Expected {
     nominal: BTreeMap<String, Point>,
     points: BTreeMap<String, Point>,
@@ -59,7 +59,7 @@ impl Expected {
         let (mut points, mut longer) = (nominal.clone(), BTreeMap::new());
         let sources = tolerance.scatter.iter().flat_map(|c| &c.sources);
         for (source, draw) in sources.zip(draws) {
-            // "left lower_link_axle x", "panhard length".
+            // Names are such as "left lower_link_axle x" or "panhard length".
             let (side, rest) = match source.name.split_once(' ') {
                 Some(("left", rest)) => ("", rest),
                 Some(("right", rest)) => ("right_", rest),
@@ -72,7 +72,7 @@ impl Expected {
                 longer.insert(name, draw);
                 continue;
             };
-            // A right part scatters as the mirror image of a left one.
+            // A right part scatters like a left one in mirror image.
             let sign = if side == "right_" && axis == 1 {
                 -1.0
             } else {
@@ -93,7 +93,7 @@ impl Expected {
     }
 }
 
-/// All points of a build, those of the right half as its right wheel sees them.
+/// All points of a build; those of the right half are in the frame of the right wheel.
 fn places(kind: &Kind, [left, right]: [&Suspension; 2]) -> BTreeMap<String, Point> {
     let mut places = BTreeMap::new();
     for (name, _) in kind.points {
@@ -107,7 +107,7 @@ fn places(kind: &Kind, [left, right]: [&Suspension; 2]) -> BTreeMap<String, Poin
     places
 }
 
-/// Checks that these points have the distances of their parts.
+/// Asserts that the distances between these points equal those of their parts.
 fn rigid(names: &[String], found: &BTreeMap<String, Point>, expected: &Expected) {
     for (k, a) in names.iter().enumerate() {
         for b in &names[..k] {
@@ -118,7 +118,7 @@ fn rigid(names: &[String], found: &BTreeMap<String, Point>, expected: &Expected)
     }
 }
 
-/// Checks that points of a rocker have their places along and about its axis.
+/// Asserts that the points of a rocker keep their position along its axis and their distance from it.
 fn hinged(axis: [&str; 2], names: &[String], found: &BTreeMap<String, Point>, parts: &Expected) {
     let read = |[first, second]: [Point; 2], point: Point| {
         let way = minus(second, first);
@@ -135,8 +135,8 @@ fn hinged(axis: [&str; 2], names: &[String], found: &BTreeMap<String, Point>, pa
     }
 }
 
-/// Every build has the lengths, the rigid bodies and the points of the body that its random numbers give, and its wheel centres at their
-/// nominal heights. Each wheel sees the same axle.
+/// Every build has the lengths, the rigid bodies and the body points that follow from its random numbers. Its wheel
+/// centres are at their nominal heights, and both wheels describe the same axle.
 #[test]
 fn builds_have_the_dimensions_of_their_parts() {
     for kind in KINDS {
@@ -173,7 +173,7 @@ fn builds_have_the_dimensions_of_their_parts() {
                     kind.name
                 );
             }
-            // The bar's lever of the other half is known at its own wheel alone.
+            // The left wheel's description lacks the bar lever of the right half, so the test skips it.
             for (number, point) in left.mechanism.points.iter().enumerate() {
                 let Some(near) = point.name.strip_prefix("right_") else {
                     continue;
@@ -189,7 +189,7 @@ fn builds_have_the_dimensions_of_their_parts() {
     }
 }
 
-/// A build printed as a study is the build: its curves are the values of the Monte Carlo analysis.
+/// A build printed as a study equals the build: its curves are the values of the Monte Carlo analysis.
 #[test]
 fn printed_builds_are_the_builds() {
     for kind in KINDS {
@@ -225,7 +225,7 @@ fn printed_builds_are_the_builds() {
     }
 }
 
-/// Builds have the same values in lanes and one by one, and the same bits on any number of threads.
+/// Builds have the same values in lanes and one by one, and the same bits with any number of threads.
 #[test]
 fn results_are_the_same_however_they_are_found() {
     if !crate::support::has_lanes() {
@@ -257,7 +257,7 @@ fn results_are_the_same_however_they_are_found() {
     }
 }
 
-/// The axle that cannot be assembled is named as a whole, with the rod that is too short.
+/// If an axle cannot be assembled, the program names the whole axle and the rod that is too short.
 #[test]
 fn a_rod_that_cannot_reach_is_named() {
     let steered = KINDS.iter().find(|kind| kind.is_steered()).unwrap();

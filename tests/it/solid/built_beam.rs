@@ -1,5 +1,5 @@
-//! A formulation of built twist beams of its own: two rigid bodies, each with a position and a quaternion, with mounts of the body beside
-//! those of the arms.
+//! Independent formulation of built twist beams: two rigid bodies, each with a position and a quaternion, with separate
+//! mounts on the body and on the arms.
 
 use super::own::{Point, minus, mirror, solve, turned};
 use super::twist_beam::{AT_REST, Unknowns, carried, half};
@@ -18,7 +18,7 @@ pub(super) fn study(motion: &str, further: &str) -> Study {
     study_of(motion, OUTPUTS, further)
 }
 
-/// A study with these outputs.
+/// Study with these outputs.
 pub(super) fn study_of(motion: &str, outputs: &str, further: &str) -> Study {
     let points: String = NOMINAL
         .iter()
@@ -36,7 +36,7 @@ pub(super) const OUTPUTS: &str = r#""camber", "toe", "mean_steer", "track", "axl
 pub(super) const HEAVE: &str = "heave = [0.0]";
 pub(super) const ROLL: &str = "roll = [-2.0, 0.0, 1.5]\nheave = [-20.0]";
 
-/// Dimensions of a beam: places of the mounts on the body, and the shapes of both halves, with their actual y.
+/// Dimensions of a beam with their actual y: positions of the mounts on the body, and the shapes of both halves.
 pub(super) struct Parts {
     mounts: [Point; 2],
     shear_centre: Point,
@@ -60,7 +60,7 @@ impl Parts {
         }
     }
 
-    /// Changes a part by its name, such as `left mount x`. Those of the right half change as mirror images.
+    /// Changes a part by its name, such as `left mount x`. Parts of the right half change in mirror image.
     pub(super) fn change(&mut self, name: &str, by: f64) {
         let words: Vec<&str> = name.split(' ').collect();
         let (side, point, axis) = match words[..] {
@@ -92,8 +92,8 @@ impl Parts {
         parts
     }
 
-    /// Hinge and mounts hold both halves, and the wheel centres are at their nominal heights plus the travels. The arms move
-    /// sideways by equal distances in opposite directions against the mounts of the body.
+    /// Residuals: hinge and mounts hold both halves, and the wheel centres are at their nominal heights plus the
+    /// travels. The arms may move sideways relative to the body's mounts, by equal and opposite distances.
     fn residuals(&self, x: &Unknowns, travels: [f64; 2]) -> Unknowns {
         let centre = self.shear_centre;
         let [left, right] = [0, 1].map(|side| carried(x, side, centre));
@@ -157,7 +157,7 @@ impl Parts {
         x
     }
 
-    /// Wheel centre and outward spin axis of a wheel, with their actual y.
+    /// Wheel centre and outboard spin axis of a wheel, with their actual y.
     pub(super) fn wheel(&self, x: &Unknowns, side: usize) -> [Point; 2] {
         let [centre, spindle] =
             [self.centres[side], self.spindles[side]].map(|point| carried(x, side, point));
@@ -167,7 +167,7 @@ impl Parts {
     }
 }
 
-/// Camber and toe from the outward spin axis, in degrees.
+/// Camber and toe from the outboard spin axis, in degrees.
 pub(super) fn angles([x, y, z]: Point) -> [f64; 2] {
     let camber = (-z).atan2(x.hypot(y));
     [camber.to_degrees(), x.atan2(y.abs()).to_degrees()]

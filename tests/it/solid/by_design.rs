@@ -1,4 +1,5 @@
-//! Gradients with respect to hardpoints against difference quotients of whole designs, and mirror images.
+//! Tests of gradients with respect to hardpoints against difference quotients of complete designs, and of mirror
+//! images.
 
 use super::{axle, case, study_of};
 use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity, WheelQuantity as W};
@@ -48,8 +49,9 @@ const PLACES: [Placement; 3] = [
     },
 ];
 
-/// Moving a point of the left half moves its mirror image. The quotient's error falls with the square of the step: it is
-/// extrapolated from two steps, which leaves 1e-9 of the size of what is differentiated by rounding.
+/// Gradients equal difference quotients of complete designs, where a point of the left half moves with its mirror
+/// image. The quotient's error falls with the square of the step, so two steps allow extrapolation. Rounding leaves
+/// 1e-9 of the size of the values.
 #[test]
 fn gradients_are_those_of_whole_designs() {
     for name in ["solid_four_link", "solid_three_link_panhard"] {
@@ -112,7 +114,7 @@ fn gradients_are_those_of_whole_designs() {
     }
 }
 
-/// Rolled the other way, a symmetric axle is its own mirror image.
+/// A symmetric axle at the opposite roll angle is its own mirror image.
 #[test]
 fn a_symmetric_axle_is_its_mirror_image() {
     let study = axle(&study_of(&case("solid_four_link"), SPRINGS));

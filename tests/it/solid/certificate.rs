@@ -1,4 +1,5 @@
-//! Proofs of solid axles hold against answers at 90 digits, and nothing is proved that is not so.
+//! Tests of certificates of solid axles: they contain reference values of 90 digits, and the certifier never certifies
+//! a false pose.
 
 use super::{STILL, axle, case, study_of};
 use hardpoint::axle::{AxleCertifier, AxleSolver, Placement, axle_curves};
@@ -10,7 +11,8 @@ fn number(value: &Value) -> f64 {
     value.as_str().and_then(|text| text.parse().ok()).unwrap()
 }
 
-/// The proved bounds hold for the middle of both wheel centres in every state of the reference, and are close to rounding.
+/// The certified bounds contain the midpoint of both wheel centres of every reference state, and are close to the
+/// rounding error.
 #[test]
 fn the_answers_at_ninety_digits_lie_within_the_proof() {
     let mut proved = 0;
@@ -51,7 +53,7 @@ fn the_answers_at_ninety_digits_lie_within_the_proof() {
     assert!(proved > 4, "{proved}");
 }
 
-/// A position that is a little off is proved with a bound that covers what it is off, or not at all.
+/// A position that is slightly off has a certificate whose bound covers the deviation, or has none.
 #[test]
 fn positions_that_are_off_have_bounds_that_say_so() {
     for name in CASES {
@@ -65,7 +67,7 @@ fn positions_that_are_off_have_bounds_that_say_so() {
         };
         let placed = solver.place(&at(10.0, 0.03)).unwrap();
         assert!(certifier.prove(&at(10.0, 0.03), &placed).is_ok(), "{name}");
-        // Half the difference of travels changes by half the track, about 750 mm, for every radian.
+        // Half the difference of travels changes by half the track, about 750 mm, per radian.
         for (other, least) in [(at(10.0, 0.030_000_1), 7e-5), (at(10.000_01, 0.03), 0.9e-5)] {
             let Ok(proof) = certifier.prove(&other, &placed) else {
                 continue;
@@ -74,12 +76,12 @@ fn positions_that_are_off_have_bounds_that_say_so() {
             let bound = proof.travel_error.max(left).max(right);
             assert!(bound > least, "{name} {other}: {proof:?}");
         }
-        // Far off nothing is proved.
+        // A position far off has no certificate.
         assert!(certifier.prove(&at(10.0, 0.2), &placed).is_err(), "{name}");
     }
 }
 
-/// Curves with `certify` prove every station, in roll and at given travels.
+/// Curves with `certify` have a certificate at every station, in roll and at given travels.
 #[test]
 fn curves_are_proved() {
     for motion in [

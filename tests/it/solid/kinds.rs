@@ -8,17 +8,17 @@ type Point = [f64; 3];
 /// Hinged bodies: two points of the axis, and the points of the body.
 type Rockers = &'static [([&'static str; 2], &'static [&'static str])];
 
-/// A solid axle.
+/// Solid axle.
 pub struct Kind {
     pub name: &'static str,
-    /// Hardpoints of the left half, and those that the axle has once.
+    /// Hardpoints of the left half, and those that the axle has only once.
     pub points: &'static [(&'static str, Point)],
     has_single_upper_link: bool,
     /// Hinged bodies of both halves, as the left wheel names them.
     pub rockers: Rockers,
 }
 
-/// Axles of every kind that rigid links fit.
+/// Axles of every kind whose rigid links fit.
 pub const KINDS: &[Kind] = &[
     Kind {
         name: "four links and an anti-roll bar",
@@ -114,7 +114,7 @@ pub const KINDS: &[Kind] = &[
     },
 ];
 
-/// Outputs that lanes read.
+/// Outputs that lanes can compute.
 const OUTPUTS: &str =
     r#""camber", "toe", "mean_steer", "roll_steer", "force_roll_centre_height", "track""#;
 
@@ -127,14 +127,14 @@ impl Kind {
         self.points.iter().any(|(own, _)| *own == name)
     }
 
-    /// Returns true for a point that the axle has once.
+    /// Returns true for a point that the axle has only once.
     pub fn is_single(&self, name: &str) -> bool {
         let of_once = ["panhard_", "watt_", "drag_link_"];
         of_once.iter().any(|of| name.starts_with(of))
             || self.has_single_upper_link && name.starts_with("upper_link_")
     }
 
-    /// Names of a point in both halves, or its name alone.
+    /// Names of a point in both halves, or its single name.
     pub fn both(&self, name: &str) -> Vec<String> {
         if self.is_single(name) {
             vec![name.to_owned()]
@@ -171,7 +171,7 @@ impl Kind {
         })
     }
 
-    /// Rods with their ends: those of both halves, and those that the axle has once.
+    /// Rods with their ends: those of both halves, and those that the axle has only once.
     pub fn members(&self) -> Vec<(String, [String; 2])> {
         let rods = [
             ("lower_link", "lower_link_chassis", "lower_link_axle"),
@@ -201,7 +201,7 @@ impl Kind {
         members
     }
 
-    /// Entries that let every point and every length scatter.
+    /// Entries that scatter every point and every length.
     pub fn scatter(&self, sigma: f64) -> String {
         let names: Vec<String> = self
             .points
@@ -220,7 +220,7 @@ impl Kind {
         entries
     }
 
-    /// Study with this scatter and these further keys of `[tolerance]`, in roll, heaved and steered.
+    /// Study with this scatter and these further keys of `[tolerance]`, at a position with roll, heave and steer.
     pub fn study(&self, scatter: &str, further: &str) -> Study {
         self.study_of(
             (scatter, further),
@@ -229,7 +229,7 @@ impl Kind {
         )
     }
 
-    /// The same with this motion and these outputs.
+    /// Same study with this motion and these outputs.
     pub fn study_of(&self, (scatter, further): (&str, &str), motion: &str, outputs: &str) -> Study {
         let mut text = String::from("[suspension]\ntopology = \"solid_axle\"\n");
         if self.has_single_upper_link {

@@ -1,4 +1,4 @@
-//! Solid axles in SIMD lanes against the same one by one.
+//! Tests of solid axles in SIMD lanes against one-by-one evaluation.
 
 use super::{case, study_of, text, twist_beam};
 use hardpoint::axle::Quantity;
@@ -24,7 +24,7 @@ const WATT: [(&str, [f64; 3]); 11] = [
     ("watt_lower_rocker", [-150.0, 0.0, 270.0]),
 ];
 
-/// A case with every quantity of lanes that it has, some of its points scattered.
+/// Study of a case with every quantity that lanes can evaluate, and with some points scattered.
 fn study(name: &str, motion: &str, right: &str) -> Study {
     let points: &[(&str, &str)] = match name {
         "solid_four_link" => &[("upper_link_axle", "y"), ("upper_link_chassis", "z")],
@@ -71,7 +71,8 @@ const ROLL: &str = "roll = { from = -4.0, to = 4.0, steps = 5 }\nheave = [-20.0,
 const HEAVE: &str = "heave = { from = -50.0, to = 50.0, steps = 5 }";
 const OWN: &str = "[axle.right.hardpoints]\nlower_link_axle = [4.0, -538.0, 251.0]\n";
 
-/// In lanes every quantity has the value that it has one by one, of all designs; hardly any is left to the latter.
+/// Every quantity of every design has the same value in lanes as one by one. Almost no design falls back to one-by-one
+/// evaluation.
 #[test]
 fn lanes_have_the_values_of_designs_one_by_one() {
     for (name, motion, right) in [
@@ -105,7 +106,7 @@ fn lanes_have_the_values_of_designs_one_by_one() {
                     let expected = alone.block().values(design, k);
                     for (station, (found, expected)) in found.zip(expected).enumerate() {
                         bits.push(found.to_bits());
-                        // Quotients whose denominator is small are as uncertain as they are large.
+                        // The error of a quotient with a small denominator grows with its value.
                         let scale = expected.abs().max(1.0) * (1.0 + expected.abs() / 500.0);
                         assert!(
                             found.is_nan() && expected.is_nan()

@@ -1,4 +1,4 @@
-//! Forces in the members of solid axles: the six balances of the axle, written with the points of the study alone.
+//! Tests of forces in the members of solid axles: the six balances of the axle, from the points of the study alone.
 
 use super::{axle, case, points_of, study_of};
 use crate::support::random::Random;
@@ -34,8 +34,8 @@ fn value(curves: &Curves, name: &str) -> f64 {
     curves.stations[0].value(place).expect("a force")
 }
 
-/// Forces on the axle in the design position: each with its point. `supports` are the names of the springs or of the
-/// vertical forces at both wheel centres.
+/// Forces on the axle in the design position, each with its point of application. `supports` are the names of the
+/// springs, or of the vertical forces at both wheel centres.
 fn forces(curves: &Curves, case: &Value, load: &str, has_spring: bool) -> Vec<(Point, Point)> {
     let named = points_of(case);
     let at = |name: &str| -> Option<Point> {
@@ -79,8 +79,8 @@ fn forces(curves: &Curves, case: &Value, load: &str, has_spring: bool) -> Vec<(P
     all
 }
 
-/// Forces and moments about the origin add up to nothing, for loads on either wheel, with springs and with supports at the wheel
-/// centres, and with a right half of its own.
+/// Forces and moments about the origin are in balance. The test covers loads on either wheel, springs and supports at
+/// the wheel centres, and a different right half.
 #[test]
 fn members_balance_loads_on_either_wheel() {
     let mut random = Random(47);

@@ -1,4 +1,4 @@
-//! Solid axles: against independent answers, and against their own mirror images and limits.
+//! Tests of solid axles against independent results, and against their mirror images and limits.
 
 mod beam_builds;
 mod beam_loads;
@@ -34,7 +34,7 @@ use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// A study of a solid axle, with the points of the left half.
+/// Text of the study of a solid axle, with the points of the left half.
 pub fn text(points: &[(&str, [f64; 3])], single: bool, further: &str) -> String {
     let mut text = String::from("[suspension]\ntopology = \"solid_axle\"\n");
     if single {
@@ -42,7 +42,7 @@ pub fn text(points: &[(&str, [f64; 3])], single: bool, further: &str) -> String 
     }
     text += "[suspension.hardpoints]\n";
     for (name, [x, y, z]) in points {
-        // Numbers of a study have a point.
+        // Numbers in a study have a decimal point.
         let _ = writeln!(text, "{name} = [{x:?}, {y:?}, {z:?}]");
     }
     text + "[wheel]\nradius = 330.0\nstatic_camber = 0.0\nstatic_toe = 0.0\n[vehicle]\nwheelbase = 2700.0\n\
@@ -51,14 +51,15 @@ pub fn text(points: &[(&str, [f64; 3])], single: bool, further: &str) -> String 
         + further
 }
 
-/// The axle of a study.
+/// Axle of a study.
 pub fn axle(text: &str) -> AxleStudy {
     let study = Study::from_text("solid.toml", text, Path::new(""));
     let study = study.unwrap_or_else(|errors| panic!("{errors}\n{text}"));
     study.axle().expect("a solid axle is an axle").clone()
 }
 
-/// Derivatives of quantities by a coordinate of a point, by differences of fourth order of whole designs.
+/// Derivatives of quantities with respect to a coordinate of a point, from differences of fourth order between complete
+/// designs.
 pub fn slopes_of_designs<const N: usize>(
     solver: &mut AxleSolver<'_, N>,
     (base, placement, wanted): (&[Vector3<f64>], &Placement, &[Quantity]),
@@ -85,10 +86,10 @@ pub fn slopes_of_designs<const N: usize>(
     slopes.map(|(near, far)| (4.0 * near - far) / 3.0).collect()
 }
 
-/// The motion that tests of positions do not read.
+/// Placeholder motion for tests of single positions.
 pub const STILL: &str = "[motion]\nheave = [0.0]\n";
 
-/// A case of `tests/data/reference/solid`.
+/// Case of `tests/data/reference/solid`.
 pub fn case(name: &str) -> Value {
     let path = format!(
         "{}/tests/data/reference/solid/{name}.json",
@@ -119,7 +120,7 @@ pub fn points_of(case: &Value) -> Vec<(&'static str, &'static str)> {
         .collect()
 }
 
-/// The study of a case.
+/// Study of a case.
 pub fn study_of(case: &Value, further: &str) -> String {
     let at = |name: &str| [0, 1, 2].map(|i| case["points"][name][i].as_f64().unwrap());
     let points: Vec<_> = points_of(case)

@@ -1,8 +1,8 @@
-//! A formulation of its own: position and quaternion, with the lengths of the rods, the unit length of the quaternion and
-//! both heights as seven equations, and Newton's method with a Jacobian written out by hand.
+//! Independent formulation with position and quaternion. Seven equations hold the lengths of the rods, the unit length
+//! of the quaternion and both heights. Newton's method uses a Jacobian that is derived by hand.
 //!
-//! Both programs solve equations with residuals of a few roundings of coordinates of 1,000 mm, 1e-12 mm. The condition of
-//! the axles drawn here is below 1e3, which makes 1e-9 mm.
+//! Both programs solve equations whose residuals are a few roundings of coordinates of 1,000 mm, 1e-12 mm. The
+//! condition number of the random axles is below 1e3, which gives an error of 1e-9 mm.
 
 use super::{STILL, axle, text};
 use crate::support::random::Random;
@@ -18,7 +18,7 @@ pub(super) fn mirror([x, y, z]: Point) -> Point {
     [x, -y, z]
 }
 
-/// The rotation of a quaternion (scalar first) on a vector, not divided by its square.
+/// Vector rotated by a quaternion (scalar first), not divided by the quaternion's squared norm.
 pub(super) fn turned(q: [f64; 4], v: Point) -> Point {
     let [w, x, y, z] = q;
     [
@@ -34,7 +34,7 @@ pub(super) fn turned(q: [f64; 4], v: Point) -> Point {
     ]
 }
 
-/// Derivatives of [`turned`] by the four parts of the quaternion.
+/// Derivatives of [`turned`] with respect to the four components of the quaternion.
 fn turned_by(q: [f64; 4], v: Point) -> [Point; 4] {
     let [w, x, y, z] = q;
     let [a, b, c] = v;
@@ -63,7 +63,7 @@ fn turned_by(q: [f64; 4], v: Point) -> [Point; 4] {
     ]
 }
 
-/// Solves a square system by elimination with pivots.
+/// Solves a square system by elimination with pivoting.
 pub(super) fn solve(mut m: Vec<Vec<f64>>) -> Vec<f64> {
     let n = m.len();
     for k in 0..n {
@@ -88,14 +88,14 @@ pub(super) fn solve(mut m: Vec<Vec<f64>>) -> Vec<f64> {
     x
 }
 
-/// The axle: rods from the body to the axle, and both wheel centres, in the design position.
+/// Axle in the design position: rods from the body to the axle, and both wheel centres.
 pub(super) struct Axle {
     rods: Vec<[Point; 2]>,
     centres: [Point; 2],
 }
 
 impl Axle {
-    /// Both wheel centres at these travels, from the design in small steps.
+    /// Both wheel centres at these travels, reached from the design position in small steps.
     pub(super) fn at(&self, travels: [f64; 2]) -> [Point; 2] {
         let (mut at, mut q) = ([0.0; 3], [1.0, 0.0, 0.0, 0.0]);
         const STEPS: u32 = 20;
@@ -142,7 +142,7 @@ impl Axle {
     }
 }
 
-/// Points of a random axle: of the left half, single ones with their y.
+/// Points of a random axle: those of the left half, and single points with their actual y.
 pub(super) fn random(random: &mut Random, single: bool) -> Vec<(&'static str, Point)> {
     let mut near = |p: Point, by: f64| p.map(|c| c + by * random.signed());
     let mut points = vec![
@@ -197,7 +197,7 @@ fn positions_of_ten_thousand_axles_are_those_of_another_formulation() {
     compare_positions(10_000);
 }
 
-/// Compares this number of axles of each kind, at random travels.
+/// Compares positions of this number of axles of each kind, at random travels.
 fn compare_positions(axles: usize) {
     use hardpoint::axle::WheelParts as _;
     let mut generator = Random(46);
@@ -229,7 +229,7 @@ fn compare_positions(axles: usize) {
             }
         }
         println!("single {single}: {worst:e} mm");
-        // NaN fails.
+        // NaN fails this check.
         assert!(worst < 1e-9, "single {single}: {worst:e} mm");
     }
 }

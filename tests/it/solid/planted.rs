@@ -1,9 +1,10 @@
-//! Limits at planted folds.
+//! Tests of limits at planted folds.
 //!
-//! In heave a symmetric axle moves in side view. It folds where the lines of lower and upper link meet straight above or
-//! below the wheel centre, so that the wheel centre moves horizontally. A random axle is drawn in such a position and
-//! turned away from it: the height that it comes down is the limit of heave. There the forces of both kinds of links and a
-//! vertical one at the wheel balance, so the horizontal parts of the links' forces are equal and opposite.
+//! In heave a symmetric axle moves in the side view. It folds where the lines of the lower and the upper link meet
+//! straight above or below the wheel centre, so that the wheel centre moves horizontally. The test places a random axle
+//! in such a position and rotates it away: the change of height is the limit of heave. At the fold the forces of both
+//! kinds of links and a vertical force at the wheel are in balance. So the horizontal components of the link forces are
+//! equal and opposite.
 
 use super::{STILL, axle, text};
 use crate::support::random::Random;
@@ -11,7 +12,7 @@ use hardpoint::analyse::RangeEnd;
 use hardpoint::axle::TravelRanges;
 use hardpoint::mechanism::LimitCause;
 
-/// x and z.
+/// Coordinates x and z.
 type Flat = [f64; 2];
 
 fn minus(a: Flat, b: Flat) -> Flat {
@@ -23,7 +24,7 @@ fn turned(p: Flat, angle: f64) -> Flat {
     [cosine * p[0] + sine * p[1], cosine * p[1] - sine * p[0]]
 }
 
-/// The shift with which the axle, turned by an angle, fits both links again: Newton's method on both lengths.
+/// Translation with which the axle, rotated by an angle, fits both links again: Newton's method on both lengths.
 fn fitting(links: [[Flat; 2]; 2], angle: f64, near: Flat) -> Option<Flat> {
     let mut shift = near;
     for _ in 0..30 {
@@ -61,7 +62,7 @@ fn find_planted(folds: usize) {
     let mut planted = 0;
     while planted < folds {
         let mut near = |centre: f64, by: f64| centre + by * random.signed();
-        // The fold: both links point to a place above or below the wheel centre.
+        // At the fold, the lines of both links meet at a point above or below the wheel centre.
         let centre = [near(0.0, 20.0), near(335.0, 20.0)];
         let (lower, upper) = (
             [near(-60.0, 30.0), near(230.0, 30.0)],
@@ -96,7 +97,8 @@ fn find_planted(folds: usize) {
         if turn.abs() < 0.02 || steep {
             continue;
         }
-        // Turned away from the fold in ten steps. The wheel centre must leave its extreme all the way.
+        // Rotates the axle away from the fold in ten steps. The wheel centre must move away from its extreme height in
+        // every step.
         let (mut shift, mut heights) = ([0.0; 2], vec![centre[1]]);
         for step in 1..=10 {
             let angle = turn * f64::from(step) / 10.0;
@@ -140,7 +142,7 @@ fn find_planted(folds: usize) {
         let error = (found.value - limit).abs() / limit.abs().max(1.0);
         assert!(error < 1e-8, "{points:?}: {} {limit}", found.value);
         assert_eq!(found.cause, LimitCause::AxleFolds);
-        // The horizontal parts of the forces along both links are equal, so the steeper one carries more.
+        // The horizontal components of both link forces are equal, so the steeper link has the larger force.
         let level = |[body, own]: [Flat; 2], apart: f64| {
             let d = minus(body, own);
             (d[0] / (d[0] * d[0] + d[1] * d[1] + apart * apart).sqrt()).abs()
@@ -162,7 +164,7 @@ fn find_planted(folds: usize) {
     }
 }
 
-/// Inside its limits of roll an axle has positions, and beyond them it has none and says which way it ends.
+/// An axle has positions inside its limits of roll. Beyond them it has none, and the message names the end of roll.
 #[test]
 fn roll_ends_where_the_links_fold() {
     use hardpoint::axle::{AxleSolver, Placement};
@@ -195,7 +197,8 @@ fn roll_ends_where_the_links_fold() {
     }
 }
 
-/// A wide axle on long links rolls until it stands nearly upright. Both ends are found, and just before them it has positions.
+/// A wide axle on long links rolls until it is nearly upright. The program finds both limits, and the axle has
+/// positions just before them.
 #[test]
 fn wide_axles_have_limits_of_roll() {
     use hardpoint::axle::{AxleSolver, Placement};
@@ -231,10 +234,10 @@ fn wide_axles_have_limits_of_roll() {
             assert!((before..most).contains(&half), "{degrees}: {half} {most}");
             before = half;
         }
-        // At 85 degrees half a per cent of the way is left.
+        // At 85 degrees, half a per cent of the range is left.
         assert!(before > 0.99 * most, "{before} {most}");
     }
-    // The axle stands almost upright at that limit.
+    // The axle is almost upright at that limit.
     for end in limits.roll {
         let roll = end.expect("the limit is known").value;
         assert!((1.4..1.7).contains(&roll.abs()), "{roll}");

@@ -1,4 +1,4 @@
-//! Rates of springs at the wheels of solid axles, against differences of loads between positions.
+//! Tests of spring rates at the wheels of solid axles, against differences of loads between positions.
 
 use super::{axle, case, study_of};
 use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity, WheelQuantity as W};
@@ -7,7 +7,7 @@ use hardpoint::model::Side::{Left, Right};
 const SPRINGS: &str =
     "[spring]\nrate = 32.0\nforce = 4200.0\n[tyre]\nrate = 200.0\n[motion]\nheave = [0.0]\n";
 
-/// Loads of both wheels and heights of both contact points at travels on level pads.
+/// Loads of both wheels and heights of both contact points, at travels on level pads.
 fn at(solver: &mut AxleSolver<3>, travels: [f64; 2]) -> [[f64; 2]; 2] {
     let placement = Placement::Travels {
         travels,
@@ -21,7 +21,8 @@ fn at(solver: &mut AxleSolver<3>, travels: [f64; 2]) -> [[f64; 2]; 2] {
     [[load(Left), load(Right)], [height(Left), height(Right)]]
 }
 
-/// One pad rises and the other one stands still: both travels follow from differences of the heights of the contact points.
+/// Wheel rates equal the change of load per height of one pad while the other pad stays fixed. Both travels follow from
+/// differences of the contact point heights.
 #[test]
 fn wheel_rates_are_loads_by_heights_of_one_pad() {
     for name in ["solid_four_link", "solid_three_link_panhard"] {
@@ -37,7 +38,7 @@ fn wheel_rates_are_loads_by_heights_of_one_pad() {
             let placed = solver.place(&placement).unwrap();
             let read = solver.read(&placed).unwrap();
             let found = wanted.map(|q| q.evaluate(&read.state));
-            // Derivatives of loads and heights by each travel, extrapolated from two steps.
+            // Derivatives of loads and heights with respect to each travel, extrapolated from two steps.
             let slopes = [0, 1].map(|wheel| {
                 let mut slope = |h: f64| {
                     let mut moved = |by: f64| {
@@ -68,7 +69,7 @@ fn wheel_rates_are_loads_by_heights_of_one_pad() {
     }
 }
 
-/// Both wheels hop on the ride rate without tyre and on the tyre, side by side.
+/// For the hop frequency of both wheels together, the ride rate without tyres and the tyre rate act in parallel.
 #[test]
 fn wheels_hop_together() {
     let share = "drive_share_front = 0.0\n";
@@ -86,7 +87,7 @@ fn wheels_hop_together() {
     let placed = solver.place(&placement).unwrap();
     let read = solver.read(&placed).unwrap();
     let [hop, ride] = wanted.map(|q| q.evaluate(&read.state));
-    // The ride rate has the tyre in series.
+    // The ride rate includes the tyre in series.
     let (tyre, mass) = (200.0, 120.0);
     let rate = ride * tyre / (tyre - ride);
     let expected = (2.0 * (rate + tyre) * 1000.0 / mass).sqrt() / (2.0 * std::f64::consts::PI);

@@ -1,4 +1,4 @@
-//! Axles on four links and on three with a Panhard rod, solved at 90 digits independently of the program.
+//! Tests of axles on four links, and on three links with a Panhard rod, against an independent solution with 90 digits.
 
 use super::{STILL, axle, case, points_of, study_of};
 use hardpoint::axle::{
@@ -11,7 +11,7 @@ use serde_json::Value;
 
 const CASES: [&str; 2] = ["solid_four_link", "solid_three_link_panhard"];
 
-/// Quantities by their names in the reference, with the size that errors are measured against: a length, or 1.
+/// Quantities with their names in the reference, and the scale of their errors: a length, or 1.
 fn quantities() -> Vec<(String, Quantity, f64)> {
     let mut all = Vec::new();
     for (side, name) in [(Left, "left"), (Right, "right")] {
@@ -45,7 +45,7 @@ fn number(value: &Value) -> f64 {
     value.as_str().and_then(|text| text.parse().ok()).unwrap()
 }
 
-/// The value of a name in an array in the order of the case's names.
+/// Value with this name in an array that follows the order of the case's names.
 fn named(case: &Value, values: &Value, name: &str) -> Option<f64> {
     let names = case["names"].as_array().unwrap();
     let index = names.iter().position(|n| n == name)?;
@@ -77,7 +77,7 @@ struct Worst(f64, String);
 impl Worst {
     fn note(&mut self, found: f64, expected: f64, scale: f64, what: impl FnOnce() -> String) {
         let error = (found - expected).abs() / expected.abs().max(scale);
-        // Written so that NaN is the worst.
+        // This form makes NaN the largest error.
         if error.is_nan() || error > self.0 {
             *self = Worst(error, format!("{}: {found} {expected}", what()));
         }
@@ -88,7 +88,7 @@ fn evaluate(quantity: Quantity, state: &AxleState<f64>) -> f64 {
     quantity.value(state).unwrap_or(f64::NAN)
 }
 
-/// Values are the reference's to 1e-12 of their scale, with either path of the drive's torque.
+/// Values agree with the reference to 1e-12 of their scale, for both paths of the drive torque.
 #[test]
 fn every_value_is_the_reference_s() {
     for name in CASES {
@@ -140,7 +140,7 @@ fn every_value_is_the_reference_s() {
     }
 }
 
-/// Derivatives along roll and heave are the reference's to 1e-10, also those of quantities made of velocities.
+/// Derivatives along roll and heave agree with the reference to 1e-10, also those of quantities made of velocities.
 #[test]
 fn derivatives_along_motions_are_the_reference_s() {
     for name in CASES {
@@ -156,7 +156,7 @@ fn derivatives_along_motions_are_the_reference_s() {
             let read = solver.read(&placed).expect(&label);
             for (suffix, motion) in [("by_roll", Motion::Roll), ("by_heave", Motion::Heave)] {
                 let moving = read.state.moving(motion);
-                // A radian of roll is a long way: lengths by it are of their own size.
+                // A radian of roll is a large motion: lengths per radian have their natural magnitude.
                 let per = if suffix == "by_roll" { 1.0 } else { 1e-3 };
                 let mut compared = 0;
                 for (name, quantity, scale) in &quantities {
@@ -176,7 +176,7 @@ fn derivatives_along_motions_are_the_reference_s() {
     }
 }
 
-/// Gradients with respect to points that the axle has once are the reference's to 1e-10.
+/// Gradients with respect to points that the axle has once agree with the reference to 1e-10.
 #[test]
 fn gradients_by_single_points_are_the_reference_s() {
     let case = case("solid_three_link_panhard");

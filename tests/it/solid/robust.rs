@@ -1,5 +1,5 @@
-//! Robust tuning of solid axles: an axle is assembled as a whole, with the scatter of both halves and of the parts that it has
-//! once.
+//! Tests of robust tuning of solid axles: the program assembles the whole axle, with the scatter of both halves and of
+//! the parts that it has once.
 
 use super::kinds::{KINDS, Kind};
 use super::{STILL, case, study_of};
@@ -41,7 +41,7 @@ fn tuning(kind: &Kind, scatter: &str) -> Study {
 
 const X: [f64; 5] = [3.0, -2.0, 1.0, 2.5, -1.5];
 
-/// The variables move both halves, and every part of every kind of axle scatters.
+/// Derivatives of builds are exact: the variables move both halves, and every part of every kind of axle scatters.
 #[test]
 fn derivatives_of_builds_of_solid_axles_are_exact() {
     for kind in KINDS {
@@ -50,7 +50,7 @@ fn derivatives_of_builds_of_solid_axles_are_exact() {
     }
 }
 
-/// A build of the tuning is the build that `tolerance` assembles from the same deviations.
+/// A build of the tuning equals the build that `tolerance` assembles from the same deviations.
 #[test]
 fn builds_of_a_solid_axle_are_those_of_tolerance() {
     for kind in KINDS {
@@ -96,7 +96,7 @@ fn tuning_of_beam(scatter: &str) -> Study {
 
 const X_OF_BEAM: [f64; 4] = [3.0, -2.0, 2.5, 1.0];
 
-/// The variables move both halves, and every part of a twist beam scatters.
+/// Derivatives of builds are exact: the variables move both halves, and every part of a twist beam scatters.
 #[test]
 fn derivatives_of_builds_of_twist_beams_are_exact() {
     let study = tuning_of_beam(
@@ -105,7 +105,7 @@ fn derivatives_of_builds_of_twist_beams_are_exact() {
     assert_derivatives_are_slopes(&study, &X_OF_BEAM, &[0.2; 4], 1e-7);
 }
 
-/// A build of the tuning is the build that `tolerance` assembles from the same deviations.
+/// A build of the tuning equals the build that `tolerance` assembles from the same deviations.
 #[test]
 fn builds_of_a_twist_beam_are_those_of_tolerance() {
     let parts = [
@@ -121,7 +121,7 @@ fn builds_of_a_twist_beam_are_those_of_tolerance() {
     assert_builds_are_written_builds(&study, &X_OF_BEAM, read);
 }
 
-/// Without the scatter of parts there are no builds.
+/// The program refuses `scatter` without the scatter of parts, because then there are no builds.
 #[test]
 fn scatter_needs_tolerances() {
     let study = study_of(&case("solid_four_link"), STILL);

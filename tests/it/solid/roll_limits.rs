@@ -1,5 +1,5 @@
-//! Limits of roll: an axle rolls up to them and no further, and the part that ends the roll is the one that ends the travel
-//! difference.
+//! Tests of limits of roll: an axle rolls up to them and no farther, and the part that ends the roll also ends the
+//! travel difference.
 
 use crate::support::random::Random;
 use hardpoint::analyse::RangeEnd;
@@ -7,7 +7,7 @@ use hardpoint::axle::{Axle, AxleLimits, AxleSolver, Placement, TravelRanges};
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// Parts of the solid axle of `new`, and its twist beam.
+/// Topologies of `new` with their options: solid axles, and the twist beam.
 const AXLES: [(&str, &str); 6] = [
     ("solid_axle", ""),
     ("solid_axle", "panhard"),
@@ -29,11 +29,11 @@ fn templates() -> impl Iterator<Item = (String, Axle)> {
     })
 }
 
-/// The axle with all points of its left half moved by up to this distance along each axis. The right half follows.
+/// Axle with all points of its left half moved by up to this distance along each axis. The right half follows.
 fn scattered(axle: &Axle, most: f64, random: &mut Random) -> Axle {
     let mut moved = axle.clone();
     let rigid = axle.left.mechanism.rigid_axle.as_ref().unwrap();
-    // Points of the right half follow those of the left one.
+    // Points of the right half follow those of the left half.
     let mut design = random.scattered(&axle.left.design, most);
     rigid.complete(&axle.left.design, &mut design);
     if let Some(right) = &mut moved.right {
@@ -53,7 +53,7 @@ fn rolled(axle: &Axle, roll: f64) -> bool {
     solver.place(&placement).is_ok()
 }
 
-/// Ends of the roll angle, and of the travel difference in the same direction.
+/// Limits of the roll angle, and of the travel difference in the same direction.
 fn ends(limits: &AxleLimits) -> [Option<(f64, &RangeEnd, &RangeEnd)>; 2] {
     let TravelRanges::OfAxle {
         half_difference, ..
@@ -61,7 +61,7 @@ fn ends(limits: &AxleLimits) -> [Option<(f64, &RangeEnd, &RangeEnd)>; 2] {
     else {
         panic!("an axle of one body");
     };
-    // In roll to the left, which is positive, the left wheel is in droop.
+    // In positive roll, to the left, the left wheel is in droop.
     let of_travel = [&half_difference.upper, &half_difference.lower];
     let mut of_roll = limits.roll.iter();
     of_travel.map(|travel| {

@@ -1,4 +1,4 @@
-//! Set-ups of solid axles: geometry of the adjusted axle, first order of the effects, halves and single parts.
+//! Tests of set-ups of solid axles: geometry of the adjusted axle, first-order effects, halves and single parts.
 
 use super::kinds::{KINDS, Kind};
 use hardpoint::axle::{Placement, axle_curves};
@@ -12,7 +12,7 @@ use std::path::Path;
 const ROLL: &str = "roll = [-2.0, 0.0, 1.5]\nheave = [0.0]\n";
 const OUTPUTS: &str = "\"camber\", \"toe\", \"mean_steer\", \"track\"";
 
-/// A study with this set-up.
+/// Study with this set-up.
 fn study(kind: &Kind, setup: &str) -> Result<Study, String> {
     let scatter = "{ length = \"lower_link\", sigma = 0.1 }";
     let text = kind.study_of((scatter, ""), ROLL, OUTPUTS).text;
@@ -26,7 +26,7 @@ fn found(kind: &Kind, setup: &str) -> FoundSetUp {
     found.unwrap_or_else(|why| panic!("{}: {}", kind.name, why.reason()))
 }
 
-/// Adjustments that set the four values of the axle, and both toes if it is steered.
+/// Adjustments for the four values of the axle, and for both toes if it is steered.
 fn adjust(kind: &Kind) -> String {
     let lateral = match kind.name {
         "four links and an anti-roll bar" => "",
@@ -38,7 +38,7 @@ fn adjust(kind: &Kind) -> String {
     format!("adjust = [{lateral} {{ length = \"lower_link\" }}, {{ length = \"upper_link\" }}]")
 }
 
-/// Wanted values, scaled.
+/// Target values, scaled.
 fn want(kind: &Kind, scale: f64) -> Vec<(&'static str, f64)> {
     let mut want = vec![
         ("axle_steer", 0.15),
@@ -50,7 +50,7 @@ fn want(kind: &Kind, scale: f64) -> Vec<(&'static str, f64)> {
         *value *= scale;
     }
     if kind.is_steered() {
-        // The design has 0.1 deg.
+        // The toe of the design is 0.1 deg.
         want.extend([
             ("left_toe", 0.1 + 0.2 * scale),
             ("right_toe", 0.1 + 0.2 * scale),
@@ -103,9 +103,9 @@ fn amount(summary: &SetUpSummary, kind: &Kind, member: &str) -> f64 {
     own.map_or(0.0, |a| a.amount)
 }
 
-/// With as many threads as wanted values, all values are there. Pitch, direction and place of the axle follow from the points of the
-/// adjusted axle, toe from its curves. Lengths have changed by the amounts. All else has stayed: points of the body, and the shape of
-/// the axle.
+/// With as many threads as targets, the adjusted axle has all target values. Pitch, direction and position of the axle
+/// follow from its points, toe from its curves. Only the adjusted lengths have changed, by their amounts: points of the
+/// body and the shape of the axle are the same.
 #[test]
 fn the_adjusted_axle_has_the_wanted_values() {
     for kind in KINDS {
@@ -136,7 +136,8 @@ fn the_adjusted_axle_has_the_wanted_values() {
             let moved = (place(adjusted, &name) - place(&nominal, &name)).norm();
             assert!(moved < 1e-12, "{}: {name} {moved:e}", kind.name);
         }
-        // The left wheel's mechanism has its own lever of the anti-roll bar alone.
+        // The left wheel's mechanism contains only its own lever of the anti-roll bar, so the right drop link is
+        // skipped.
         let members = kind.members().into_iter();
         for (member, [inner, outer]) in members.filter(|(name, _)| name != "right_drop_link") {
             let [before, after] =
@@ -208,7 +209,7 @@ fn the_adjusted_axle_has_the_wanted_values() {
     }
 }
 
-/// Part of the change of each static value that the effects of the design do not explain.
+/// Part of each static value's change that the effects of the design do not predict.
 pub(super) fn linear_remainders(summary: &SetUpSummary) -> Vec<f64> {
     let remainder = |i: usize| {
         let own = &summary.statics[i];
@@ -219,8 +220,8 @@ pub(super) fn linear_remainders(summary: &SetUpSummary) -> Vec<f64> {
     (0..summary.statics.len()).map(remainder).collect()
 }
 
-/// Remainders of changes that are half as large are a quarter, or an eighth where the second order vanishes. Remainders below `least` are
-/// rounding. Returns the number of the others.
+/// Asserts that for changes half as large the remainders are a quarter, or an eighth if the second order vanishes.
+/// Remainders below `least` are rounding. Returns the number of larger ones.
 pub(super) fn quarters([whole, half]: [&[f64]; 2], least: f64, name: &str) -> usize {
     let mut looked_at = 0;
     for (i, (whole, half)) in whole.iter().zip(half).enumerate() {
@@ -238,8 +239,8 @@ pub(super) fn quarters([whole, half]: [&[f64]; 2], least: f64, name: &str) -> us
     looked_at
 }
 
-/// The effects of the design predict every static value to first order: if the wanted changes are half as large, the remainder is a
-/// quarter.
+/// The effects of the design predict every static value to first order: if the target changes are half as large, the
+/// remainder is a quarter.
 #[test]
 fn effects_predict_to_first_order() {
     for kind in KINDS {
@@ -257,7 +258,8 @@ fn effects_predict_to_first_order() {
     }
 }
 
-/// Parts of one half turn a symmetric axle to that side. The same parts of the other half turn it as a mirror image.
+/// Adjusting parts of one half turns a symmetric axle to one side. Adjusting the same parts of the other half turns it
+/// in mirror image.
 #[test]
 fn halves_are_mirror_images() {
     let kind = &KINDS[0];
@@ -291,8 +293,8 @@ fn halves_are_mirror_images() {
     }
 }
 
-/// A Panhard rod alone moves the axle sideways. Drag link and tie rod keep the toe of both wheels while others are adjusted, and shims
-/// come whole.
+/// A Panhard rod alone moves the axle sideways. Drag link and tie rod keep the toe of both wheels when other parts are
+/// adjusted, and shims are whole.
 #[test]
 fn single_parts_and_kept_toe() {
     let steered = KINDS.iter().find(|kind| kind.is_steered()).unwrap();
@@ -335,7 +337,7 @@ fn single_parts_and_kept_toe() {
     assert!(shim.shims.unwrap().abs() > 1.0 && shim.instruction.contains("shims"));
 }
 
-/// Refusals name the entry and the reason. A value that no adjustment moves is named with its value.
+/// Refusals name the entry and the reason. If no adjustment changes a target, the message states its value.
 #[test]
 fn refusals_have_reasons() {
     let steered = KINDS.iter().find(|kind| kind.is_steered()).unwrap();

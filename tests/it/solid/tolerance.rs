@@ -1,4 +1,5 @@
-//! Tolerances of solid axles: first and second order against builds one by one and against Monte Carlo analyses.
+//! Tests of tolerances of solid axles: first and second order against builds one by one and against Monte Carlo
+//! analyses.
 
 use super::kinds::{KINDS, Kind};
 use hardpoint::axle::axle_curves;
@@ -9,14 +10,14 @@ use std::path::Path;
 
 const OUTPUTS: &str = r#""camber", "toe", "mean_steer", "track", "axle_steer", "pinion_angle", "axle_lateral", "roll_steer", "force_roll_centre_height", "anti_squat""#;
 const ROLL: &str = "roll = [-2.0, 0.0, 1.5]\nheave = [-20.0]\n";
-/// Half the width of the scatter of a build whose parts are known.
+/// Half the width of the scatter range; it is so narrow that the deviation of a part is known.
 const NARROW: f64 = 1e-13;
 
 fn problem(study: &Study) -> Problem<'_> {
     Problem::of(study, study.tolerance.as_ref().unwrap()).unwrap()
 }
 
-/// Parts that scatter, one number each.
+/// Scattered parts, with one random number each.
 fn entries(kind: &Kind) -> Vec<&'static str> {
     let mut entries = vec![
         r#"hardpoint = "lower_link_axle", axis = "z", side = "left""#,
@@ -49,7 +50,8 @@ fn entries(kind: &Kind) -> Vec<&'static str> {
     entries
 }
 
-/// Values of an axle whose parts deviate by these steps, in the order of the outputs and stations. The axle is a printed build.
+/// Values of an axle whose parts deviate by these amounts, in the order of outputs and stations. The axle is a printed
+/// build.
 fn built(kind: &Kind, motion: &str, steps: &[(&str, f64)]) -> Vec<Vec<f64>> {
     let entry = |(part, step): &(&str, f64)| {
         let [low, high] = [step - NARROW, step + NARROW];
@@ -76,7 +78,7 @@ fn built(kind: &Kind, motion: &str, steps: &[(&str, f64)]) -> Vec<Vec<f64>> {
     values.collect()
 }
 
-/// Gradients with respect to every part are the slopes of builds that are solved one by one, to differences of fourth order.
+/// Gradients with respect to every part equal slopes of builds solved one by one, from differences of fourth order.
 #[test]
 fn gradients_are_slopes_of_builds() {
     for kind in KINDS {
@@ -113,8 +115,8 @@ fn gradients_are_slopes_of_builds() {
     }
 }
 
-/// The second-order part is that of differences of builds, on a rolled ground, on a plane with given travels and on pads. It is
-/// unknown for quantities made of velocities.
+/// The second-order contribution equals that from differences of builds, on rolled ground, at given travels on a plane,
+/// and on pads. It is unknown for quantities made of velocities.
 #[test]
 fn second_order_is_that_of_builds() {
     let motions = [
@@ -134,7 +136,7 @@ fn second_order_is_that_of_builds() {
             let study = kind.study_of((&scatter.join(", "), ""), motion, OUTPUTS);
             let problem = problem(&study);
             let expansion = Expansion::of(&problem).unwrap();
-            // The last station of the motion is steered, if the axle is.
+            // The last station of the motion has a steer angle if the axle is steered.
             let station = problem.stations().of_motion().last().unwrap();
             let bend = |along: &[&str]| -> Vec<f64> {
                 let h = 0.2;
@@ -190,7 +192,7 @@ fn second_order_is_that_of_builds() {
     }
 }
 
-/// First order and Monte Carlo agree where scatter is small.
+/// First order and Monte Carlo agree for small scatter.
 #[test]
 fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     for kind in KINDS {
@@ -203,7 +205,7 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
         for (cell, spread) in found.spreads.iter().enumerate() {
             let column = &problem.outputs()[cell / problem.stations().count()].name;
             let linear = expansion.variance[cell].sqrt();
-            // At rest, positions that count from there have only the second order of the ground.
+            // At rest, positions relative to the rest position vary only by the second order of the ground.
             if linear < 1e-9 {
                 assert!(spread.sigma < 1e-6, "{}, {column}: {spread:?}", kind.name);
                 continue;
@@ -220,8 +222,8 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     }
 }
 
-/// Left and right parts scatter by themselves: a part of each half has half the variance of both. A part that the axle has once
-/// scatters once, and is refused with a side.
+/// Left and right parts scatter independently: a part of one half gives half the variance of both. A part that exists
+/// once scatters once, and the program refuses a side for it.
 #[test]
 fn halves_scatter_by_themselves_and_single_parts_once() {
     let steered = KINDS.iter().find(|kind| kind.is_steered()).unwrap();

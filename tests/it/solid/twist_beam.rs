@@ -1,6 +1,6 @@
-//! Twist beams against a formulation of their own: two rigid bodies, each with a position and a quaternion, under the five
-//! conditions of the hinge, the five of the mounts, two unit lengths and two heights. Newton's method goes on until the
-//! residuals are rounding, so its solution does not depend on its Jacobian of differences.
+//! Tests of twist beams against an independent formulation: two rigid bodies, each with a position and a quaternion.
+//! The conditions are five of the hinge, five of the mounts, two unit lengths and two heights. Newton's method
+//! continues until the residuals are rounding, so the accuracy of its Jacobian from differences does not matter.
 
 use super::own::{Point, minus, mirror, solve, turned};
 use super::{STILL, axle, slopes_of_designs};
@@ -21,7 +21,7 @@ fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Both halves: position and quaternion of each.
+/// Unknowns of both halves: position and quaternion of each.
 pub(super) type Unknowns = [f64; 14];
 
 pub(super) const AT_REST: Unknowns = [
@@ -140,7 +140,7 @@ impl Beam {
         x
     }
 
-    /// Angle by which the right half has turned against the left one, positive as it raises the rear of an arm.
+    /// Rotation of the right half relative to the left half, positive if it raises the rear of an arm.
     fn twist(&self, x: &Unknowns) -> f64 {
         let [hinge, left, right] = [
             turned(half(x, 0).1, [0.0, 1.0, 0.0]),
@@ -156,12 +156,12 @@ impl Beam {
     }
 }
 
-/// A beam of the usual kind.
+/// Typical beam.
 pub(super) fn sample() -> Beam {
     random(&mut Random(70))
 }
 
-/// A random beam of the usual kind.
+/// Random typical beam.
 pub(super) fn random(random: &mut Random) -> Beam {
     let mut near = |p: Point, by: f64| p.map(|c| c + by * random.signed());
     let mut shear_centre = near([300.0, 0.0, 390.0], 60.0);
@@ -190,7 +190,7 @@ fn read_at<'a>(solver: &mut AxleSolver<'a, 2>, travels: [f64; 2]) -> Read<'a> {
 
 const WANTED: [Quantity; 2] = [Quantity::Axle(A::BeamTwist), Quantity::Axle(A::MeanSteer)];
 
-/// 1,000 beams at random travels: wheel centres, spin axes and the twist.
+/// For 1,000 beams at random travels, wheel centres, spin axes and twist agree with the two rigid bodies.
 #[test]
 fn positions_are_those_of_two_rigid_bodies() {
     let mut generator = Random(71);
@@ -219,7 +219,7 @@ fn positions_are_those_of_two_rigid_bodies() {
     }
     println!("{worst:e} mm, {worst_turn:e}, twists up to {most_twist}");
     assert!(most_twist > 0.2, "{most_twist}");
-    // Residuals are a few roundings of coordinates of 700 mm at a condition below 1e3.
+    // Residuals are a few roundings of coordinates of 700 mm, with a condition number below 1e3.
     assert!(worst < 1e-9, "{worst:e} mm");
     assert!(worst_turn < 1e-11, "{worst_turn:e}");
 }
@@ -251,7 +251,7 @@ fn arms_turn_about_the_axes_of_the_mode() {
 
         let read = read_at(&mut solver, [0.0; 2]);
         let wheel = read.state.wheel(Side::Left);
-        // The far wheel falls as the near one rises.
+        // The opposite wheel falls when the near one rises.
         let [velocity, turn] = wheel.reading.twist([1, 0]);
         let axis = minus(beam.shear_centre, beam.mount);
         let turn = turn.to_array();
@@ -277,7 +277,7 @@ fn arms_turn_about_the_axes_of_the_mode() {
     }
 }
 
-/// The mounts of the sample move sideways by about 0.05 mm at 2 deg of roll: two ball joints would lock the beam.
+/// The mounts of the sample move sideways by about 0.05 mm at 2 deg of roll. Two ball joints would lock the beam.
 #[test]
 fn mounts_move_sideways_a_little() {
     let beam = random(&mut Random(73));
@@ -286,7 +286,7 @@ fn mounts_move_sideways_a_little() {
     assert!((0.005..0.5).contains(&aside.abs()), "{aside}");
 }
 
-/// Loads of the wheels are the slopes of the energy of springs and beam, by the other formulation.
+/// Wheel loads equal the slopes of the energy of springs and beam in the other formulation.
 #[test]
 fn loads_are_slopes_of_the_energy() {
     let mut generator = Random(74);
@@ -314,7 +314,7 @@ fn loads_are_slopes_of_the_energy() {
             });
             2.5e5 * twist * twist + springs[0] + springs[1]
         };
-        // Heights of the contact points by both travels: the wheels are round, so their lowest points carry the load.
+        // Heights of the contact points for both travels: the wheels are round, so their lowest points carry the load.
         let heights = |travels: [f64; 2]| {
             let x = beam.solved(travels);
             [0, 1].map(|side| {
@@ -344,7 +344,7 @@ fn loads_are_slopes_of_the_energy() {
     }
 }
 
-/// Gradients with respect to every point against differences of whole designs.
+/// Gradients with respect to every point equal differences between complete designs.
 #[test]
 fn gradients_are_those_of_whole_designs() {
     let beam = random(&mut Random(75));
@@ -377,7 +377,7 @@ fn gradients_are_those_of_whole_designs() {
         .unwrap();
     for name in ["mount", "shear_centre", "wheel_centre", "spring_lower"] {
         let id = study.axle.left.mechanism.point(name).unwrap();
-        // The shear centre stays in the middle.
+        // The shear centre stays in the middle plane.
         for axis in (0..3).filter(|axis| name != "shear_centre" || *axis != 1) {
             let at = (&base[..], &placement, &wanted[..]);
             let slopes = slopes_of_designs(&mut solver, at, (id, axis));
@@ -398,7 +398,7 @@ fn gradients_are_those_of_whole_designs() {
     }
 }
 
-/// Derivatives along heave and roll against differences.
+/// Derivatives along heave and roll equal differences.
 #[test]
 fn derivatives_by_motions_are_slopes() {
     let beam = random(&mut Random(76));
@@ -440,7 +440,7 @@ fn derivatives_by_motions_are_slopes() {
     }
 }
 
-/// Entries without a meaning for a twist beam are refused with the reason.
+/// The program refuses entries that have no meaning for a twist beam, with the reason.
 #[test]
 fn what_a_twist_beam_lacks_is_refused() {
     let beam = random(&mut Random(77));
@@ -476,8 +476,9 @@ fn what_a_twist_beam_lacks_is_refused() {
     }
 }
 
-/// Below the sample's range the arms are vertical. Above it the path of equal halves meets that of twisted ones, 3 degrees before the
-/// arms are vertical. Every station beyond an end has its reason, however the path to it ended, and no reason names links.
+/// Below the sample's range the arms are vertical. Above it, 3 degrees before the arms are vertical, the path of equal
+/// halves meets that of twisted halves. Every station beyond an end has the reason of that end, whatever stopped the
+/// solver, and no reason names links.
 #[test]
 fn heaves_beyond_the_range_have_one_reason_at_each_end() {
     let text = include_str!("../../../studies/twist_beam_solve.toml");

@@ -1,4 +1,5 @@
-//! Inches, pounds-force and pounds: the same axle in millimetres and newtons gives the same numbers.
+//! Tests of units: an axle in inches, pounds-force and pounds has the same results as the same axle in millimetres and
+//! newtons.
 
 use super::{case, points_of, study_of, text};
 use crate::units::{INCH, POUND, POUND_FORCE, in_inches_and_pounds};
@@ -10,7 +11,7 @@ const OUTPUTS: &str = "[outputs]\ncharacteristics = [\"wheel_load\", \"wheel_rat
      \"spring_force\", \"anti_squat\"]\nloads = [{ name = \"side\", at = \"contact_point\", force = [0.0, LOAD, 0.0] }]\n\
      [motion]\nheave = [-10.0, 0.0, 10.0]\n";
 
-/// Springs, masses, loads and motion, as numbers of one file.
+/// Springs, masses, loads and motion, with these numbers.
 fn further([rate, force, mass, load]: [f64; 4], heave: &str) -> String {
     let outputs = OUTPUTS
         .replace("LOAD", &format!("{load:?}"))
@@ -38,7 +39,8 @@ fn curves(text: &str) -> Vec<(String, Vec<Option<f64>>)> {
         .collect()
 }
 
-/// The file in inches and pounds, the one in millimetres and newtons, and what each column of the first is in the second.
+/// A file in inches and pounds gives the same axle as one in millimetres and newtons: each column converts to the other
+/// file's column.
 #[test]
 fn inches_and_pounds_give_the_same_axle() {
     let case = case("solid_four_link");

@@ -1,6 +1,7 @@
-//! Watt linkages against a formulation of its own: position, quaternion and the rocker's angle as eight unknowns of the
-//! lengths of five rods, the unit length of the quaternion and both heights. Newton's method with a Jacobian of central
-//! differences goes on until the residuals are rounding, so its solution does not depend on the differences.
+//! Tests of Watt linkages against an independent formulation. It has eight unknowns: position, quaternion and the
+//! rocker's angle. The equations are the lengths of five rods, the unit length of the quaternion and both heights.
+//! Newton's method with a Jacobian from central differences continues until the residuals are rounding, so the accuracy
+//! of the differences does not matter.
 
 use super::own::{self, Point, minus, mirror, solve, turned};
 use super::{STILL, axle, slopes_of_designs, text};
@@ -36,7 +37,7 @@ fn cross(a: Point, b: Point) -> Point {
     ]
 }
 
-/// A point turned about the line from `first` to `second`, by Rodrigues' formula.
+/// Point rotated about the line from `first` to `second`, by Rodrigues' formula.
 fn about([first, second]: [Point; 2], angle: f64, point: Point) -> Point {
     let way = minus(second, first);
     let length = dot(way, way).sqrt();
@@ -122,7 +123,7 @@ impl Linkage {
         dot(plane, rod).abs() / (length(plane) * length(rod))
     }
 
-    /// Both wheel centres at these travels, and the unknowns; `None` if a step of the way is no small one.
+    /// Both wheel centres at these travels, and the unknowns; `None` if a step of the path is not small.
     fn solved(&self, travels: [f64; 2]) -> Option<([Point; 2], [f64; 8])> {
         let mut x = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
         const STEPS: u32 = 20;
@@ -163,7 +164,7 @@ impl Linkage {
     }
 }
 
-/// A random axle on three links and a Watt linkage, whose rocker has levers of about this length.
+/// Random axle on three links and a Watt linkage, whose rocker has levers of about this length.
 fn random(random: &mut Random, base: Base, lever: f64) -> Linkage {
     let mut points = own::random(random, true);
     points.retain(|(name, _)| !name.starts_with("panhard_"));
@@ -202,8 +203,8 @@ fn positions_and_rates_of_a_thousand_axles_are_those_of_another_formulation() {
     compare(500);
 }
 
-/// `each` axles of each kind, at random travels; and the derivatives of two quantities by heave and roll, which are
-/// differences of the other formulation.
+/// Compares positions of `each` axles of each kind at random travels. Also compares derivatives of two quantities with
+/// respect to heave and roll with differences of the other formulation.
 fn compare(each: usize) {
     let mut generator = Random(64);
     for base in BASES {
@@ -232,7 +233,7 @@ fn compare(each: usize) {
                     worst = worst.max((found - expected).abs());
                 }
             }
-            // A tenth of the axles, since each needs eight more solutions.
+            // Only a tenth of the axles, because each needs eight more solutions.
             if solved % 10 == 0 {
                 let middle = |travels: [f64; 2]| {
                     let ([left, right], _) = linkage.solved(travels).unwrap();
@@ -255,13 +256,14 @@ fn compare(each: usize) {
         }
         println!("{base:?}: {solved} solved, {worst:e} mm, rates {worst_rate:e}");
         assert!(25 * solved > 24 * each, "{base:?}: {solved}");
-        // Rounding of 1e-12 mm at a condition below 1e3; differences of the step 1 leave the fifth derivative.
+        // The bound covers rounding of 1e-12 mm at a condition number below 1e3. Differences with step 1 leave an error
+        // of the fifth derivative.
         assert!(worst < 1e-9, "{base:?}: {worst:e} mm");
         assert!(worst_rate < 1e-8, "{base:?}: {worst_rate:e}");
     }
 }
 
-/// Gradients with respect to the points of the linkage against differences of whole designs.
+/// Gradients with respect to the points of the linkage equal differences between complete designs.
 #[test]
 fn gradients_are_those_of_whole_designs() {
     let mut generator = Random(65);
@@ -314,8 +316,8 @@ fn gradients_are_those_of_whole_designs() {
     }
 }
 
-/// Short levers come to their toggle before the links of the axle fold: the limit names the upper link, and there the
-/// other formulation has the link, its lever and the axis in one plane.
+/// With short levers, the Watt linkage reaches its toggle before the axle's links fold. The limit names the upper link,
+/// and in the other formulation the link, its lever and the axis lie in one plane there.
 #[test]
 fn toggles_of_the_upper_link_are_named() {
     let mut generator = Random(66);
@@ -333,7 +335,7 @@ fn toggles_of_the_upper_link_are_named() {
                 continue;
             };
             assert_eq!(rod, Rod::WattLink);
-            // The leverage falls with the root of the way that is left.
+            // The leverage falls with the square root of the remaining distance.
             let leverage = |share: f64| {
                 let (_, x) = linkage.solved([share * value; 2])?;
                 Some(linkage.leverage(&x))

@@ -1,4 +1,4 @@
-//! Answers of the server, compared with the results of the other commands and with slopes.
+//! Tests of answers of the server, against the results of the other commands and against slopes.
 
 use super::{Served, columns, sample, solved};
 use serde_json::{Value, json};
@@ -35,7 +35,7 @@ fn solve(served: &Served, of: &Value) -> Value {
     served.post("solve", &message).json()
 }
 
-/// The study of an axle with less of a grid.
+/// Study of an axle with a coarser grid of stations.
 fn of_few_stations(text: &str) -> String {
     let mut text = text.to_owned();
     for (many, few) in [
@@ -49,7 +49,7 @@ fn of_few_stations(text: &str) -> String {
     text
 }
 
-/// The file that `hardpoint export` makes of a study.
+/// File that `hardpoint export` makes of a study.
 fn exported(study: &std::path::Path, format: &str) -> Vec<u8> {
     let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
     command.arg("export").arg(study).args(["--to", format]);
@@ -101,8 +101,8 @@ fn answers_are_those_of_solve() {
     }
 }
 
-/// The slope of the misfit by coordinates, against differences of fourth order of the misfit itself: of one wheel,
-/// of both, and of both where the right one has a point of its own.
+/// The gradient of the misfit with respect to coordinates equals differences of fourth order of the misfit. The test
+/// covers one wheel, both wheels, and a right wheel with its own point.
 #[test]
 fn gradients_of_the_misfit_are_its_slopes() {
     let own = "[axle.right.hardpoints]\ntie_rod_inner = [-110.0, -331.0, 243.5]\n";
@@ -134,11 +134,11 @@ fn gradients_of_the_misfit_are_its_slopes() {
     }
 }
 
-/// Margins are in the unit in which the study writes the limits: the same numbers read as inches have the same margins, in
-/// inches, and only angles stay in degrees.
+/// Margins have the unit in which the study writes the limits. If the same numbers are read as inches, the margins have
+/// the same values in inches; only angles stay in degrees.
 #[test]
 fn margins_have_the_unit_of_the_study() {
-    // At two stations no extremes are sought between stations, which are sought near limits only.
+    // With two stations the program does not search for extremes between stations, which it does only near limits.
     let sample = sample("formula_student_front.toml");
     let lines = sample.lines().map(|line| match line.split_once(" = ") {
         Some(("travel", _)) => "travel = [-30.0, 30.0]",
@@ -173,7 +173,7 @@ fn margins_have_the_unit_of_the_study() {
     }
 }
 
-/// Effect of a coordinate on a curve, compared with the curves themselves.
+/// The effect of a coordinate on a curve equals the slope of the curves.
 #[test]
 fn influences_are_slopes_of_the_curves() {
     let served = Served::of(&sample("double_wishbone_front.toml"));

@@ -1,4 +1,4 @@
-//! Requests from strangers get nothing.
+//! Tests that requests from strangers get no data.
 
 use super::client::{answer, request, send};
 use super::{Served, sample};
@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
-/// Requests that are complete apart from the mark of a stranger.
+/// The server refuses requests that are complete except for a sign that they come from a stranger.
 #[test]
 fn strangers_are_refused() {
     let served = Served::of(&sample("macpherson_front.toml"));
@@ -70,13 +70,13 @@ fn strangers_are_refused() {
         let bytes = request(method, &path, &[("Host", &host), ("Origin", &origin)], b"");
         assert_eq!(send(port, &bytes).unwrap().status, 405, "{method}");
     }
-    // A page of another origin must not get so much as a script.
+    // A page of another origin must not get even a script.
     let foreign = [("Host", host.as_str()), ("Origin", "http://example.com")];
     let bytes = request("GET", &format!("/{token}/main.js"), &foreign, b"");
     assert_eq!(send(port, &bytes).unwrap().status, 403);
     assert_eq!(served.text(), before);
     assert_eq!(served.files(), ["study.toml"]);
-    // The same with everything in its place.
+    // The same request is accepted if everything is correct.
     assert_eq!(post(&path, &[]), 200);
     assert_ne!(served.text(), before);
 }
@@ -84,7 +84,7 @@ fn strangers_are_refused() {
 #[test]
 fn only_the_loopback_interface_is_listened_on() {
     let served = Served::of(&sample("macpherson_front.toml"));
-    // Every address of 127/8 is loopback; one that was not asked for is free.
+    // Every address of 127/8 is a loopback address; the server must leave the others free.
     TcpListener::bind(("127.0.0.2", served.port())).expect("only 127.0.0.1 is taken");
     assert!(TcpListener::bind(("127.0.0.1", served.port())).is_err());
 }
@@ -134,7 +134,7 @@ fn oversized_and_malformed_requests_are_refused() {
         "POST {path} HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\nContent-Type: application/json\r\n"
     );
     let status = |bytes: &[u8]| send(port, bytes).map(|answer| answer.status);
-    // Refused by what it says of itself, before a byte of it has come.
+    // The server refuses the request because of its stated length, before it reads a byte of the body.
     for length in ["1048577", "99999999999", "18446744073709551616"] {
         assert_eq!(
             status(format!("{head}Content-Length: {length}\r\n\r\n").as_bytes()),
@@ -162,7 +162,7 @@ fn oversized_and_malformed_requests_are_refused() {
         Some(400)
     );
     assert_eq!(status(b"GET / SPDY/9\r\n\r\n"), Some(400));
-    // Half a request, and the connection closed.
+    // Half a request, then the connection closes.
     drop(
         TcpStream::connect(("127.0.0.1", port))
             .unwrap()
@@ -205,12 +205,12 @@ fn oversized_and_malformed_requests_are_refused() {
     let deep = "[".repeat(100_000);
     let bytes = format!("{head}Content-Length: {}\r\n\r\n{deep}", deep.len());
     assert_eq!(status(bytes.as_bytes()), Some(400));
-    // Points on top of each other, or far from the earth: refused in words, and the server goes on.
+    // The server refuses coincident points and points at extreme distances with a message, and continues.
     let mut message = good.clone();
     message["of"]["design"][0] = message["of"]["design"][1].clone();
     message["of"]["design"][2] = json!([1e300, 1e300, -1e300]);
     assert_eq!(served.post("solve", &message).status, 422);
-    // As far apart as no suspension is: the solver would not return for minutes.
+    // The points are impossibly far apart. Without the check the solver would run for minutes.
     let mut message = good.clone();
     message["of"]["design"][2] = json!([0.0, 0.0, 225_000.0]);
     let refused = served.post("solve", &message);
@@ -225,7 +225,7 @@ fn oversized_and_malformed_requests_are_refused() {
     assert_eq!(served.files(), ["study.toml"]);
 }
 
-/// A connection is kept: requests one after the other, also when several arrive at once.
+/// The server keeps a connection open for further requests, also when several arrive at once.
 #[test]
 fn connections_are_kept() {
     let served = Served::of(&sample("macpherson_front.toml"));
@@ -244,7 +244,7 @@ fn connections_are_kept() {
     assert_eq!(answer(&mut stream).unwrap().body, first.body);
 }
 
-/// Idle connections of others do not keep the page out for ever, and never more than some are held.
+/// Idle connections of strangers do not block the page permanently, and the server holds only a limited number.
 #[test]
 fn a_crowd_of_connections_is_survived() {
     let served = Served::of(&sample("macpherson_front.toml"));
@@ -269,7 +269,7 @@ fn a_crowd_of_connections_is_survived() {
     }
 }
 
-/// Strangers who stay and say nothing, or a letter at a time, do not keep the owner waiting.
+/// Strangers who stay silent, or send one letter at a time, do not make the owner wait.
 #[test]
 fn idle_strangers_do_not_lock_the_owner_out() {
     let served = Served::of(&sample("macpherson_front.toml"));
@@ -278,7 +278,7 @@ fn idle_strangers_do_not_lock_the_owner_out() {
         .map(|_| TcpStream::connect(&host).unwrap())
         .collect();
     for stranger in &mut crowd {
-        // The oldest are closed already.
+        // The server has already closed the oldest connections.
         let _ = stranger.write_all(b"G");
     }
     let own = format!("GET /{}/ HTTP/1.1\r\nHost: {host}\r\n\r\n", served.token());
@@ -286,12 +286,12 @@ fn idle_strangers_do_not_lock_the_owner_out() {
     page.set_read_timeout(Some(Duration::from_secs(4))).unwrap();
     page.write_all(own.as_bytes()).unwrap();
     assert_eq!(answer(&mut page).expect("an answer").status, 200);
-    // The page's connection is no stranger's any more: those that follow do not close it.
+    // The page's connection no longer counts as a stranger's, so later strangers do not close it.
     crowd.extend((0..100).map(|_| TcpStream::connect(&host).unwrap()));
     page.write_all(own.as_bytes()).unwrap();
     assert_eq!(answer(&mut page).expect("an answer").status, 200);
     assert_eq!(served.get("main.js").status, 200);
-    // All strangers are gone after their time.
+    // The server closes all connections of strangers after a time limit.
     let deadline = Instant::now() + Duration::from_secs(30);
     for stranger in &mut crowd {
         let left = deadline.saturating_duration_since(Instant::now());
@@ -308,7 +308,8 @@ fn idle_strangers_do_not_lock_the_owner_out() {
     assert_eq!(answer(&mut page).expect("an answer").status, 200);
 }
 
-/// The arguments of a program can be read by every user of the machine.
+/// The page's address is not an argument of the browser, because every user of the machine can read the arguments of a
+/// program.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_address_is_no_argument_of_the_browser() {
@@ -378,7 +379,7 @@ fn assert_private_invitation(is_visited: bool) {
             place.display()
         );
     }
-    // It goes when the page has been asked for, and else with the server.
+    // The file with the address disappears after the page was requested, or else with the server.
     let folder_of_it = invitation.parent().unwrap().to_owned();
     if is_visited {
         let port = address.split([':', '/']).nth(4).unwrap().parse().unwrap();
@@ -399,7 +400,7 @@ fn assert_private_invitation(is_visited: bool) {
     assert!(!folder_of_it.exists());
 }
 
-/// A stale address shows a person the next step; requests of pages get plain text.
+/// A stale address shows the user the next step. Requests of pages get plain text.
 #[test]
 fn a_stale_address_says_what_to_do() {
     let served = Served::of(&sample("macpherson_front.toml"));

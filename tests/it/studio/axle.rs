@@ -1,4 +1,4 @@
-//! An axle in the live page: sliders, and positions of both wheels.
+//! Tests of an axle in the live page: sliders, and positions of both wheels.
 
 use super::{Served, car, sample};
 use serde_json::{Value, json};
@@ -66,7 +66,7 @@ fn distance(a: Place, b: Place) -> f64 {
     squares.sum::<f64>().sqrt()
 }
 
-/// Positions of a drawn side, by the names of points.
+/// Positions of the points of a drawn side, by name.
 struct Drawn {
     points: Vec<(String, Place)>,
     spin_axis: Place,
@@ -110,9 +110,9 @@ const OF_BODY: [&str; 8] = [
     "right_spring_lower",
 ];
 
-/// A solid axle is drawn as one rigid body on its links: in heave with roll, with a Panhard rod or a Watt linkage, and in
-/// an equilibrium of five elastic links. Both sides agree on every point, and the wheel centres have the travels of the
-/// sliders.
+/// A solid axle is drawn as one rigid body on its links: in heave with roll, with a Panhard rod or a Watt linkage, and
+/// in an equilibrium of five elastic links. Both sides agree on every point, and the wheel centres have the travels of
+/// the sliders.
 #[test]
 fn a_solid_axle_is_drawn_as_one_body() {
     let travels = "travel_left = [-40.0, 0.0, 40.0]\ntravel_right = [-40.0, 0.0, 40.0]\n";
@@ -147,7 +147,7 @@ fn a_solid_axle_is_drawn_as_one_body() {
                 for (was, is) in was.iter().zip(is) {
                     assert!((was - is).abs() < 1e-9, "{at:?}, {name}: {was} {is}");
                 }
-                // The right half has the same point, under the name of the left half.
+                // The right half has the same point, with the name of the left half.
                 if let Some(near) = name.strip_prefix("right_") {
                     assert!(distance(left.at(name), right.at(near)) < 1e-9, "{name}");
                 }
@@ -164,7 +164,8 @@ fn a_solid_axle_is_drawn_as_one_body() {
     }
 }
 
-/// Elastic links are drawn as long as they are: the change of a tension is the stiffness times the drawn stretch.
+/// Elastic links are drawn with their deformed length: the change of a tension is the stiffness times the drawn
+/// elongation.
 #[test]
 fn drawn_links_have_the_stretch_of_their_tension() {
     let served = Served::of(&sample("solid_axle_five_links.toml"));
@@ -201,7 +202,7 @@ fn drawn_links_have_the_stretch_of_their_tension() {
             let expected = tension(station) - tension(home);
             let found = stiffness * (length(drawn) - length(&design));
             largest = largest.max(expected.abs());
-            // Rounding of coordinates of 1 m times the stiffness.
+            // The bound is the rounding of coordinates of 1 m times the stiffness.
             assert!(
                 (found - expected).abs() < 1e-7,
                 "{link}: {found} {expected}"
@@ -249,8 +250,8 @@ fn elastic_wheels_are_drawn_in_equilibrium() {
     }
 }
 
-/// While a point moves, the page asks for the shown stations alone. They have the values of the whole answer, to rounding: the
-/// solver reaches them by another path.
+/// While a point moves, the page asks only for the shown stations. They have the values of the full answer, to
+/// rounding, because the solver reaches them by another path.
 #[test]
 fn shown_stations_alone_have_the_values_of_the_whole_answer() {
     let wheel = sample("double_wishbone_solve.toml");

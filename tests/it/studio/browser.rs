@@ -1,4 +1,4 @@
-//! The page in a real browser, if there is one: points, tabs, pinned designs and unsaved work.
+//! Tests of the page in a real browser, if one is installed: points, tabs, pinned designs and unsaved work.
 
 use super::webdriver::Browser;
 use super::{Served, columns, sample, solved};
@@ -6,14 +6,15 @@ use serde_json::{Value, json};
 use std::fs;
 
 pub(super) const READY: &str = "document.documentElement.dataset.ready === 'true' && window.studio.state.answer && window.studio.state.ghost";
-/// The answer that is shown is of the design that is worked on.
+/// Condition: the shown answer belongs to the present design.
 pub(super) const SETTLED: &str = "studio.isSettled()";
 
 pub(super) fn handle(view: &str, point: &str) -> String {
     format!("[data-view={view}] .handle[data-name={point}]:not([data-other])")
 }
 
-/// Every column that is drawn is the one `hardpoint solve` prints of the study in a file; how many there are.
+/// Asserts that every drawn column is the one that `hardpoint solve` prints for the study in a file. Returns their
+/// number.
 pub(super) fn assert_drawn_as_solved(browser: &Browser, study: &std::path::Path) -> usize {
     let drawn = browser.run("return studio.drawnValues()");
     let printed = columns(&solved(study));
@@ -34,7 +35,7 @@ pub(super) fn assert_drawn_as_solved(browser: &Browser, study: &std::path::Path)
     compared
 }
 
-/// The line on the screen goes through the values, to a hundredth of a pixel.
+/// Asserts that the line on the screen passes through the values, to a hundredth of a pixel.
 fn assert_line_is_at_values(browser: &Browser, column: &str) {
     let places = browser.run(&format!("return studio.drawnPlaces({column:?})"));
     let d = places["d"].as_str().unwrap();
@@ -79,7 +80,7 @@ fn points_are_dragged_and_curves_follow() {
     assert!(assert_drawn_as_solved(&browser, &served.study) >= 6);
     assert_line_is_at_values(&browser, "camber_deg");
 
-    // Two deeds: a drag in another view, an arrow key; undone one by one and done again.
+    // Two steps, a drag in another view and an arrow key, are undone one by one and redone.
     browser.drag(&handle("top", "tie_rod_outer"), [6, 5], 5);
     let dragged = browser.run("return studio.state.design");
     assert_ne!(dragged, moved);
@@ -156,14 +157,14 @@ fn tabs_servers_and_files_come_and_go() {
     browser.wait(SETTLED);
     let moved = browser.run("return studio.state.design");
 
-    // A second tab has the file's design, and does not disturb the first.
+    // A second tab shows the design of the file, and does not disturb the first tab.
     let second = browser.open_tab(&served.address);
     browser.wait(READY);
     assert_ne!(browser.run("return studio.state.design"), moved);
     browser.go_to(&first);
     assert_eq!(browser.run("return studio.state.design"), moved);
 
-    // The file changes under it: a question, and the moved points go into what the file is now.
+    // If the file changes, the page asks a question, and then applies the moves to the present file.
     let edited = format!("# by hand\n{}", served.text());
     fs::write(&served.study, &edited).unwrap();
     browser.click("#save");
@@ -175,7 +176,7 @@ fn tabs_servers_and_files_come_and_go() {
     browser.wait(SETTLED);
     assert!(assert_drawn_as_solved(&browser, &served.study) >= 2);
 
-    // The server dies: what was moved afterwards is there when another one is opened.
+    // If the server stops, later moves reappear when another server opens the study.
     browser.drag(&handle("front", "upper_ball_joint"), [-5, 4], 4);
     browser.wait(SETTLED);
     let unsaved = browser.run("return studio.state.design");
@@ -188,7 +189,7 @@ fn tabs_servers_and_files_come_and_go() {
     std::thread::sleep(std::time::Duration::from_millis(400));
     served.restart();
     browser.wait("document.documentElement.dataset.server === 'other'");
-    // Chromium writes refused connections and answers to the console itself.
+    // Chromium itself writes refused connections and error responses to the console.
     let own = |line: &String| !line.contains("ERR_CONNECTION") && !line.contains("403 (Forbidden)");
     assert_eq!(
         browser
@@ -203,7 +204,7 @@ fn tabs_servers_and_files_come_and_go() {
     assert_eq!(browser.run("return studio.state.design"), unsaved);
     browser
         .wait("document.getElementById('banner').textContent.includes('unsaved changes are back')");
-    // The message leads back to the file.
+    // The button in the message leads back to the file.
     browser.click("#banner button");
     assert_ne!(browser.run("return studio.state.design"), unsaved);
     browser.go_to(&second);
@@ -217,7 +218,8 @@ fn tabs_servers_and_files_come_and_go() {
     );
 }
 
-/// Names are text, whatever they look like. Those inside a study are letters and digits; its file's is free.
+/// The page shows hostile names as plain text. Names inside a study consist of letters and digits; the name of its file
+/// is free.
 #[cfg(unix)]
 #[test]
 fn hostile_names_are_shown_as_text() {
@@ -238,7 +240,8 @@ fn hostile_names_are_shown_as_text() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// A pinned design is compared with the present one, and a filled place says that it would be replaced.
+/// The page compares a pinned design with the present one. If a slot is occupied, it warns that the pinned design would
+/// be replaced.
 #[test]
 fn pinned_designs_are_compared() {
     let Some(browser) = Browser::start() else {
@@ -260,7 +263,7 @@ fn pinned_designs_are_compared() {
     );
     assert_eq!(buttons, json!(["Go to", "Replace", "Remove"]));
 
-    // The tab keeps the pinned design over a reload.
+    // The tab keeps the pinned design after a reload.
     let pinned = browser.run("return studio.state.pins.A.design");
     browser.open(&served.address);
     browser.wait(READY);
@@ -304,7 +307,7 @@ fn a_reload_keeps_unsaved_work() {
     let work = "return [studio.state.design, studio.state.overview.digest]";
     let (told, done) = (browser.run(deeds), browser.run(work));
     assert_eq!(told.as_array().unwrap().len(), 4, "{told}");
-    // Work is stored a little later.
+    // The page stores work after a short delay.
     std::thread::sleep(std::time::Duration::from_millis(500));
 
     browser.open(&served.address);
@@ -329,7 +332,7 @@ fn a_reload_keeps_unsaved_work() {
     assert_eq!(browser.run(work), done);
     std::thread::sleep(std::time::Duration::from_millis(500));
 
-    // Another tab has no history. It offers the work.
+    // Another tab has no history, but offers the work.
     browser.run("sessionStorage.clear()");
     browser.open(&served.address);
     browser.wait(READY);
@@ -343,7 +346,7 @@ fn a_reload_keeps_unsaved_work() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// Nothing on the page changes its place while a point is dragged, and every move is drawn.
+/// Nothing on the page shifts while a point is dragged, and every move is drawn.
 #[test]
 fn a_drag_shifts_no_layout() {
     let Some(browser) = Browser::start() else {
@@ -367,7 +370,7 @@ fn a_drag_shifts_no_layout() {
         assert!(after.as_f64().unwrap() >= before.as_f64().unwrap() + 3.0);
         assert_eq!(browser.run("return window.shifted"), json!([]), "{name}");
         assert_eq!(browser.console(), Vec::<String>::new());
-        // A page asks until it is left. The server ends here.
+        // A page sends requests until it is left, and the server ends here.
         browser.open("about:blank");
     }
 }

@@ -1,4 +1,5 @@
-//! A car in the live page: answers are those of `hardpoint solve`, gradients are slopes, and three files are saved.
+//! Tests of a car in the live page: answers equal those of `hardpoint solve`, gradients equal slopes, and the server
+//! saves three files.
 
 use super::answers::answered;
 use super::webdriver::Browser;
@@ -7,7 +8,7 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;
 
-/// A sample car with its axles, served.
+/// Served sample car with its axles.
 pub(super) fn served(name: &str, changed: impl Fn(&str, String) -> String) -> Served {
     let ends = ["_front", "_rear", ""];
     Served::of_files(ends.map(|end| {
@@ -29,7 +30,7 @@ fn read(served: &Served, name: &str) -> String {
     fs::read_to_string(file(served, name)).unwrap()
 }
 
-/// Characteristics that the page asks for at first.
+/// Characteristics that the page requests first.
 pub(super) fn asked(overview: &Value) -> Vec<Value> {
     let all = overview["characteristics"].as_array().unwrap().iter();
     let asked = all.filter(|c| c["asked"] == true && c["available"] == true);
@@ -61,8 +62,8 @@ fn save(served: &Served, of: &Value, anyway: bool) -> super::client::Answer {
     served.post("save", &message)
 }
 
-/// Points of both axles are moved, wheel centres too: each number of the page is that of the saved files, to the last bit.
-/// So is the table of load cases.
+/// After points of both axles, including wheel centres, have moved, each number of the page equals that of the saved
+/// files, to the last bit. The table of load cases is equal too.
 #[test]
 fn answers_are_those_of_solve() {
     for name in ["car", "formula_student_car"] {
@@ -105,8 +106,8 @@ fn slope(at: impl Fn(f64) -> f64, h: f64) -> f64 {
     (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h)
 }
 
-/// The misfit has targets of load cases, and in one of the cars a target of an axle by itself. Its gradient and those of
-/// its targets are slopes, also by the wheel centres, which the wheelbase ties to the other axle.
+/// The misfit has targets of load cases, and in one car a target of a single axle. Its gradient and those of its
+/// targets equal slopes, also with respect to the wheel centres, which the wheelbase ties to the other axle.
 #[test]
 fn gradients_of_the_misfit_are_its_slopes() {
     for name in ["car", "formula_student_car"] {
@@ -152,7 +153,7 @@ fn gradients_of_the_misfit_are_its_slopes() {
     }
 }
 
-/// Effect of a coordinate on the results of every case, compared with the results themselves.
+/// The effect of a coordinate on the results of every case equals the slope of the results.
 #[test]
 fn influences_are_slopes_of_the_results() {
     let served = served("car", as_it_is);
@@ -188,8 +189,8 @@ fn influences_are_slopes_of_the_results() {
     assert_eq!(compared, 5 * (4 + 4 + 1 + 2));
 }
 
-/// A file of an axle that another program changed is left alone, until the page's changes are put into it. What the other
-/// program wrote stays.
+/// The server does not overwrite an axle's file that another program changed, until the user merges the page's changes
+/// into it. The changes of the other program stay.
 #[test]
 fn changed_files_are_kept_and_merged() {
     let served = served("car", as_it_is);
@@ -223,7 +224,7 @@ fn changed_files_are_kept_and_merged() {
     assert_eq!(read(&served, "car_front.toml"), front);
 }
 
-/// A missing axle, a design that no command would read and an axle that is both ends: nothing is written.
+/// If an axle is missing, a design is invalid, or one axle is used for both ends, the server writes nothing.
 #[test]
 fn nothing_is_written_halfway() {
     let served = served("car", as_it_is);
@@ -256,7 +257,7 @@ fn nothing_is_written_halfway() {
     assert!(read(&served, "new.toml").contains("front = \"new_front.toml\""));
 }
 
-/// Points that form no suspension are refused at once with the reason, as in a file.
+/// The server refuses points that form no suspension immediately, with the reason, as it does in a file.
 #[test]
 fn implausible_points_are_refused() {
     let served = served("car", as_it_is);
@@ -272,7 +273,8 @@ fn implausible_points_are_refused() {
     );
 }
 
-/// One file for both ends: a change of one end alone is refused, because it would change the other end as well.
+/// If one file describes both axles, the server refuses a change of only one end, because it would change the other end
+/// as well.
 #[test]
 fn one_file_for_both_axles_is_not_torn() {
     let served = served("car", |end, text| match end {
@@ -293,8 +295,8 @@ fn one_file_for_both_axles_is_not_torn() {
     assert_eq!(save(&served, &moved(&served, &both), false).status, 200);
 }
 
-/// A tuning starts from the moved design, whose range counts from the file. Where the design is outside, the proposal says
-/// so. A locked coordinate stays.
+/// A tuning starts from the moved design, but its ranges are relative to the file. If the design is outside a range,
+/// the proposal reports this. A locked coordinate stays.
 #[test]
 fn tunings_keep_locks_and_tell_wide_ranges() {
     let served = served("car", as_it_is);
@@ -342,12 +344,12 @@ fn tunings_keep_locks_and_tell_wide_ranges() {
 const READY: &str = "document.documentElement.dataset.ready === 'true' && window.studio.state.answer && window.studio.state.ghost";
 const SETTLED: &str = "studio.isSettled()";
 
-/// Values of the table of load cases as the page shows them.
+/// Script that returns the values of the table of load cases as the page shows them.
 const SHOWN: &str = "return Object.fromEntries([...document.querySelectorAll('#cases tbody tr')].map((row) => [row.dataset.column, [...row.querySelectorAll('b')].map((cell) => cell.textContent)]))";
 
-/// Every value that the table shows is, to four digits, the one that `hardpoint solve` prints.
+/// Asserts that every value in the table equals the one that `hardpoint solve` prints, to four digits.
 fn assert_shown_as_solved(browser: &Browser, served: &Served) {
-    // Rows out of sight are renewed a little later.
+    // The page renews hidden rows after a short delay.
     browser.wait("[...document.querySelectorAll('#cases tbody tr')].every((row) => !row.isLate)");
     let shown = browser.run(SHOWN);
     let printed = columns(&solved(&served.study));
@@ -406,7 +408,7 @@ fn a_car_is_dragged_edited_tuned_and_saved() {
     let to = browser.run(&place);
     for (axis, by) in [(0, 15.0), (1, -12.0)] {
         let moved = number(&to[axis]) - number(&from[axis]);
-        // The travel of the case moves with the design by a little.
+        // The travel of the case changes slightly with the design.
         assert!((moved - by).abs() < 2.5, "{moved} {by}");
     }
     let changes = "[...document.querySelectorAll('#cases td small')].filter((note) => note.textContent).length";
@@ -420,7 +422,7 @@ fn a_car_is_dragged_edited_tuned_and_saved() {
     browser.keys(&["4", "5", "0", "0", "0", "0", "\u{e007}"]);
     browser.wait("studio.state.overview.written.rear.anti_roll_bar.rate === 450000");
     browser.wait(SETTLED);
-    // The change is against the file, not against the edited text.
+    // Changes are relative to the file, not to the edited text.
     browser.wait(&format!("{changes} > 20"));
 
     browser.click("#tune");
@@ -445,7 +447,7 @@ fn a_car_is_dragged_edited_tuned_and_saved() {
     assert_eq!(browser.run("return studio.state.design"), saved);
     assert_shown_as_solved(&browser, &served);
 
-    // A case without an equilibrium is told with its reason, and no figure of an earlier design stays.
+    // The page gives the reason for a case without equilibrium, and shows no value of an earlier design.
     browser.click("#tab-parts");
     browser.run("document.querySelector('[aria-label=\"turn ay\"]').select()");
     browser.keys(&["2", ".", "5", "\u{e007}"]);
@@ -457,7 +459,8 @@ fn a_car_is_dragged_edited_tuned_and_saved() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// The table of load cases adds a target for a result in one case. Its cell is marked, and the saved study has the target.
+/// In the table of load cases the user adds a target for a result in one case. The page marks its cell, and the saved
+/// study has the target.
 #[test]
 fn a_result_of_a_case_gets_a_target() {
     let Some(browser) = Browser::start() else {

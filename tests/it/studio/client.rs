@@ -1,4 +1,4 @@
-//! HTTP by hand: well-formed requests, and others.
+//! Minimal HTTP client for well-formed and malformed requests.
 
 use super::Served;
 use serde_json::{Value, json};
@@ -6,7 +6,7 @@ use std::io::{Read, Write};
 use std::net::TcpStream;
 use std::time::Duration;
 
-/// An answer: status, head and body.
+/// Response of the server: status, head and body.
 pub struct Answer {
     pub status: u16,
     pub head: String,
@@ -30,7 +30,7 @@ pub fn send(port: u16, bytes: &[u8]) -> Option<Answer> {
     stream
         .set_read_timeout(Some(Duration::from_secs(60)))
         .unwrap();
-    // The server may refuse and close before it has read everything.
+    // The server may refuse and close the connection before it has read everything.
     let _ = stream.write_all(bytes);
     answer(&mut stream)
 }
@@ -67,7 +67,7 @@ pub fn answer(stream: &mut TcpStream) -> Option<Answer> {
     Some(Answer { status, head, body })
 }
 
-/// A request with these headers beside its length.
+/// Request with these headers in addition to its length.
 pub fn request(method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Vec<u8> {
     let mut head = format!(
         "{method} {path} HTTP/1.1\r\nContent-Length: {}\r\n",
@@ -92,7 +92,7 @@ impl Served {
         let path = format!("/{}/{what}", self.token());
         let bytes = request("POST", &path, &headers, message.to_string().as_bytes());
         let mut answer = send(self.port(), &bytes).expect("an answer");
-        // Refusals that are no fault of the request.
+        // Some refusals are not errors of the request; their body has the status.
         if let Ok(body) = serde_json::from_slice::<Value>(&answer.body)
             && let Some(refused) = body["refused"].as_u64()
         {
@@ -111,7 +111,7 @@ impl Served {
         self.post("study", &Value::Null).json()
     }
 
-    /// The design of the study with one coordinate moved.
+    /// Design of the study with one coordinate moved.
     pub fn moved(&self, point: &str, axis: usize, by: f64) -> Value {
         let overview = self.overview();
         let points = overview["points"].as_array().unwrap();

@@ -1,4 +1,4 @@
-//! Two tabs and other programs change one study.
+//! Tests of two tabs and other programs that change one study.
 
 use super::browser::{READY, SETTLED, handle};
 use super::webdriver::Browser;
@@ -41,8 +41,8 @@ fn deeds(browser: &Browser) -> Value {
     browser.run("return [...document.querySelectorAll('.deeds button')].map((b) => b.textContent)")
 }
 
-/// Another tab saves a move. The first tab reads the file again under its own move and edit: both stay, as one step of the
-/// history, over a reload too, and a save writes the changes of both tabs.
+/// Another tab saves a move. The first tab then reads the file again and keeps its own move and edit as one step of the
+/// history, also after a reload. A save writes the changes of both tabs.
 #[test]
 fn a_file_is_read_again_under_the_changes_of_the_page() {
     let Some(browser) = Browser::start() else {
@@ -60,7 +60,7 @@ fn a_file_is_read_again_under_the_changes_of_the_page() {
 
     browser.open_tab(&served.address);
     browser.wait(READY);
-    // The draft of the first tab is offered, and not taken.
+    // The other tab offers the draft of the first tab without applying it.
     browser.wait("document.getElementById('banner').textContent.includes('Unsaved changes')");
     browser.drag(&handle("front", "lower_ball_joint"), [4, 6], 4);
     browser.wait(SETTLED);
@@ -109,7 +109,7 @@ fn a_file_is_read_again_under_the_changes_of_the_page() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// A file that cannot take the page's changes is not read again, and the page keeps them.
+/// If a file cannot take the page's changes, the page does not read it again and keeps its changes.
 #[test]
 fn changes_that_a_file_cannot_take_stay_on_the_page() {
     let Some(browser) = Browser::start() else {
@@ -127,8 +127,8 @@ fn changes_that_a_file_cannot_take_stay_on_the_page() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// A save after another program's change asks what to do before it shows lines. The lines that change, in the history and
-/// before a save, never contain changes of the other program. Changes that were put into the file can be undone.
+/// After another program's change, a save asks what to do before it shows lines. The changed lines, in the history and
+/// before a save, never contain changes of the other program. The user can undo changes that were merged into the file.
 #[test]
 fn lines_of_another_program_are_no_changes_of_the_page() {
     let Some(browser) = Browser::start() else {

@@ -1,9 +1,10 @@
-//! Free directions: moves of points that leave all targets unchanged to first order.
+//! Tests of free directions: moves of points that leave all targets unchanged to first order.
 
 use super::{Served, car, sample};
 use serde_json::{Value, json};
 
-/// A car with more hardpoint variables than rows of targets: two load cases have one row each, toe on the front axle has two.
+/// Car with more hardpoint variables than rows of targets: each of two load cases has one row, and toe on the front
+/// axle has two.
 fn car_with_freedom() -> Served {
     let variable = |axle: &str, point: &str, axis: &str| {
         format!(
@@ -25,7 +26,7 @@ fn car_with_freedom() -> Served {
     })
 }
 
-/// Root mean square of the deviation from each target, after a move along a direction.
+/// Root mean square deviation of each target, after a move along a direction.
 fn deviations(served: &Served, direction: &Value, share: f64) -> Vec<f64> {
     let overview = served.overview();
     let mut design = overview["design"].clone();
@@ -52,7 +53,7 @@ fn deviations(served: &Served, direction: &Value, share: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Largest derivative of a target's deviation along a direction, by a central difference.
+/// Largest derivative of a target's deviation along a direction, from a central difference.
 fn slope(served: &Served, direction: &Value) -> f64 {
     let step = 0.02;
     let [high, low] = [step, -step].map(|share| deviations(served, direction, share));
@@ -63,8 +64,8 @@ fn slope(served: &Served, direction: &Value) -> f64 {
     slopes.fold(0.0, |most, slope| slope.abs().max(most))
 }
 
-/// Along a free direction no target changes to first order. Across its range, the largest deviation of three equal targets
-/// changes by at most sqrt(3) of 0.01 tolerances. Along a single variable some target changes far more.
+/// Along a free direction no target changes to first order. Across its range, the largest deviation of three equal
+/// targets changes by at most sqrt(3) of 0.01 tolerances. Along a single variable some target changes far more.
 #[test]
 fn targets_do_not_change_along_free_directions() {
     for served in [

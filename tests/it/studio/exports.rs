@@ -1,4 +1,4 @@
-//! Exported curves and paper.
+//! Tests of exported curves and of printed pages.
 
 use super::browser::{READY, SETTLED};
 use super::webdriver::Browser;
@@ -6,12 +6,13 @@ use super::{Served, sample};
 use serde_json::json;
 use std::process::Command;
 
-/// Records the names and texts of downloads in place of writing them.
+/// Script that records the names and texts of downloads instead of saving them.
 const RECORD: &str = "window.names = []; window.texts = []; \
      URL.createObjectURL = (blob) => { blob.text().then((text) => texts.push(text)); return 'about:blank'; }; \
      URL.revokeObjectURL = () => {}; HTMLAnchorElement.prototype.click = function () { names.push(this.download); };";
 
-/// The CSV export contains the curves of the shown motion, as `hardpoint solve` writes them. The printed page names the motion.
+/// The CSV export contains the curves of the shown motion, as `hardpoint solve` writes them. The printed page names the
+/// motion.
 #[test]
 fn the_shown_motion_is_exported_and_printed() {
     let Some(browser) = Browser::start() else {
@@ -44,7 +45,8 @@ fn the_shown_motion_is_exported_and_printed() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// In exported curves the edge of each label is painted below its letters. Labels lie beside the lines and not on each other.
+/// In exported curves the outline of each label is painted below its letters. Labels are beside the lines and do not
+/// overlap.
 #[test]
 fn labels_of_lines_can_be_read() {
     let Some(browser) = Browser::start() else {
@@ -74,7 +76,8 @@ fn labels_of_lines_can_be_read() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// On paper the first misfit is beside the present one, and the range of a chart keeps away from the value of the next.
+/// A printed page shows the initial misfit beside the present one, and the range of a chart does not touch the value of
+/// the next chart.
 #[test]
 fn paper_has_the_first_misfit_and_separate_numbers() {
     let Some(browser) = Browser::start() else {
@@ -88,7 +91,7 @@ fn paper_has_the_first_misfit_and_separate_numbers() {
         "const field = document.querySelector('input[aria-label=\"strut_top y\"]'); field.value = '585'; field.dispatchEvent(new Event('change'))",
     );
     browser.wait(SETTLED);
-    // The shown value has as many digits as before the move.
+    // The shown value keeps the number of digits that it had before the move.
     let caster = browser.run(
         "return document.querySelector('[data-column=kingpin_inclination_deg] output').textContent",
     );

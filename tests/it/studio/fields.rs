@@ -1,4 +1,4 @@
-//! Fields and handles of points: typed text, fingers, and the right half of a solid axle.
+//! Tests of fields and handles of points: typed text, touch, and the right half of a solid axle.
 
 use super::browser::{READY, SETTLED, assert_drawn_as_solved, handle};
 use super::webdriver::Browser;
@@ -15,7 +15,7 @@ fn opened(name: &str) -> Option<(Browser, Served)> {
     Some((browser, served))
 }
 
-/// Coordinates of a point in the design that is worked on.
+/// Coordinates of a point in the present design.
 fn design(browser: &Browser, point: &str) -> [f64; 3] {
     let found = browser.run(&format!(
         "const p = studio.state.overview.points.findIndex(({{ name }}) => name === {point:?}); return studio.state.design[p]"
@@ -23,7 +23,7 @@ fn design(browser: &Browser, point: &str) -> [f64; 3] {
     [0, 1, 2].map(|k| found[k].as_f64().unwrap())
 }
 
-/// While somebody types a coordinate, the table is renewed. The typed text stays.
+/// If the table is renewed while the user types a coordinate, the typed text stays.
 #[test]
 fn typed_text_stays_while_the_table_is_renewed() {
     let Some((browser, _served)) = opened("macpherson_front.toml") else {
@@ -43,7 +43,7 @@ fn typed_text_stays_while_the_table_is_renewed() {
     browser.keys(&["\u{e007}"]);
     browser.wait(SETTLED);
     assert_eq!(design(&browser, "strut_lower")[1], 623.37);
-    // The field follows the design again: after the arrow key, and after a text that is given up.
+    // The field follows the design again after an arrow key, and after the user cancels the text.
     browser.keys(&["\u{e013}"]);
     browser.wait(SETTLED);
     let value = design(&browser, "strut_lower")[1];
@@ -59,7 +59,7 @@ fn typed_text_stays_while_the_table_is_renewed() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// A finger moves a point as the mouse does, and the saved study has the curves that are drawn.
+/// A finger moves a point as the mouse does, and the saved study has the drawn curves.
 #[test]
 fn a_finger_moves_a_point() {
     let Some((browser, served)) = opened("macpherson_front.toml") else {
@@ -78,7 +78,7 @@ fn a_finger_moves_a_point() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// The right half of a solid axle follows the left half. It has no fields of its own, and its handles move the left half.
+/// The right half of a solid axle follows the left half. It has no input fields, and its handles move the left half.
 #[test]
 fn the_right_half_of_a_solid_axle_follows() {
     let Some((browser, served)) = opened("solid_axle_rear.toml") else {
@@ -126,8 +126,8 @@ fn the_right_half_of_a_solid_axle_follows() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// No field cuts its number and no chip its text, in a usual and in a wide window and on a phone. On a phone the table of points has
-/// its headings.
+/// No field truncates its number and no chip its text, in a normal and a wide window and on a phone. On a phone the
+/// table of points has its headings.
 #[test]
 fn fields_are_as_wide_as_their_numbers() {
     let Some(browser) = Browser::start() else {

@@ -1,4 +1,4 @@
-//! The live page by keyboard alone, and what it tells a screen reader.
+//! Tests of the live page with the keyboard alone, and of its announcements to a screen reader.
 
 use super::browser::{READY, SETTLED};
 use super::webdriver::Browser;
@@ -43,7 +43,7 @@ fn points_targets_and_proposals_need_no_mouse() {
     let design = "JSON.stringify(studio.state.design)";
     let before = browser.run(&format!("return {design}"));
 
-    // Keys in a row are one deed, which is said once with its result.
+    // Several keys in a row are one step, which the page announces once with its result.
     focus(
         &browser,
         "[data-view=front] .handle[data-name=strut_top]:not([data-other])",
@@ -52,7 +52,7 @@ fn points_targets_and_proposals_need_no_mouse() {
     browser.wait("document.getElementById('said').textContent.includes('z +0.3')");
     let said = browser.run("return document.getElementById('said').textContent");
     assert!(said.as_str().unwrap().contains("Misfit"), "{said}");
-    // The fields of the point, and back.
+    // Goes to the fields of the point, and back.
     browser.keys(&[ENTER]);
     assert_eq!(focused(&browser), "strut_top x");
     browser.keys(&[ESCAPE]);
@@ -60,7 +60,7 @@ fn points_targets_and_proposals_need_no_mouse() {
     browser.run("document.getElementById('undo').click()");
     assert_eq!(browser.run(&format!("return {design}")), before);
 
-    // A chart moves the mechanism; a picture is moved and zoomed.
+    // Keys on a chart move the mechanism; keys on a picture move and zoom it.
     focus(&browser, ".chart");
     browser.keys(&[RIGHT]);
     browser.wait("studio.state.at[0] > 0");
@@ -72,7 +72,7 @@ fn points_targets_and_proposals_need_no_mouse() {
         "document.querySelector('[data-view=space] .bodies').innerHTML !== {picture}"
     ));
 
-    // A dialog gives the focus back.
+    // A dialog returns the focus when it closes.
     focus(&browser, "[data-column=camber_deg] .adder");
     browser.keys(&[ENTER]);
     browser.wait("document.getElementById('dialog').open");
@@ -80,7 +80,7 @@ fn points_targets_and_proposals_need_no_mouse() {
     browser.wait("!document.getElementById('dialog').open");
     assert_eq!(focused(&browser), "+ target for camber");
 
-    // A list that is made anew keeps the focus.
+    // A rebuilt list keeps the focus.
     browser.click("#tab-targets");
     focus(&browser, "#pane-targets .name");
     let name = focused(&browser);
@@ -107,8 +107,8 @@ fn points_targets_and_proposals_need_no_mouse() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// F6 goes around the parts of the page. Every control has a name and is at least 24 pixels large, except fields within a label
-/// and bars that are wider than they look.
+/// F6 cycles through the regions of the page. Every control has a name and is at least 24 pixels large, except fields
+/// within a label and bars that are wider than they look.
 #[test]
 fn controls_are_named_large_and_reachable() {
     let Some(browser) = Browser::start() else {

@@ -1,4 +1,4 @@
-//! The live page: requests of strangers, saved files, and the page in a real browser.
+//! Tests of the live page: requests of strangers, saved files, and the page in a real browser.
 
 mod answers;
 mod attacks;
@@ -25,7 +25,7 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-/// A study that is served, in a folder of its own.
+/// Served study in a temporary folder.
 struct Served {
     folder: tempfile::TempDir,
     study: PathBuf,
@@ -33,7 +33,7 @@ struct Served {
     process: Child,
 }
 
-/// A sample study, or a topology's template, as a text.
+/// Text of a sample study or of a topology's template.
 fn sample(name: &str) -> String {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("studies")
@@ -50,7 +50,7 @@ impl Served {
         Served::of_files([(name.to_owned(), text.to_owned())])
     }
 
-    /// Files with their texts; the last is served.
+    /// Writes files with these texts and serves the last one.
     fn of_files<const N: usize>(files: [(String, String); N]) -> Served {
         let folder = tempfile::tempdir().unwrap();
         let mut study = PathBuf::new();
@@ -71,7 +71,7 @@ impl Served {
         fs::read_to_string(&self.study).unwrap()
     }
 
-    /// The files beside the study.
+    /// Names of the files in the folder of the study.
     fn files(&self) -> Vec<String> {
         let entries = fs::read_dir(self.folder.path()).unwrap();
         let mut names: Vec<String> = entries
@@ -107,14 +107,14 @@ impl Served {
     }
 }
 
-/// On a port of its own, or tests would meet each other's.
+/// Serves a study on a separate port, because parallel tests must not use each other's server.
 fn serve(study: &Path, port: u16) -> (Child, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_hardpoint"));
     command.arg("studio").arg(study);
     started(command, port)
 }
 
-/// A server without a study, in a folder.
+/// Starts a server without a study in a folder.
 fn serve_in(folder: &Path, port: u16) -> (Child, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_hardpoint"));
     command.arg("studio").current_dir(folder);
@@ -146,7 +146,7 @@ impl Drop for Served {
     }
 }
 
-/// The CSV of `hardpoint solve`.
+/// CSV that `hardpoint solve` writes.
 fn solved(study: &Path) -> Vec<u8> {
     let output = Command::new(env!("CARGO_BIN_EXE_hardpoint"))
         .args(["solve", "--quiet", "--out", "-"])
@@ -157,7 +157,7 @@ fn solved(study: &Path) -> Vec<u8> {
     output.stdout
 }
 
-/// The columns of a CSV by name: numbers, or nothing.
+/// Columns of a CSV by name: numbers, or `None` for empty cells.
 fn columns(csv: &[u8]) -> Vec<(String, Vec<Option<f64>>)> {
     let text = std::str::from_utf8(csv).unwrap();
     let mut lines = text.lines().map(|line| line.split(',').collect::<Vec<_>>());

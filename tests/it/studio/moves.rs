@@ -1,11 +1,11 @@
-//! Requests for moved points: one for each move, and the latest goes on.
+//! Tests of requests for moved points: one request for each move, and the latest one wins.
 
 use super::browser::{READY, SETTLED, assert_drawn_as_solved, handle};
 use super::webdriver::Browser;
 use super::{Served, car, sample};
 use serde_json::{Value, json};
 
-/// A later request of the same page stops the search of an earlier one. Requests of other pages go on.
+/// A later request of a page stops the search of an earlier one. Requests of other pages continue.
 #[test]
 fn a_later_request_stops_an_earlier_one() {
     let served = car::served("car", car::as_it_is);
@@ -37,7 +37,7 @@ fn a_later_request_stops_an_earlier_one() {
     });
 }
 
-/// The page sends one request for each move. A table that was hidden shows the present design when it is opened.
+/// The page sends one request for each move. A table that was hidden shows the present design when it opens.
 #[test]
 fn a_move_is_asked_for_once() {
     let Some(browser) = Browser::start() else {
@@ -82,8 +82,8 @@ fn a_move_is_asked_for_once() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// While an answer is late, the point stays under the pointer and the page marks the earlier curves. A later design does not
-/// wait for it, and the late answer is never shown.
+/// While an answer is late, the point stays under the pointer and the page marks the old curves. A later design does
+/// not wait for it, and the late answer never appears.
 #[test]
 fn a_late_answer_gives_way() {
     let Some(browser) = Browser::start() else {
@@ -99,7 +99,7 @@ fn a_late_answer_gives_way() {
     );
     let number = |value: &Value| value.as_f64().unwrap();
     let from = browser.run(&place);
-    // The answer to the first move comes after five seconds.
+    // The answer to the first move arrives after five seconds.
     browser.run(
         "window.came = 0; let asked = 0; const send = window.fetch; \
          window.fetch = async (what, ...rest) => { \
@@ -141,7 +141,7 @@ fn curves_of_other_racks_are_stale_until_they_follow() {
     browser.open(&served.address);
     browser.wait(READY);
     browser.wait(SETTLED);
-    // The request for all curves waits until the test lets it go.
+    // The request for all curves waits until the test releases it.
     browser.run(
         "const send = window.fetch; const gate = new Promise((open) => { window.release = open; }); \
          window.fetch = async (what, own) => { if (what === 'solve' && !JSON.parse(own.body).shown_only) await gate; return send(what, own); }",
@@ -159,7 +159,7 @@ fn curves_of_other_racks_are_stale_until_they_follow() {
     assert_eq!(browser.run("return studio.isSettled()"), false);
     browser.run("window.release()");
     browser.wait(SETTLED);
-    // Charts out of sight follow a little later.
+    // Hidden charts follow after a short delay.
     browser.wait(&format!("!{stale}.some(Boolean)"));
     assert_ne!(browser.run(&format!("return {drawn}")), before);
     browser.click("#save");
@@ -169,8 +169,9 @@ fn curves_of_other_racks_are_stale_until_they_follow() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// What changes while a point moves is laid out alone: it lies in boxes whose size does not depend on their content. Views and
-/// charts have few layers: no element of theirs is transformed, and each chart clips its curves once.
+/// The page lays out separately the parts that change while a point moves: their boxes have a size that does not depend
+/// on their content. Views and charts have few layers: none of their elements is transformed, and each chart clips its
+/// curves once.
 #[test]
 fn moving_parts_are_laid_out_alone() {
     let Some(browser) = Browser::start() else {
@@ -209,7 +210,7 @@ fn moving_parts_are_laid_out_alone() {
     assert_eq!(counted(".chart [clip-path]"), counted(".chart"));
 }
 
-/// No value in the header or above a chart is cut at the usual size of a window.
+/// No value in the header or above a chart is truncated at the usual window size.
 #[test]
 fn values_fit_their_boxes() {
     let Some(browser) = Browser::start() else {

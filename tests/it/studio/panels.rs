@@ -1,4 +1,4 @@
-//! Panels of the page in a real browser, if there is one: elastic parts, limits, vehicle data and targets.
+//! Tests of the page's panels in a real browser, if one is installed: elastic parts, limits, vehicle data and targets.
 
 use super::browser::{READY, SETTLED, assert_drawn_as_solved, handle};
 use super::webdriver::Browser;
@@ -21,7 +21,8 @@ targets = [
 ]
 "#;
 
-/// An axle with elastic parts: its figures are drawn, rates are typed, tuned, accepted, undone and saved.
+/// For an axle with elastic parts, the page draws its test results. The user can type rates, tune, accept, undo and
+/// save them.
 #[test]
 fn rates_of_an_elastic_axle_are_typed_tuned_and_saved() {
     let Some(browser) = Browser::start() else {
@@ -37,7 +38,7 @@ fn rates_of_an_elastic_axle_are_typed_tuned_and_saved() {
     browser.click("#undo");
     browser.wait(SETTLED);
 
-    // A typed rate changes the curves, and is a deed that can be undone.
+    // A typed rate changes the curves, and the user can undo this step.
     browser.click("#tab-parts");
     let figure = "return studio.drawnValues()['left_toe_by_lateral_force_trail_30_deg_per_kN'][1]";
     let before = browser.run(figure).as_f64().unwrap();
@@ -63,7 +64,7 @@ fn rates_of_an_elastic_axle_are_typed_tuned_and_saved() {
     browser.click("#accept");
     browser.wait(SETTLED);
     browser.click("#save");
-    // Changed values are shown before they are written.
+    // The page shows changed values before it writes them.
     browser.wait("document.getElementById('dialog').open");
     let shown = browser.run("return document.getElementById('dialog').textContent");
     assert!(shown.as_str().unwrap().contains("stiffness"), "{shown}");
@@ -74,12 +75,13 @@ fn rates_of_an_elastic_axle_are_typed_tuned_and_saved() {
     assert!(!saved.contains("[3000.0, 4000.0, 2500.0"), "{saved}");
     assert_eq!(assert_drawn_as_solved(&browser, &served.study), 4);
     let after = browser.run(figure).as_f64().unwrap();
-    // Accepted coordinates are rounded to 0.01 mm: half a tolerance.
+    // Accepted coordinates are rounded to 0.01 mm, which is half a tolerance.
     assert!((after + 0.01).abs() < 5e-4, "{after}");
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// One wheel with elastic parts: characteristics in equilibrium and figures are drawn as `hardpoint solve` prints them.
+/// For one wheel with elastic parts, the page draws characteristics in equilibrium and test results as `hardpoint
+/// solve` prints them.
 #[test]
 fn one_elastic_wheel_is_drawn_as_solved() {
     let Some(browser) = Browser::start() else {
@@ -139,7 +141,7 @@ fn limits_are_those_of_the_command() {
             for limit in [2, 4] {
                 let cell = row[limit].as_str().unwrap().replace('\u{2212}', "-");
                 let cell: f64 = cell.parse().unwrap();
-                // The table's name is in the first column.
+                // The first column contains the name of the table.
                 let written: f64 = record[limit + 1].parse().unwrap();
                 assert!(
                     (cell - written).abs() < 1e-4 * written.abs(),
@@ -158,7 +160,7 @@ fn limits_are_those_of_the_command() {
     }
 }
 
-/// Data of the vehicle that are typed on the page make the anti-features available, and can be removed again.
+/// Vehicle data that the user types on the page make the anti-features available, and the user can remove them again.
 #[test]
 fn vehicle_data_are_typed_on_the_page() {
     let Some(browser) = Browser::start() else {
@@ -212,7 +214,7 @@ fn vehicle_data_are_typed_on_the_page() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// A band over a part of the motion is a target there alone.
+/// A band over a part of the motion is a target only in that part.
 #[test]
 fn a_target_limits_a_part_of_the_motion() {
     let Some(browser) = Browser::start() else {

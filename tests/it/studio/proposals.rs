@@ -1,4 +1,4 @@
-//! Proposals, targets and curves of the page in a real browser, if there is one.
+//! Tests of proposals, targets and curves of the page in a real browser, if one is installed.
 
 use super::browser::{READY, SETTLED, handle};
 use super::car::{as_it_is, served as car};
@@ -6,7 +6,8 @@ use super::webdriver::Browser;
 use super::{Served, sample};
 use serde_json::json;
 
-/// Half of a car's proposal has half of each move and of each tuned value. It is accepted and undone in one step.
+/// Half of a car's proposal applies half of each move and of each tuned value. The user accepts and undoes it in one
+/// step.
 #[test]
 fn half_of_a_proposal_has_half_of_its_tuned_values() {
     let Some(browser) = Browser::start() else {
@@ -28,7 +29,7 @@ fn half_of_a_proposal_has_half_of_its_tuned_values() {
     let shown = "return [...document.querySelectorAll('#rates tbody tr')].map((row) => Number(row.lastChild.textContent))";
     let full = numbers(shown);
     browser.run("const share = document.getElementById('share'); share.value = 50; share.dispatchEvent(new Event('input'))");
-    // Accepted at once: the values of this part are still asked for.
+    // Accepts immediately, while the page still waits for the values of this share.
     browser.click("#accept");
     browser.wait("document.getElementById('accept') === null");
     browser.wait(SETTLED);
@@ -97,8 +98,8 @@ fn an_undo_tells_of_an_open_proposal() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// A refused value does not stay in its field. A refused target stays in its dialog with the reason. The next change that is
-/// taken removes the message.
+/// A refused value does not stay in its field. A refused target stays in its dialog with the reason. The next accepted
+/// change removes the message.
 #[test]
 fn refusals_are_told_where_they_are_corrected() {
     let Some(browser) = Browser::start() else {
@@ -157,7 +158,7 @@ fn refusals_are_told_where_they_are_corrected() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// Every number beside a curve is whole, and each horizontal axis has at least two labels that do not touch.
+/// Every number beside a curve is complete, and each horizontal axis has at least two labels that do not touch.
 #[test]
 fn numbers_beside_curves_are_whole() {
     let Some(browser) = Browser::start() else {
@@ -180,7 +181,7 @@ fn numbers_beside_curves_are_whole() {
              return text.left < box.left - 0.5 || text.right > box.right + 0.5 ? small.textContent : null; }).filter(Boolean)",
         );
         assert_eq!(cut, json!([]), "{name}");
-        // Both ends of a range are different numbers, unless the curve is level.
+        // Both ends of a range show different numbers, unless the curve is constant.
         let alike = browser.run(
             "return [...document.querySelectorAll('.chartbox .values small')].map((small) => small.textContent) \
              .filter((text) => { const [low, high] = text.split('…'); return low === high && low !== '0'; })",
@@ -195,12 +196,12 @@ fn numbers_beside_curves_are_whole() {
         );
         assert_eq!(bare, json!([]), "{name}");
         assert_eq!(browser.console(), Vec::<String>::new());
-        // A page asks until it is left. The server ends here.
+        // A page sends requests until it is left, and the server ends here.
         browser.open("about:blank");
     }
 }
 
-/// On paper, a tuning report has the tables that its text refers to.
+/// A printed tuning report contains the tables that its text refers to.
 #[test]
 fn a_printed_tuning_report_has_its_tables() {
     let Some(browser) = Browser::start() else {

@@ -1,4 +1,4 @@
-//! The state with which the page compares: the file as opened or last saved, with its rates and targets.
+//! Tests of the reference state of the page: the file as opened or last saved, with its rates and targets.
 
 use super::browser::{READY, SETTLED};
 use super::webdriver::Browser;
@@ -25,8 +25,8 @@ fn type_in(browser: &Browser, label: &str, text: &str) {
     ));
 }
 
-/// A changed rate and a moved point are compared with the file. The change has a dashed curve. A save makes the saved state the
-/// reference. An undo after the save leads back to the earlier values, which a second save writes.
+/// The page compares a changed rate and a moved point with the file: the change has a dashed curve. A save makes the
+/// saved state the reference. An undo after the save restores the earlier values, and a second save writes them.
 #[test]
 fn a_changed_rate_is_compared_with_the_file() {
     let Some(browser) = Browser::start() else {
@@ -103,7 +103,7 @@ targets = [{ characteristic = "toe", points = [[-40.0, 0.0], [0.0, 0.0], [40.0, 
         browser.run("return studio.state.ghost.misfit.value"),
         opened
     );
-    // The mechanism of the file has its own bushings, too.
+    // The drawing of the file's mechanism uses the bushings of the file too.
     let drawn = browser
         .run("return document.querySelector('[data-view=front] .ghost path').getAttribute('d')");
     assert_ne!(drawn, json!(""));

@@ -1,4 +1,4 @@
-//! Saved files, their places, and edits of values.
+//! Tests of saved files, their locations, and edits of values.
 
 use super::{Served, sample};
 use serde_json::{Value, json};
@@ -19,9 +19,9 @@ fn a_save_keeps_comments_and_the_rest() {
         .filter(|(a, b)| a != b)
         .count();
     assert_eq!((text.lines().count(), differ), (after.lines().count(), 1));
-    // Another move on top of it, with the digest of what was written.
+    // A second move follows, with the digest of the written text.
     assert_eq!(saved["digest"], served.overview()["digest"]);
-    // A tab that still has the text from before is told.
+    // The server warns a tab that still has the earlier text.
     let late = served.post("save", &json!({"of": of, "name": null, "anyway": false}));
     assert_eq!(late.status, 409, "{}", late.text());
     assert_eq!(served.text(), after);
@@ -38,7 +38,7 @@ fn a_file_that_was_changed_is_not_overwritten() {
     let message = |anyway: bool| json!({"of": of, "name": null, "anyway": anyway});
     assert_eq!(served.post("save", &message(false)).status, 409);
     assert_eq!(served.text(), edited);
-    // Asked for, the moved coordinate alone goes into the file as it is now.
+    // If the user agrees, only the moved coordinate goes into the present file.
     assert_eq!(served.post("save", &message(true)).status, 200);
     let merged = served.text();
     assert!(merged.contains("# by hand"));
@@ -48,7 +48,7 @@ fn a_file_that_was_changed_is_not_overwritten() {
         .filter(|(a, b)| a != b)
         .count();
     assert_eq!(differ, 1);
-    // A file that is no study any more gets nothing.
+    // The server writes nothing to a file that is no longer a study.
     fs::write(&served.study, "[suspension]\n").unwrap();
     assert_eq!(served.post("save", &message(true)).status, 422);
     assert_eq!(served.text(), "[suspension]\n");
@@ -99,7 +99,7 @@ fn other_names_stay_beside_the_study() {
     );
 }
 
-/// A link beside the study that leads elsewhere is replaced, not followed.
+/// The server replaces a link in the study's folder that leads elsewhere, and does not follow it.
 #[cfg(unix)]
 #[test]
 fn links_do_not_lead_out_of_the_folder() {
@@ -114,7 +114,7 @@ fn links_do_not_lead_out_of_the_folder() {
     assert_eq!(fs::read_to_string(&precious).unwrap(), "precious");
 }
 
-/// A study with several names is written in place, so that each name has the saved text.
+/// The server writes a study with several names in place, so that every name has the saved text.
 #[cfg(unix)]
 #[test]
 fn every_name_of_a_study_has_what_was_saved() {
@@ -127,7 +127,7 @@ fn every_name_of_a_study_has_what_was_saved() {
     assert_eq!(served.post("save", &save).status, 200);
     assert_ne!(served.text(), before);
     assert_eq!(fs::read_to_string(&other).unwrap(), served.text());
-    // The same under another name.
+    // A study with several names is also written in place when it is saved under another name.
     fs::write(&third, "third").unwrap();
     let fourth = served.folder.path().join("fourth.toml");
     fs::hard_link(&third, &fourth).unwrap();
@@ -169,7 +169,7 @@ fn changed_values_are_saved_with_their_comments() {
     assert_eq!(new["variables"][3]["range"], json!([-30.0, 12.5]));
     assert_eq!(served.text(), before, "nothing is written before a save");
 
-    // The same design has another misfit, because the tolerance of its first target is another.
+    // The same design has another misfit, because the tolerance of its first target has changed.
     let of = json!({"digest": new["digest"], "design": new["design"]});
     let texts = served.post("texts", &of).json();
     assert_eq!(texts[0]["before"], json!(before));
@@ -184,7 +184,8 @@ fn changed_values_are_saved_with_their_comments() {
     assert_eq!(served.overview()["digest"], saved.json()["digest"]);
 }
 
-/// A refused edit changes nothing. A file that another program has changed gets the edits on top of its new text.
+/// A refused edit changes nothing. If another program has changed the file, the server applies the edits to its new
+/// text.
 #[test]
 fn edits_are_refused_or_merged() {
     let served = Served::of(&sample("double_wishbone_front.toml"));
@@ -216,7 +217,7 @@ fn edits_are_refused_or_merged() {
     );
 }
 
-/// A removed target takes its own comment with it. A comment above the first target may belong to all of them, so it stays.
+/// Removing a target removes its comment. A comment above the first target may belong to all targets, so it stays.
 #[test]
 fn a_comment_above_all_targets_stays() {
     let served = Served::of(&sample("macpherson_front.toml"));
@@ -249,7 +250,7 @@ fn a_comment_above_all_targets_stays() {
     );
     let text = without(&[2]);
     assert!(text.contains(all) && !text.contains(own), "{text}");
-    // The same in a list of variables.
+    // A comment above the first variable of a list stays too.
     let commented =
         sample("macpherson_front.toml").replace("variables = [\n", "variables = [\n  # All\n");
     let served = Served::of(&commented);
@@ -264,7 +265,8 @@ fn a_comment_above_all_targets_stays() {
     );
 }
 
-/// A message about a name says what is wrong with it. A saved car names the files whose texts have changed.
+/// A message about a name states what is wrong with it. After saving a car, the message names the files whose texts
+/// have changed.
 #[test]
 fn messages_name_the_fault_and_the_files() {
     let served = super::car::served("car", super::car::as_it_is);

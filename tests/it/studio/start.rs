@@ -1,4 +1,5 @@
-//! A server without a study: the page chooses a topology, pastes points, and a new study is written.
+//! Tests of a server without a study: on the page the user chooses a topology and pastes points, and the server writes
+//! a new study.
 
 use super::{Served, columns, free_port, sample, serve_in, solved};
 use serde_json::{Value, json};
@@ -42,7 +43,7 @@ fn every_topology_starts_from_its_picture() {
         assert!(!solved(&served.study).is_empty(), "{name}");
         assert_eq!(served.overview()["file"], "new.toml");
         assert!(!served.get("").text().contains("New study"));
-        // A server has one study.
+        // A server that has a study refuses to start another.
         assert_eq!(
             served
                 .post("start", &request(name, "other.toml", ""))
@@ -80,7 +81,7 @@ fn pasted_points_become_a_study() {
         assert_eq!(numbers(&own[name]), numbers(place), "{name}");
     }
     assert!(columns(&solved(&served.study)).len() > 3);
-    // Without a radius there are no quantities at the ground; the form asks for it.
+    // Without a radius the study has no quantities at the ground; the form asks for the radius.
     let wheel = written.get("wheel");
     assert!(wheel.is_none_or(|wheel| wheel.get("radius").is_none()));
     let served = empty();
@@ -92,7 +93,7 @@ fn pasted_points_become_a_study() {
     assert_eq!(written["wheel"]["radius"].as_float(), Some(305.0));
     let offered = served.overview()["characteristics"].to_string();
     assert!(offered.contains("roll_centre_height"), "{offered}");
-    // A name that is not known: the form has no file of names, and says what to rename.
+    // For an unknown name, the message says which points to rename, because the form accepts no file of names.
     let served = empty();
     let renamed = pasted.replace("wheel_centre", "hub point");
     let refused = served.post("start", &request("double_wishbone", "new.toml", &renamed));
@@ -123,6 +124,6 @@ fn a_start_that_is_refused_writes_nothing() {
     assert_eq!(served.files(), ["mine.toml"]);
     let mine = fs::read_to_string(served.folder.path().join("mine.toml"));
     assert_eq!(mine.unwrap(), "mine");
-    // Without a study there is nothing to answer about.
+    // Without a study the server has nothing to answer.
     assert_eq!(served.post("study", &Value::Null).status, 409);
 }

@@ -1,10 +1,11 @@
-//! Tunings that the page begins: their limits, proposals and remarks.
+//! Tests of tunings that the page starts: their limits, proposals and remarks.
 
 use super::{Served, sample};
 use serde_json::{Value, json};
 use std::fs;
 
-/// Coordinates have the bounds of a study's numbers in every request; after one that is refused the next tuning begins.
+/// Every request has the same bounds for coordinates as a study. After a refused request the next tuning starts
+/// normally.
 #[test]
 fn coordinates_beyond_those_of_a_study_are_refused_everywhere() {
     let served = Served::of(&sample("double_wishbone_robust.toml"));
@@ -44,7 +45,7 @@ fn coordinates_beyond_those_of_a_study_are_refused_everywhere() {
     assert_eq!(state["done"], true, "{state}");
 }
 
-/// The state of a tuning that has ended.
+/// State of a tuning that has ended.
 fn tuned(served: &Served, of: &Value, locked: &[[bool; 3]]) -> Value {
     let begun = served.post("tune", &json!({"of": of, "locked": locked}));
     let mut state = begun.json();
@@ -83,7 +84,7 @@ fn a_tuning_is_that_of_optimise() {
         read(&served.folder.path().join("tuned.toml")),
         read(&out.join("optimised.toml"))
     );
-    // With everything locked there is nothing to tune; no such tuning is known.
+    // If all coordinates are locked, there is nothing to tune, and the server refuses.
     let locked = vec![[true; 3]; points];
     assert_eq!(
         served
@@ -94,7 +95,8 @@ fn a_tuning_is_that_of_optimise() {
     assert_eq!(served.post("progress", &json!({"job": 99})).status, 404);
 }
 
-/// Ranges count from the design in the file, wherever the page has moved its points, and a proposal names ranges that bind.
+/// Ranges are relative to the design in the file, wherever the page has moved its points. A proposal names active
+/// limits of ranges.
 #[test]
 fn ranges_count_from_the_file() {
     let text = sample("macpherson_bump_steer.toml");
@@ -108,9 +110,9 @@ fn ranges_count_from_the_file() {
     let locked = vec![[false; 3]; points.len()];
     let state = tuned(&served, &of, &locked);
     let proposal = &state["proposal"];
-    // The rack is too low by more than the range: the file has z = 228.
+    // The rack is lower than the range allows: the file has z = 228.
     let z = proposal["design"][inner.unwrap()][2].as_f64().unwrap();
-    // From the moved point, the range would end at 228.5. Of nearly equal designs the tuning keeps the nearest.
+    // A range relative to the moved point would end at 228.5. Among nearly equal designs the tuning keeps the nearest.
     assert!(z > 229.9 && z <= 230.0, "{z}");
     let remarks = proposal["remarks"].to_string();
     assert!(
@@ -120,8 +122,8 @@ fn ranges_count_from_the_file() {
     assert!(remarks.contains("missed: toe_deg, by up to"), "{remarks}");
 }
 
-/// The page shows the nominal design: a robust study has the misfits, deviations and slopes of the same study without builds.
-/// Rounding a design compares the same misfit.
+/// The page shows the nominal design: a robust study has the misfits, deviations and slopes of the same study without
+/// builds. Rounding a design uses the same misfit.
 #[test]
 fn the_misfit_of_a_robust_study_is_that_of_its_nominal_design() {
     let robust = sample("double_wishbone_robust.toml");
@@ -153,7 +155,8 @@ fn the_misfit_of_a_robust_study_is_that_of_its_nominal_design() {
     assert_eq!(of_rounding(&robust), of_rounding(&plain));
 }
 
-/// The proposal of a robust tuning says that its deviations come from builds, and shows the yields of `hardpoint optimise`.
+/// The proposal of a robust tuning states that its deviations come from builds, and shows the yields of `hardpoint
+/// optimise`.
 #[test]
 fn a_robust_proposal_has_the_yields_of_optimise() {
     let text = sample("double_wishbone_robust.toml").replace("builds = 20000", "builds = 2000");

@@ -1,4 +1,4 @@
-//! As much of WebDriver (W3C Recommendation, 2018) as it takes to use a page in Chromium.
+//! The part of WebDriver (W3C Recommendation, 2018) that is needed to use a page in Chromium.
 
 use super::client::{answer, request};
 use serde_json::{Value, json};
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 const PATIENCE: Duration = Duration::from_secs(120);
 
-/// A browser that a program uses.
+/// Browser controlled by a program.
 pub struct Browser {
     driver: Child,
     port: u16,
@@ -26,7 +26,7 @@ fn found(name: &str) -> Option<PathBuf> {
 }
 
 impl Browser {
-    /// A browser without a window, where there is one.
+    /// Starts a browser without a window, if one is installed.
     pub fn start() -> Option<Browser> {
         let (Some(program), Some(driver)) = (
             ["chromium", "chromium-browser", "google-chrome"]
@@ -108,7 +108,7 @@ impl Browser {
         self.command("url", &json!({"url": address}));
     }
 
-    /// Opens an address in a new tab, and goes there.
+    /// Opens an address in a new tab and switches to it.
     pub fn open_tab(&self, address: &str) -> String {
         let made = self.command("window/new", &json!({"type": "tab"}));
         let handle = made["handle"].as_str().unwrap().to_owned();
@@ -129,7 +129,7 @@ impl Browser {
         self.command("window", &json!({"handle": tab}));
     }
 
-    /// Shows pages as on paper.
+    /// Shows pages in print layout.
     pub fn print(&self) {
         self.emulate("setEmulatedMedia", &json!({"media": "print"}));
     }
@@ -151,7 +151,7 @@ impl Browser {
         self.command("execute/sync", &json!({"script": script, "args": []}))
     }
 
-    /// Waits until a script returns something that holds.
+    /// Waits until a script returns a true value.
     pub fn wait(&self, condition: &str) {
         let start = Instant::now();
         while self.run(&format!("return Boolean({condition})")) != true {
@@ -213,7 +213,7 @@ impl Browser {
         self.command("actions", &json!({"actions": [keyboard]}));
     }
 
-    /// Warnings and errors since the last call.
+    /// Console warnings and errors since the last call.
     pub fn console(&self) -> Vec<String> {
         let entries = self.command("se/log", &json!({"type": "browser"}));
         let entries = entries.as_array().unwrap().iter();

@@ -1,9 +1,9 @@
-//! Answers known beforehand are found, and failures counted.
+//! Tests of sweeps with known results, and of counted failures.
 
 use super::*;
 
-/// Targets read off one point of a grid: that point is the best design, and the only one without a
-/// better.
+/// The targets are values of one point of a grid. The sweep finds this point as the best design and as the only point
+/// of the Pareto front.
 #[test]
 fn a_planted_design_is_found() {
     let bench = Bench::new(STUDY);
@@ -45,7 +45,7 @@ fn a_planted_design_is_found() {
     let bench = Bench::new(&study);
     bench.sweep("run", &[]).success();
     let summary = bench.json("run/summary.json");
-    // -4 is value 3 of the first variable, 12 is value 8 of the second, which runs faster.
+    // -4 is value 3 of the first variable, and 12 is value 8 of the second, which is the inner loop.
     let best = &summary["best"][0];
     assert_eq!(best["design"], 3 * 11 + 8);
     assert_eq!(best["variables"], serde_json::json!([-4.0, 12.0]));
@@ -53,7 +53,7 @@ fn a_planted_design_is_found() {
     assert!(summary["best"][1]["misfit"].as_f64().unwrap() > 0.1);
     assert_eq!(summary["pareto"], serde_json::json!([41]));
     assert_eq!(Table::read(&bench.path("run/pareto.csv")).rows.len(), 1);
-    // The design as a study has the planted curves.
+    // The study of this design has the planted curves.
     let (text, _) = said(
         &bench
             .run(&["sweep", "study.toml", "--design", "41"])
@@ -67,12 +67,12 @@ fn a_planted_design_is_found() {
     assert_eq!(best.rows, planted.rows);
 }
 
-/// The misfit of a sweep is the one of the optimisation, and its summary the one of the curves.
+/// The misfit of a sweep equals that of the optimisation, and its summary equals that of the curves.
 #[test]
 fn a_row_says_what_solve_and_optimise_say() {
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_front.toml");
     let study = fs::read_to_string(sample).unwrap();
-    // The study's own band of toe gives way to one with a limit of each kind.
+    // Replaces the study's own band of toe by one with a limit of each kind.
     let (study, _) = study.split_once("# At most 0.1 degrees").unwrap();
     let study = study.to_owned();
     let band = "\n[[optimise.targets]]\ncharacteristic = \"toe\"\nbetween = [-0.1, [[-80.0, 0.0], [80.0, 0.2]]]\ntolerance = 0.05\n";
@@ -97,7 +97,7 @@ fn a_row_says_what_solve_and_optimise_say() {
     let designs = bench.designs("run");
     let summary = bench.json("tuned/summary.json");
     let misfit = summary["misfit_before"].as_f64().unwrap();
-    // Sweeps run in lanes, whose wheel centres are within 1e-12 sizes of the travel.
+    // Sweeps run in lanes, whose wheel centres agree with the travel to 1e-12 of the suspension size.
     assert!((designs.numbers("misfit")[0] / misfit - 1.0).abs() < 1e-11);
     for target in summary["targets"].as_array().unwrap() {
         let name = target["output"].as_str().unwrap().trim_end_matches("_deg");
@@ -118,12 +118,12 @@ fn a_row_says_what_solve_and_optimise_say() {
     assert_eq!(designs.numbers("strut_top_dy_mm"), [0.0, 5.0]);
     assert_eq!(designs.numbers("tie_rod_inner_z_mm"), [243.0, 244.5]);
     assert_ne!(designs.rows[0], designs.rows[1]);
-    // Nothing is known of how the rows came about, so there are no shares of variance.
+    // The origin of the rows is unknown, so the summary has no shares of variance.
     let summary = bench.json("run/summary.json");
     assert!(output(&summary, "misfit")["effects"][0]["share"].is_null());
 }
 
-/// Targets at racks of the motion have the deviations of the optimisation, at each of their racks.
+/// Targets at rack displacements of the motion have the deviations of the optimisation, at each of these displacements.
 #[test]
 fn targets_at_racks_of_the_motion_are_compared() {
     let from = STUDY.find("targets = [").unwrap();
@@ -138,7 +138,7 @@ fn targets_at_racks_of_the_motion_are_compared() {
             "{{ characteristic = \"toe\", points = [[-60.0, 0.1], [60.0, 0.1]], rack = {rack}, tolerance = 0.01 }}"
         )
     };
-    // Straight ahead, where every sweep has the design position, is no rack of this motion.
+    // This motion has no rack displacement 0, where every sweep has its design position.
     let targets = [toe("-10.0"), toe("[-10.0, 10.0]"), toe("0.0")].join(", ");
     let bench = with(&targets);
     bench.sweep("run", &[]).success();
@@ -194,8 +194,8 @@ fn targets_that_a_sweep_cannot_evaluate_are_named() {
     assert!(summary["best"].as_array().unwrap().is_empty());
 }
 
-/// The gain of what is made of velocities is its derivative with respect to travel where `solve` gives it; what is a gain itself
-/// has none.
+/// The gain of a quantity made of velocities is its derivative with respect to travel, equal to that of `solve`. A
+/// quantity that is itself a gain has no gain.
 #[test]
 fn gains_of_what_is_made_of_velocities_are_those_of_solve() {
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_pushrod.toml");
@@ -205,7 +205,7 @@ fn gains_of_what_is_made_of_velocities_are_those_of_solve() {
     fs::write(bench.path("rows.csv"), rows).unwrap();
     let asked = "outputs.characteristics=[\"camber\", \"motion_ratio\", \"roll_centre_height\", \
                  \"bump_steer\", \"anti_roll_bar_motion_ratio\"]";
-    // Also where the rack is not straight ahead in the design position.
+    // This also holds if the rack is displaced in the design position.
     for rack in ["motion.rack=0.0", "motion.rack=6.0"] {
         let out = ["run", rack].concat();
         let set = ["--set", asked, "--set", rack, "--set", "outputs.loads=[]"];
@@ -243,8 +243,8 @@ fn gains_of_what_is_made_of_velocities_are_those_of_solve() {
     }
 }
 
-/// A coordinate without effect on an output has no share of it, however few the designs are. Neither a rack joint nor
-/// a strut's mount can raise the wheel in the design position.
+/// A coordinate without effect on an output has no share of it, however few the designs are. Neither a rack joint nor a
+/// strut's mount can raise the wheel in the design position.
 #[test]
 fn what_moves_nothing_has_no_share() {
     let from = STUDY.find("[sweep]").unwrap();
@@ -270,7 +270,7 @@ variables = [
             .iter()
             .map(|effect| effect["share"].as_f64().unwrap())
             .collect();
-        // From Saltelli's samples there is chance left in the first.
+        // With Saltelli's samples, the first share still has a random error.
         let tolerance = if method == "saltelli" { 0.2 } else { 1e-9 };
         assert!((shares[0] - 1.0).abs() < tolerance, "{method}: {shares:?}");
         assert!(shares[1] < 1e-9 && shares[2] < 1e-9, "{method}: {shares:?}");
@@ -278,8 +278,8 @@ variables = [
     }
 }
 
-/// The height of the wheel centre in the design position is a + 2 b with a over 6 and b over 4 mm: so
-/// b has 16/25 of the variance, a 9/25.
+/// The height of the wheel centre in the design position is a + 2 b, with a over 6 mm and b over 4 mm. So b has 16/25
+/// of the variance, and a has 9/25.
 #[test]
 fn main_effects_of_a_linear_response_are_known() {
     let from = STUDY.find("[sweep]").unwrap();
@@ -292,7 +292,7 @@ variables = [
 ]
 "#;
     let bench = Bench::new(&study);
-    // What chance leaves of each method.
+    // Random error of each method.
     for (method, tolerance) in [
         ("grid", 1e-12),
         ("sobol", 0.02),
@@ -344,8 +344,8 @@ variables = [
     }
 }
 
-/// Beyond the reach of some designs: they are counted by reason, keep what exists of them, and have
-/// empty cells, never a range over a part of the motion.
+/// If some designs cannot reach the whole motion, the sweep counts them by reason. They keep their existing values and
+/// have empty cells, never a range over a part of the motion.
 #[test]
 fn what_fails_is_counted_and_left_empty() {
     let bench = Bench::new(STUDY);
@@ -380,7 +380,7 @@ fn what_fails_is_counted_and_left_empty() {
     let reasons = summary["failures"].as_array().unwrap();
     let counted: u64 = reasons.iter().map(|r| r["designs"].as_u64().unwrap()).sum();
     assert_eq!(counted, failed.len() as u64);
-    // The lanes vouch for no design that ends on its way.
+    // Lanes certify no design that fails on its path.
     let one_by_one = summary["one_by_one"].as_u64().unwrap();
     assert!((counted..=300).contains(&one_by_one), "{one_by_one}");
     assert_eq!(reasons[0]["examples"][0], failed[0]);
@@ -398,7 +398,7 @@ fn what_fails_is_counted_and_left_empty() {
     for row in curves.rows.iter().filter(|row| row.last().unwrap() != "ok") {
         assert_eq!(row[2..4], ["", ""]);
     }
-    // A design that is no mechanism at all: the arm's outer joint on its axis.
+    // This design is no mechanism: the arm's outer joint is on its axis.
     let point =
         "lower_ball_joint_x,lower_ball_joint_y,lower_ball_joint_z\n120,360,195\n5,705,190\n";
     fs::write(bench.path("rows.csv"), point).unwrap();
@@ -414,8 +414,8 @@ fn what_fails_is_counted_and_left_empty() {
     assert_eq!(designs.text("failed_at_mm")[0], "");
 }
 
-/// A design that cannot reach the whole motion is neither among the best nor on the front, even if its misfit at one station is
-/// smaller. A note counts such designs.
+/// A design that cannot reach the whole motion is neither among the best nor on the Pareto front, even if its misfit at
+/// one station is smaller. A note states the number of such designs.
 #[test]
 fn only_solved_designs_are_ranked() {
     let bench = Bench::new(STUDY);
@@ -427,7 +427,7 @@ fn only_solved_designs_are_ranked() {
     let first = bench.designs("first");
     let mut failed = (0..300).filter(|i| first.text("status")[*i] != "ok");
     let failed = failed.next().unwrap();
-    // The targets are the values of a design that fails.
+    // The targets are values of a design that fails.
     let target = |name: &str, unit: &str, tolerance: f64| {
         let value = first.text(&format!("{name}_design_{unit}"))[failed];
         format!("{{characteristic=\"{name}\",at=0.0,value={value},tolerance={tolerance}}}")
@@ -469,7 +469,7 @@ fn only_solved_designs_are_ranked() {
     assert!(words.join(" ").contains(&note), "{text}");
 }
 
-/// A file of designs may number them. The results count its rows, and a note says so if the numbers differ.
+/// A file of designs may number them. The results use row numbers, and a note states that the numbers differ.
 #[test]
 fn other_numbers_in_a_file_of_designs_are_reported() {
     let from = STUDY.find("method = \"latin").unwrap();
@@ -493,7 +493,7 @@ fn other_numbers_in_a_file_of_designs_are_reported() {
     }
 }
 
-/// Before the first part is whole, nothing is.
+/// Before the first part is complete, the summary states that no design is done.
 #[test]
 fn a_sweep_of_which_nothing_is_done_says_so() {
     use hardpoint::report::SweepSummary;

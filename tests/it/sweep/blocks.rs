@@ -1,4 +1,4 @@
-//! Blocks of designs against the curves of one.
+//! Tests of blocks of designs against the curves of one design.
 
 use hardpoint::characteristics::{Characteristic, Quantity};
 use hardpoint::curves::curves;
@@ -22,8 +22,8 @@ fn study() -> Study {
     .unwrap()
 }
 
-/// Values found one by one are those of `hardpoint solve`, to the bit. A design's values do not depend on its
-/// neighbours, nor on earlier work of the evaluator.
+/// Values of one-by-one evaluation equal those of `hardpoint solve`, to the bit. A design's values depend neither on
+/// its neighbours nor on earlier work of the evaluator.
 #[test]
 fn values_are_those_of_the_curves_whatever_the_neighbours() {
     let study = study();
@@ -32,7 +32,7 @@ fn values_are_those_of_the_curves_whatever_the_neighbours() {
     let mut evaluator = Evaluator::new(suspension, &stations, &QUANTITIES).unwrap();
     let mut block = Block::new(QUANTITIES.len(), stations.count());
     let mut flat = suspension.design.clone();
-    // No arm at all: the outer joint is put on the axis of the inner ones.
+    // The outer joint is on the axis of the inner ones, so the arm has zero length.
     let mechanism = &suspension.mechanism;
     let [front, outer] =
         ["lower_arm_front", "lower_ball_joint"].map(|name| mechanism.point(name).unwrap().0);
@@ -60,7 +60,7 @@ fn values_are_those_of_the_curves_whatever_the_neighbours() {
         .map(|f| (f.design, f.station))
         .collect();
     assert_eq!(failed, [(1, 0)]);
-    // The slope of toe is the bump steer.
+    // The slope of toe equals the bump steer.
     let bump_steer = block.value(1, 2, stations.design());
     assert!((block.slope(1, 1) - bump_steer).abs() < 1e-15);
     assert!(block.slope(1, 0) != 0.0);

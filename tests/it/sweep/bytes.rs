@@ -1,8 +1,8 @@
-//! The same bytes however a sweep is run.
+//! Tests that a sweep has the same bytes however it is run.
 
 use super::*;
 
-/// A study of the design position alone, with enough designs for two parts.
+/// Study of the design position alone, with enough designs for two parts.
 fn two_parts() -> String {
     let from = STUDY.find("[optimise]").unwrap();
     STUDY[..from]
@@ -19,7 +19,7 @@ fn threads_and_shards_give_the_same_bytes() {
     bench.sweep("one", &["--threads", "1"]).success();
     bench.sweep("two", &["--threads", "2"]).success();
     bench.assert_same("one", "two");
-    // There is one part, so that all shards but one have none.
+    // The sweep has one part, so all shards except one are empty.
     for i in ["1/7", "7/7", "2/7"] {
         bench.sweep("shards", &["--shard", i]).success();
     }
@@ -42,8 +42,9 @@ fn threads_and_shards_give_the_same_bytes() {
     assert_eq!(curves.rows.len(), 700 * 4);
 }
 
-/// In one go, in shards by two processes at once in one directory, or with a part and its neighbour's
-/// statistics lost in between: the parts are the same, and joined they are what goes to standard output.
+/// A sweep has the same parts in three cases: in one run, in shards by two simultaneous processes in one directory, and
+/// after a loss. The loss is that of a part and of its neighbour's statistics. Joined, the parts equal the standard
+/// output.
 #[test]
 fn parts_are_the_same_whoever_does_them() {
     let bench = Bench::new(&two_parts());
@@ -54,7 +55,7 @@ fn parts_are_the_same_whoever_does_them() {
         command.current_dir(bench.0.path()).args(arguments);
         command.stdout(std::process::Stdio::null()).spawn().unwrap()
     };
-    // The same shard twice, as when a job is queued again whose first process still lives.
+    // Runs the same shard twice, as when a job is queued again while its first process still runs.
     let running = ["2/2", "1/2", "2/2"].map(shard);
     for mut process in running {
         assert_eq!(process.wait().unwrap().code(), Some(0));
@@ -78,7 +79,7 @@ fn parts_are_the_same_whoever_does_them() {
     joined.extend(&rows[header + 1..]);
     assert!(read("merged/designs.csv") == joined);
     assert!(read("merged/summary.json") == read("whole/summary.json"));
-    // A page is made of either, and of parts of a sweep too.
+    // The program makes a page of either directory, and also of an incomplete sweep.
     fs::remove_file(bench.path("whole/part-000000000.csv")).unwrap();
     for run in ["shards", "merged", "whole"] {
         bench.run(&["report", run]).success();
@@ -100,7 +101,7 @@ fn the_designs_alone_go_to_standard_output() {
     assert!(error.contains("700 designs, all solved"), "{error}");
 }
 
-/// More samples of a sequence: parts that are there stay, and the bytes are those of a sweep of all of them.
+/// If a sequence gets more samples, existing parts stay, and the bytes equal those of a sweep with all samples.
 #[test]
 fn a_finished_sweep_grows() {
     let bench = Bench::new(&two_parts());
@@ -112,7 +113,7 @@ fn a_finished_sweep_grows() {
     };
     sweep("whole", "131300", &[]).success();
     sweep("grown", "100", &[]).success();
-    // Not without a word.
+    // Without `--resume` the program refuses to extend the sweep.
     sweep("grown", "131200", &[]).code(2);
     sweep("grown", "131200", &["--resume"]).success();
     assert!(!bench.path("grown/designs.csv").exists());
@@ -134,7 +135,7 @@ fn a_finished_sweep_grows() {
 fn an_interrupted_sweep_leaves_whole_parts() {
     let bench = Bench::new(&two_parts());
     let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("hardpoint"));
-    // Of a sequence, so that its parts are those of the shorter sweep.
+    // The sweep uses a sequence, so its parts equal those of the shorter sweep.
     let many = ["--set", "sweep.samples=100000000"];
     command
         .args(["sweep", "study.toml", "--out", "run"])

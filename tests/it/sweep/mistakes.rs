@@ -1,4 +1,4 @@
-//! Mistakes are named, and nothing is written.
+//! Tests that sweeps name mistakes and write nothing.
 
 use super::*;
 
@@ -13,17 +13,17 @@ fn only_the_same_sweep_is_taken_up_again() {
     refused(&["--resume", "--set", "sweep.seed=4"], "another study");
     let moved = "suspension.hardpoints.strut_top=[-35.0, 575.0, 851.0]";
     refused(&["--resume", "--set", moved], "another study");
-    // What the results do not depend on may change.
+    // Entries that do not affect the results may change.
     let commented =
         format!("# A comment.\n{STUDY}").replace("\n[optimise]\n", "\n[optimise]\nstarts = 5\n");
     fs::write(bench.path("study.toml"), commented).unwrap();
     bench.sweep("run", &["--resume"]).success();
-    // A file that someone has edited is not gone on with.
+    // The program does not continue a file that someone has edited.
     let path = bench.path("run/designs.csv");
     let written = fs::read_to_string(&path).unwrap();
     fs::write(&path, written.replacen("\n5,", "\n55,", 1)).unwrap();
     refused(&["--resume"], "designs.csv: changed since it was written");
-    // An edit that keeps the length is found, too.
+    // The program also detects an edit that keeps the length.
     let row = written.lines().nth(6).unwrap();
     let digit = row.rfind(['1', '2', '3']).unwrap();
     let edited = format!("{}4{}", &row[..digit], &row[digit + 1..]);
@@ -35,7 +35,7 @@ fn only_the_same_sweep_is_taken_up_again() {
     assert!(error.contains("--resume"), "{error}");
     bench.sweep("run", &["--force"]).success();
     assert_eq!(fs::read_to_string(&path).unwrap(), written);
-    // One that has not ended is not begun anew without a word.
+    // The program does not restart an unfinished sweep without being asked.
     let manifest = bench.path("run/run.json");
     let ended = fs::read_to_string(&manifest).unwrap();
     let begun = ended.replace("\"finished\": true", "\"finished\": false");
@@ -187,14 +187,14 @@ fn mistakes_in_the_sweep_are_named() {
         assert!(STUDY.contains(from), "{from}");
         let mut study = STUDY.replacen(from, to, 1);
         if to.contains("theta") || to.contains("solver") {
-            // [optimise] has its own objections.
+            // `[optimise]` would be refused for other reasons, so the study omits it.
             study.truncate(study.find("[optimise]").unwrap());
         }
         let bench = Bench::new(&study);
         let (_, error) = said(&bench.run(&["sweep", "study.toml"]).code(2));
         assert!(error.contains("study.toml"), "{to}: {error}");
         let some = |phrase: &&&str| error.contains(**phrase);
-        // "samples = 0" may be said either way.
+        // "samples = 0" may be reported in two ways.
         let least = if to.contains("= 0") { 2 } else { phrases.len() };
         assert!(
             phrases.iter().filter(some).count() >= least,
@@ -213,7 +213,7 @@ fn mistakes_in_the_sweep_are_named() {
         error.starts_with("error: study, line ") && error.contains(named),
         "{error}"
     );
-    // The same study is still to be solved.
+    // `solve` still accepts the same study.
     bench.run(&["solve", "study.toml"]).success();
 }
 
@@ -272,7 +272,7 @@ fn what_a_sweep_leaves_to_solve_is_said() {
     assert!(error.contains("order, certify of [outputs]"), "{error}");
 }
 
-/// A sweep that keeps nothing is no sweep, and `check` says so too; of points alone it is one.
+/// A sweep without outputs is refused, also by `check`. A sweep with points as its only outputs is accepted.
 #[test]
 fn a_sweep_of_nothing_is_refused() {
     let study = &STUDY[..STUDY.find("[optimise]").unwrap()];
@@ -295,7 +295,7 @@ fn a_sweep_of_nothing_is_refused() {
     }
 }
 
-/// No number of a sweep is infinite: tolerances are not smaller than the rounding of values.
+/// A sweep contains no infinite numbers: the program refuses tolerances below the rounding of values.
 #[test]
 fn tolerances_below_rounding_are_refused() {
     let bench = Bench::new(&STUDY.replace("tolerance = 0.01", "tolerance = 1e-300"));
@@ -310,7 +310,7 @@ fn tolerances_below_rounding_are_refused() {
     bench.run(&["report", "run"]).success();
 }
 
-/// The program does not read files without an end.
+/// The program refuses to read endless files.
 #[cfg(unix)]
 #[test]
 fn devices_are_no_inputs() {
@@ -332,7 +332,8 @@ fn devices_are_no_inputs() {
     assert!(error.contains("it is a device"), "{error}");
 }
 
-/// Only two of every group of Saltelli's samples are independent; a mean is of these, and that is said.
+/// Only two designs of every group of Saltelli's samples are independent. The mean uses only these, and the program
+/// reports this.
 #[test]
 fn it_is_said_which_designs_statistics_are_of() {
     let bench = Bench::new(STUDY);
@@ -355,7 +356,7 @@ fn it_is_said_which_designs_statistics_are_of() {
     assert_eq!(output(&summary, "camber_min_deg")["count"], 200);
 }
 
-/// The program does not start more threads than cores or blocks, and says so.
+/// The program starts at most as many threads as there are cores and blocks, and reports this.
 #[test]
 fn threads_are_no_more_than_help() {
     let bench = Bench::new(STUDY);

@@ -1,5 +1,5 @@
-//! Sweeps as a user meets them: the same bytes however they are run, answers known beforehand found,
-//! failures counted, mistakes named.
+//! Tests of sweeps as a user runs them: the same bytes however they are run, known results found, failures counted,
+//! mistakes named.
 
 mod answers;
 mod blocks;
@@ -11,7 +11,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A strut with two travels to be quick, and a sweep of two coordinates of its tie rod.
+/// Strut with two travels for speed, and a sweep of two coordinates of its tie rod.
 const STUDY: &str = r#"[suspension]
 topology = "macpherson"
 
@@ -50,7 +50,7 @@ targets = [
 ]
 "#;
 
-/// A directory with a study, to run in.
+/// Directory with a study, in which commands run.
 struct Bench(tempfile::TempDir);
 
 impl Bench {
@@ -81,12 +81,12 @@ impl Bench {
         Table::read(&self.path(out).join("designs.csv"))
     }
 
-    /// Every result of one run is in the other, byte by byte.
+    /// Asserts that the results of two runs are equal, byte by byte.
     fn assert_same(&self, one: &str, other: &str) {
         let names = |run: &str| {
             let entries = fs::read_dir(self.path(run)).unwrap();
             let mut names: Vec<_> = entries.map(|e| e.unwrap().file_name()).collect();
-            // It says which command wrote them.
+            // `run.json` differs, because it records the command.
             names.retain(|name| name != "run.json");
             names.sort();
             names
@@ -143,7 +143,7 @@ fn said(assert: &assert_cmd::assert::Assert) -> (String, String) {
     (text(&output.stdout), text(&output.stderr))
 }
 
-/// The summary's entry of an output column.
+/// Entry of an output column in the summary.
 fn output<'a>(summary: &'a Value, column: &str) -> &'a Value {
     let outputs = summary["outputs"].as_array().unwrap();
     outputs.iter().find(|o| o["column"] == column).unwrap()

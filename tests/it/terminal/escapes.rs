@@ -1,9 +1,10 @@
-//! Nothing from outside reaches the terminal as a command, and what is not to be coloured is not.
+//! Tests that no external text reaches the terminal as a command, and that colours appear only where wanted.
 
 use super::{Called, study};
 use std::fs;
 
-/// Turns red, sets the window's title, rings, goes back to the line's begin and to the right, in C0 and C1.
+/// Text with control codes, in C0 and C1: red colour, window title, bell, return to the start of the line, and
+/// right-to-left override.
 const HOSTILE: &str = "a\u{1b}[31m\u{1b}]0;title\u{7}\r\u{9b}31m\u{202e}b";
 
 fn obeys_nothing(called: &Called) {
@@ -54,7 +55,7 @@ fn control_characters_of_files_are_shown_and_not_obeyed() {
     for command in ["check", "solve"] {
         obeys_nothing(&Called::with(&[command, path], &[]));
     }
-    // Names of files are names of columns and cells there.
+    // File names appear in the names of columns and in cells there.
     let sound = study("macpherson_solve");
     for format in ["text", "csv", "json"] {
         let arguments = ["compare", path, sound.to_str().unwrap(), "--format", format];
@@ -64,7 +65,7 @@ fn control_characters_of_files_are_shown_and_not_obeyed() {
     obeys_nothing(&Called::with(&arguments, &[]));
 }
 
-/// `script` gives the program a terminal, where there is one.
+/// `script`, where it is installed, gives the program a terminal.
 #[test]
 fn colours_are_for_terminals_that_want_them() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,9 +1,9 @@
-//! `--format json` and `--format csv`: every table of a command, every number exact.
+//! Tests of `--format json` and `--format csv`: they contain every table of a command with exact numbers.
 
 use super::Called;
 use serde_json::Value;
 
-/// The calls whose tables are compared, and the names of their tables.
+/// Calls whose tables the tests compare, and the names of their tables.
 const CALLS: [(&str, &str, &[&str], &[&str]); 14] = [
     (
         "solve",
@@ -97,7 +97,7 @@ const CALLS: [(&str, &str, &[&str], &[&str]); 14] = [
     ),
 ];
 
-/// The blocks of a CSV of several tables: name, header, rows.
+/// Blocks of a CSV with several tables: name, header, rows.
 fn blocks(text: &str) -> Vec<(String, Vec<String>, Vec<Vec<String>>)> {
     let block = |block: &str| {
         let mut reader = csv::ReaderBuilder::new()
@@ -117,7 +117,7 @@ fn blocks(text: &str) -> Vec<(String, Vec<String>, Vec<Vec<String>>)> {
     text.split("\n\n").map(block).collect()
 }
 
-/// Both formats hold the same tables, cell by cell: numbers are numbers with the same bits.
+/// Both formats contain the same tables, cell by cell: numbers have the same bits.
 #[test]
 fn json_and_csv_say_the_same() {
     for (command, study, more, names) in CALLS {
@@ -129,7 +129,7 @@ fn json_and_csv_say_the_same() {
                 "{}",
                 called.complained()
             );
-            // What is said beside is lines by themselves: no heading without its table.
+            // Other messages are separate lines on standard error, with no heading without its table.
             for line in called.complained().lines() {
                 let is_remark = !line.trim().is_empty() && !line.ends_with(':');
                 assert!(is_remark, "{command}: {}", called.complained());
@@ -140,11 +140,11 @@ fn json_and_csv_say_the_same() {
         let tables = json.as_object().unwrap();
         assert_eq!(tables.keys().map(String::as_str).collect::<Vec<_>>(), names);
         let blocks = blocks(&formats[1]);
-        // A table without rows has no line to stand in under its name.
+        // In CSV a table without rows has no line under its name, so it is absent.
         let has_rows = |name: &&&str| !tables[**name].as_array().unwrap().is_empty();
         let filled: Vec<&str> = names.iter().filter(has_rows).copied().collect();
         let mut found: Vec<&str> = blocks.iter().map(|block| block.0.as_str()).collect();
-        // JSON has them by name.
+        // JSON sorts tables by name.
         found.sort_unstable();
         assert_eq!(found, filled, "{command}");
         for (name, header, rows) in &blocks {
@@ -175,7 +175,7 @@ fn json_and_csv_say_the_same() {
     }
 }
 
-/// The numbers are those of the files, to the bit.
+/// The numbers equal those of the files, to the bit.
 #[test]
 fn the_tables_have_the_numbers_of_the_files() {
     let solved = Called::on("solve", "macpherson_solve", &["--format", "json"]);
@@ -209,7 +209,7 @@ fn the_tables_have_the_numbers_of_the_files() {
         let point = &points[variable["hardpoint"].as_str().unwrap()];
         let tuned = point[axis.unwrap()].as_float().unwrap();
         assert_eq!(variable["tuned"].as_f64(), Some(tuned), "{variable}");
-        // A range is two numbers.
+        // A range consists of two numbers.
         let ends = ["range_min", "range_max"].map(|end| variable[end].as_f64().unwrap());
         assert!(ends[0] < ends[1]);
     }
@@ -229,7 +229,7 @@ fn the_tables_have_the_numbers_of_the_files() {
     }
 }
 
-/// No more builds are within all bands than within any one of them.
+/// At most as many builds are within all bands as within each single band.
 #[test]
 fn yields_end_with_those_of_all_bands() {
     let mut more = vec!["--format", "json"];
@@ -254,7 +254,7 @@ fn yields_end_with_those_of_all_bands() {
     }
 }
 
-/// The table shows the misfit of the given car and that of the tuned car.
+/// A table shows the misfits of the given car and of the tuned car.
 #[test]
 fn the_misfit_of_a_car_is_a_table() {
     let more = ["--set", "optimise.max_iterations=1", "--format", "json"];
@@ -264,7 +264,7 @@ fn the_misfit_of_a_car_is_a_table() {
     let misfit = |key: &str| tables["misfit"][0][key].as_f64().unwrap();
     assert_eq!(Some(misfit("after")), summary["misfit"].as_f64());
     assert!(misfit("before") > misfit("after"));
-    // The tuned car is the given car of a next run.
+    // The tuned car is the given car of the next run.
     let more = ["--set", "optimise.max_iterations=1", "--format", "json"];
     let tuned = called.directory.path().join("run/optimised.toml");
     let arguments = ["optimise", tuned.to_str().unwrap(), "--out", "again"];
@@ -274,7 +274,7 @@ fn the_misfit_of_a_car_is_a_table() {
     assert!((before / misfit("after") - 1.0).abs() < 1e-6, "{before}");
 }
 
-/// Unsolved stations are a table as well, with their reasons.
+/// Unsolved stations are also a table, with their reasons.
 #[test]
 fn what_is_not_solved_is_in_a_table() {
     let more = [
@@ -296,7 +296,7 @@ fn what_is_not_solved_is_in_a_table() {
     assert!(!failed[0]["reason"].as_str().unwrap().is_empty());
 }
 
-/// Two designs side by side: every row has the name of its output, and no line is broken for a reader's sake.
+/// In a comparison of two designs every row has the name of its output, and no line is broken for readability.
 #[test]
 fn a_comparison_is_complete_for_programs() {
     let [one, other] = ["macpherson_solve", "macpherson_front"].map(super::study);
@@ -337,7 +337,7 @@ fn a_comparison_is_complete_for_programs() {
 }
 
 /// An output that no design changes has no effects. Every design keeps the given toe up to rounding, and shares of
-/// rounding are chance.
+/// rounding errors would be random.
 #[test]
 fn rounding_has_no_effects() {
     if !crate::support::has_lanes() {

@@ -1,4 +1,4 @@
-//! Output to a terminal and to a program: widths, quiet, colours, escapes and machine formats.
+//! Tests of output to a terminal and to other programs: widths, quiet mode, colours, escapes and machine formats.
 
 mod escapes;
 mod formats;
@@ -15,7 +15,7 @@ fn study(name: &str) -> PathBuf {
     studies.join(format!("{name}.toml"))
 }
 
-/// A call in a directory of its own.
+/// Call in a temporary directory.
 struct Called {
     directory: tempfile::TempDir,
     output: Output,
@@ -32,7 +32,7 @@ impl Called {
         Called { directory, output }
     }
 
-    /// A command on a sample study, its results in `run`.
+    /// Runs a command on a sample study, with its results in `run`.
     fn on(command: &str, name: &str, more: &[&str]) -> Called {
         let path = study(name);
         let mut arguments = vec![command, path.to_str().unwrap()];

@@ -1,4 +1,4 @@
-//! `--quiet`: nothing but errors and asked-for data.
+//! Tests of `--quiet`: the program prints only errors and requested data.
 
 use super::{Called, study};
 
@@ -57,7 +57,7 @@ fn quiet_leaves_errors() {
     assert!(called.complained().contains("error"));
 }
 
-/// A quiet command with exit code 1 prints the missing results, and nothing else.
+/// A quiet command with exit code 1 prints only the missing results.
 #[test]
 fn quiet_says_what_could_not_be_had() {
     let same = "[1.47979023854085, 0.3715370715633186, 0.2223007791913243]";

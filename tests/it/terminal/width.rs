@@ -1,4 +1,4 @@
-//! Lines that fit, figures that mean something.
+//! Tests that lines fit the width and that numbers have meaningful digits.
 
 use super::{Called, study};
 
@@ -9,7 +9,7 @@ fn longest(text: &str) -> usize {
         .unwrap_or(0)
 }
 
-/// A design of many free directions and starts: the printed text stays short.
+/// Design with many free directions and starts: the printed text stays short.
 const FREE: [&str; 6] = [
     "--set",
     "optimise.starts=30",
@@ -52,7 +52,7 @@ fn lines_fit_the_width() {
     }
 }
 
-/// No figure has more than seven digits, none is rounding noise.
+/// No printed number has more than seven digits, and none is a rounding error.
 #[test]
 fn figures_have_digits_that_mean_something() {
     for (command, name) in [

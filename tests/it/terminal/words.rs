@@ -1,4 +1,4 @@
-//! Words for a person: suggestions for usual names, and targets in their own unit.
+//! Tests of messages for a person: suggestions for common names, and targets in their own unit.
 
 use super::{Called, study};
 use serde_json::Value;
@@ -23,7 +23,7 @@ fn usual_names_get_a_suggestion() {
     }
 }
 
-/// A characteristic of the study by another name.
+/// Study that requests a characteristic by another name.
 fn with_characteristic(name: &str) -> String {
     let text = std::fs::read_to_string(study("macpherson_solve")).unwrap();
     let outputs = text.find("characteristics = [").unwrap();
@@ -49,7 +49,8 @@ fn quantities_of_an_axle_say_so() {
     }
 }
 
-/// The largest deviation of each target after a tuning, in the target's unit, is that of the curve from the wanted one.
+/// The printed largest deviation of each target after a tuning equals that of the curve from the target, in the
+/// target's unit.
 #[test]
 fn targets_are_off_by_what_the_curves_say() {
     let called = Called::on("optimise", "macpherson_bump_steer", &[]);
@@ -69,7 +70,7 @@ fn targets_are_off_by_what_the_curves_say() {
         .split(',')
         .position(|name| name == column);
     let values = lines.filter_map(|line| line.split(',').nth(place?)?.parse::<f64>().ok());
-    // The wanted toe of this study is one number.
+    // The target toe of this study is a single number.
     let wanted = number(&target["wanted"][0]);
     assert_eq!(wanted, number(&target["wanted"][1]));
     let largest = values

@@ -1,4 +1,4 @@
-//! The double wishbone, in closed form.
+//! Tests of the double wishbone in closed form.
 
 use super::truth::Errors;
 use super::{characteristics, template, travel};
@@ -17,7 +17,7 @@ fn ten_thousand_random_designs_agree_with_thirty_digits() {
     random_designs(10_000);
 }
 
-/// So many designs around the template, each at one place of +-80 mm travel and +-40 mm rack.
+/// Compares this many random designs around the template, each at one position within +-80 mm travel and +-40 mm rack.
 fn random_designs(designs: usize) {
     let suspension = template("double_wishbone");
     let mut random = Random(1);
@@ -39,7 +39,7 @@ fn random_designs(designs: usize) {
     }
 }
 
-/// In the design position everything about wheel and steering axis can be read off the hardpoints.
+/// In the design position all characteristics of wheel and steering axis follow directly from the hardpoints.
 #[test]
 fn static_characteristics_are_those_of_the_hardpoints() {
     let suspension = template("double_wishbone");
@@ -54,7 +54,7 @@ fn static_characteristics_are_those_of_the_hardpoints() {
         let spin = centre - inner;
         let length = (spin.x * spin.x + spin.y * spin.y + spin.z * spin.z).sqrt();
         let level = (spin.x * spin.x + spin.y * spin.y).sqrt();
-        // The contact point: down the wheel plane, at right angles to the spin axis.
+        // The contact point is one radius down in the wheel plane, perpendicular to the spin axis.
         let radius = suspension.wheel_radius.unwrap();
         let (sine, cosine) = (spin.z / length, level / length);
         let contact = Vector3::new(
@@ -92,7 +92,7 @@ fn static_characteristics_are_those_of_the_hardpoints() {
         let wanted = expected.map(|(c, _)| c);
         let found = characteristics(&suspension, &design, travel(0.0, 0.0), &wanted).unwrap();
         for (found, (c, expected)) in found.iter().zip(expected) {
-            // Lengths of some hundred millimetres, angles of some tenths.
+            // Lengths are some hundred millimetres, and angles some tenths of a radian.
             let error = (found[0] - expected).abs();
             assert!(error < 1e-12, "{}: {error:e}", c.info().name);
         }

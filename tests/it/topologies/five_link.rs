@@ -1,4 +1,4 @@
-//! The five-link suspension, by the general closure.
+//! Tests of the five-link suspension with the general closure.
 
 use super::truth::{Errors, PLACES, Truth, lift, place, slope};
 use super::{at, template, travel};
@@ -24,7 +24,7 @@ fn ten_thousand_random_linkages_agree_with_thirty_digits() {
     random_linkages(10_000);
 }
 
-/// So many designs around the template, each at one place of +-80 mm travel and +-20 mm rack.
+/// Compares this many random designs around the template, each at one position within +-80 mm travel and +-20 mm rack.
 fn random_linkages(designs: usize) {
     for (name, seed) in [("five_link", 5), ("integral_link", 51), ("h_arm", 52)] {
         random_designs(name, seed, designs);
@@ -63,10 +63,9 @@ fn ten_thousand_planted_poses_are_found() {
     planted_poses(10_000);
 }
 
-/// A pose of the knuckle is chosen first; then the chassis end of every rod is moved into the plane
-/// from which its knuckle end is seen at the same distance in the design position and in that pose. So
-/// the pose is known exactly, but for the rounding of the chassis ends. It counts where it is the one
-/// that small steps from the design position lead to.
+/// Plants a pose of the knuckle, then moves the chassis end of every rod. Each end moves into the plane whose points
+/// have equal distances to the knuckle end in the design position and in that pose. So the pose is known except for
+/// rounding of the chassis ends. The test counts it if small steps from the design position reach it.
 fn planted_poses(designs: usize) {
     let suspension = template("five_link");
     let mechanism = &suspension.mechanism;
@@ -114,8 +113,8 @@ fn planted_poses(designs: usize) {
         })
         .unwrap()
         .unwrap();
-        // Planting and solving make about five roundings each, of coordinates of up to 1.7 sizes; a pose
-        // that is off by the condition number times their sum is as good as the planted one.
+        // Planting and solving make about five roundings each, of coordinates up to 1.7 sizes. The solved pose may
+        // differ by the condition number times the sum of these roundings.
         assert!(apart < 1e-6, "another pose, {apart} sizes away");
         worst.note(apart);
         worst_unit.note(apart / (condition * f64::EPSILON));
@@ -128,8 +127,8 @@ fn planted_poses(designs: usize) {
     assert!(worst_unit.0 < 16.0, "{}", worst_unit.0);
 }
 
-/// tan(caster), tan(kingpin inclination), kingpin offset and spindle trail of the instantaneous axis,
-/// from the motion the rack gives to thirty-digit poses.
+/// tan(caster), tan(kingpin inclination), kingpin offset and spindle trail of the instantaneous axis, from the motion
+/// that the rack causes in thirty-digit poses.
 fn steering(
     truth: &Truth,
     mechanism: &Mechanism,
@@ -158,7 +157,8 @@ fn steering(
 
 const STEP: f64 = 1e-3;
 
-/// Values, rates and the sensitivities of both of all that is read off the instantaneous steering axis.
+/// The outputs of the instantaneous steering axis agree with thirty digits: their values, their rates and the
+/// sensitivities of both.
 #[test]
 fn instantaneous_steering_axis_agrees_with_thirty_digits() {
     let suspension = template("five_link");

@@ -1,4 +1,4 @@
-//! The general closure, followed step by step, against the closed forms.
+//! Tests of the general closure, followed step by step, against the closed forms.
 
 use super::{at, template, travel};
 use crate::support::Worst;
@@ -9,8 +9,7 @@ use hardpoint::mechanism::Pose;
 use hardpoint::model::{Drive, Mechanism};
 use hardpoint::number::{Jet, Vector3};
 
-/// Everything read at a station: pose, then characteristics with two derivatives and the sensitivities
-/// of all three.
+/// Results at a station: pose, then characteristics with two derivatives and the sensitivities of all three.
 struct Reading {
     pose: Pose<f64>,
     values: Vec<[f64; 3]>,

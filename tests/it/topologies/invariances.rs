@@ -1,5 +1,5 @@
-//! Results do not depend on the car's position, its orientation or its scale; and a mirror image steers the other
-//! way.
+//! Tests that results do not depend on the car's position, orientation or scale, and that a mirrored car steers in the
+//! opposite direction.
 
 use super::{characteristics, template, travel};
 use crate::support::random::Random;
@@ -18,7 +18,7 @@ const TOPOLOGIES: [&str; 7] = [
     "h_arm",
 ];
 
-/// Scatter of points and largest travel of wheels: a racing car's rocker is small, and goes no further.
+/// Scatter of points and largest wheel travel: a racing car's rocker is small and has less travel.
 fn extent(name: &str) -> (f64, f64) {
     match name {
         "double_wishbone_pushrod" => (8.0, 30.0),
@@ -26,7 +26,7 @@ fn extent(name: &str) -> (f64, f64) {
     }
 }
 
-/// Outputs that a rocker moves, if there is one.
+/// Outputs of rockers, if there are any.
 fn of_rockers(suspension: &Suspension) -> impl Iterator<Item = C> {
     let has_rockers = suspension.mechanism.spring_rocker().is_some()
         && suspension.mechanism.anti_roll_bar().is_some();
@@ -63,7 +63,7 @@ fn compare(
     name: &str,
     found: &[Jet<f64, 3>],
     wanted: &[Jet<f64, 3>],
-    // What lengths have been multiplied by.
+    // Factor of all lengths.
     scale: f64,
     read: &[C],
 ) {
@@ -79,7 +79,7 @@ fn compare(
         };
         for order in 0..2 {
             let expected = wanted[order] * scale.powi(of_length - order as i32);
-            // In millimetres an angle's unit is a radian, a length's some hundred.
+            // Scale in millimetres: one radian for an angle, some hundred millimetres for a length.
             let unit =
                 500.0_f64.powi(of_length - order as i32) * scale.powi(of_length - order as i32);
             let error = (found[order] - expected).abs() / unit;
@@ -122,8 +122,8 @@ fn shift_and_scale() {
     }
 }
 
-/// Turned about the vertical, with the rack at rest: heights, camber and what is measured in the
-/// wheel's own directions stay; toe turns with the car.
+/// If the car turns about the vertical with the rack at rest, heights, camber and values in the wheel's directions stay
+/// equal; toe changes by the car's rotation.
 #[test]
 fn turn_about_the_vertical() {
     for name in TOPOLOGIES {
@@ -153,8 +153,8 @@ fn turn_about_the_vertical() {
     }
 }
 
-/// The kernel knows left wheels only; but a mirror image must move as the mirror image of the motion,
-/// rack included, whatever the order in which the two pivots of an arm are named.
+/// The solver knows only left wheels. A mirror image must have the mirrored motion, including the rack, whatever the
+/// order of the two pivots of an arm.
 #[test]
 fn mirror() {
     for name in TOPOLOGIES {
@@ -177,7 +177,7 @@ fn mirror() {
             } else {
                 travel(reach * random.signed(), 10.0 * random.signed())
             };
-            // Lengths and angles of rockers are those of the mirror image.
+            // Lengths and angles of rockers equal those of the mirror image.
             let signs = [
                 (C::Camber, 1.0),
                 (C::Toe, -1.0),

@@ -1,4 +1,4 @@
-//! Link forces: equilibrium by hand, and virtual work against the motion ratio.
+//! Tests of link forces: equilibrium calculated by hand, and virtual work with the motion ratio.
 
 use super::{at, template, travel};
 use crate::support::Worst;
@@ -27,7 +27,7 @@ fn loads_are_balanced_and_the_spring_takes_its_share() {
         let design_series = DesignSeries::<2>::new(mechanism, &suspension.design);
         let (mut balance, mut work) = (Worst::default(), Worst::default());
         for _ in 0..200 {
-            // A racing car's rocker goes no further.
+            // The rocker of a racing car allows less travel.
             let most = if name == "double_wishbone_pushrod" {
                 35.0
             } else {
@@ -106,7 +106,7 @@ fn loads_are_balanced_and_the_spring_takes_its_share() {
                 let ratio = rate(Quantity::Characteristic(Characteristic::MotionRatio), 0);
                 work.note((found.support * ratio - power) / load.force.norm());
 
-                // Held at the wheel centre instead, the same power is all there is to hold.
+                // If a support at the wheel centre replaces the spring, it does the same work.
                 let held = solver
                     .balance(pose, point.rack, Support::WheelCentre)
                     .unwrap()

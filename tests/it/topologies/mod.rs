@@ -1,4 +1,4 @@
-//! Every topology against independent solutions and against its hardpoints alone.
+//! Tests of every topology against independent solutions and against its hardpoints.
 
 mod double_wishbone;
 mod five_link;
@@ -20,7 +20,7 @@ use hardpoint::study::Study;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// The suspension of a topology's own template, or of the sample study of this name.
+/// Suspension of a topology's template, or of the sample study with this name.
 fn template(name: &str) -> Suspension {
     let study = match Topology::named(name) {
         Some(topology) => Study::from_text(topology.name, topology.template, Path::new(".")),

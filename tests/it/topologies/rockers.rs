@@ -1,4 +1,4 @@
-//! Rockers: bell cranks of pushrods and pullrods, and anti-roll bars.
+//! Tests of rockers: bell cranks of pushrods and pullrods, and anti-roll bars.
 
 use super::truth::{Errors, PLACES, Truth, half_tangent, lift, slope};
 use super::{at, characteristics, template, travel};
@@ -13,7 +13,7 @@ use hardpoint::number::{Jet, Matrix3, Real, Scalar, Vector3};
 
 const STUDY: &str = "double_wishbone_pushrod";
 
-/// The sample study with its rods on other bodies.
+/// Sample study, with its rods on other bodies.
 fn variants() -> Vec<(&'static str, Suspension)> {
     let plain = template(STUDY);
     let put = |name: &str, body: &str| {
@@ -33,13 +33,13 @@ fn variants() -> Vec<(&'static str, Suspension)> {
     ]
 }
 
-/// A turn by `angle` about the line from `first` to `second`.
+/// Point rotated by `angle` about the line from `first` to `second`.
 fn turned(first: Vector3<f64>, second: Vector3<f64>, angle: f64, p: Vector3<f64>) -> Vector3<f64> {
     let half = (second - first).normalised() * (0.5 * angle).tan();
     first + Matrix3::identity(0.0).turned(half).apply(p - first)
 }
 
-/// A trailing arm with a pushrod or pullrod on it.
+/// Trailing arm with a pushrod or pullrod on it.
 fn trailing_arm(rod: &str) -> Mechanism {
     let topology = Topology::named("semi_trailing_arm").unwrap();
     let [outer, inner] = match rod {
@@ -61,7 +61,7 @@ fn trailing_arm(rod: &str) -> Mechanism {
     (topology.build)(topology, &names)
 }
 
-/// Reads a trailing arm turned by an angle that raises its wheel centre.
+/// Reads a trailing arm that is rotated by an angle and so raises its wheel centre.
 fn read_arm(
     mechanism: &Mechanism,
     design: &[Vector3<f64>],
@@ -87,10 +87,10 @@ fn read_arm(
     .unwrap()
 }
 
-/// An arm turned by a known angle and a rocker turned by a known angle, with a rod between them that is as
-/// long before as after: then that is the pose, wherever the axes are. With p on the rocker's axis as the
-/// origin, i the inner end, o and o' the outer end before and after and R the rocker's turn, the lengths
-/// agree where 2 i.(R'o' - o) = o'.o' - o.o, a plane for i.
+/// The solver finds planted angles of an arm and a rocker whose connecting rod has equal lengths before and after,
+/// wherever the axes are. Let p on the rocker's axis be the origin, i the inner end, o and o' the outer end before and
+/// after, and R the rocker's rotation. The lengths agree if 2 i.(R'o' - o) = o'.o' - o.o, which is the equation of a
+/// plane for i.
 #[test]
 fn planted_angles_come_back() {
     let mut random = Random(21);
@@ -113,7 +113,7 @@ fn planted_angles_come_back() {
             design[second] = design[first] + random.vector(60.0);
             design[outer] = Vector3::new(-300.0, 300.0, 20.0) + random.vector(60.0);
 
-            // A positive turn of the arm raises the wheel centre.
+            // A positive rotation of the arm raises the wheel centre.
             let [a, b] = ["arm_pivot_inner", "arm_pivot_outer"].map(|name| design[id(name)]);
             let raises = (b - a).cross(design[id("wheel_centre")] - a).z.signum();
             let (theta, phi) = (0.3 * random.signed(), 0.5 * random.signed());
@@ -130,7 +130,7 @@ fn planted_angles_come_back() {
             }
             design[inner] = base + lever;
 
-            // The rod may not have passed a toggle: the sign of its moment about the axis is kept.
+            // The rod must not have passed a toggle: the sign of its moment about the axis stays.
             let moment = |inner: Vector3<f64>, outer: Vector3<f64>| {
                 let axis = (design[second] - base).normalised();
                 axis.cross(inner - base).dot(inner - outer)
@@ -144,11 +144,11 @@ fn planted_angles_come_back() {
             }
             tried += 1;
             let (angle, spring) = read_arm(&mechanism, &design, theta);
-            // Positive as the rod turns it in jounce, pushed or pulled.
+            // The angle is positive in the direction in which the rod turns the rocker in jounce, by a push or a pull.
             let sense = before.signum() * if rod == "pushrod" { 1.0 } else { -1.0 };
             let turned_spring = turned(base, design[second], phi, design[id("spring_lower")]);
-            // Squares of lengths are known to some units of the last place, and the pose to 1e-13 of the
-            // mechanism's size; the moment is their derivative with respect to the angle.
+            // Squares of lengths are accurate to a few units in the last place, and the pose to 1e-13 of the
+            // mechanism's size. The moment is the derivative of the square with respect to the angle.
             let q = (moved - base).norm_squared();
             let squares = rod_squared + q + lever.norm_squared();
             let allowed =
@@ -163,12 +163,12 @@ fn planted_angles_come_back() {
     println!("{tried} planted, worst {worst:.1e}");
 }
 
-/// A bell crank in a plane, by the law of cosines: with the rocker's pivot at p, the angle at p between the
-/// outer end and the inner one is acos((q^2 + r^2 - L^2)/(2 q r)).
+/// A planar bell crank follows from the law of cosines: with the rocker's pivot p, the angle at p between the outer and
+/// the inner end is acos((q^2 + r^2 - L^2)/(2 q r)).
 #[test]
 fn a_plane_bell_crank_is_a_triangle() {
     let mechanism = trailing_arm("pushrod");
-    // Everything turns about axes along y.
+    // All axes of rotation are along y.
     let plane = |x: f64, z: f64| Vector3::new(x, 0.0, z);
     let names = [
         ("arm_pivot_inner", plane(0.0, 0.0)),
@@ -193,7 +193,7 @@ fn a_plane_bell_crank_is_a_triangle() {
         at("pushrod_outer"),
     );
     let (r, rod) = ((inner - pivot).norm(), (inner - outer).norm());
-    // Angles are counted from -x towards +z.
+    // Angles count from -x towards +z.
     let bearing = |p: Vector3<f64>| (p.z - pivot.z).atan2(pivot.x - p.x);
     let corner = |outer: Vector3<f64>| {
         let q = (outer - pivot).norm();
@@ -202,7 +202,7 @@ fn a_plane_bell_crank_is_a_triangle() {
     let side = (bearing(inner) - bearing(outer)).signum();
     for step in -10..=10 {
         let theta = 0.02 * f64::from(step);
-        // The arm lies rearward of its hinge and rises.
+        // The arm points rearward from its hinge and rises.
         let (sine, cosine) = theta.sin_cos();
         let moved = plane(
             cosine * outer.x + sine * outer.z,
@@ -210,7 +210,7 @@ fn a_plane_bell_crank_is_a_triangle() {
         );
         let expected = bearing(moved) + side * corner(moved) - bearing(inner);
         let (angle, _) = read_arm(&mechanism, &design, theta);
-        // Pushed upward, the inner end goes towards larger bearings.
+        // When the rod pushes upward, the angle of the inner end increases.
         assert!(
             (angle[0] - expected).abs() < 1e-13,
             "{theta}: {} and {expected}",
@@ -222,7 +222,7 @@ fn a_plane_bell_crank_is_a_triangle() {
     }
 }
 
-/// Rods stay as long as they are, wherever they stand and however the wheel is steered.
+/// Rods keep their lengths, whatever body carries them and however the wheel is steered.
 #[test]
 fn rods_keep_their_lengths() {
     let mut random = Random(22);
@@ -252,9 +252,9 @@ fn rods_keep_their_lengths() {
     }
 }
 
-/// Points of rockers, their first and second derivative and the sensitivities of all that by every hardpoint
-/// against thirty digits. An error of the outer end comes multiplied by the inverse of the leverages, which
-/// are above a fifth here; derivatives once more for each order.
+/// Points of rockers agree with thirty digits, including their first and second derivatives and the sensitivities of
+/// all three to every hardpoint. An error of the outer end is multiplied by the inverse of the leverages, which are
+/// above a fifth here. For derivatives this factor applies once more for each order.
 #[test]
 fn points_of_rockers_agree_with_thirty_digits() {
     let mut random = Random(23);
@@ -278,11 +278,11 @@ fn points_of_rockers_agree_with_thirty_digits() {
     }
 }
 
-/// Reported outputs, as functions whose exact values are known: spring length, and tan of half the angles.
+/// Reported outputs, as functions with known exact values: spring length, and tangents of half the angles.
 const REPORTED: [C; 3] = [C::SpringLength, C::RockerAngle, C::AntiRollBarAngle];
 
-/// Compares angles and spring length, their rates and the sensitivities of both by every hardpoint with thirty
-/// digits. Then compares the motion ratios, which are those rates by another path.
+/// Compares angles and spring length, their rates and the sensitivities of both to every hardpoint with thirty digits.
+/// Then compares the motion ratios, which are these rates by another method.
 #[test]
 fn angles_lengths_and_ratios_agree_with_thirty_digits() {
     const H: f64 = 1e-4;
@@ -327,7 +327,7 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
                 };
                 let [wanted, wanted_rate] = curve(&exact);
                 let scales = [200.0, 1.0, 1.0];
-                // tan(angle/2) of a series.
+                // tan(angle/2) of a Taylor series.
                 let half = |k: usize, jet: Jet<f64, 3>| match k {
                     0 => jet,
                     _ => {
@@ -348,7 +348,7 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
                     rates.note(100.0 * error(jet[1], wanted_rate));
                 }
 
-                // By every coordinate.
+                // Takes the derivative with respect to every coordinate.
                 let points = design.len();
                 let mut truths = Vec::new();
                 for moved in 0..3 * points {
@@ -383,7 +383,7 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
                     for (moved, truth) in truths.iter().enumerate() {
                         let (p, axis) = (moved / 3, moved % 3);
                         let [g, h] = [0, 1].map(|order| all[order][p].to_array()[axis]);
-                        // u = tan(a/2): u_p = (1 + u^2) a_p/2, and the derivative of that.
+                        // With u = tan(a/2): u_p = (1 + u^2) a_p/2, and the derivative of this.
                         let found = match k {
                             0 => [g, h],
                             _ => {
@@ -399,7 +399,7 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
                     }
                 }
 
-                // With the travel as the drive W_z' is 1, whatever the design.
+                // With the travel as drive, W_z' is 1 for every design.
                 for (ratio, of, sign) in [
                     (C::MotionRatio, 0, -1.0),
                     (C::AntiRollBarMotionRatio, 2, 1.0),
@@ -429,8 +429,8 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
     }
 }
 
-/// The lower arm is in equilibrium about its hinge under pushrod and ball joint, the rocker about its axis
-/// under pushrod and spring, and the spring's force times the motion ratio is the wheel's.
+/// The lower arm is in equilibrium about its hinge under pushrod and ball joint, and the rocker about its axis under
+/// pushrod and spring. The spring force times the motion ratio equals the wheel force.
 #[test]
 fn pushrod_arm_and_rocker_are_in_equilibrium() {
     let suspension = template(STUDY);
@@ -463,8 +463,7 @@ fn pushrod_arm_and_rocker_are_in_equilibrium() {
             let tension = found.rod.unwrap();
             assert!(tension < 0.0 && found.support > 0.0);
 
-            // What the wheel carrier puts on the arm's joint: the force of its legs and of the rod,
-            // the other way.
+            // Force of the wheel carrier on the arm's joint: the opposite of the forces of its legs and of the rod.
             let arm = mechanism.arms[0];
             let mut on_carrier = found.support_force;
             for reaction in found.constraints {
@@ -506,7 +505,8 @@ fn pushrod_arm_and_rocker_are_in_equilibrium() {
     }
 }
 
-/// A pullrod is a pushrod that pulls: the same points under the other name, and the angle's sign with it.
+/// A pullrod is a pushrod in tension: the same points under the other name give the same results, with the opposite
+/// sign of the angle.
 #[test]
 fn a_pullrod_differs_from_a_pushrod_by_its_sign() {
     let pushrod = template(STUDY);
@@ -533,7 +533,7 @@ fn a_pullrod_differs_from_a_pushrod_by_its_sign() {
     let design: Vec<_> = design.collect();
     let outer = mechanism.rockers[0].outer;
     let drop_link = mechanism.rockers[1].outer;
-    // On the upper arm where nothing is said.
+    // The default body of the rod is the upper arm.
     assert_eq!(mechanism.body(outer), Body::Arm(hardpoint::model::ArmId(1)));
     mechanism.points[outer.0].body = Body::Arm(hardpoint::model::ArmId(0));
     mechanism.points[drop_link.0].body = Body::Rocker(RockerId(0));

@@ -1,4 +1,4 @@
-//! The semi-trailing arm: its motion is a turn about one axis, known by hand.
+//! Tests of the semi-trailing arm, whose motion is a rotation about one axis and is calculated by hand.
 
 use super::{at, characteristics, template, travel};
 use crate::support::Worst;
@@ -11,9 +11,8 @@ use hardpoint::number::{Dual, Jet, Real, Vector3};
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// The wheel centre and the inner end of its spindle, turned about the axis until the centre has risen
-/// by `travel`: with the centre's lever l about the axis and e along it, z.(l cos + (e x l) sin) is
-/// known.
+/// Wheel centre and inner end of its spindle, rotated about the axis until the centre has risen by `travel`. With the
+/// centre's lever l about the axis and the axis direction e, z.(l cos + (e x l) sin) is known.
 fn turned<T: Real>(p: &[Vector3<T>], travel: T) -> [Vector3<T>; 2] {
     let [first, second, centre, spindle] = [p[0], p[1], p[2], p[3]];
     let axis = (second - first).normalised();
@@ -21,7 +20,7 @@ fn turned<T: Real>(p: &[Vector3<T>], travel: T) -> [Vector3<T>; 2] {
     let (a, b) = (lever(centre), axis.cross(lever(centre)));
     let height = a.z + travel;
     let h = a.z * a.z + b.z * b.z;
-    // Rising from angle zero: the root that is a, not its mirror image.
+    // The root that starts from angle zero is a, not its mirror image.
     let root = (h - height * height).sqrt();
     let root = root * b.z.sign();
     let (cosine, sine) = (
@@ -78,7 +77,7 @@ fn turns_about_its_axis() {
                     let quantity = Quantity::Coordinate(hardpoint::model::PointId(id), axis);
                     let found = view.value(&linearised.at, quantity);
                     for k in 0..3 {
-                        // In powers of the size: lengths, ratios, curvatures.
+                        // Powers of the size as scales: lengths, ratios, curvatures.
                         let scale = solver.size().powi(1 - k as i32);
                         worst[k].note((found[k] - wanted.value[k]) / scale);
                     }
@@ -112,7 +111,7 @@ fn turns_about_its_axis() {
     }
 }
 
-/// With its axis along y the arm is a trailing arm: no camber, no toe, no track change, and the arm
+/// If its axis is along y, the arm is a trailing arm: no camber change, no toe change, no track change, and the arm
 /// angle is a plain rotation.
 #[test]
 fn a_transverse_axis_makes_a_trailing_arm() {
@@ -150,7 +149,7 @@ fn a_transverse_axis_makes_a_trailing_arm() {
     assert!((found[3][0] - forward).abs() < 1e-12);
 }
 
-/// The wheel cannot rise higher than the arm is long.
+/// The travel ends where the arm is vertical: the wheel cannot rise farther than the length of the arm.
 #[test]
 fn travel_ends_where_the_arm_stands_upright() {
     let suspension = template("semi_trailing_arm");
@@ -166,7 +165,7 @@ fn travel_ends_where_the_arm_stands_upright() {
     );
 }
 
-/// Outputs that need a steering axis are refused by name; without `[outputs]` they are left out.
+/// The program refuses outputs that need a steering axis by name; without `[outputs]` it omits them.
 #[test]
 fn has_no_steering_axis() {
     let text = include_str!("../../../studies/semi_trailing_arm_solve.toml");

@@ -1,7 +1,7 @@
-//! The library against the twelve quadratic equations in double-doubles, for knuckles on five rods.
+//! Compares the library with twelve quadratic equations in double-double precision, for knuckles on five rods.
 //!
-//! Derivatives of the truth are differences over h = 1e-4 mm of answers that have 30 digits,
-//! extrapolated once, so that their own error is of the order of h^4 times the fifth derivative.
+//! Derivatives of the reference are differences over h = 1e-4 mm of solutions with 30 digits, extrapolated once. Their
+//! own error has the order of h^4 times the fifth derivative.
 
 use super::{at, travel};
 use crate::support::Worst;
@@ -16,7 +16,7 @@ use std::array::from_fn;
 
 const H: f64 = 1e-4;
 
-/// Worst errors: values relative to the size, derivatives relative to the largest of their kind.
+/// Largest errors: values relative to the size, derivatives relative to the largest of their kind.
 #[derive(Default, Debug)]
 pub struct Errors {
     pub by_order: [Worst; 3],
@@ -30,7 +30,7 @@ pub fn lift(v: Vector3<f64>) -> Vector3<Dd> {
     v.map(Dd::from)
 }
 
-/// The truth around one station of one design.
+/// Reference around one station of one design.
 pub struct Truth<'a> {
     mechanism: &'a Mechanism,
     factors: nalgebra::LU<f64, nalgebra::Const<12>, nalgebra::Const<12>>,
@@ -66,7 +66,7 @@ impl<'a> Truth<'a> {
         )
     }
 
-    /// Positions of knuckle points with first and second derivative with respect to travel.
+    /// Positions of knuckle points with first and second derivatives with respect to travel.
     fn curve(&self, design: &[Vector3<Dd>], points: &[PointId]) -> Vec<[Vector3<Dd>; 3]> {
         let poses = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| self.pose(design, k * H, 0.0));
         let derivatives = points.iter().map(|p| {
@@ -92,15 +92,15 @@ fn reciprocal(value: f64) -> Dd {
     Dd::from(1.0) / Dd::from(value)
 }
 
-/// From differences over H and 2 H, whose errors are as 1 to 4.
+/// Extrapolation from differences over H and 2 H, whose errors have the ratio 1 to 4.
 fn extrapolated(near: Vector3<Dd>, far: Vector3<Dd>) -> Vector3<Dd> {
     near + (near - far) * reciprocal(3.0)
 }
 
-/// Places at which a slope takes its values, in steps.
+/// Positions of the values for a slope, in steps.
 pub const PLACES: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
 
-/// The derivative, from values at [`PLACES`].
+/// Derivative from values at [`PLACES`].
 pub fn slope([far_below, below, above, far_above]: [Vector3<Dd>; 4], step: f64) -> Vector3<Dd> {
     extrapolated(
         (above - below) * reciprocal(2.0 * step),
@@ -108,7 +108,7 @@ pub fn slope([far_below, below, above, far_above]: [Vector3<Dd>; 4], step: f64) 
     )
 }
 
-/// Position of a point, with formulas other than the library's. Points of arms come from the triads of axis and
+/// Position of a point from formulas that differ from the library's. Points of arms follow from the triads of axis and
 /// joint, those of rockers from Newton's method on the length of the rod.
 pub fn place(
     mechanism: &Mechanism,
@@ -143,15 +143,15 @@ pub fn place(
     }
 }
 
-/// A point turned with a rocker, by the tangent of half the angle.
+/// Point rotated with a rocker, by the tangent of half the angle.
 fn turn_about(design: &[Vector3<Dd>], rocker: &Rocker, u: Dd, point: Vector3<Dd>) -> Vector3<Dd> {
     let [first, second] = [rocker.first, rocker.second].map(|p| design[p.0]);
     let rodrigues = (second - first).normalised() * u;
     first + Matrix3::identity(u).turned(rodrigues).apply(point - first)
 }
 
-/// Tangent of half the angle of a rocker, from its design position, about the line from its first to its
-/// second point: Newton's method on |inner - outer|^2 = L^2 in small steps of the outer end's way there.
+/// Tangent of half the rocker's angle from its design position, about the line from its first to its second point.
+/// Newton's method solves |inner - outer|^2 = L^2 in small steps of the outer end's path.
 pub fn half_tangent(
     mechanism: &Mechanism,
     design: &[Vector3<Dd>],
@@ -170,7 +170,7 @@ pub fn half_tangent(
         for _ in 0..10 {
             let now = turn_about(design, rocker, u, inner);
             let missed = (now - outer).norm_squared() - length;
-            // The angle's derivative with respect to u is 2/(1 + u^2).
+            // The derivative of the angle with respect to u is 2/(1 + u^2).
             let by_angle = axis.cross(now - first).dot(now - outer) * Dd::from(2.0);
             let one = Dd::from(1.0);
             u = u - missed * (one + u * u) / (by_angle * Dd::from(2.0));
@@ -180,7 +180,7 @@ pub fn half_tangent(
 }
 
 impl Errors {
-    /// One design at one station; with `sensitivities`, those of every order as well.
+    /// Compares one design at one station; with `sensitivities`, also those of every order.
     pub fn check(
         &mut self,
         mechanism: &Mechanism,
@@ -191,7 +191,7 @@ impl Errors {
     ) {
         let quadratics = Quadratics::new(mechanism, design);
         let start = design_pose(mechanism, design);
-        // Fine steps where coarse ones may have jumped.
+        // Repeats with fine steps, because coarse ones may have jumped to another branch.
         let track = |steps| quadratics.track(start, value, rack, steps);
         let point = travel(value, rack);
         let design_series = DesignSeries::<3>::new(mechanism, design).with_steering_axis(false);

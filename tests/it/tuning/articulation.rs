@@ -1,4 +1,4 @@
-//! Angles of joints: against studs that are turned by three points of the carrier, and the price of a degree.
+//! Tests of joint angles, against studs that rotate with three points of the carrier, and of the price of a degree.
 
 use super::edited;
 use hardpoint::mechanism::Configuration;
@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 
 type Triad = [Vector3<f64>; 3];
 
-/// Orthonormal axes of three points.
+/// Orthonormal axes from three points.
 fn triad([a, b, c]: [Vector3<f64>; 3]) -> Triad {
     let x = (b - a).normalised();
     let z = x.cross(c - a).normalised();
@@ -28,7 +28,7 @@ fn angle(a: Vector3<f64>, b: Vector3<f64>) -> f64 {
     a.cross(b).norm().atan2(a.dot(b)).to_degrees()
 }
 
-/// `v` turned about an axis as far as it takes `from` to `to`, both seen along the axis.
+/// `v` rotated about an axis by the angle from `from` to `to`, as seen along the axis.
 fn about(axis: Vector3<f64>, [from, to]: [Vector3<f64>; 2], v: Vector3<f64>) -> Vector3<f64> {
     let across = |p: Vector3<f64>| p - axis * axis.dot(p);
     let (from, to) = (across(from), across(to));
@@ -36,16 +36,16 @@ fn about(axis: Vector3<f64>, [from, to]: [Vector3<f64>; 2], v: Vector3<f64>) -> 
     v * turn.cos() + axis.cross(v) * turn.sin() + axis * (axis.dot(v) * (1.0 - turn.cos()))
 }
 
-/// A joint and the part on its other side.
+/// Joint with the part on its other side.
 enum Joint {
-    /// An arm, by the points of its axis.
+    /// Arm, by the points of its axis.
     Arm(&'static str, [&'static str; 2]),
-    /// A rod, by its other end.
+    /// Rod, by its other end.
     Rod(&'static str, &'static str),
 }
 
-/// The angles of a joint in every pose of some travels and one rack: the stud, fixed in the carrier, is turned as three
-/// points of the carrier turned.
+/// Angles of a joint in every pose of some travels and one rack displacement. The stud is fixed in the carrier and
+/// rotates like three points of the carrier.
 fn angles(
     suspension: &Suspension,
     joint: &Joint,
@@ -88,8 +88,9 @@ const STRUT_ARM: Joint = Joint::Arm("lower_ball_joint", ["lower_arm_front", "low
 const UPPER_ARM: Joint = Joint::Arm("upper_ball_joint", ["upper_arm_front", "upper_arm_rear"]);
 const ROD: Joint = Joint::Rod("tie_rod_outer", "tie_rod_inner");
 
-/// Margins in degrees, in lanes and station by station, of struts and wishbones, with the steering axis and with studs of the
-/// study, of a design that moved, at both ends of the travel and two racks.
+/// Margins in degrees equal those of studs fixed in the carrier, in lanes and station by station. The test covers
+/// struts and wishbones, and as references the steering axis and studs of the study. It uses a moved design, both ends
+/// of the travel and two rack displacements.
 #[test]
 fn margins_are_those_of_studs_fixed_in_the_carrier() {
     let travels = [-60.0, 65.0];
@@ -151,7 +152,7 @@ fn margins_are_those_of_studs_fixed_in_the_carrier() {
     }
 }
 
-/// Angles of a drive shaft's joints from the coordinates of its ends and from the spin axis.
+/// Margins of a drive shaft's joints follow from the coordinates of its ends and from the spin axis, in degrees.
 #[test]
 fn margins_of_a_drive_shaft_are_degrees() {
     let [inner, outer] = super::DRIVE_SHAFT;
@@ -197,7 +198,7 @@ fn margins_of_a_drive_shaft_are_degrees() {
     }
 }
 
-/// The angle has a kink at 0: the margin there is the limit, and the row has a derivative.
+/// The angle has a kink at 0: the margin there equals the limit, and the row has a derivative.
 #[test]
 fn a_joint_that_does_not_turn_has_its_whole_limit() {
     let constraint = "optimise.constraints=[{ articulation = \"lower_ball_joint\", at_most = 18.5, at = \"design\" }]";
@@ -214,7 +215,7 @@ fn a_joint_that_does_not_turn_has_its_whole_limit() {
     assert!(at.rows.jacobian.iter().all(|slope| slope.abs() < 1e-7));
 }
 
-/// A strut whose ball joint turns too far, tuned with this limit.
+/// Strut whose ball joint turns too far, tuned with this limit.
 fn limited(limit: f64) -> Study {
     edited(
         "macpherson_front.toml",
@@ -229,8 +230,8 @@ fn limited(limit: f64) -> Study {
     )
 }
 
-/// A limit that binds: the tuned design keeps it everywhere, and its price is the slope of the misfit by the limit in
-/// degrees.
+/// The tuned design meets an active limit everywhere. The price of the limit is the slope of the misfit with respect to
+/// the limit in degrees.
 #[test]
 fn the_price_of_a_joint_is_per_degree() {
     let tuned = |limit: f64| {
@@ -260,7 +261,7 @@ fn the_price_of_a_joint_is_per_degree() {
     assert!((price - slope).abs() < 2e-3 * slope, "{price} {slope}");
 }
 
-/// The largest angle of the ball joint between the ends of the motion.
+/// Largest angle of the ball joint between the ends of the motion.
 fn largest_angle(moved: &Suspension) -> f64 {
     let design = |name| moved.design[moved.mechanism.point(name).unwrap().0];
     let stud = design("strut_top") - design("lower_ball_joint");

@@ -1,4 +1,4 @@
-//! Derivatives of builds, and definition of builds.
+//! Tests of the derivatives and of the definition of builds.
 
 use super::edited;
 use hardpoint::number::Width;
@@ -16,7 +16,7 @@ const TARGETS: &str = "optimise.targets=[\
     { characteristic = \"bump_steer\", at = 5.0, value = 0.02, tolerance = 0.001 }]";
 const TRAVEL: &str = "motion.travel={ from = -20.0, to = 20.0, steps = 3 }";
 
-/// The residuals of a study's builds at `x`.
+/// Calls a function with the residuals of a study's builds at `x`.
 fn with_problem<R>(
     study: &Study,
     width: Option<Width>,
@@ -33,7 +33,7 @@ fn with_problem<R>(
     f(&mut |x| {
         let mut at = Linearisation::new(count, x.len());
         LeastSquares::evaluate(&mut problem, x, &mut at).unwrap();
-        // Most builds are accepted in lanes.
+        // Lanes accept most builds.
         let (in_lanes, name) = (
             problem.builds_in_lanes(),
             suspension.mechanism.topology.name,
@@ -44,8 +44,8 @@ fn with_problem<R>(
     })
 }
 
-/// Against differences of sixth order: of a wishbone with a pushrod, as assembled and with toe and camber set
-/// again, and of a strut.
+/// Derivatives of builds equal differences of sixth order. The test covers a strut, and a wishbone with a pushrod, both
+/// as assembled and with toe and camber aligned.
 #[test]
 fn derivatives_of_builds_are_exact() {
     for (file, more) in [
@@ -94,7 +94,7 @@ fn derivatives_of_builds_are_exact() {
     }
 }
 
-/// Builds that hardly scatter are the drawing; those that are set again keep toe and camber of the drawing.
+/// Builds with very small scatter equal the nominal design; aligned builds keep its toe and camber.
 #[test]
 fn builds_of_exact_parts_are_the_drawing() {
     let exact = "tolerance.scatter=[{ hardpoint = \"upper_arm_front\", sigma = 1e-9 }]";
@@ -119,9 +119,9 @@ fn builds_of_exact_parts_are_the_drawing() {
     }
 }
 
-/// In lanes of any width residuals and derivatives are those of builds one by one, of every topology, with rockers, bands and
-/// several racks, as assembled and with toe and camber set again; the same to the bit at any width. So are those of the
-/// drawing, whose stations are side by side, and those of the stations one by one.
+/// Lanes of any width give the residuals and derivatives of builds one by one. The test covers every topology, rockers,
+/// bands, several rack displacements, and builds as assembled or aligned. The bits are equal at every width. The same
+/// holds for the nominal design, whether lanes hold its stations or these are solved one by one.
 #[test]
 fn what_is_found_in_lanes_is_what_is_found_one_by_one() {
     let angles = "optimise.targets=[\
@@ -203,7 +203,7 @@ fn what_is_found_in_lanes_is_what_is_found_one_by_one() {
     }
 }
 
-/// The residuals of a study's drawing.
+/// Residuals of a study's nominal design.
 fn drawing_at(study: &Study, width: Option<Width>, x: &DVector<f64>) -> Linearisation {
     let plain = Optimise {
         scatter: None,
@@ -219,7 +219,7 @@ fn drawing_at(study: &Study, width: Option<Width>, x: &DVector<f64>) -> Linearis
     at
 }
 
-/// Every width finds the results that are found one by one, and all widths find the same bits.
+/// Asserts that every lane width finds the one-by-one results, with equal bits at all widths.
 fn assert_same_at_every_width(what: &str, find: impl Fn(Option<Width>) -> Linearisation) {
     let expected = find(None);
     let mut first: Option<Linearisation> = None;
@@ -239,8 +239,8 @@ fn assert_same_at_every_width(what: &str, find: impl Fn(Option<Width>) -> Linear
     }
 }
 
-/// A scattered wheel centre moves a spin axis that angles give in parallel. So the radius of the wheel has no effect on camber and
-/// toe of robust builds, also where the variables have moved the nominal design.
+/// If angles define the spin axis, a scattered wheel centre translates the axis. So the wheel radius has no effect on
+/// camber and toe of robust builds, also if the variables have moved the nominal design.
 #[test]
 fn the_radius_has_no_effect_on_robust_builds() {
     let scatter = "tolerance.scatter=[{ hardpoint = \"wheel_centre\", sigma = 1.0 }]";

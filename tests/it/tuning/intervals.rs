@@ -1,4 +1,4 @@
-//! Intervals of fits that end at bounds hold the planted truth.
+//! Tests that confidence intervals of fits that end at bounds contain the planted truth.
 
 use super::{edited, hardpoint, noise, normal, planted};
 use hardpoint::optimise::{
@@ -7,7 +7,7 @@ use hardpoint::optimise::{
 use hardpoint::study::{Optimise, Study, Wanted};
 use nalgebra::DMatrix;
 
-/// A fit of measured curves: study, variables, ranges in mm, and the characteristics that are measured.
+/// Fit of measured curves: study, variables, ranges in mm, and the measured characteristics.
 struct Kind {
     file: &'static str,
     variables: &'static [(&'static str, &'static str)],
@@ -116,22 +116,22 @@ impl Kind {
     }
 }
 
-/// Counts of intervals and of those that hold the truth.
+/// Numbers of intervals and of those that contain the truth.
 #[derive(Clone, Copy, Default)]
 struct Count {
     free: usize,
     two_sided: usize,
     held: usize,
-    /// Two-sided with both ends within the range.
+    /// Number of two-sided intervals with both ends within the range.
     inner: usize,
-    /// With variables at bounds taken as known: those that hold the truth.
+    /// Number of intervals that contain the truth if variables at bounds are taken as known.
     naive: usize,
     limits: usize,
     limits_held: usize,
     fits: usize,
 }
 
-/// Half intervals of the free variables with those at bounds taken as known: plain linear regression.
+/// Half widths of the free variables' intervals if those at bounds are taken as known: plain linear regression.
 fn naive(study: &Study, optimise: &Optimise, offsets: &[f64], active: &[ActiveBound]) -> Vec<f64> {
     let suspension = study.wheel();
     let layout = TargetLayout::of(optimise, &study.vehicle);
@@ -146,20 +146,20 @@ fn naive(study: &Study, optimise: &Optimise, offsets: &[f64], active: &[ActiveBo
     let variance = at.residuals.norm_squared() / freedoms as f64;
     let mut halves = vec![0.0; active.len()];
     for (place, j) in free.into_iter().enumerate() {
-        // 30 to 60 freedoms: Student's quantile is 2.00 to 2.04.
+        // With 30 to 60 degrees of freedom, Student's quantile is 2.00 to 2.04.
         halves[j] = 2.02 * (variance * inverse[(place, place)]).sqrt();
     }
     halves
 }
 
-/// Counts by number of variables at bounds, of so many fits that ended with one to three there.
+/// Counts by number of variables at bounds, for this many fits that ended with one to three variables at bounds.
 fn counted(fits: usize) -> [Count; 4] {
     let mut counts = [Count::default(); 4];
     let mut seed = 0x9E37_79B9_7F4A_7C15;
     let studies = KINDS.map(|kind| (kind.study(), kind.range));
     'fits: for number in 0.. {
         let (study, range) = &studies[number % studies.len()];
-        // 40 of 100 coordinates are at a bound in truth, the others anywhere in the range.
+        // Truth is at a bound for 40 of 100 coordinates, and anywhere in the range for the others.
         let k = study.optimise.as_ref().unwrap().variables.len();
         let mut coordinate = || match noise(&mut seed) {
             x if x < -0.6 => -range,
@@ -243,7 +243,7 @@ fn counted(fits: usize) -> [Count; 4] {
 
 #[test]
 fn intervals_beside_bounds_hold_the_truth() {
-    // Of some 150 intervals at 95 % between 132 and 150 hold it, but for one run in 1000.
+    // Between 132 and 150 of about 150 intervals at 95 % contain the truth, except in one run of 1000.
     let all = counted(60)[0];
     assert!(all.two_sided as f64 >= 0.8 * all.free as f64);
     assert!(all.held as f64 >= 0.88 * all.two_sided as f64);
@@ -254,7 +254,7 @@ fn intervals_beside_bounds_hold_the_truth() {
 #[ignore = "a thousand fits"]
 fn intervals_beside_bounds_of_a_thousand_fits_hold_the_truth() {
     let counts = counted(1000);
-    // With variables at bounds taken as known, they do not.
+    // If variables at bounds are taken as known, fewer intervals contain the truth.
     assert!((counts[0].naive as f64) < 0.92 * counts[0].free as f64);
     for count in counts {
         assert!(count.two_sided as f64 >= 0.8 * count.free as f64);
@@ -264,7 +264,8 @@ fn intervals_beside_bounds_of_a_thousand_fits_hold_the_truth() {
     }
 }
 
-/// A fit of a strut whose top is beyond its range: the files and the terminal tell one-sided limits from intervals.
+/// In a fit of a strut whose top is beyond its range, the files and the terminal distinguish one-sided limits from
+/// intervals.
 #[test]
 fn intervals_are_written_and_printed() {
     let kind = &KINDS[1];

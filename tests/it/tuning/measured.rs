@@ -1,4 +1,4 @@
-//! Targets from measured curves: each row counts at its own rack and at its own travel.
+//! Tests of targets from measured curves: each row applies at its own rack displacement and travel.
 
 use hardpoint::curves::curves;
 use hardpoint::optimise::{Control, tune};
@@ -8,7 +8,7 @@ use std::path::Path;
 
 const SOLVE: &str = include_str!("../../../studies/double_wishbone_solve.toml");
 
-/// The wishbone with two racks and these targets for the height of the inner joint of its tie rod.
+/// Wishbone with two rack displacements, and these targets for the height of the inner joint of its tie rod.
 fn text(targets: &str) -> String {
     let of_racks = SOLVE.replace("\nrack = 0.0 ", "\nrack = [0.0, 10.0] ");
     assert_ne!(of_racks, SOLVE);
@@ -22,7 +22,7 @@ fn read(directory: &Path, targets: &str) -> Result<Study, String> {
     Study::from_text("study.toml", &text(targets), directory).map_err(|e| e.to_string())
 }
 
-/// The toe of the wishbone at both racks as a sheet.
+/// Toe of the wishbone at both rack displacements, as a sheet.
 fn sheet(study: &Study) -> String {
     let plan = Plan::with_targets(study.one_wheel().unwrap(), study.optimise.as_ref());
     let curves = curves(study.wheel(), &plan).unwrap();
@@ -35,8 +35,8 @@ fn sheet(study: &Study) -> String {
     sheet
 }
 
-/// A design meets a sheet of its own curves at two racks, with a target for each rack. A single target for both racks, which
-/// would compare each rack with the mean of both, is refused.
+/// A design meets a sheet of its own curves at two rack displacements, with a target for each. The program refuses a
+/// single target for both, which would compare each displacement with the mean of both.
 #[test]
 fn a_sheet_of_several_racks_has_a_curve_for_each() {
     let directory = tempfile::tempdir().unwrap();
@@ -68,8 +68,8 @@ fn a_sheet_of_several_racks_has_a_curve_for_each() {
     }
 }
 
-/// A measurement that the motion does not reach is refused with its line, like a single value there. Beyond the motion a wanted
-/// curve without measurements has no effect.
+/// The program refuses a measurement outside the motion, with its line, as it refuses a single value there. Beyond the
+/// motion a target curve without measurements has no effect.
 #[test]
 fn measurements_outside_of_the_motion_are_refused() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,7 +1,7 @@
-//! Constrained minima of random designs, against methods of another kind from the same starts.
+//! Tests of constrained minima of random designs, against other methods from the same starts.
 //!
-//! The others are the crate `slsqp` (D. Kraft's sequential quadratic programs, by way of NLopt) and a method of
-//! multipliers below. All take the same values with the same exact gradients.
+//! The other methods are the crate `slsqp` (D. Kraft's sequential quadratic programs, from NLopt) and a method of
+//! multipliers below. All methods use the same values with the same exact gradients.
 
 use super::{edited, noise};
 use hardpoint::optimise::{
@@ -12,20 +12,20 @@ use hardpoint::study::Study;
 use nalgebra::DVector;
 use std::cell::RefCell;
 
-/// Largest excess of a misfit over another method's, in tolerances.
+/// Largest excess of a misfit over another method's misfit, in tolerances.
 const AS_LOW: f64 = 1e-6;
-/// Rows violated by no more than this are kept, in our method as in the others.
+/// Violation up to which a row counts as satisfied, for all methods.
 const KEPT: f64 = 1e-7;
 
-/// A random tuning of a strut or wishbone: two to twelve variables, two curves or a curve and a band, and constraints
-/// through 41 stations, their limits such that one random design just keeps them.
+/// Random tuning of a strut or wishbone: two to twelve variables, two curves or a curve and a band, and constraints
+/// through 41 stations. One random design just satisfies the limits.
 pub(super) struct Random {
     study: Study,
     pub(super) layout: TargetLayout,
     pub(super) bounds: Bounds,
 }
 
-/// A kind of constraint with its limits, in mm and degrees.
+/// Kind of constraint with its limits, in mm and degrees.
 #[derive(Clone)]
 struct Limit {
     kind: Kind,
@@ -43,7 +43,7 @@ enum Kind {
 }
 
 impl Limit {
-    /// As a study has it.
+    /// Constraint as a study writes it.
     fn written(&self, number: u64) -> String {
         let Limit { kind, low, high } = self;
         match kind {
@@ -64,7 +64,7 @@ impl Limit {
         }
     }
 
-    /// Limits that no design comes near.
+    /// Limits so wide that no design approaches them.
     fn wide(kind: Kind) -> Self {
         let (low, high) = match kind {
             Kind::Length => (1.0, 1000.0),
@@ -88,7 +88,7 @@ impl Random {
         let mut coordinates: Vec<(&str, &str)> = names
             .flat_map(|name| ["x", "y", "z"].map(|axis| (name, axis)))
             .collect();
-        // So many drawn of them, both topologies with every number.
+        // Number of random variables; even and odd numbers choose the topology.
         let count = 2 + (number / 2) as usize % 11;
         for k in 0..count {
             let last = coordinates.len() - 1;
@@ -130,7 +130,7 @@ impl Random {
                 .map(|k| more[k]),
         );
         let mut limits: Vec<Limit> = kinds.into_iter().map(Limit::wide).collect();
-        // A design that keeps what is to be kept, between just so and with much room.
+        // A design that satisfies the constraints, with margins from almost zero to large.
         let most = 0.05 * 40.0_f64.powf(0.5 + off(0.5));
         let keeps = DVector::from_fn(count, |_, _| off(9.0));
         let wide = Random::of(with(&limits));
@@ -149,9 +149,9 @@ impl Random {
         Random::of(with(&limits))
     }
 
-    /// A random design of a strut or wishbone, every coordinate up to 15 mm from the study's, whose eight coordinates that
-    /// matter most are to give the camber and kingpin inclination of another design that they can reach, but for what no
-    /// curve of the kind has; and limits through 41 stations, 126 rows, such that a third design just keeps them.
+    /// Random design of a strut or wishbone, with every coordinate up to 15 mm from the study's. Its eight most
+    /// effective coordinates shall reach the camber and kingpin inclination of another reachable design, plus an
+    /// unreachable deviation. Limits through 41 stations, 126 rows, are such that a third design just satisfies them.
     fn of_design(number: u64) -> Self {
         let mut seed = 0x2545_F491_4F6C_DD1D ^ (number + 1).wrapping_mul(0xD134_2543_DE82_EF95);
         let mut off = |by: f64| by * noise(&mut seed);
@@ -216,7 +216,7 @@ impl Random {
         let mut limits = [Kind::Length, Kind::Rim, Kind::Band].map(Limit::wide);
         let nought = || vec![[-60.0, 0.0], [60.0, 0.0]];
         let wide = with(&[nought(), nought()], &limits);
-        // Deviations from nothing, in tolerances, are the curves of the design wanted.
+        // The target curves are the deviations of the target design from zero, divided by tolerances.
         let wanted = wide.assessed(&DVector::from_fn(8, |_, _| off(20.0)));
         let wanted = &wanted.goal.residuals;
         let stations = &wide.study.motion().values;
@@ -264,12 +264,12 @@ impl Random {
         at
     }
 
-    /// The room to the limits of each constraint, below and above: of those that have several rows, the least.
+    /// Margin to the lower and upper limit of each constraint; for several rows, the smallest margin.
     fn rooms(&self, at: &Assessment) -> Vec<[f64; 2]> {
         let count = self.study.optimise.as_ref().unwrap().constraints.len();
         let mut rooms = vec![[f64::INFINITY; 2]; count];
         for (label, value) in self.layout.labels().iter().zip(at.rows.residuals.iter()) {
-            // Of a rim the radius, not its ends.
+            // Uses only the radius of a rim, not its ends.
             if label.part == self.first_part(label.constraint) {
                 let room = &mut rooms[label.constraint][usize::from(label.is_upper)];
                 *room = room.min(-value);
@@ -298,15 +298,15 @@ pub(super) struct End {
     violation: f64,
     /// Distance of every evaluated point from the end, in half ranges.
     away: Vec<f64>,
-    /// Its own message about its end.
+    /// Message of the method about its end.
     said: String,
 }
 
 impl End {
-    /// Number of points that it evaluated until it stayed within this distance of its end, in half ranges.
+    /// Number of points that the method evaluated until it stayed within this distance of its end, in half ranges.
     fn evaluations_to(&self, near: f64) -> u64 {
         let last = self.away.iter().rposition(|away| *away > near);
-        // The next one is the first that is near.
+        // The next point is the first one within the distance.
         last.map_or(1, |k| k as u64 + 2).min(self.away.len() as u64)
     }
 
@@ -315,7 +315,7 @@ impl End {
     }
 }
 
-/// Values and gradients at the point looked at last.
+/// Values and gradients at the last evaluated point.
 struct Looked<'p> {
     problem: Objective<'p>,
     half: Vec<f64>,
@@ -341,7 +341,7 @@ impl<'p> Looked<'p> {
         }
     }
 
-    /// Looks at a point, in half ranges, unless it is the one looked at last.
+    /// Evaluates a point, in half ranges, unless it is the last evaluated one.
     fn look(&mut self, z: &[f64]) {
         if self.z == z {
             return;
@@ -352,7 +352,7 @@ impl<'p> Looked<'p> {
         self.points.push(self.z.clone());
     }
 
-    /// The squared misfit, and its slopes.
+    /// Squared misfit and its slopes.
     fn goal(&mut self, z: &[f64], gradient: Option<&mut [f64]>) -> f64 {
         self.look(z);
         if self.refused {
@@ -402,7 +402,7 @@ impl<'p> Looked<'p> {
     }
 }
 
-/// From `start` by the crate `slsqp`, in half ranges, ended by its own criteria at ten digits.
+/// Runs the crate `slsqp` from `start`, in half ranges, until its own criteria are met at ten digits.
 pub(super) fn slsqp(random: &Random, start: &DVector<f64>) -> End {
     let looked = RefCell::new(Looked::new(random));
     let n = start.len();
@@ -438,8 +438,8 @@ pub(super) fn slsqp(random: &Random, start: &DVector<f64>) -> End {
     looked.into_inner().ended(&z, said)
 }
 
-/// From `start` by the method of multipliers (D. P. Bertsekas, Constrained optimization and Lagrange multiplier
-/// methods, 1982) with projected BFGS steps: slow and patient.
+/// Runs the method of multipliers from `start` (D. P. Bertsekas, Constrained optimization and Lagrange multiplier
+/// methods, 1982) with projected BFGS steps, which is slow but reliable.
 fn multipliers(random: &Random, start: &DVector<f64>) -> End {
     let mut looked = Looked::new(random);
     let n = start.len();
@@ -452,7 +452,7 @@ fn multipliers(random: &Random, start: &DVector<f64>) -> End {
     let mut weights = vec![0.0; rows];
     let mut penalty = 10.0;
     let mut z = clamped(DVector::from_fn(n, |j, _| start[j] / half[j]));
-    // Squared misfit and augmented Lagrangian terms of the rows, and the slope.
+    // Squared misfit plus augmented Lagrangian terms of the rows, and the slope.
     let value = |looked: &mut Looked, z: &DVector<f64>, weights: &[f64], penalty: f64| {
         let mut slope = vec![0.0; n];
         let mut value = looked.goal(z.as_slice(), Some(&mut slope));
@@ -526,26 +526,27 @@ fn multipliers(random: &Random, start: &DVector<f64>) -> End {
     looked.ended(z.as_slice(), "multipliers".to_owned())
 }
 
-/// Comparison of our end with the others'.
+/// Comparison of this program's end with those of the other methods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Verdict {
-    /// In the same place, or in another with as low a misfit.
+    /// The ends coincide, or have equally low misfits at different points.
     AsLow,
-    /// Lower than the other, which ended in another place.
+    /// This program's misfit is lower, and the other method ended elsewhere.
     Lower,
-    /// The others kept the constraints only when started where we ended, and found nothing lower there.
+    /// The other methods satisfied the constraints only when started at this program's end, and found nothing lower
+    /// there.
     NothingLowerThere,
-    /// The other is lower, in another place; started there, ours keeps that or lowers it.
+    /// The other method has a lower misfit at another point. Started there, this program keeps or lowers that misfit.
     Elsewhere,
-    /// Nobody kept the constraints, or only we did and the others lost them even from there.
+    /// No method satisfied the constraints, or only this program did and the others lost them even from its end.
     Undecided,
-    /// The other is lower, and ours started there loses it.
+    /// The other method has a lower misfit, and this program started there ends higher.
     Worse,
-    /// The other keeps the constraints, ours does not.
+    /// The other method satisfies the constraints, but this program does not.
     Lost,
 }
 
-/// A problem solved by all.
+/// Problem solved by all methods.
 struct Compared {
     verdict: Verdict,
     ours: ConstrainedFit,
@@ -634,7 +635,7 @@ fn forty_constrained_minima_are_those_of_independent_methods() {
     assert_eq!(count(Verdict::Worse) + count(Verdict::Lost), 0);
     assert!(count(Verdict::Elsewhere) <= 4);
     assert!(count(Verdict::Undecided) + count(Verdict::NothingLowerThere) <= 2);
-    // Of constraints that do not bind nothing would be learnt.
+    // Constraints that are never active would test nothing.
     for kind in [
         "length",
         "tie_rod_outer",
@@ -646,7 +647,8 @@ fn forty_constrained_minima_are_those_of_independent_methods() {
     }
 }
 
-/// Evaluations of a problem: ours, all; the other's until it was as near to its end as six digits of the ranges, and all.
+/// Numbers of evaluations of a problem. `ours` counts all evaluations of this program. `other` counts those of the
+/// other method until it reaches six digits of the ranges, and all of them.
 struct Evaluations {
     ours: u64,
     other: Option<[u64; 2]>,
@@ -658,7 +660,7 @@ struct Course {
     kept: usize,
     balanced: usize,
     refused: usize,
-    /// Ours and the others', problem by problem.
+    /// Evaluations of this program and of the other method, problem by problem.
     evaluations: Vec<Evaluations>,
 }
 
@@ -701,7 +703,8 @@ impl Course {
         course
     }
 
-    /// Medians of ours, the others' to six digits and all of them, of problems that both kept.
+    /// Medians of this program's evaluations, and of the other method's to six digits and in total, over problems that
+    /// both solved within the constraints.
     fn medians(&self) -> [u64; 3] {
         let both = self.evaluations.iter();
         let both: Vec<[u64; 3]> = both
@@ -714,7 +717,7 @@ impl Course {
         })
     }
 
-    /// In words.
+    /// Prints the results.
     fn say(&self) {
         let mut ours: Vec<u64> = self.evaluations.iter().map(|e| e.ours).collect();
         ours.sort_unstable();
@@ -730,8 +733,8 @@ impl Course {
     }
 }
 
-/// A design that keeps the constraints at nine stations and at the extremes between them keeps them everywhere. Some
-/// limits are reached at two places at once, others within the first or last gap.
+/// A design that satisfies the constraints at nine stations and at the extremes between them satisfies them everywhere.
+/// Some limits are active at two positions at once, others within the first or last interval.
 #[test]
 fn nothing_is_violated_between_stations() {
     let mut between = 0;
@@ -749,7 +752,7 @@ fn nothing_is_violated_between_stations() {
         let at = fine.assessed(&ours.x);
         let violation = at.violation(0, &[]);
         assert!(violation < 1e-6, "{number}: {violation:e}");
-        // Limits that are reached, but at no station of the nine.
+        // Looks for active limits that none of the nine stations reaches.
         let rows = fine.layout.labels().iter().zip(at.rows.residuals.iter());
         let reached = |row: usize| ours.multipliers[row] > 0.0;
         let labels = coarse.layout.labels();
@@ -775,7 +778,7 @@ fn nothing_is_violated_between_stations() {
     assert!(between >= 6, "{between}");
 }
 
-/// If the constraints can be kept, multipliers balance to a millionth.
+/// If the constraints can be satisfied, the multipliers balance to a millionth.
 #[test]
 fn multipliers_balance() {
     for problem in [Random::new, Random::of_design] {
@@ -785,8 +788,8 @@ fn multipliers_balance() {
     }
 }
 
-/// Prints the time of tuning six hundred random designs, in milliseconds: a start to the least misfit, and from there
-/// back towards the design.
+/// Prints the time of tuning six hundred random designs, in milliseconds: a start to the smallest misfit, and the
+/// return towards the nominal design.
 #[test]
 #[ignore = "six hundred designs, to be timed"]
 fn times_of_six_hundred_designs() {
@@ -823,8 +826,8 @@ fn times_of_six_hundred_designs() {
     }
 }
 
-/// At least 99 % of six hundred random designs end with multipliers that balance to a millionth.
-/// The median of their evaluations is at most a fifth of that of `slsqp`.
+/// At least 99 % of six hundred random designs end with multipliers that balance to a millionth. The median of their
+/// evaluations is at most a fifth of that of `slsqp`.
 #[test]
 #[ignore = "six hundred problems by two methods"]
 fn multipliers_of_six_hundred_designs_balance() {
@@ -838,7 +841,7 @@ fn multipliers_of_six_hundred_designs_balance() {
     assert!(ended >= 500 && 5 * ours <= all, "{ours} {near} {all}");
 }
 
-/// The same of six hundred problems of two to twelve variables.
+/// At least 99 % of six hundred problems of two to twelve variables end with multipliers that balance to a millionth.
 #[test]
 #[ignore = "six hundred problems"]
 fn multipliers_of_six_hundred_problems_balance() {

@@ -1,5 +1,5 @@
-//! Random mixes of targets and constraints over all topologies: with rows that no variable moves, rows that depend on
-//! one another, and rows that exclude one another.
+//! Tests of random mixes of targets and constraints over all topologies: with rows that no variable changes, with
+//! dependent rows, and with rows that exclude each other.
 
 use super::minima::{Random, slsqp};
 use super::noise;
@@ -25,7 +25,7 @@ const CHARACTERISTICS: [(&str, f64); 5] = [
 ];
 const TRAVELS: [f64; 7] = [-45.0, -30.0, -15.0, 0.0, 15.0, 30.0, 45.0];
 
-/// A generator of repeatable numbers.
+/// Generator of repeatable random numbers.
 struct Draw(u64);
 
 impl Draw {
@@ -35,34 +35,34 @@ impl Draw {
         draw
     }
 
-    /// Between -`by` and `by`.
+    /// Random number between -`by` and `by`.
     fn off(&mut self, by: f64) -> f64 {
         by * noise(&mut self.0)
     }
 
-    /// Between `low` and `high`.
+    /// Random number between `low` and `high`.
     fn between(&mut self, low: f64, high: f64) -> f64 {
         low + (high - low) * (0.5 + self.off(0.5))
     }
 
-    /// One of this many.
+    /// Random index below `count`.
     fn of(&mut self, count: usize) -> usize {
         (self.between(0.0, count as f64) as usize).min(count - 1)
     }
 }
 
-/// Rules about what a mix may contain.
+/// Contents that a mix may have.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Kind {
-    /// Any mix, also mixes that cannot be kept.
+    /// Any mix, including mixes that cannot be satisfied.
     Any,
-    /// Constraints that the study's own design keeps and that variables move.
+    /// Constraints that the study's nominal design satisfies and that variables change.
     Kept,
-    /// The same, with at least one row that nothing moves or that depends on another.
+    /// Like `Kept`, with at least one row that no variable changes or that depends on another row.
     Degenerate,
 }
 
-/// A random tuning.
+/// Random tuning.
 pub(super) struct Mix {
     pub study: Study,
     pub file: &'static str,
@@ -77,7 +77,7 @@ fn read(file: &str, overrides: &[String]) -> Option<Study> {
     Study::read(&path.join(file), overrides).ok()
 }
 
-/// A curve as a study writes it.
+/// Curve as a study writes it.
 fn curve(values: impl Iterator<Item = f64>) -> String {
     let knots = TRAVELS.iter().zip(values);
     let knots: Vec<String> = knots.map(|(t, v)| format!("[{t}, {v}]")).collect();
@@ -86,7 +86,7 @@ fn curve(values: impl Iterator<Item = f64>) -> String {
 
 /// Values of a characteristic at the travels.
 fn column(curves: &Curves, name: &str) -> Vec<f64> {
-    // The shortest name that begins so has the unit alone behind it.
+    // The shortest matching name has only the unit after the characteristic.
     let columns = curves.columns.iter().enumerate();
     let own = columns.filter(|(_, c)| c.name.starts_with(name));
     let (index, _) = own.min_by_key(|(_, c)| c.name.len()).unwrap();
@@ -94,7 +94,7 @@ fn column(curves: &Curves, name: &str) -> Vec<f64> {
     stations.map(|s| s.values[index].unwrap()).collect()
 }
 
-/// A wheel's points that can be moved, with their coordinates in the study's axes.
+/// Movable points of a wheel, with their coordinates in the study's axes.
 fn points(plain: &Study) -> Vec<(String, [f64; 3])> {
     let suspension = plain.wheel();
     let names = suspension.mechanism.points.iter().map(|p| p.name.clone());
@@ -112,7 +112,7 @@ fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 impl Mix {
-    /// The mix of a number; the seed is stated by the test.
+    /// Mix with this number; the test states the seed.
     pub(super) fn new(seed: u64, number: u64, kind: Kind) -> Self {
         let file = FILES[number as usize % FILES.len()];
         for attempt in 0..20 {
@@ -140,7 +140,7 @@ impl Mix {
         tune(&self.study.vehicle, optimise, Control::default()).unwrap()
     }
 
-    /// The move from the design, in ranges.
+    /// Distance from the nominal design, in ranges.
     pub(super) fn distance(&self, fit: &Fit) -> f64 {
         let variables = &self.study.optimise.as_ref().unwrap().variables;
         let moves = fit.x.iter().zip(variables);
@@ -149,7 +149,7 @@ impl Mix {
     }
 }
 
-/// Overrides that make a mix of a file.
+/// Overrides that turn a file into a mix.
 fn drawn(file: &'static str, draw: &mut Draw, kind: Kind) -> (Vec<String>, Vec<&'static str>) {
     let travels: Vec<String> = TRAVELS.iter().map(|t| format!("{t:?}")).collect();
     let names: Vec<String> = CHARACTERISTICS
@@ -164,7 +164,7 @@ fn drawn(file: &'static str, draw: &mut Draw, kind: Kind) -> (Vec<String>, Vec<&
     let plan = hardpoint::plan::Plan::with_targets(plain.one_wheel().unwrap(), None);
     let curves = hardpoint::curves::curves(plain.wheel(), &plan).unwrap();
     let all = points(&plain);
-    // Variables.
+    // Chooses variables.
     let mut coordinates: Vec<(usize, usize)> = (0..all.len())
         .filter(|k| all[*k].0 != "wheel_centre")
         .flat_map(|k| [0, 1, 2].map(|axis| (k, axis)))
@@ -184,7 +184,7 @@ fn drawn(file: &'static str, draw: &mut Draw, kind: Kind) -> (Vec<String>, Vec<&
         moved.push(k);
     }
     overrides.push(format!("optimise.variables=[{}]", variables.join(", ")));
-    // Targets.
+    // Chooses targets.
     let mut targets = Vec::new();
     let first = draw.of(CHARACTERISTICS.len());
     for k in 0..1 + draw.of(3) {
@@ -237,7 +237,7 @@ fn constraints(
         let choice = match (kind, place) {
             (Kind::Degenerate, 0) => 6 + draw.of(2),
             (Kind::Any, _) => draw.of(11),
-            // Without equalities, which the other solver does not take.
+            // The choice omits equalities, which the other solver does not support.
             (Kind::Degenerate, _) => 1 + draw.of(5),
             _ => draw.of(6),
         };
@@ -281,7 +281,7 @@ fn constraints(
                 );
                 (text, "sphere")
             }
-            // Lengths that nothing moves, at their limits.
+            // Lengths that no variable changes, at their limits.
             6 if degenerate && still.len() > 1 => {
                 let (c, d) = (still[0], still[1 + draw.of(still.len() - 1)]);
                 let long = apart(all[c].1, all[d].1);
@@ -296,7 +296,7 @@ fn constraints(
                 );
                 (text, "still")
             }
-            // Twice the same.
+            // The same constraint twice.
             7 | 6 => match (written.last(), kind) {
                 (Some(last), _) => (last.clone(), "twice"),
                 (None, _) => {
@@ -306,7 +306,7 @@ fn constraints(
                     (text, "twice")
                 }
             },
-            // Nothing moves it, and it is missed.
+            // No variable changes it, and it is violated.
             8 if still.len() > 1 => {
                 let (c, d) = (still[0], still[1 + draw.of(still.len() - 1)]);
                 let most = apart(all[c].1, all[d].1) - draw.between(0.5, 5.0);
@@ -330,7 +330,7 @@ fn constraints(
                 let four: Vec<usize> = if all.len() > 3 {
                     vec![a, other(0), other(1), other(2)]
                 } else {
-                    // A plane holds any three points.
+                    // Three points always lie in a plane, so the constraint takes all of them.
                     (0..all.len()).collect()
                 };
                 let names: Vec<String> =
@@ -341,7 +341,7 @@ fn constraints(
                 )
             }
         };
-        // A text that came with braces is a copy.
+        // A text with braces is a copy of an earlier one.
         written.push(if text.starts_with('{') {
             text
         } else {
@@ -423,7 +423,7 @@ fn check(tally: &Tally, least_share: f64) {
     for line in &tally.failed {
         println!("  {line}");
     }
-    // Most end within twenty times the median; a few follow a narrow valley of misfits far below a tolerance.
+    // Most runs end within twenty times the median. A few follow a narrow valley of misfits far below a tolerance.
     let many = tally
         .evaluations
         .iter()
@@ -435,7 +435,7 @@ fn check(tally: &Tally, least_share: f64) {
     assert!(tally.converged as f64 >= least_share * tally.feasible as f64);
 }
 
-/// Forty mixes of seed 1: all end, and those that can be kept converge.
+/// Forty mixes of seed 1 all end, and those that can be satisfied converge.
 #[test]
 fn mixes_end_and_converge() {
     if !crate::support::has_lanes() {
@@ -444,14 +444,15 @@ fn mixes_end_and_converge() {
     check(&tally(1, 0..40), 0.97);
 }
 
-/// A thousand mixes of seed 2.
+/// A thousand mixes of seed 2 all end, and those that can be satisfied converge.
 #[test]
 #[ignore = "takes minutes; .ci/long"]
 fn a_thousand_mixes_end_and_converge() {
     check(&tally(2, 0..1000), 0.97);
 }
 
-/// Rising levels of `good_enough`: how often the distance grows, and how often it is said that it may.
+/// Tunes with rising levels of `good_enough`. Counts how often the distance grows, and how often the program warns that
+/// it may.
 fn rising_levels(seed: u64, problems: std::ops::Range<u64>, levels: usize) -> [usize; 4] {
     let (mut grown, mut silent, mut labelled, mut count) = (0, 0, 0, 0);
     for number in problems {
@@ -507,7 +508,7 @@ fn rising_levels(seed: u64, problems: std::ops::Range<u64>, levels: usize) -> [u
     [count, grown, silent, labelled]
 }
 
-/// With a rising level the design kept comes nearer: eight problems of seed 4.
+/// With a rising level the kept design comes nearer to the nominal one, in eight problems of seed 4.
 #[test]
 fn a_higher_level_is_no_farther() {
     let [count, grown, silent, labelled] = rising_levels(4, 0..8, 5);
@@ -515,7 +516,7 @@ fn a_higher_level_is_no_farther() {
     assert!(labelled * 100 <= 3 * count, "{labelled} of {count}");
 }
 
-/// Three hundred rising levels of thirty problems of seed 4.
+/// With three hundred rising levels in thirty problems of seed 4, the kept design comes nearer.
 #[test]
 #[ignore = "takes minutes; .ci/long"]
 fn three_hundred_rising_levels_are_no_farther() {
@@ -524,8 +525,9 @@ fn three_hundred_rising_levels_are_no_farther() {
     assert!(labelled * 100 <= 3 * count, "{labelled} of {count}");
 }
 
-/// Misfits of cases with rows that nothing moves or that depend on one another, against the crate `slsqp` from the same
-/// design: none is above it, unless our method, begun at its end, stays there, so that it is another minimum.
+/// Compares misfits of cases with rows that no variable changes, or with dependent rows, with those of the crate
+/// `slsqp` from the same design. No misfit is higher, unless this program also stays at the end of `slsqp` when started
+/// there, so that both are minima.
 fn against_slsqp(seed: u64, numbers: std::ops::Range<u64>) {
     let (mut compared, mut others) = (0, 0);
     for number in numbers {
@@ -559,7 +561,7 @@ fn against_slsqp(seed: u64, numbers: std::ops::Range<u64>) {
     assert!(compared > 0);
 }
 
-/// Forty cases of seed 5.
+/// In forty cases of seed 5, no misfit is above that of `slsqp`.
 #[test]
 fn no_misfit_is_above_that_of_slsqp() {
     against_slsqp(5, 0..40);

@@ -1,4 +1,4 @@
-//! A planted geometry comes back.
+//! Tests that a tuning recovers a planted geometry.
 
 mod articulation;
 mod builds;
@@ -20,7 +20,7 @@ use hardpoint::optimise::{
 use hardpoint::study::{Interpolation, Optimise, Study, Target, Variable, Wanted};
 use std::path::Path;
 
-/// Six coordinates of a strut, which camber and kingpin curves determine.
+/// Six coordinates of a strut that camber and kingpin curves determine.
 const SIX: &str = "optimise.variables=[\
     { hardpoint = \"strut_top\", axis = \"y\", range = [-20.0, 20.0] }, \
     { hardpoint = \"lower_ball_joint\", axis = \"y\", range = [-10.0, 10.0] }, \
@@ -29,19 +29,19 @@ const SIX: &str = "optimise.variables=[\
     { hardpoint = \"lower_arm_front\", axis = \"z\", range = [-20.0, 20.0] }, \
     { hardpoint = \"lower_arm_rear\", axis = \"z\", range = [-20.0, 20.0] }]";
 
-/// The strut's camber and kingpin curves as targets, over those six coordinates.
+/// Study with the strut's camber and kingpin curves as targets, over these six coordinates.
 fn strut() -> Study {
     two_curves(edited("macpherson_front.toml", &[SIX]))
 }
 
-/// The study without its third target, which is about toe.
+/// Study without its third target, which is that of toe.
 fn two_curves(mut study: Study) -> Study {
     let targets = &mut study.optimise.as_mut().unwrap().targets;
     targets.truncate(2);
     study
 }
 
-/// The study's tuning, wanted what its own design has.
+/// Tuning of the study whose targets are the values of its own design.
 fn planted(study: &Study) -> Optimise {
     let suspension = study.wheel();
     let mut optimise = study.optimise.clone().unwrap();
@@ -69,8 +69,8 @@ fn planted(study: &Study) -> Optimise {
     optimise
 }
 
-/// The camber and kingpin curves of the design are the targets. From 20 designs up to 10 mm away in
-/// six coordinates the search comes back to it, to 1e-9 m, in tens of iterations.
+/// With the camber and kingpin curves of a design as targets, the search recovers the design to 1e-9 m from 20 starts.
+/// The starts are up to 10 mm away in six coordinates, and the search takes tens of iterations.
 #[test]
 fn a_planted_design_is_recovered_from_every_start() {
     let study = strut();
@@ -78,7 +78,7 @@ fn a_planted_design_is_recovered_from_every_start() {
     let mut optimise = planted(&study);
     let variables = optimise.variables.clone();
     for seed in 0..20_u32 {
-        // A cheap generator is enough: the starts only have to be spread and repeatable.
+        // A simple generator is enough: the starts only have to be spread and repeatable.
         let mut state = u64::from(seed).wrapping_mul(0x9E37_79B9_7F4A_7C15) + 1;
         let mut offset = || {
             state ^= state << 13;
@@ -133,7 +133,7 @@ fn a_planted_design_is_recovered_from_every_start() {
     }
 }
 
-/// An arm that is raised and tilted, the rack beside it: points that move together come back together.
+/// A tuning recovers points that moved together: a raised and tilted arm, with the rack.
 #[test]
 fn points_moved_together_come_back() {
     let variables = "optimise.variables=[
@@ -173,8 +173,8 @@ fn points_moved_together_come_back() {
     }
 }
 
-/// A bound that keeps the planted design out of reach is active at the solution, and the other
-/// coordinates make the best of it: no feasible move lowers the misfit.
+/// If a bound keeps the planted design out of reach, the bound is active at the solution. The other coordinates are
+/// optimal: no feasible move lowers the misfit.
 #[test]
 fn an_active_bound_is_where_it_stops() {
     let study = strut();
@@ -194,7 +194,8 @@ fn an_active_bound_is_where_it_stops() {
         } else if fit.x[k] == lower {
             assert!(slope > 0.0, "{k}: {slope}");
         } else {
-            // Stopped at a relative reduction of 1e-10: the slope left is of the order of its root.
+            // The search stops at a relative reduction of 1e-10, so the remaining slope has the order of its square
+            // root.
             assert!(slope.abs() < 1e-3, "{k}: {slope}");
         }
     }
@@ -206,7 +207,7 @@ fn an_active_bound_is_where_it_stops() {
     );
 }
 
-/// Only the proportion of weights and of tolerances matters: scaling all of either changes nothing.
+/// Only the ratios of weights and of tolerances matter: scaling all of them changes nothing.
 #[test]
 fn only_the_proportion_of_weights_matters() {
     let study = strut();
@@ -234,7 +235,7 @@ fn only_the_proportion_of_weights_matters() {
     assert_eq!(a.offsets, b.offsets);
 }
 
-/// The study of a file with something edited.
+/// Study of a file with some edits.
 fn edited(file: &str, overrides: &[&str]) -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("studies")
@@ -243,14 +244,14 @@ fn edited(file: &str, overrides: &[&str]) -> Study {
     Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// The joints of a drive shaft of the strut or the wishbone.
+/// Drive shaft joints of the strut or the wishbone.
 const DRIVE_SHAFT: [&str; 2] = [
     "suspension.extra_points.drive_shaft_inner={ body = \"chassis\", position = [5.0, 250.0, 310.0] }",
     "suspension.extra_points.drive_shaft_outer={ body = \"knuckle\", position = [3.0, 690.0, 300.0] }",
 ];
 
-/// Every kind of target and constraint, at designs away from the study's own: derivatives against differences
-/// of sixth order, to 1e-9 of the largest of its kind, between stations as at them.
+/// The derivatives of every kind of target and constraint equal differences of sixth order, to 1e-9 of the largest of
+/// their kind. The test uses designs away from the nominal one, at stations and between them.
 #[test]
 fn derivatives_of_targets_and_constraints_are_exact() {
     let rim = "{ point = \"tie_rod_outer\", inside = { rim = 150.0, from = -90.0, to = 20.0 }, clearance = 4.0 }";
@@ -310,7 +311,7 @@ fn derivatives_of_targets_and_constraints_are_exact() {
     }
 }
 
-/// The derivatives of residuals and rows at `x`, against differences of sixth order.
+/// Compares the derivatives of residuals and rows at `x` with differences of sixth order.
 fn check_derivatives(
     name: &str,
     problem: &mut Objective<'_>,
@@ -351,12 +352,12 @@ fn check_derivatives(
                     .sum::<f64>()
                     / h;
                 let of = if is_goal { &here.goal } else { &here.rows };
-                // At the edge of a band a derivative is that of one side.
+                // At the edge of a band a derivative is one-sided, so the test skips it.
                 let inside = |at: &Assessment| part(at, row) == 0.0;
                 if is_goal && (inside(&here) || steps.iter().any(|(u, d)| inside(u) || inside(d))) {
                     continue;
                 }
-                // The largest of its kind: of its target, or of its constraint.
+                // The scale is the largest derivative of the same target or constraint.
                 let kind = |row: usize| {
                     if is_goal {
                         targets[row]
@@ -368,7 +369,7 @@ fn check_derivatives(
                 let largest = same
                     .map(|row| of.jacobian.row(row).amax())
                     .fold(1e-2, f64::max);
-                // Of the differences, whose values are rounded.
+                // Rounding of the values in the differences.
                 let rounding = 16.0 * f64::EPSILON * (1.0 + of.residuals[row].abs()) / h;
                 let bound = 1e-9 + rounding / largest;
                 let off = (slope - of.jacobian[(row, j)]).abs() / largest;
@@ -383,7 +384,7 @@ fn check_derivatives(
     }
 }
 
-/// A number in [-1, 1], repeatable.
+/// Repeatable random number in [-1, 1].
 fn noise(seed: &mut u64) -> f64 {
     *seed ^= *seed << 13;
     *seed ^= *seed >> 7;
@@ -391,8 +392,8 @@ fn noise(seed: &mut u64) -> f64 {
     2.0 * ((*seed >> 11) as f64 / (1_u64 << 53) as f64) - 1.0
 }
 
-/// Targets and constraints that every topology has, about a point of its carrier, at a random design within 6 mm of
-/// the study's in every coordinate of six of its points.
+/// Derivatives of targets and constraints that every topology has, for a point of its carrier, are exact. The design is
+/// random, within 6 mm of the study's in every coordinate of six points.
 #[test]
 fn derivatives_are_exact_at_a_random_design_of_every_topology() {
     for (file, carried, more, forces) in [
@@ -462,7 +463,7 @@ fn derivatives_are_exact_at_a_random_design_of_every_topology() {
         );
         let loads = "outputs.loads=[{ name = \"kerb\", at = \"contact_point\", force = [-900.0, 400.0, 3000.0], \
             moment = [2e4, -3e4, 5e4] }]";
-        // The wheel centre lies on the spin axis: its distance from it has no derivative.
+        // The wheel centre is on the spin axis, so its distance from the axis has no derivative.
         let rim = match carried {
             "wheel_centre" => String::new(),
             _ => format!(
@@ -495,13 +496,13 @@ fn derivatives_are_exact_at_a_random_design_of_every_topology() {
     }
 }
 
-/// A front of two targets of a strut: as many points as are wanted, none better than another, each within its ranges, and
-/// each what an own tuning with the second target held there comes to.
+/// The Pareto front of two targets of a strut has the requested number of points, and none dominates another. Each
+/// point is within its ranges and equals the result of a separate tuning with the second target held there.
 #[test]
 fn a_front_of_two_targets_is_traced() {
     let goals = "optimise.front=[\"camber\", \"kingpin_inclination\"]";
     let study = two_curves(edited("macpherson_front.toml", &[SIX, goals]));
-    // Tolerances so tight that both cannot be had.
+    // The tolerances are so tight that both targets cannot be met.
     let optimise = study.optimise.as_ref().unwrap();
     let (suspension, vehicle) = (study.wheel(), &study.vehicle);
     let wanted = |target: &Target| match &target.wanted {
@@ -541,7 +542,7 @@ fn a_front_of_two_targets_is_traced() {
             assert!((variable.range[0]..=variable.range[1]).contains(offset));
         }
     }
-    // What the table says of a point is what a tuning between such bounds finds there.
+    // The table's entry for a point equals the evaluation of its design.
     let middle = &found.choices[found.choices.len() / 2];
     let layout = TargetLayout::of(&optimise, vehicle);
     let mut problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();
@@ -555,7 +556,7 @@ fn a_front_of_two_targets_is_traced() {
     {
         assert!((deviation.rms - amount).abs() < 1e-9 * amount.max(1.0));
     }
-    // The weights are the slope between neighbours.
+    // The ratio of the weights equals the slope between neighbouring points.
     let near = found.choices.windows(3).map(|three| {
         let [a, b, c] = three else { panic!() };
         let rise = (c.amounts[1] - a.amounts[1]) / (c.amounts[0] - a.amounts[0]);
@@ -564,7 +565,7 @@ fn a_front_of_two_targets_is_traced() {
     let off = near.filter(|(rise, slope)| (rise - slope).abs() > 0.25 * rise.abs());
     assert!(off.count() <= found.choices.len() / 5);
 
-    // A price list: the misfit falls as the move grows, and the first step is the design itself.
+    // Misfit against size of change: the misfit falls as the change grows, and the first design is the nominal one.
     let list = price_list(vehicle, &optimise, &tuning, control).unwrap();
     assert!(list.len() >= 10, "{}", list.len());
     assert_eq!(list[0].amounts[1], 0.0);
@@ -574,7 +575,7 @@ fn a_front_of_two_targets_is_traced() {
     }
 }
 
-/// Two lengths that exclude one another are named, and nothing else.
+/// The tuning names two lengths that exclude each other, and nothing else.
 #[test]
 fn a_planted_contradiction_is_named() {
     let study = edited(
@@ -595,7 +596,7 @@ fn a_planted_contradiction_is_named() {
     assert!(best.constraints[1].room < -1.0 || best.constraints[2].room < -1.0);
 }
 
-/// Three stations see nothing of a value that is most extreme between them; the constraint does.
+/// A constraint detects an extreme value between stations, which three stations alone would miss.
 #[test]
 fn constraints_hold_between_stations() {
     let constraint =
@@ -615,7 +616,7 @@ fn constraints_hold_between_stations() {
     let tuning = coarse.tune(Control::default()).unwrap();
     let best = tuning.best.unwrap();
     assert!(best.constraints[0].room > -1e-6, "{:?}", best.constraints);
-    // Looked at closely, the tuned design keeps it everywhere.
+    // A fine grid of stations shows that the tuned design satisfies the limit everywhere.
     let fine = study("motion.travel={ from = -60.0, to = 60.0, steps = 241 }");
     let tuned = hardpoint::model::Suspension {
         design: best.design,
@@ -637,8 +638,8 @@ fn constraints_hold_between_stations() {
     assert!(most < 1.0 + 1e-4, "{most}");
 }
 
-/// The design kept is the one that moves least among those that are good enough. It moves less than the one of least
-/// misfit, and variables without effect on the targets stay.
+/// The tuning keeps the design with the smallest change among those that are good enough. Its change is smaller than
+/// that of the design with the smallest misfit, and variables without effect on the targets stay.
 #[test]
 fn the_nearest_good_design_is_kept() {
     let variables = "optimise.variables=[\
@@ -678,15 +679,15 @@ fn the_nearest_good_design_is_kept() {
     assert_eq!(movement(&study_itself.offsets), 0.0);
 }
 
-/// Steps of a random number generator, normally distributed (G. E. P. Box, M. E. Muller, 1958).
+/// Normally distributed random number (G. E. P. Box, M. E. Muller, 1958).
 fn normal(seed: &mut u64) -> f64 {
     let (u, v) = (0.5 * (noise(seed) + 1.0), 0.5 * (noise(seed) + 1.0));
     (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
 }
 
-/// A well-determined fit of measured curves of a strut: with noise planted on both, each coordinate's interval
-/// holds the truth in 93 to 97 of 100 fits, the truth being up to three standard errors and more from where
-/// the search begins.
+/// Shares of fits whose interval contains the truth, one for each coordinate of a strut, in well-determined fits of
+/// measured curves. With random noise on both curves it is 93 to 97 of 100 fits. The truth is up to three and more
+/// standard errors from the start of the search.
 fn coverage(fits: usize) -> Vec<f64> {
     let variables = "optimise.variables=[\
         { hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-30.0, 30.0] }, \
@@ -715,7 +716,7 @@ fn coverage(fits: usize) -> Vec<f64> {
                 .map(|[x, y]| [*x, y + 0.4 * target.tolerance * normal(&mut seed)]);
             target.wanted = Wanted::Points(noisy.collect());
         }
-        // The design the search begins from is off by several standard errors.
+        // The start of the search is several standard errors from the truth.
         let mut start = study.wheel().clone();
         let away = nalgebra::DVector::from_fn(3, |_, _| 6.0 * noise(&mut seed));
         let (frame, design) = (&study.wheel().frame, &study.wheel().design);
@@ -742,7 +743,7 @@ fn coverage(fits: usize) -> Vec<f64> {
 
 #[test]
 fn intervals_of_fits_hold_the_truth() {
-    // Of 60 fits at 95 % between 51 and 60 hold it, but for one run in 300.
+    // Between 51 and 60 of 60 fits at 95 % contain the truth, except in one run of 300.
     for share in coverage(60) {
         assert!(share >= 0.85, "{share}");
     }
@@ -766,7 +767,8 @@ fn hardpoint(arguments: &[&str]) -> assert_cmd::assert::Assert {
         .assert()
 }
 
-/// A front is a file, a table and a part of the page; a price list is printed, and stands in the summary.
+/// The program writes a Pareto front as a file, a table and a part of the page. It prints misfit against size of
+/// change, and writes it into the summary.
 #[test]
 fn fronts_and_price_lists_are_written_and_shown() {
     let directory = tempfile::tempdir().unwrap();
@@ -829,7 +831,7 @@ fn fronts_and_price_lists_are_written_and_shown() {
     curves_of_a_point_are_those_of_its_study(&out);
 }
 
-/// A point of the front has the curves that its study gives when it is solved, with six digits.
+/// A point of the front has the curves of its study, with six digits.
 fn curves_of_a_point_are_those_of_its_study(run: &std::path::Path) {
     let record = std::fs::read(run.join("report.json")).unwrap();
     let record: serde_json::Value = serde_json::from_slice(&record).unwrap();
@@ -879,7 +881,7 @@ fn curves_of_a_point_are_those_of_its_study(run: &std::path::Path) {
     assert!(compared > 4, "{names:?}");
 }
 
-/// Missing inputs of front, scatter and constraints are reported with the line.
+/// The program reports missing inputs of front, scatter and constraints with the line.
 #[test]
 fn mistakes_in_front_scatter_and_constraints_are_refused() {
     for (edit, wanted) in [
@@ -912,8 +914,8 @@ fn mistakes_in_front_scatter_and_constraints_are_refused() {
     }
 }
 
-/// A wanted force in the tie rod is had, and what `solve` says of the tuned design; the steering arm's force stays below a
-/// limit everywhere, also between stations. Without loads there is no force to want.
+/// A tuning reaches a target force in the tie rod, as `solve` of the tuned design confirms. The force of the steering
+/// arm stays below a limit everywhere, also between stations. Without loads the program refuses a target force.
 #[test]
 fn forces_under_loads_are_tuned_and_held() {
     let loads = "outputs.loads=[{ name = \"braking\", at = \"contact_point\", force = [-3000.0, 0.0, 4000.0] }]";
@@ -1016,8 +1018,8 @@ fn mistakes_in_shafts_and_rims_are_refused() {
     }
 }
 
-/// A direction is what its coordinates are: tuned along one, the design is where a tuning by those coordinates together would
-/// put it; the table names it, and what is no direction is refused.
+/// A variable along a direction equals its coordinates moved together: the tuned design has the combined moves, and the
+/// table names the direction. The program refuses an invalid direction.
 #[test]
 fn a_variable_along_a_direction_is_its_coordinates_together() {
     let study = |variable: &str| {
@@ -1046,7 +1048,7 @@ fn a_variable_along_a_direction_is_its_coordinates_together() {
     assert!(by.abs() > 0.1, "{by}");
     let off = moved - hardpoint::number::Vector3::new(0.0, 0.6 * by, 0.8 * by);
     assert!(off.norm() < 1e-12 * moved.norm() + 1e-12, "{off:?}");
-    // An axis written as a direction is that axis.
+    // An axis written as a direction equals that axis.
     let axis = tuned("{ hardpoint = \"strut_top\", axis = \"y\", range = [-20.0, 20.0] }");
     let same =
         tuned("{ hardpoint = \"strut_top\", direction = [0.0, 5.0, 0.0], range = [-20.0, 20.0] }");
@@ -1082,7 +1084,7 @@ fn a_variable_along_a_direction_is_its_coordinates_together() {
     }
 }
 
-/// An interrupted tuning says so, and gives the number of finished starts.
+/// An interrupted tuning reports the interruption and the number of finished starts.
 #[test]
 fn an_interrupted_tuning_says_how_many_starts_are_done() {
     let study = edited("macpherson_front.toml", &["optimise.starts=12"]);
@@ -1112,7 +1114,8 @@ fn an_interrupted_tuning_says_how_many_starts_are_done() {
     );
 }
 
-/// A search for the smallest change that runs out of evaluations does not call its design the smallest.
+/// If the search for the smallest change runs out of evaluations, the program does not call its design the smallest
+/// change.
 #[test]
 fn a_search_that_was_cut_short_knows_no_smallest_change() {
     for (iterations, is_known) in [(200, true), (14, false), (20, false)] {

@@ -1,4 +1,4 @@
-//! Constraints and targets that cannot be met: the words name them, before the tuning and after it.
+//! Tests of constraints and targets that cannot be met: messages name them, before and after the tuning.
 
 use super::edited;
 use hardpoint::optimise::{Control, tune};
@@ -11,7 +11,8 @@ fn summary(study: &Study) -> TuningSummary {
     TuningSummary::of(study, optimise, &tuning, None)
 }
 
-/// No start satisfies a length a metre away. The kept start has the smallest violation, and the words say that and by how much.
+/// No start satisfies a length that is a metre off. The kept start has the smallest violation, and the message states
+/// this with the amount.
 #[test]
 fn an_impossible_constraint_is_named_with_its_violation() {
     let far = "optimise.constraints=[{ length = \"tie_rod\", between = [1340.0, 1380.0] }]";
@@ -41,7 +42,7 @@ fn an_impossible_constraint_is_named_with_its_violation() {
         !ended.iter().any(|ended| ended.contains("contradict")),
         "{ended:?}"
     );
-    // The length is in the design, before any tuning.
+    // The nominal design determines the length, so the program reports it before any tuning.
     let before = violated_constraints(&study).unwrap();
     let [line] = &before[..] else {
         panic!("{before:?}")
@@ -55,7 +56,7 @@ fn an_impossible_constraint_is_named_with_its_violation() {
     assert!(violated_constraints(&study).unwrap().is_empty());
 }
 
-/// Points of a target in another unit than the motion are doubted; points a little beyond the motion are not.
+/// The program warns of target points in another unit than the motion, but not of points slightly beyond the motion.
 #[test]
 fn a_target_that_spans_much_more_than_its_motion_is_doubted() {
     for (end, is_doubted) in [(1500.0, true), (100.0, false)] {

@@ -1,4 +1,4 @@
-//! Robust tuning of axles: each wheel of a build scatters by itself.
+//! Tests of robust tuning of axles: each wheel of a build scatters independently.
 
 use crate::compliance::support::fourth_order;
 use hardpoint::optimise::{Control, LeastSquares, Linearisation, Objective, TargetLayout, tune};
@@ -8,10 +8,10 @@ use nalgebra::DVector;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// Half the width of the scatter of a part whose deviation is known.
+/// Half the width of the scatter range; it is so narrow that the deviation of a part is known.
 const NARROW: f64 = 1e-12;
 
-/// A uniform scatter about a known deviation.
+/// Uniform scatter about a known deviation.
 pub fn known(part: &str, deviation: f64) -> String {
     let [low, high] = [deviation - NARROW, deviation + NARROW];
     format!("{{ {part}, limits = [{low:?}, {high:?}] }}")
@@ -46,8 +46,8 @@ fn nominal(study: &Study, optimise: &Optimise) -> DVector<f64> {
     found.residuals
 }
 
-/// The derivatives of the builds equal their difference quotients. Richardson's extrapolation makes a quotient of sixth order
-/// from two of fourth order, with these steps and with half of them.
+/// Asserts that the derivatives of the builds equal their difference quotients. Richardson's extrapolation makes a
+/// quotient of sixth order from two of fourth order, with these steps and with half of them.
 pub fn assert_derivatives_are_slopes(study: &Study, x: &[f64], steps: &[f64], bound: f64) {
     let x = DVector::from_column_slice(x);
     let here = builds_at(study, &x);
@@ -60,7 +60,7 @@ pub fn assert_derivatives_are_slopes(study: &Study, x: &[f64], steps: &[f64], bo
             builds_at(study, &moved).residuals
         };
         let moved = [-2.0, -1.0, -0.5, 0.5, 1.0, 2.0].map(at);
-        // A derivative counts by its effect over the step.
+        // The scale of a derivative is its largest effect in the column.
         let size = here.jacobian.column(column).amax();
         for (row, gradient) in here.jacobian.row_iter().enumerate() {
             let value = |k: usize| moved[k][row];
@@ -141,7 +141,7 @@ const ROLLED: &str =
     "roll = [-2.0, 0.0, 2.0]\nheave = [0.0, 20.0]\nsteering_wheel_angle = [0.0, 300.0]";
 const ON_PADS: &str = "travel_left = [-30.0, 0.0, 30.0]\ntravel_right = 0.0";
 
-/// The wheels are mirror images or not, and their builds are aligned or not.
+/// The derivatives are exact for mirrored and for different wheels, with aligned and unaligned builds.
 #[test]
 fn derivatives_of_builds_of_axles_are_exact() {
     let x = [1.5, -2.0, 0.5, -1.0, 0.7, 0.3, -0.4, 0.2];
@@ -156,7 +156,7 @@ fn derivatives_of_builds_of_axles_are_exact() {
     }
 }
 
-/// A build of the tuning is the build that `tolerance` assembles from the same deviations.
+/// A build of the tuning equals the build that `tolerance` assembles from the same deviations.
 #[test]
 fn builds_of_an_axle_are_those_of_tolerance() {
     let parts = [
@@ -181,8 +181,8 @@ fn builds_of_an_axle_are_those_of_tolerance() {
     }
 }
 
-/// If only the left wheel scatters and only it has targets, the builds equal the builds of the study without `[axle]`.
-/// If both wheels scatter as mirror images, both have the residuals of that wheel.
+/// If only the left wheel scatters and has targets, the builds equal those of the study without `[axle]`. If both
+/// wheels scatter in mirror image, both have the residuals of that wheel.
 #[test]
 fn wheels_of_an_axle_scatter_like_a_single_wheel() {
     let x = DVector::from_column_slice(&[1.5, -2.0, 0.5, -1.0, 0.7, 0.3, -0.4, 0.2]);
@@ -248,8 +248,8 @@ const TUNED: &str = r#"
   { characteristic = "mean_steer", over = "roll", at = 2.0, value = 0.0, tolerance = 0.02 },
 "#;
 
-/// One thread and two threads give the same bits. The misfit over the builds is not above the one of the optimum without scatter, and
-/// it is below the one of the given axle.
+/// One thread and two threads give the same bits. The misfit over the builds is at most that of the optimum without
+/// scatter, and below that of the given axle.
 #[test]
 fn a_tuned_axle_is_the_same_on_any_number_of_threads() {
     let motion = "roll = [-2.0, 0.0, 2.0]\nheave = [-30.0, 0.0, 30.0]";
@@ -286,9 +286,9 @@ fn a_tuned_axle_is_the_same_on_any_number_of_threads() {
     assert!(found < given, "{found} {given}");
 }
 
-/// The target is near an end of the band, so the optimum without scatter has a low yield. Builds of `tolerance`, which the
-/// tuning has not seen, keep the bands more often afterwards; their share is the expected one, within five standard errors of
-/// both samples. One band holds at a heave, one in the whole motion.
+/// The target is near an end of the band, so the optimum without scatter has a low yield. Builds of `tolerance`, which
+/// the tuning did not use, meet the bands more often after the robust tuning. Their share agrees with the expected one
+/// within five standard errors of both samples. One band applies at a heave, the other over the whole motion.
 #[test]
 fn the_robust_axle_has_the_larger_yield() {
     let targets =

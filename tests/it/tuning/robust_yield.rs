@@ -1,4 +1,4 @@
-//! Tunings towards the yield, judged by builds that they have not seen.
+//! Tests of tunings for yield, judged by builds that the tuning did not use.
 
 use super::edited;
 use hardpoint::optimise::{Control, Tuning, tune};
@@ -11,7 +11,7 @@ const WELDED: &str = "double_wishbone_tolerance.toml";
 const STRUT: &str = "macpherson_tolerance.toml";
 const FRESH: &str = "tolerance.builds=100000";
 
-/// Share of 10^5 builds within all bands. Their seed is not that of the tuning.
+/// Share of 10^5 builds within all bands. Their seed differs from that of the tuning.
 fn fresh_yield(study: &Study) -> f64 {
     let fresh = study
         .with_overrides(
@@ -92,7 +92,7 @@ fn studies() -> Vec<Study> {
         strut("[0.15, 0.38]", "[3.3, 3.65]", "true"),
         strut("[-0.3, 0.6]", "[3.42, 3.58]", "false"),
         strut("[0.1, 0.3]", "[3.2, 3.7]", "true"),
-        // Far from what the targets ask for.
+        // The bands are far from the targets.
         tight(
             "tolerance.bands=[{ characteristic = \"camber\", at = 0.0, between = [-2.2, -1.8] }, { characteristic = \"toe\", at = 30.0, between = [0.5, 0.6] }]",
         ),
@@ -112,8 +112,9 @@ fn the_yield_of_eleven_studies_is_raised() {
     judged_by_fresh_builds(&all.iter().collect::<Vec<_>>(), 8);
 }
 
-/// The yield on fresh builds is never below that of the optimum without scatter by more than its standard error, and it is
-/// larger where the bands leave room. The expected yield is that of the fresh builds within their standard errors.
+/// The yield of fresh builds falls below that of the optimum without scatter by at most its standard error, and it is
+/// larger where the bands allow it. The expected yield agrees with that of the fresh builds within their standard
+/// errors.
 fn judged_by_fresh_builds(studies: &[&Study], raised_at_least: usize) {
     let mut raised = 0;
     for (number, study) in studies.iter().enumerate() {
@@ -141,7 +142,7 @@ fn judged_by_fresh_builds(studies: &[&Study], raised_at_least: usize) {
     assert!(raised >= raised_at_least, "{raised}");
 }
 
-/// Alignment holds toe at the limit of a band. Every build keeps this band, so the search for the yield does not see it.
+/// If alignment holds toe at the limit of a band, every build meets this band, so the yield search ignores it.
 #[test]
 fn a_value_held_at_a_limit_costs_no_yield() {
     let study = edited(

@@ -1,4 +1,4 @@
-//! Constraints and targets that no variable moves, and the way back to the nearest design.
+//! Tests of constraints and targets that no variable changes, and of the return to the nearest design.
 
 use super::edited;
 use hardpoint::optimise::{Control, Fit, Price, Tuning, tune};
@@ -12,7 +12,7 @@ fn tuned(study: &Study) -> Tuning {
     tune(&study.vehicle, optimise, Control::default()).unwrap()
 }
 
-/// A study of `tests/data/own/tuning`.
+/// Study of `tests/data/own/tuning`.
 fn stored(name: &str, overrides: &[&str]) -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/own/tuning");
     let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
@@ -32,7 +32,7 @@ fn assert_converged(fit: &Fit) {
     assert!(fit.residual < 1e-6, "{}", fit.residual);
 }
 
-/// The squared move from the design, in ranges.
+/// Squared change from the nominal design, in ranges.
 fn moved(study: &Study, fit: &Fit) -> f64 {
     let variables = &study.optimise.as_ref().unwrap().variables;
     let moves = fit.x.iter().zip(variables);
@@ -41,7 +41,7 @@ fn moved(study: &Study, fit: &Fit) -> f64 {
         .sum()
 }
 
-/// Constraints that nothing moves, kept at their limits, leave a tuning as it is without them.
+/// Satisfied constraints that no variable changes have no effect on a tuning, even at their limits.
 #[test]
 fn kept_constraints_that_stand_still_change_nothing() {
     let plain = tuned(&edited(ROCKER, &[]));
@@ -55,7 +55,7 @@ fn kept_constraints_that_stand_still_change_nothing() {
         let fit = best(&tuning);
         assert_converged(fit);
         assert!(fit.evaluations() < 40, "{}", fit.evaluations());
-        // Two methods approach the same design, each to the digits where it stops.
+        // The two searches approach the same design with the accuracy of their stopping criteria.
         assert!(
             (fit.misfit() - best(&plain).misfit()).abs() < 1e-6,
             "{constraint}"
@@ -70,7 +70,7 @@ fn kept_constraints_that_stand_still_change_nothing() {
     assert!(best(&carrier).evaluations() < 60);
 }
 
-/// A constraint that nothing moves and that is violated is named; the rest is tuned as without it.
+/// The program names a violated constraint that no variable changes, and tunes the rest as without it.
 #[test]
 fn a_violated_constraint_that_stands_still_is_named() {
     let plain = tuned(&edited(ROCKER, &[]));
@@ -87,13 +87,14 @@ fn a_violated_constraint_that_stands_still_is_named() {
     assert!((moved(&study, best(&tuning)) - moved(&study, best(&plain))).abs() < 1e-6);
 }
 
-/// A length of the carrier that nothing moves once stopped the search short of the optimum, and had a price.
+/// A length of the carrier that no variable changes must not stop the search short of the optimum. In an earlier
+/// failure it did, and it had a price.
 #[test]
 fn a_length_that_stands_still_hides_no_optimum() {
     let wrong = tuned(&stored("unmovable_length_wrong_optimum.toml", &[]));
     let fit = best(&wrong);
     assert_converged(fit);
-    // By IPOPT, to the digits that are known of it.
+    // Value from IPOPT, to its known digits.
     assert!(fit.misfit() < 0.378_535, "{}", fit.misfit());
     let outcomes = &wrong.best.as_ref().unwrap().constraints;
     assert!(
@@ -104,11 +105,11 @@ fn a_length_that_stands_still_hides_no_optimum() {
     assert_converged(best(&tuned(&stored("unmovable_length_hangs.toml", &[]))));
 }
 
-/// A target that nothing moves, missed by a hundred tolerances, changes neither the optimum of the others nor how near
-/// to it counts as good.
+/// A target that no variable changes, missed by a hundred tolerances, changes neither the optimum of the other targets
+/// nor the good-enough level.
 #[test]
 fn a_missed_target_that_stands_still_hides_no_other() {
-    // Toe in the design position is set there, whatever moves.
+    // Static toe fixes toe in the design position, whatever moves.
     let other = "{ characteristic = \"camber_gain\", at = 0.0, value = -0.03, tolerance = 0.0005 }";
     let still = "{ characteristic = \"toe\", at = 0.0, value = 5.0, tolerance = 0.05 }";
     for good_enough in ["optimise.good_enough=0.0", "optimise.good_enough=0.5"] {
@@ -123,7 +124,8 @@ fn a_missed_target_that_stands_still_hides_no_other() {
         assert_eq!(both.unmoved, [1]);
         let (alone, both) = (alone.best.unwrap(), both.best.unwrap());
         let [alone, both] = [alone, both].map(|best| best.after.targets[0].rms);
-        // The level of the misfit is that of both targets: of one alone it is up to the root of two as much.
+        // The good-enough level applies to the misfit of both targets, so a single target may have up to sqrt(2) times
+        // this level.
         assert!(
             both <= 0.5 * 2.0_f64.sqrt() + 1e-6,
             "{good_enough}: {alone} {both}"
@@ -135,7 +137,7 @@ fn a_missed_target_that_stands_still_hides_no_other() {
     }
 }
 
-/// Three tunings whose way back once failed: the distances that IPOPT finds, squared, are reached.
+/// Three tunings whose return to the nearest design once failed now reach the squared distances that IPOPT finds.
 #[test]
 fn ways_back_that_failed_reach_the_nearest_design() {
     for (name, least) in [
@@ -148,7 +150,7 @@ fn ways_back_that_failed_reach_the_nearest_design() {
         let fit = best(&tuning);
         assert_converged(fit);
         let found = moved(&study, fit);
-        // IPOPT's figures have three digits.
+        // The values of IPOPT have three digits.
         assert!(found < least + 0.0005, "{name}: {found}");
         assert!(
             fit.ended().starts_with("converged: smallest change"),

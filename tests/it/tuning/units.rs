@@ -1,4 +1,5 @@
-//! Margins and prices are in the units in which a study writes its limits, and say which.
+//! Tests that margins and prices have the units in which a study writes its limits, and that the output names these
+//! units.
 
 use hardpoint::optimise::Control;
 use hardpoint::report::{TuningSummary, as_written};
@@ -6,7 +7,7 @@ use hardpoint::study::Study;
 use serde_json::Value;
 use std::path::Path;
 
-/// A strut with constraints of every unit, in millimetres times `per`.
+/// Strut with constraints in every unit; lengths in millimetres are multiplied by `per`.
 fn strut(unit: &str, per: f64) -> Study {
     let point = |v: [f64; 3]| format!("{:?}", v.map(|c| c * per));
     let length = |v: f64| format!("{:?}", v * per);
@@ -110,7 +111,7 @@ fn margins_and_prices_are_in_the_study_s_unit() {
         let lists = [&wanted, &found].map(|summary| summary["constraints"].as_array().unwrap());
         assert_eq!(lists[0].len(), 7);
         for (number, (mm, own)) in lists[0].iter().zip(lists[1]).enumerate() {
-            // What a number of this unit is multiplied by from the study in millimetres.
+            // Factor from the study in millimetres for a number of this unit.
             let (symbol, factor) = match number {
                 0 | 1 => (unit.to_owned(), per),
                 2 => (format!("deg/{unit}"), 1.0 / per),
@@ -134,14 +135,15 @@ fn margins_and_prices_are_in_the_study_s_unit() {
                 assert!(near(own, mm * per, per), "{own} {mm}");
             }
         }
-        // A reader sees the place with its unit, too.
+        // The table shows the travel with its unit too.
         let at = lists[1][3]["at"].as_f64().unwrap();
         let place = format!("{} {unit}", as_written(at));
         assert!(table.contains(&place), "{place}: {table}");
     }
 }
 
-/// The manual's planar rocker, on the study of a rocker: the points stay in one plane though they may leave it.
+/// The manual's example of a planar rocker works in the study of a rocker: the points stay in one plane, although the
+/// variables could move them out of it.
 #[test]
 fn the_manual_s_planar_rocker_is_tuned() {
     let manual = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/tuning.md");

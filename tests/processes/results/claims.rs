@@ -1,8 +1,9 @@
-//! Rules for replacing files.
+//! Tests of the rules for replacing files.
 
 use super::*;
 
-/// The same command with the same study replaces its files; anything else is refused and loses nothing.
+/// The same command with the same study replaces its files. The program refuses any other replacement, and loses
+/// nothing.
 #[test]
 fn only_the_same_study_and_command_replace_results() {
     let bench = Bench::new();
@@ -34,7 +35,7 @@ fn only_the_same_study_and_command_replace_results() {
         }
         assert_eq!(contents(&bench.path(command)), before);
     }
-    // With --force they do, and nothing of the former run stays.
+    // With --force other commands replace them, and no file of the former run stays.
     let forced = ["solve", "study.toml", "--out", "sweep", "--force"];
     bench.run(&forced).success();
     let names = |run: &str| -> Vec<String> {
@@ -44,7 +45,7 @@ fn only_the_same_study_and_command_replace_results() {
     assert_eq!(names("sweep"), names("solve"));
 }
 
-/// In a directory that the user has not chosen, older results are moved aside and kept.
+/// In the default directory the program moves older results aside and keeps them.
 #[test]
 fn in_the_default_directory_older_results_are_moved_aside() {
     let bench = Bench::new();
@@ -58,7 +59,7 @@ fn in_the_default_directory_older_results_are_moved_aside() {
     bench.run(&["solve", "study.toml"]).success();
     assert_eq!(contents(&bench.path("out/study")), solved);
     assert_eq!(contents(&bench.path("out/study.2")), tuned);
-    // Not with a file of someone else in it, nor an input.
+    // The program refuses to move results aside if the directory contains a file of another program, or an input.
     fs::write(bench.path("out/study/notes.txt"), "mine").unwrap();
     let other = ["--set", "motion.travel=[-30.0, 0.0, 30.0]"];
     bench.refused(
@@ -79,7 +80,7 @@ fn in_the_default_directory_older_results_are_moved_aside() {
     assert!(bench.path("out/study/mine.csv").exists());
 }
 
-/// Files that no run of ours wrote are neither overwritten nor deleted.
+/// The program neither overwrites nor deletes files that it did not write.
 #[test]
 fn foreign_files_are_never_touched() {
     let files = [
@@ -105,7 +106,7 @@ fn foreign_files_are_never_touched() {
         bench.run(&[&call[..], &["--force"]].concat()).success();
         assert_ne!(fs::read(&path).unwrap(), b"mine");
     }
-    // A page of someone else stays where none is asked for, and is in the way where one is.
+    // The program keeps a foreign page if no page is requested, and refuses to replace it if one is.
     let bench = Bench::new();
     fs::create_dir(bench.path("out")).unwrap();
     fs::write(bench.path("out/report.html"), "mine").unwrap();
@@ -120,7 +121,7 @@ fn foreign_files_are_never_touched() {
     assert_eq!(bench.read("out/report.html"), "mine");
     bench.run(&["report", "out", "--force"]).success();
     bench.run(&["report", "out"]).success();
-    // Pictures.
+    // The program also keeps foreign pictures, and refuses to replace them.
     fs::create_dir(bench.path("drawn")).unwrap();
     fs::write(bench.path("drawn/overview.svg"), "mine").unwrap();
     bench.refused(&["report", "out", "--plots", "drawn"], &["overview.svg"]);
@@ -133,7 +134,7 @@ fn foreign_files_are_never_touched() {
         .success();
 }
 
-/// The study, a target and a file of designs are not results.
+/// The program never overwrites inputs: the study, the file of a target, a file of designs.
 #[test]
 fn inputs_are_never_overwritten() {
     let bench = Bench::new();
@@ -156,7 +157,7 @@ fn inputs_are_never_overwritten() {
         &["designs.csv is an input"],
     );
     assert_eq!(bench.read("designs.csv"), rows);
-    // A tuned study run where it is.
+    // A tuned study may run in its own directory.
     bench
         .run(&["optimise", "optimised.toml", "--out", "a"])
         .success();
@@ -172,7 +173,7 @@ fn inputs_are_never_overwritten() {
     assert_eq!(bench.read("a/optimised.toml"), tuned);
 }
 
-/// A name that leads elsewhere is no name for a directory.
+/// If the study's name consists of dots, the program does not derive a directory from it.
 #[test]
 fn a_study_called_by_dots_writes_nowhere_else() {
     let bench = Bench::new();
@@ -187,7 +188,7 @@ fn a_study_called_by_dots_writes_nowhere_else() {
     }
 }
 
-/// If two runs want one directory at once, the second is told which run has it.
+/// If two runs need one directory at the same time, the second one is told which run uses it.
 #[test]
 fn one_run_at_a_time_writes_to_a_directory() {
     let bench = Bench::new();
@@ -209,7 +210,7 @@ fn one_run_at_a_time_writes_to_a_directory() {
             ],
         );
     }
-    // As when its owner dies.
+    // Releases the lock, as when its owner dies.
     drop(lock);
     bench
         .run(&["solve", "study.toml", "--out", "out"])
@@ -217,8 +218,8 @@ fn one_run_at_a_time_writes_to_a_directory() {
     assert!(!path.exists());
 }
 
-/// A sweep keeps the study that it is of, from which it can be done again; in its own directory too, where the study
-/// stays, as any input does.
+/// A sweep keeps a copy of its study, from which it can run again. In the study's own directory, the study stays
+/// unchanged, like any input.
 #[test]
 fn a_sweep_keeps_its_study() {
     let bench = Bench::new();
@@ -241,7 +242,7 @@ fn a_sweep_keeps_its_study() {
         assert_eq!(bench.read("run/study.toml"), kept);
         assert_eq!(bench.read("run/designs.csv"), rows);
     }
-    // So does a solve that replaces the results of another state of its study.
+    // A solve that replaces the results of another version of its study keeps a copy too.
     bench
         .run(&["solve", "study.toml", "--out", "solved"])
         .success();
@@ -252,7 +253,7 @@ fn a_sweep_keeps_its_study() {
     assert_eq!(bench.read("solved/study.toml"), STUDY);
 }
 
-/// The copy finds the designs that the study names, from wherever it is.
+/// The kept copy finds the designs that the study names, wherever it is.
 #[test]
 fn a_kept_study_finds_its_designs() {
     let bench = Bench::new();
@@ -279,7 +280,7 @@ fn a_kept_study_finds_its_designs() {
     );
 }
 
-/// A reader of the printed text may stop early: the results exist, and are recorded as finished.
+/// A reader of the printed text may stop early: the results exist, and their record says finished.
 #[test]
 fn a_closed_pipe_leaves_a_finished_run() {
     let bench = Bench::new();
@@ -304,14 +305,15 @@ fn a_closed_pipe_leaves_a_finished_run() {
         assert_eq!(ended.status.code(), Some(0), "{command}: {said}");
         let record = bench.read(&format!("{command}/run.json"));
         assert!(record.contains("\"finished\": true"), "{command}: {record}");
-        // Nothing of it is missing.
+        // No file is missing.
         let files = contents(&bench.path(command));
         bench.run(&call).success();
         assert_eq!(contents(&bench.path(command)), files, "{command}");
     }
 }
 
-/// Pictures that cannot be written are refused before anything is, and by the option that names their place.
+/// The program refuses pictures that it cannot write before it writes anything, and names the option that sets their
+/// directory.
 #[test]
 fn pictures_in_the_way_are_refused_before_a_run() {
     let bench = Bench::new();
@@ -334,13 +336,13 @@ fn pictures_in_the_way_are_refused_before_a_run() {
         ];
         bench.refused(&call("pictures", &[]), &advice);
         assert!(!bench.path("run").exists(), "{command}");
-        // Where the results are refused there are no pictures either.
+        // If the program refuses the results, it writes no pictures either.
         fs::create_dir(bench.path("run")).unwrap();
         fs::write(bench.path("run/summary.json"), "mine").unwrap();
         bench.refused(&call("new/pictures", &[]), &["summary.json", "with --out"]);
         assert!(!bench.path("new").exists(), "{command}");
         fs::remove_dir_all(bench.path("run")).unwrap();
-        // Beside the results they are results, again and again.
+        // Pictures in the results directory count as results and are replaced in later runs.
         for _ in 0..2 {
             bench.run(&call("run", &[])).success();
         }
@@ -371,7 +373,8 @@ fn pictures_in_the_way_are_refused_before_a_run() {
     );
 }
 
-/// Pictures of another study are not replaced. Stale pictures of the same study, and those that `--force` replaces, are removed.
+/// The program does not replace pictures of another study. It removes stale pictures of the same study, and those that
+/// `--force` replaces.
 #[test]
 fn pictures_of_two_studies_are_not_mixed() {
     let bench = Bench::new();
@@ -385,7 +388,7 @@ fn pictures_of_two_studies_are_not_mixed() {
     bench.refused(&call("two", &other), &["pictures holds", "with --plots"]);
     assert_eq!(contents(&bench.path("pictures")), before);
     assert!(!bench.path("two").exists());
-    // A page and pictures of the same run may be made again.
+    // A later command may make the page and pictures of the same run again.
     bench
         .run(&["report", "one", "--plots", "pictures"])
         .success();
@@ -396,8 +399,8 @@ fn pictures_of_two_studies_are_not_mixed() {
     assert!(!bench.path("pictures/camber_deg.svg").exists());
 }
 
-/// A page or pictures of an earlier run beside new results would be wrong, so a run without them removes them. It names what it
-/// removes, and the option that writes it again.
+/// A run without a page or pictures removes those of an earlier run, because they would not match the new results. It
+/// names the removed files, and the option that writes them again.
 #[test]
 fn removed_pages_and_pictures_are_named() {
     let bench = Bench::new();
@@ -428,11 +431,12 @@ fn removed_pages_and_pictures_are_named() {
     assert!(!bench.path("run/report.html").exists());
     assert!(!bench.path("run/camber_deg.svg").exists());
     assert!(!said(&[]).contains("Removed"));
-    // Pictures elsewhere are named, too.
+    // The message also names removed pictures in another directory.
     assert!(said(&["--plots", "pictures"]).contains("pictures: camber_deg.svg"));
 }
 
-/// A sweep is of its designs, so that of another command it is not known whether the study is the same.
+/// The designs of a sweep are part of its results. So for another command the program does not know whether the study
+/// is the same, and its message claims nothing about this.
 #[test]
 fn results_in_the_way_are_called_what_is_known_of_them() {
     let bench = Bench::new();

@@ -1,9 +1,9 @@
-//! A disk that is full, as a limit on the size of files.
+//! Tests of a full disk, simulated by a limit on the size of files.
 
 use super::*;
 
-/// Complete files stay complete, partial files do not count as results, and the sweep continues once the disk has
-/// space again.
+/// Complete files stay complete, partial files do not count as results, and the sweep continues once the disk has space
+/// again.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_loses_nothing_that_was_whole() {
@@ -13,7 +13,7 @@ fn a_full_disk_loses_nothing_that_was_whole() {
         .success();
     let limited = |blocks: u32, call: &str| {
         let program = assert_cmd::cargo::cargo_bin("hardpoint");
-        // SIGXFSZ would kill it, a full disk would not.
+        // SIGXFSZ would kill the process, but a full disk would not, so the test ignores the signal.
         let script = format!(
             "trap '' XFSZ; ulimit -f {blocks}; exec '{}' {call}",
             program.display()
@@ -26,7 +26,7 @@ fn a_full_disk_loses_nothing_that_was_whole() {
             String::from_utf8_lossy(&output.stderr).into_owned(),
         )
     };
-    // 512 or 1024 bytes a block: room for what says what it is, not for the rows.
+    // Blocks have 512 or 1024 bytes: enough space for the record of the run, but not for the rows.
     let (code, said) = limited(6, "sweep study.toml --out full");
     assert_eq!(code, Some(1), "{said}");
     assert!(
@@ -47,7 +47,7 @@ fn a_full_disk_loses_nothing_that_was_whole() {
         contents(&bench.path("whole"))
     );
 
-    // A tuning and a solve over results of their own: each file is the former or the new one.
+    // A tuning and a solve run over earlier results of their own: each file is either the former or the new one.
     for command in ["solve", "optimise"] {
         let call = [command, "study.toml", "--out", command];
         bench.run(&call).success();

@@ -1,4 +1,4 @@
-//! Signals: the first one ends a run, and its files record that.
+//! Tests of signals: the first one ends a run, and its files record that.
 
 use super::*;
 use serde_json::Value;
@@ -8,7 +8,7 @@ fn json(bench: &Bench, name: &str) -> Value {
     serde_json::from_str(&bench.read(name)).unwrap()
 }
 
-/// Waits until a file is there.
+/// Waits until a file exists.
 fn wait_for(bench: &Bench, name: &str) {
     let begun = Instant::now();
     while !bench.path(name).exists() {
@@ -30,7 +30,8 @@ fn sample(bench: &Bench, name: &str) {
     fs::copy(path, bench.path(name)).unwrap();
 }
 
-/// Builds that were finished are kept: the numbers are those of a run of as many builds, and nothing looks finished.
+/// An interrupted run keeps its finished builds: the numbers equal those of a run with that many builds, and no file
+/// claims to be finished.
 #[test]
 fn an_interrupted_tolerance_is_a_shorter_one_and_says_so() {
     let bench = Bench::new();
@@ -52,7 +53,7 @@ fn an_interrupted_tolerance_is_a_shorter_one_and_says_so() {
             assert_eq!([&state["finished"], &state["interrupted"]], [false, true]);
         }
         let Some(builds) = summary["builds"].as_u64() else {
-            // A machine so busy that no block of builds was done.
+            // On a very busy machine no block of builds may be finished.
             bench.run(&["report", "run"]).code(2);
             continue;
         };
@@ -83,7 +84,7 @@ fn an_interrupted_tolerance_is_a_shorter_one_and_says_so() {
     }
 }
 
-/// A run that has nothing to keep ends where it is; the next one makes all of it.
+/// An interrupted run without partial results ends immediately; the next run computes everything.
 #[test]
 fn an_interrupted_solve_has_no_results_and_is_run_again() {
     let bench = Bench::new();
@@ -121,7 +122,7 @@ fn an_interrupted_solve_has_no_results_and_is_run_again() {
     assert_eq!(json(&bench, "run/summary.json")["finished"], true);
 }
 
-/// A report is made of a finished run, which it stays when the report is interrupted; a second signal is obeyed, too.
+/// If a report of a finished run is interrupted, the run stays finished. A second signal also takes effect.
 #[test]
 fn signals_do_not_unmake_a_finished_run() {
     let bench = Bench::new();
@@ -133,7 +134,7 @@ fn signals_do_not_unmake_a_finished_run() {
         signal(&process, "-INT");
         signal(&process, "-INT");
         let ended = process.wait_with_output().unwrap().status;
-        // Before it listens, the signal itself ends it.
+        // Before the program installs its handler, the signal itself ends it.
         assert!(matches!(ended.code(), Some(0 | 130) | None), "{ended}");
         let run = json(&bench, "run/run.json");
         assert_eq!(run["runs"][0]["finished"], true);
@@ -165,7 +166,7 @@ fn interrupted_car(bench: &Bench, call: &[&str], begun: &str, seconds: f64) -> (
     (ended.status.code().unwrap(), said.concat())
 }
 
-/// The best design so far is kept: three studies that run, with tuned rates.
+/// An interrupted tuning of a car keeps its best design so far: three studies that run, with tuned rates.
 #[test]
 fn an_interrupted_tuning_of_a_car_keeps_its_best_design() {
     let bench = Bench::new();
@@ -184,7 +185,7 @@ fn an_interrupted_tuning_of_a_car_keeps_its_best_design() {
     assert!(tuned != bench.read("car_front.toml"));
     assert!(said.contains("interrupted"), "{said}");
     let summary = json(&bench, "run/summary.json");
-    // A slow machine has no time for more than the studies.
+    // On a slow machine there may be time only for the studies.
     if let Some(interrupted) = summary["interrupted_starts"].as_u64() {
         assert!((1..1000).contains(&interrupted) && said.contains(" of 1000 starts done"));
         assert!(summary["misfit"].as_f64().unwrap() < 1.0);
@@ -220,14 +221,14 @@ fn an_interrupted_map_keeps_its_finished_rows() {
     }
 }
 
-/// A sweep of a car keeps its finished parts of a few seconds each.
+/// An interrupted sweep of a car keeps its finished parts, which take a few seconds each.
 #[test]
 fn an_interrupted_sweep_of_a_car_keeps_its_parts() {
     let bench = Bench::new();
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/car.toml");
     let text = fs::read_to_string(path).unwrap();
     let part = |from: &str, to: &str| &text[text.find(from).unwrap()..text.find(to).unwrap()];
-    // The static position alone.
+    // Keeps only the static position.
     let few = "[outputs]\ncharacteristics = [\"roll\"]\n";
     let text = [
         part("[car]", "[[cases]]"),
@@ -247,7 +248,8 @@ fn an_interrupted_sweep_of_a_car_keeps_its_parts() {
     }
 }
 
-/// A command that says that it was interrupted has the exit code of a signal, and one that finished says nothing.
+/// A command that reports its interruption has the exit code of a signal, and one that finished reports no
+/// interruption.
 #[test]
 fn a_comparison_is_interrupted_or_finished() {
     let bench = Bench::new();

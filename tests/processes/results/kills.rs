@@ -1,10 +1,10 @@
-//! Runs killed at random moments.
+//! Tests of runs killed at random moments.
 
 use super::*;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// A sequence that looks random and is the same every time.
+/// Pseudo-random sequence that is the same every time.
 fn fraction(seed: &mut u64) -> f64 {
     *seed = seed
         .wrapping_mul(6_364_136_223_846_793_005)
@@ -12,14 +12,14 @@ fn fraction(seed: &mut u64) -> f64 {
     (*seed >> 33) as f64 / (1_u64 << 31) as f64
 }
 
-/// Files allowed in the directory of a killed run: those of a complete run, to the byte, the progress record, and
-/// leftovers.
+/// Asserts that the directory of a killed run contains only files of a complete run, equal to the byte, the progress
+/// record, and leftovers.
 fn assert_nothing_is_torn(directory: &Path, whole: &[(String, Vec<u8>)]) {
     for (name, text) in contents(directory) {
         if name.starts_with(".hardpoint-") || name == "run.json" {
             continue;
         }
-        // A summary is whole before it says that the run has finished.
+        // A summary must be complete before it says that the run has finished.
         let text = if name == "summary.json" {
             let text = String::from_utf8(text).unwrap();
             let begun = "{\n  \"finished\": false,";
@@ -44,8 +44,8 @@ enum Disk {
     Fills,
 }
 
-/// Sweeps and tunings killed at random moments, each with a second run in the same directory. Their files are
-/// complete, files of others are untouched, and the next run ends with the bytes of an undisturbed one.
+/// Kills sweeps and tunings at random moments, each with a second run in the same directory. Their files are complete,
+/// foreign files are unchanged, and the next run ends with the bytes of an undisturbed one.
 fn kill(rounds: u64, samples: &str, disk: Disk) {
     let bench = Bench::new();
     let many = format!("sweep.samples={samples}");
@@ -92,7 +92,7 @@ fn kill(rounds: u64, samples: &str, disk: Disk) {
                 sleep(Duration::from_millis((30.0 * fraction(&mut seed)) as u64));
                 first.kill().unwrap();
                 first.wait().unwrap();
-                // It has found the directory taken, or free and as the first has left it.
+                // The second run found the directory in use, or free and as the first run left it.
                 let second = second.wait_with_output().unwrap();
                 let said = String::from_utf8_lossy(&second.stderr);
                 let is_full = said.contains("cannot write");
@@ -128,14 +128,14 @@ fn a_dozen_kills_lose_nothing() {
     kill(3, "20000", Disk::Empty);
 }
 
-/// The disk of whoever comes second is full, as a limit on the size of files.
+/// With a full disk for the second run, as a limit on the size of files, kills lose nothing.
 #[cfg(unix)]
 #[test]
 fn kills_on_a_full_disk_lose_nothing() {
     kill(2, "20000", Disk::Fills);
 }
 
-/// Run by `.ci/long`: two sweeps or tunings are killed in each round, some in the middle of a second part.
+/// Long run by `.ci/long`: each round kills two sweeps or tunings, some in the middle of a second part.
 #[test]
 #[ignore = "takes minutes"]
 fn a_hundred_kills_lose_nothing() {

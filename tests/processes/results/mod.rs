@@ -1,4 +1,4 @@
-//! Losses of a results directory that are allowed, and those that are not, with any writer and any end of a run.
+//! Tests of the allowed and forbidden losses in a results directory, with any writer and any end of a run.
 
 mod claims;
 mod full_disk;
@@ -12,7 +12,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-/// A strut with two travels to be quick, a sweep and a tuning.
+/// Strut with two travels for speed, with a sweep and a tuning.
 const STUDY: &str = r#"[suspension]
 topology = "macpherson"
 
@@ -43,7 +43,7 @@ variables = [ { hardpoint = "tie_rod_inner", axis = "z", range = [-10.0, 10.0] }
 targets = [ { characteristic = "toe", points = [[-40.0, 0.1], [40.0, 0.1]], tolerance = 0.01 } ]
 "#;
 
-/// A directory with a study, to run in.
+/// Directory with a study, in which commands run.
 struct Bench(tempfile::TempDir);
 
 impl Bench {
@@ -73,9 +73,9 @@ impl Bench {
         command.spawn().unwrap()
     }
 
-    /// The same where files may be no longer than so many blocks of 512 or 1024 bytes.
+    /// Starts a command whose files may have at most this many blocks of 512 or 1024 bytes.
     fn start_with_room(&self, arguments: &[&str], blocks: u64) -> Child {
-        // SIGXFSZ would kill it, a full disk would not.
+        // SIGXFSZ would kill the process, but a full disk would not, so the test ignores the signal.
         let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
         let mut shell = Command::new("sh");
         shell.current_dir(self.0.path()).args(["-c", &script]);

@@ -1,9 +1,10 @@
-//! A refused study writes nothing, and does not hang.
+//! Tests that a refused study writes nothing and does not hang.
 
 use super::*;
 use std::time::{Duration, Instant};
 
-/// A strut that the point coordinates can solve and the pose of its knuckle cannot: its design position is singular.
+/// Strut that the point coordinates can solve but the pose of its knuckle cannot, because its design position is
+/// singular.
 const SINGULAR: &str = r#"[suspension]
 topology = "macpherson"
 length_unit = "m"
@@ -30,7 +31,7 @@ formulation = "point_coordinates"
 characteristics = ["attia_kingpin", "attia_camber"]
 "#;
 
-/// `check`, `solve` and `export` agree, and nothing is written.
+/// `check`, `solve` and `export` refuse the same studies, and write nothing.
 #[test]
 fn commands_agree_on_what_they_refuse() {
     let bench = Bench::new();
@@ -69,7 +70,7 @@ fn ten_million_stations_are_refused() {
     assert!(!bench.path("out").exists());
 }
 
-/// Devices without an end and pipes without a writer are refused wherever a file is asked for.
+/// The program refuses endless devices and pipes without a writer wherever it expects a file.
 #[cfg(unix)]
 #[test]
 fn devices_and_named_pipes_are_no_files() {
@@ -111,12 +112,12 @@ fn devices_and_named_pipes_are_no_files() {
     }
 }
 
-/// A file that is longer than any such file is not read to its end.
+/// The program does not read a file to its end if it is longer than any such file.
 #[test]
 fn long_files_are_not_read_to_their_end() {
     let bench = Bench::new();
     let file = fs::File::create(bench.path("long")).unwrap();
-    // A hole: it takes no room on the disk.
+    // The file is sparse and takes no space on the disk.
     file.set_len(3 << 30).unwrap();
     for call in [
         &["check", "long"][..],
@@ -135,7 +136,7 @@ fn long_files_are_not_read_to_their_end() {
     }
 }
 
-/// A lock that someone has replaced by a link is named, not waited for.
+/// If someone has replaced a lock by a link, the program names it and does not wait.
 #[cfg(unix)]
 #[test]
 fn a_link_in_place_of_a_lock_is_named() {

@@ -1,4 +1,4 @@
-//! `hardpoint kc` and `hardpoint check` of an axle as a user runs them.
+//! Tests of `hardpoint kc` and `hardpoint check` of an axle as a user runs them.
 
 use super::super::command::{self, hardpoint};
 use crate::support::rows_by_column;
@@ -42,7 +42,7 @@ fn kc_tests_both_wheels_of_an_axle() {
     let value = |load: &str, mode: &str, wheel: &str, quantity: &str| {
         values(load, mode, wheel, quantity)[0]
     };
-    // A symmetric axle gives both wheels one number, and its figures follow from them.
+    // A symmetric axle has equal values at both wheels, and the values of the axle follow from them.
     for (load, mode, quantity) in [
         ("heave", "", "toe_by_heave"),
         ("roll", "", "camber_by_roll"),
@@ -56,7 +56,8 @@ fn kc_tests_both_wheels_of_an_axle() {
         ("vertical", "opposed", "compliant_wheel_rate"),
     ] {
         let [left, right] = ["left", "right"].map(|wheel| value(load, mode, wheel, quantity));
-        // In roll and by the rack the wheels move in opposite ways; steer counts to the left at both.
+        // With roll or rack the wheels move in opposite directions, so these values have opposite signs. Steer is
+        // positive to the left at both wheels, so it has the same sign.
         let is_opposite = ["camber_by_roll", "caster_by_rack"].contains(&quantity);
         let sign = if is_opposite { -1.0 } else { 1.0 };
         assert!(
@@ -69,7 +70,7 @@ fn kc_tests_both_wheels_of_an_axle() {
     assert!((steer - toe).abs() < 1e-9 * toe.abs(), "{steer} {toe}");
     let understeer = value("lateral", "parallel", "axle", "understeer_by_lateral_force");
     assert!((understeer + steer).abs() < 1e-12);
-    // Bar: it stiffens roll and not heave.
+    // The anti-roll bar adds stiffness in roll and none in heave.
     let stiffness = values("roll", "", "axle", "compliant_roll_stiffness");
     assert_eq!(stiffness.len(), 2);
     assert!(stiffness[0] > 1.05 * stiffness[1], "{stiffness:?}");
@@ -82,7 +83,7 @@ fn kc_tests_both_wheels_of_an_axle() {
         .collect();
     assert!(states.contains(&"connected") && states.contains(&"disconnected"));
 
-    // The window is centred on the derivative: secants are near it.
+    // The window is centred on the derivative's position, so secants are near the derivative.
     let secants = figures
         .iter()
         .filter(|row| !row["secant"].is_empty() && row["quantity"] == "toe_by_lateral_force");
@@ -150,7 +151,8 @@ fn check_lists_mounts_and_commands_of_rigid_mechanisms_refuse() {
     assert_eq!(named.status.code(), Some(2));
 }
 
-/// Mounts on one line hold a subframe against turning about it by torsion alone, in which no forces stand at the design load.
+/// If all mounts are on one line, only their torsion holds the subframe against rotation about it. Torsion carries no
+/// force at the design load, so the program refuses such mounts.
 #[test]
 fn mounts_on_one_line_do_not_hold_the_subframe() {
     let directory = tempfile::tempdir().unwrap();
@@ -174,11 +176,11 @@ fn mounts_on_one_line_do_not_hold_the_subframe() {
         errors.contains("without torsion nothing holds the subframe"),
         "{errors}"
     );
-    // A millimetre is a lever, if a short one.
+    // A lever of one millimetre is accepted.
     assert_eq!(with_front_at("1.0").status.code(), Some(0));
 }
 
-/// Without elastic parts an axle has the tests of its rigid mechanism, and they agree with its curves.
+/// `kc` tests the rigid mechanism of an axle without elastic parts, and its results agree with the curves.
 #[test]
 fn kc_tests_the_rigid_mechanism_of_an_axle() {
     let directory = tempfile::tempdir().unwrap();
@@ -214,7 +216,7 @@ fn kc_tests_the_rigid_mechanism_of_an_axle() {
     value("axle", "steer_by_roll");
 }
 
-/// If there is no equilibrium from the start, the message names the part that gives way.
+/// If the initial state has no equilibrium, the message names the part that is too soft.
 #[test]
 fn a_loose_subframe_is_named() {
     let directory = tempfile::tempdir().unwrap();

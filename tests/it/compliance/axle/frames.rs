@@ -1,4 +1,5 @@
-//! Results of an axle do not depend on the axes of the study. The heave test raises both wheels by the same travel.
+//! Tests that results of an axle do not depend on the axes of the study, and that the heave test raises both wheels by
+//! the same travel.
 
 use super::super::command::{hardpoint, study};
 use super::super::support::{elastic, fourth_order};
@@ -7,7 +8,7 @@ use hardpoint::axle::axle_curves;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The subframe study with different wheels, a displaced rack and a load.
+/// Subframe study with different wheels, a displaced rack and a load.
 fn turned_in(motion: &str) -> String {
     let text = std::fs::read_to_string(study("subframe_axle_compliance.toml")).unwrap();
     let own = "[axle]\n[axle.right.hardpoints]\ntie_rod_outer = [-143.0, -683.0, 231.0]\n\
@@ -42,8 +43,8 @@ fn results(here: &Path, name: &str) -> [Rows; 3] {
     })
 }
 
-/// Tests, loads and figures of the same axle in three kinds of axes. Displacements and forces along the rack change their sign
-/// where +y points to the right.
+/// Tests, loads and results of the same axle agree in three kinds of axes. Displacements and forces along the rack
+/// change their sign if +y points to the right.
 #[test]
 fn results_do_not_depend_on_the_axes() {
     let directory = tempfile::tempdir().unwrap();
@@ -51,7 +52,7 @@ fn results_do_not_depend_on_the_axes() {
     let text = turned_in("heave = [6.0]\nrack = [-18.0]");
     std::fs::write(here.join("iso8855.toml"), text).unwrap();
     let expected = results(here, "iso8855.toml");
-    // Deflections and forces of bushings are along their own axes.
+    // Deflections and forces of bushings are along the axes of the bushings.
     let along_study = |column: &str| {
         let parts = ["contact_point", "wheel_centre", "ball_joint"];
         parts.iter().any(|part| column.contains(part))
@@ -102,13 +103,13 @@ fn results_do_not_depend_on_the_axes() {
     }
 }
 
-/// The ride rate of `heave` is the change of wheel load per rise of the contact point as both wheels rise together, in series
-/// with the tyre. The wheels have different springs, so equal loads would not raise them together.
+/// The ride rate of `heave` is the change of wheel load per rise of the contact point when both wheels rise together,
+/// in series with the tyre. The wheels have different springs, so equal loads would not raise them equally.
 #[test]
 fn ride_rates_of_heave_are_those_of_equal_travels() {
     let motion = |heave: f64| format!("heave = [{heave:?}]");
     let tyre = 220.0;
-    // Height of the contact point and wheel load of both wheels.
+    // Height of the contact point and wheel load, for both wheels.
     let at = |heave: f64| {
         let text = turned_in(&motion(heave)).replace("\"toe\"", "\"camber\", \"wheel_load\"");
         let study = elastic(&text);

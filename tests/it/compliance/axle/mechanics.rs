@@ -1,4 +1,4 @@
-//! Elastic axles against mechanics: one wheel, the design position, rigid limits, reciprocity, derivatives.
+//! Tests of elastic axles against mechanics: one wheel, the design position, rigid limits, reciprocity, derivatives.
 
 use super::{Case, HELD, LINKS, LOWER, WISHBONES, random_loads, sample};
 use crate::support::random::Random;
@@ -10,7 +10,7 @@ use hardpoint::compliance::{
 use hardpoint::model::{Axis, Side};
 use hardpoint::number::{Real, Tape};
 
-/// Largest difference of angles, rad, and of positions over 100 mm.
+/// Largest difference of angles (rad), and of positions divided by 100 mm.
 fn difference(a: &WheelFigures, b: &WheelFigures) -> f64 {
     let moved = [(a.centre - b.centre).norm(), (a.contact - b.contact).norm()];
     let angles = [a.toe - b.toe, a.camber - b.camber, a.spin - b.spin];
@@ -18,7 +18,7 @@ fn difference(a: &WheelFigures, b: &WheelFigures) -> f64 {
     angles.chain(moved.map(|m| m / 100.0)).fold(0.0, f64::max)
 }
 
-/// Wheels that share nothing elastic are two single wheels.
+/// If the wheels share no elastic part, each wheel equals a single wheel.
 #[test]
 fn wheels_that_share_nothing_are_single_wheels() {
     let mut random = Random(21);
@@ -45,8 +45,8 @@ fn wheels_that_share_nothing_are_single_wheels() {
     }
 }
 
-/// With `at_design_load` the drawing is the equilibrium, and the forces there are those of a small motion of all bodies
-/// without torsion: the set with the least energy.
+/// With `at_design_load` the nominal design is the equilibrium. Its bushing forces are those of a small motion of all
+/// bodies without torsion: the set of forces with the least energy.
 #[test]
 fn the_drawing_is_the_equilibrium_at_the_design_load() {
     let mut random = Random(22);
@@ -62,8 +62,8 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
         }
         let [left, right] = axle.design_loads().unwrap();
         assert!((left - right).abs() < 1e-9 && left > 1000.0);
-        // Deflections of the left mounts without other forces: f/k is a motion of one rigid body, and of a symmetric
-        // axle one along x, z and about y.
+        // Deflections of the left mounts without other loads: the values f/k form a motion of one rigid body. On a
+        // symmetric axle this motion is along x and z and about y.
         let mounts = &case.parts.subframe.as_ref().unwrap().mounts;
         let first = case.parts.wheels[0].bushings.len();
         let readings = axle.bushings(&at, Side::Left);
@@ -79,7 +79,7 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
             })
             .collect();
         let (a, b) = (&mounts[0].at, &mounts[1].at);
-        // A turn w about y moves x by w dz and z by -w dx.
+        // A rotation w about y moves x by w dz and z by -w dx.
         let turn = -(moved[0][2] - moved[1][2]) / (a.x - b.x);
         let expected = turn * (a.z - b.z);
         let size = moved.iter().flatten().fold(0.0_f64, |m, d| m.max(d.abs()));
@@ -89,7 +89,8 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
     }
 }
 
-/// Stiffer mounts, rack and bar approach an axle without them as one by the stiffness.
+/// As the stiffness of mounts, rack and bar rises, an axle approaches the axle without them. The difference is
+/// proportional to one over the stiffness.
 #[test]
 fn stiff_shared_parts_are_rigid_ones() {
     let mut random = Random(23);
@@ -131,7 +132,8 @@ fn stiff_shared_parts_are_rigid_ones() {
     }
 }
 
-/// The bar does nothing in equal travels, and its torque is its rate times the difference of the levers' angles.
+/// The anti-roll bar carries no torque at equal travels. Its torque is its rate times the difference of the lever
+/// angles.
 #[test]
 fn equal_travels_leave_the_bar_alone() {
     let mut random = Random(24);
@@ -193,7 +195,7 @@ fn the_compliance_of_both_wheel_centres_is_symmetric() {
     }
 }
 
-/// Derivatives along loads, travels and the rack are the limits of differences.
+/// Derivatives along loads, travels and the rack equal the limits of differences.
 #[test]
 fn derivatives_are_limits_of_differences() {
     let mut random = Random(26);
@@ -261,7 +263,7 @@ fn derivatives_are_limits_of_differences() {
 /// Coefficients of the eighth-order central difference.
 const STENCIL: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
 
-/// Inputs whose derivatives are compared: of hardpoints, then of rates.
+/// Inputs for the comparison of derivatives: hardpoints, then rates.
 fn inputs(case: &Case) -> Vec<Parameter> {
     let first = case.parts.wheels[0].bushings.len();
     let point = |name: &str| case.suspension.mechanism.point(name).unwrap();
@@ -281,7 +283,7 @@ fn inputs(case: &Case) -> Vec<Parameter> {
     ]
 }
 
-/// Moves a hardpoint by some length, or a rate by some share of it.
+/// Case with a hardpoint moved by a length, or a rate changed by a fraction of it.
 fn varied(case: &Case, parameter: Parameter, by: f64) -> Case {
     let mut changed = Case {
         suspension: case.suspension.clone(),
@@ -319,7 +321,7 @@ fn varied(case: &Case, parameter: Parameter, by: f64) -> Case {
     changed
 }
 
-/// The rate that a parameter changes; 1 for a hardpoint.
+/// Rate that a parameter changes, or 1 for a hardpoint.
 fn rate_of(case: &Case, parameter: Parameter) -> f64 {
     let parts = &case.parts;
     let first = parts.wheels[0].bushings.len();
@@ -343,15 +345,15 @@ fn rate_of(case: &Case, parameter: Parameter) -> f64 {
     }
 }
 
-/// Derivatives with respect to hardpoints, rates, mounts, rack and bar agree with differences of eighth order, of states and of
-/// derivatives with respect to loads.
+/// Derivatives with respect to hardpoints, rates, mounts, rack and bar equal differences of eighth order. The test
+/// compares states and their derivatives with respect to loads.
 #[test]
 fn derivatives_by_the_design_agree_with_differences() {
     let mut random = Random(27);
     let (travels, rack) = ([9.0, -4.0], 3.0);
     let mut unit = [WheelLoads::none(0.0); 2];
     (unit[0].side, unit[1].side) = (1.0, -1.0);
-    // Toe of the left wheel, its derivative with respect to side forces, and the wheel load of the right wheel.
+    // Toe of the left wheel, its derivative with respect to lateral forces, and the wheel load of the right wheel.
     let values = |case: &Case| {
         let axle = case.axle();
         let at = axle.at(travels, rack).unwrap();

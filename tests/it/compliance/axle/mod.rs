@@ -1,4 +1,4 @@
-//! Elastic axles against a second formulation (`world.rs`) and against mechanics.
+//! Tests of elastic axles against a second formulation (`world.rs`) and against mechanics.
 
 mod command;
 mod frames;
@@ -54,7 +54,7 @@ fn mount(name: &str, at: [f64; 3], rates: [f64; 6], bent: f64) -> SubframeMount 
     }
 }
 
-/// A sample axle with a subframe that holds these points, a compliant rack and an anti-roll bar.
+/// Sample axle with a subframe that carries these points, an elastic rack and an anti-roll bar.
 fn sample(topology: &str, carries: &[&str], relaxed: Relaxed, random: &mut Random) -> Case {
     let (suspension, mut wheel) = elastic_axle(topology);
     let mut suspension = suspension;
@@ -121,7 +121,7 @@ fn mirrored(v: Vector3<f64>) -> Vector3<f64> {
     Vector3::new(v.x, -v.y, v.z)
 }
 
-/// Numbers of the second formulation's bodies.
+/// Indices of bodies in the second formulation.
 struct Built {
     world: World,
     carriers: [usize; 2],
@@ -130,7 +130,7 @@ struct Built {
     levers: [usize; 2],
 }
 
-/// Builds one side of the second formulation.
+/// Builder of one side of the second formulation.
 struct Builder<'c> {
     case: &'c Case,
     world: World,
@@ -196,7 +196,7 @@ impl Builder<'_> {
         parts.iter().find(|part| part.point == id).cloned()
     }
 
-    /// The wheel's parts. Returns carrier and lever.
+    /// Adds the parts of the wheel. Returns carrier and lever.
     fn wheel(&mut self) -> [usize; 2] {
         let mechanism = self.case.suspension.mechanism.clone();
         self.carrier = self.world.body(Freedom::Free, self.at(mechanism.origin));
@@ -285,7 +285,7 @@ impl Builder<'_> {
     fn lever(&mut self, bodies: &HashMap<usize, usize>) -> usize {
         let mechanism = &self.case.suspension.mechanism;
         let rocker = mechanism.rocker(mechanism.anti_roll_bar().unwrap());
-        // In a mirror a turn about an axis is one about the opposite of its image.
+        // A mirror image reverses the sense of a rotation about the mirrored axis.
         let sign = if self.side == 0 { 1.0 } else { -1.0 };
         let axis = (self.at(rocker.second) - self.at(rocker.first)) * sign;
         let holder = self.holder(rocker.first);
@@ -342,7 +342,8 @@ fn build(case: &Case, command: f64) -> Built {
         let rack = world.body(Freedom::Along(holder, along), reference);
         match case.parts.rack_rate {
             Some(rate) => {
-                // The pinion's angle that is lost in the column, times the rack per angle, adds to the rack's own yielding.
+                // The twist of the steering column, times the rack travel per angle, adds to the deflection of the
+                // rack.
                 let column = case
                     .parts
                     .column
@@ -381,13 +382,13 @@ fn build(case: &Case, command: f64) -> Built {
     found
 }
 
-/// The left wheel's axis in the design position, outboard.
+/// Axis of the left wheel in the design position, pointing outboard.
 fn spin_axis(case: &Case) -> Vector3<f64> {
     let own = &case.suspension;
     DesignedSpinAxis::of(&own.mechanism, &own.design).direction
 }
 
-/// The axis of a wheel, outboard, in true coordinates.
+/// Axis of a wheel in vehicle coordinates, pointing outboard.
 fn axis(case: &Case, built: &Built, side: usize) -> Vector3<f64> {
     let designed = spin_axis(case);
     let designed = if side == 0 {
@@ -421,7 +422,7 @@ fn loads(case: &Case, built: &Built, world: &World, given: &[WheelLoads; 2]) -> 
         let heading = if side == 0 { heading } else { -heading };
         let side_at = contact - heading * load.trail;
         let m = load.moment;
-        // A moment turns the other way in a mirror.
+        // A mirror image reverses the sense of a moment.
         let moment = if side == 0 {
             m
         } else {
@@ -440,8 +441,8 @@ fn loads(case: &Case, built: &Built, world: &World, given: &[WheelLoads; 2]) -> 
         push(centre, flip(load.centre), none);
         push(side_at, flip(Vector3::new(0.0, -load.side, 0.0)), none);
         push(centre, none, moment);
-        // The force that holds the height acts at the contact point; the constraint's acts at the centre. Heights are
-        // the last constraints.
+        // The force that holds the height acts at the contact point; that of the constraint acts at the wheel centre.
+        // Height constraints are the last ones.
         let count = world.multipliers.len();
         let held = Vector3::new(0.0, 0.0, -world.multipliers[count - 2 + side]);
         push(centre, none, (contact - centre).cross(held));
@@ -461,7 +462,7 @@ fn random_loads(random: &mut Random, size: f64) -> [WheelLoads; 2] {
     })
 }
 
-/// Largest difference of a state from the second formulation: mm over 100 mm, and rad.
+/// Largest difference between a state and the second formulation: positions divided by 100 mm, and angles in rad.
 fn difference(case: &Case, built: &Built, axle: &ElasticAxle, at: &AxleEquilibrium) -> f64 {
     let mut worst = 0.0_f64;
     let centre_id = case.suspension.mechanism.wheel_centre;
@@ -491,7 +492,7 @@ fn difference(case: &Case, built: &Built, axle: &ElasticAxle, at: &AxleEquilibri
     worst
 }
 
-/// Compares random loads on random designs with the second formulation.
+/// Compares states under random loads on random designs with the second formulation.
 fn compare(topology: &str, carries: &[&str], seed: u64, designs: usize) {
     let mut random = Random(seed);
     let mut compared = 0;

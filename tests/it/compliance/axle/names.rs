@@ -1,4 +1,4 @@
-//! Names of other programs for the tests of an axle.
+//! Tests of the names that other programs give to the results of axle tests.
 
 use super::super::support::{elastic, fourth_order, with};
 use crate::support::rows_by_column;
@@ -28,8 +28,8 @@ const TESTS: &str = r#"tests = [
 ]
 "#;
 
-/// An axle whose wheels stand upright and straight ahead, so that rotations about x and z are camber and steer. The right
-/// wheel's bushings differ.
+/// Axle whose wheels are upright and straight ahead, so that rotations about x and z are camber and steer. The bushings
+/// of the right wheel differ.
 fn text() -> String {
     let text = with("subframe_axle_compliance.toml", "");
     let (before, after) = text.split_once("tests = [").unwrap();
@@ -61,7 +61,7 @@ fn rearward(text: &str) -> String {
     turned
 }
 
-/// Changes of both wheels per newton, or per newton times length, by loads in the frame of each side.
+/// Changes of both wheels per newton, or per newton times length, under loads in the frame of each side.
 fn response(study: &Study, loads: [WheelLoads; 2], step: f64) -> [WheelFigures; 2] {
     let both = study.axle().unwrap();
     let elastic = both.axle.elastic.as_ref().unwrap();
@@ -98,7 +98,7 @@ fn response(study: &Study, loads: [WheelLoads; 2], step: f64) -> [WheelFigures; 
     })
 }
 
-/// Values in words of the vehicle: each by loads of one unit on both wheels, in degrees and mm.
+/// Displacements of the vehicle's wheels, each for unit loads on both wheels, in degrees and mm.
 struct Vehicle {
     by: [WheelFigures; 2],
 }
@@ -109,7 +109,7 @@ impl Vehicle {
         (to_left * self.by[side].toe).to_degrees()
     }
 
-    /// Rotation about an axis to the rear: the top of the wheel moves to the left.
+    /// Rotation about a rearward axis: the top of the wheel moves to the left.
     fn lean_to_left(&self, side: usize) -> f64 {
         let outboard = [1.0, -1.0][side];
         (outboard * self.by[side].camber).to_degrees()
@@ -169,7 +169,7 @@ impl Responses {
         let by = |loads, step| Vehicle {
             by: response(study, loads, step),
         };
-        // The frame of the right wheel is a mirror image: its y points to the right of the car.
+        // The frame of the right wheel is mirrored: its y points to the right of the car.
         Responses {
             to_right: by([contact(0.0, -1.0), contact(0.0, 1.0)], 100.0),
             inboard: by([contact(0.0, -1.0), contact(0.0, -1.0)], 100.0),
@@ -210,7 +210,7 @@ impl Responses {
         0.5 * (of(self, 0) + of(self, 1))
     }
 
-    /// Values of a wheel by MotionView's names, without the wheel.
+    /// Values of a wheel with MotionView's names, without the name of the wheel.
     fn altair(&self, side: usize) -> Vec<(String, f64)> {
         let mut found = Vec::new();
         for (word, loads, moments) in [
@@ -248,7 +248,7 @@ impl Responses {
         found
     }
 
-    /// Values of a wheel by the names of Adams Car.
+    /// Values of a wheel with the names of Adams Car.
     fn adams(&self, side: usize) -> Vec<(String, f64)> {
         let word = ["left", "right"][side];
         vec![
@@ -291,7 +291,7 @@ fn expected(study: &Study) -> [Vec<(String, f64)>; 2] {
     [altair, adams]
 }
 
-/// Rows of `kc.csv` with another program's names.
+/// Rows of `kc.csv` with the names of another program.
 fn named(study: &Study, program: OtherProgram) -> Vec<BTreeMap<String, String>> {
     let tests = RigTests::of(study, Some(program)).unwrap();
     let rows = rows_by_column(&tests.results.kc_csv());
@@ -299,7 +299,7 @@ fn named(study: &Study, program: OtherProgram) -> Vec<BTreeMap<String, String>> 
     rows.into_iter().filter(has_name).collect()
 }
 
-/// Each value is the motion of the vehicle that the words of its definition describe, in any axes of the study.
+/// Each value equals the vehicle motion that its definition describes in words, in any axes of the study.
 #[test]
 fn values_of_other_programs_are_motions_by_loads_on_both_wheels() {
     let text = text();
@@ -330,7 +330,7 @@ fn values_of_other_programs_are_motions_by_loads_on_both_wheels() {
     }
 }
 
-/// Signs of other programs against ours at the left and the right wheel, by figure and mode.
+/// Signs of other programs relative to this program, at the left and right wheel, for a test result and a mode.
 const SIGNS: [(OtherProgram, &str, &str, [f64; 2]); 14] = [
     (ALTAIR, "toe_by_lateral_force", "parallel", [-1.0, -1.0]),
     (ALTAIR, "toe_by_lateral_force", "opposed", [-1.0, 1.0]),
@@ -361,7 +361,8 @@ const SIGNS: [(OtherProgram, &str, &str, [f64; 2]); 14] = [
 const ALTAIR: OtherProgram = OtherProgram::Altair;
 const ADAMS: OtherProgram = OtherProgram::Adams;
 
-/// Signs against ours, as the manual's table has them: our tests hold the wheel load here, and the wheels stand upright.
+/// The signs relative to this program equal those in the manual's table. The tests here hold the wheel load, and the
+/// wheels are upright.
 #[test]
 fn signs_against_ours_are_those_of_the_manual() {
     let study = elastic(&text());

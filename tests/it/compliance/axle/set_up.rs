@@ -1,4 +1,4 @@
-//! Set-ups of axles with elastic parts: both wheels are in equilibrium together.
+//! Tests of set-ups of axles with elastic parts: both wheels are in equilibrium together.
 
 use crate::compliance::set_up::{
     LINKS, RUBBER, amount, at_rest, found, free, one, read_again, set,
@@ -7,11 +7,11 @@ use crate::compliance::support::{elastic, with};
 use hardpoint::study::Study;
 
 const SUBFRAME: &str = "subframe_axle_compliance.toml";
-/// The section that differences of the right wheel replace.
+/// Section that the differences of the right wheel replace.
 const MIRRORED: &str = "[axle]\nright = \"mirrored\"\n";
 
-/// The wheels of an axle with bushings alone are not coupled: the set-up is that of one wheel. With a subframe and an elastic rack it
-/// is another one, and both wheels of the adjusted axle have the wanted values.
+/// Without subframe and elastic rack, bushings do not couple the wheels of an axle, and the set-up equals that of one
+/// wheel. With both it differs, and both wheels of the adjusted axle have the target values.
 #[test]
 fn both_wheels_of_an_axle_are_set_up_in_equilibrium() {
     let setup = "adjust = [{ length = \"tie_rod\" }, { shim = \"upper_ball_joint\", axis = \"y\" }]\nwant = { camber = -1.2, toe = 0.15 }";
@@ -61,7 +61,8 @@ fn both_wheels_of_an_axle_are_set_up_in_equilibrium() {
     );
 }
 
-/// Wheels that differ are set up together: each has its own adjustments. With left and right exchanged, so are the amounts.
+/// The set-up solves different wheels together, each with its own adjustments. If left and right are exchanged, the
+/// amounts are exchanged too.
 #[test]
 fn wheels_that_differ_are_set_up_as_a_whole() {
     let setup = "adjust = [{ length = \"tie_rod\", per_turn = 2.0 }, { shim = \"upper_ball_joint\", axis = \"y\" }]\nwant = { camber = -1.2, toe = 0.15 }";
@@ -95,7 +96,7 @@ fn wheels_that_differ_are_set_up_as_a_whole() {
     for (value, want) in values.iter().zip([-1.2, -1.2, 0.15, 0.15]) {
         assert!((value - want).abs() < 1e-8, "{values:?}");
     }
-    // The left wheel has the soft bushing instead.
+    // Gives the soft bushing to the left wheel instead.
     let text = right.text.replace(
         soft,
         "[axle.right.bushings.lower_arm_rear]\nscale = [2.0, 2.0, 2.0, 2.0, 2.0, 2.0]\n",
@@ -117,7 +118,8 @@ fn wheels_that_differ_are_set_up_as_a_whole() {
     }
 }
 
-/// Values that an equilibrium does not have, figures of tests, and adjustments that lift one side are refused, with a way out.
+/// The program refuses targets that an equilibrium does not define, test results, and adjustments that lift one side.
+/// The message tells an alternative.
 #[test]
 fn what_cannot_be_set_up_is_refused() {
     let refusal = |name: &str, setup: &str, further: &str| {

@@ -1,4 +1,4 @@
-//! Measured sheets of both wheels as targets of an axle.
+//! Tests of measured sheets of both wheels as targets of an axle.
 
 use super::super::support::{elastic, sheet as noisy, with};
 use hardpoint::optimise::{Control, tune};
@@ -14,7 +14,7 @@ const RATES: [(&str, &str); 5] = [
     ("subframe_front", "y"),
     ("subframe_rear", "y"),
 ];
-/// Factors of the rates by which a sheet is made.
+/// Factors of the rates that produce a sheet.
 const FACTORS: [f64; 5] = [0.8, 1.3, 1.2, 0.75, 1.15];
 
 fn asked(targets: &str) -> String {
@@ -28,7 +28,7 @@ fn asked(targets: &str) -> String {
     )
 }
 
-/// `kc.csv` of the axle with other rates, as a sheet with a share of noise.
+/// `kc.csv` of the axle with other rates, as a sheet with relative noise.
 fn sheet(share: f64, seed: u64) -> String {
     let study = elastic(&asked(
         "{ figure = \"steer_by_roll\", value = 0.0, tolerance = 1.0 }",
@@ -54,7 +54,7 @@ fn study_of(sheet: &str, targets: &str) -> Result<Study, String> {
 
 const WHOLE: &str = "{ file = \"sheet.csv\", tolerance = 1.0 }";
 
-/// Rates that were planted come back from an exact sheet, and within their standard errors from one with noise.
+/// A tuning recovers planted rates from an exact sheet, and from a sheet with noise within their standard errors.
 #[test]
 fn rates_of_an_axle_are_identified_from_a_sheet() {
     for (share, seed) in [(0.0, 1), (1.0, 2), (1.0, 3)] {
@@ -83,7 +83,7 @@ fn rates_of_an_axle_are_identified_from_a_sheet() {
     }
 }
 
-/// The study stands without its sheet: the targets are written out, and mean the same.
+/// The written study does not need its sheet: it contains the targets with the same meaning.
 #[test]
 fn targets_of_a_sheet_are_written_out() {
     let study = study_of(&sheet(0.0, 1), WHOLE).unwrap();
@@ -109,7 +109,8 @@ fn targets_of_a_sheet_are_written_out() {
     }
 }
 
-/// A row of a figure alone, of both wheels, and rows that are refused.
+/// A row without a wheel applies to both wheels, and the program refuses rows that do not identify the wheel or the
+/// test.
 #[test]
 fn rows_say_which_wheel_and_test_they_are_of() {
     let target =

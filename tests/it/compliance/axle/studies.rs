@@ -1,4 +1,4 @@
-//! Studies of axles with elastic parts: curves, sweeps, tunings and builds.
+//! Tests of studies of axles with elastic parts: curves, sweeps, tunings and builds.
 
 use super::super::support::{elastic, fourth_order, with};
 use crate::support::mutants::mutilated;
@@ -16,7 +16,7 @@ use std::path::Path;
 
 const SUBFRAME: &str = "subframe_axle_compliance.toml";
 
-/// The study of the subframe with another motion and other hardpoints and rates of the right wheel.
+/// Study of the subframe with another motion, where hardpoints and rates of the right wheel differ.
 fn asymmetric(motion: &str, more: &str) -> String {
     let text = with(SUBFRAME, more);
     let own = "[axle.right.hardpoints]\ntie_rod_outer = [-143.0, -683.0, 231.0]\nlower_arm_rear = [-196.0, -372.0, 201.0]\n\
@@ -45,7 +45,7 @@ fn curves(study: &Study) -> Curves {
     curves
 }
 
-/// Printed values of a station by column name.
+/// Values of a station as printed, by column name.
 fn values(text: &str, station: usize) -> Vec<(String, f64)> {
     let curves = curves(&elastic(text));
     let columns = curves.columns.iter().enumerate();
@@ -60,7 +60,7 @@ fn value_of(values: &[(String, f64)], name: &str) -> f64 {
     found.unwrap_or_else(|| panic!("{name} in {values:?}")).1
 }
 
-/// A derivative by differences of fourth order.
+/// Derivative from differences of fourth order.
 fn difference(step: f64, at: impl Fn(f64) -> f64) -> f64 {
     fourth_order([-2.0, -1.0, 1.0, 2.0].map(|steps| at(steps * step)), step)
 }
@@ -73,7 +73,7 @@ characteristics = [
 order = "velocity"
 "#;
 
-/// Derivatives along both travels and the rack, of wheels that differ, agree with differences.
+/// Derivatives along both travels and the rack equal differences, for different wheels.
 #[test]
 fn derivatives_along_motions_agree_with_differences() {
     let here = [-10.0, 5.0, 3.0];
@@ -119,7 +119,7 @@ fn derivatives_along_motions_agree_with_differences() {
     assert_eq!(checked, 3 * 15);
 }
 
-/// Sensitivities by the hardpoints of either wheel agree with differences.
+/// Sensitivities to the hardpoints of either wheel equal differences.
 #[test]
 fn sensitivities_by_both_wheels_agree_with_differences() {
     let outputs = r#"
@@ -174,8 +174,8 @@ sensitivities = ["lower_arm_rear"]
     assert_eq!(checked, 6 * 9);
 }
 
-/// Without a subframe, an elastic rack and a bar the wheels of a symmetric axle are two wheels by themselves: heave is the travel
-/// of one, and a parallel load that of one.
+/// Without subframe, elastic rack and bar, each wheel of a symmetric axle equals a single wheel. Heave corresponds to
+/// the travel of the single wheel, and a parallel load to its load.
 #[test]
 fn a_symmetric_axle_in_heave_is_one_wheel() {
     let tests = "relaxed = \"at_design_load\"\ntests = [{ load = \"lateral\", trail = 30.0 }, { load = \"braking\" }]\n";
@@ -219,11 +219,11 @@ sensitivities = ["tie_rod_inner", "lower_arm_rear"]
             }
         }
     }
-    // Six outputs of two wheels, five stations, two points.
+    // Two wheels with six outputs, five stations, and two points with three coordinates.
     assert_eq!(checked, 2 * 6 * 5 * 6);
 }
 
-/// The motion of the tunings.
+/// Motion of the tunings.
 const MOTION: &str = "heave = [-30.0, 0.0, 30.0]\nrack = [0.0, 3.0]";
 
 const TUNED: &str = r#"
@@ -248,7 +248,7 @@ targets = [
 ]
 "#;
 
-/// Rows of targets have the slopes of differences along hardpoints and rates, of wheels that are alike and that differ.
+/// Rows of targets have the slopes of differences along hardpoints and rates, for equal and for different wheels.
 #[test]
 fn slopes_along_variables_are_those_of_differences() {
     let alike = replaced(
@@ -269,7 +269,7 @@ fn slopes_along_variables_are_those_of_differences() {
     }
 }
 
-/// This number of rows has the slopes of differences along every variable.
+/// Asserts that there are this many rows, and that they have the slopes of differences along every variable.
 fn assert_slopes(at: impl Fn(&[f64]) -> Linearisation, x: &[f64], steps: &[f64], rows: usize) {
     let found = at(x);
     assert_eq!(found.residuals.len(), rows);
@@ -290,7 +290,8 @@ fn assert_slopes(at: impl Fn(&[f64]) -> Linearisation, x: &[f64], steps: &[f64],
     }
 }
 
-/// Values at a known design are reached from the study's own, as targets of hardpoints and rates of both wheels.
+/// A tuning from the study's own design reaches values of a known design, with hardpoints and rates of both wheels as
+/// variables.
 #[test]
 fn planted_targets_come_back() {
     let text = replaced(
@@ -393,7 +394,7 @@ fn rates_of_springs_bar_and_steering_vary() {
         found.unwrap().unwrap().goal
     };
     assert_slopes(at, &x, &[0.5, 0.01, 0.01, 2.0e4], 4);
-    // With the rack locked, neither rack nor column counts.
+    // The rates of rack and column have no effect on a row with the rack locked.
     let slopes = at(&x).jacobian;
     assert_eq!([slopes[(3, 2)], slopes[(3, 3)]], [0.0; 2]);
     assert!(slopes[(2, 2)] != 0.0 && slopes[(2, 3)] != 0.0);
@@ -411,7 +412,7 @@ fn rates_of_springs_bar_and_steering_vary() {
             assert_eq!(own.value(k), again.value(k));
         }
     }
-    // A rate that [axle.right] repeats is written there, too.
+    // If `[axle.right]` repeats a rate, the program writes it there too.
     let repeated = "right = { spring = { rate = 90.0 } }\n";
     let text = replaced(&text, "right = \"mirrored\"\n", repeated);
     let study = elastic(&text);
@@ -420,7 +421,7 @@ fn rates_of_springs_bar_and_steering_vary() {
     assert_eq!(read.axle().unwrap().axle, moved.axle().unwrap().axle);
 }
 
-/// Rates that a study does not have are refused with those that it has.
+/// The program refuses rates that a study does not have, and lists the available rates.
 #[test]
 fn unknown_rates_are_refused() {
     for (rate, expected) in [
@@ -462,8 +463,8 @@ bands = [
 ]
 "#;
 
-/// The parts of each wheel scatter by themselves, those of the subframe once. The linear answer has the spread of the builds, and a build
-/// that is printed as a study has the values of its builds.
+/// The parts of each wheel scatter independently, those of the subframe once for both. The first-order result has the
+/// standard deviations of the builds. A build that is printed as a study has the values of the Monte Carlo build.
 #[test]
 fn builds_scatter_by_sides_and_shared_parts_once() {
     let text = with(SUBFRAME, SCATTERED);
@@ -516,7 +517,7 @@ fn builds_scatter_by_sides_and_shared_parts_once() {
     let text = problem.built_text(5).unwrap();
     assert!(text.starts_with("# Without [tolerance]"), "{text}");
     let built = curves(&elastic(&text));
-    // The parts of the left wheel differ from the drawing, and so does its toe.
+    // The parts of the left wheel differ from the nominal design, so its toe differs too.
     let toe = |curves: &Curves, side: &str| {
         let name = format!("{side}_toe_deg");
         let column = curves.columns.iter().position(|c| c.name == name).unwrap();
@@ -527,7 +528,7 @@ fn builds_scatter_by_sides_and_shared_parts_once() {
     assert!((toe(&built, "left") - toe(&built, "right")).abs() > 1e-3);
 }
 
-/// Derivatives with respect to the sources of scatter agree with differences of studies with the changed number.
+/// Derivatives with respect to the tolerance sources equal differences between studies with the changed number.
 #[test]
 fn sensitivities_of_builds_agree_with_differences() {
     let text = with(SUBFRAME, SCATTERED);
@@ -599,8 +600,8 @@ variables = [
 ]
 "#;
 
-/// Rows of a sweep equal the results of each design alone: least and largest value, value and slope in the design position,
-/// figures there.
+/// Rows of a sweep equal the results of each design alone: smallest and largest value, value and slope in the design
+/// position, and test results there.
 #[test]
 fn rows_of_a_sweep_are_those_of_single_designs() {
     let motion = "heave = [-20.0, 0.0, 15.0]";
@@ -639,7 +640,7 @@ fn rows_of_a_sweep_are_those_of_single_designs() {
                     .map(|s| of(s, &name))
                     .fold(f64::NEG_INFINITY, f64::max)
             } else {
-                // A slope is read in the design position.
+                // The slope is that in the design position.
                 of(1, name)
             };
             assert!(
@@ -656,7 +657,7 @@ fn rows_of_a_sweep_are_those_of_single_designs() {
     );
 }
 
-/// Quantities of the rigid mechanism are refused, and a name that is not known has the nearest one.
+/// The program refuses quantities of the rigid mechanism. For an unknown name it suggests the nearest one.
 #[test]
 fn what_an_elastic_axle_does_not_have_is_refused() {
     let refused = |text: &str| {
@@ -702,7 +703,7 @@ fn what_an_elastic_axle_does_not_have_is_refused() {
     }
 }
 
-/// Wheels without a rack have no stiffness of rack and column.
+/// The program refuses a stiffness of rack or column for wheels without a rack.
 #[test]
 fn the_stiffness_of_a_missing_rack_is_refused() {
     let parts = ["bushings", "axle"].map(str::to_owned);
@@ -714,7 +715,7 @@ fn the_stiffness_of_a_missing_rack_is_refused() {
     assert!(said.contains("this axle has no rack"), "{said}");
 }
 
-/// Every figure has a name of its own, and the number of `hardpoint kc` under this name.
+/// Every test result has a unique name, and under this name it has the number that `hardpoint kc` writes.
 #[test]
 fn figures_have_names_of_their_own() {
     let study = elastic(&with(SUBFRAME, ""));
@@ -766,7 +767,7 @@ fn figures_have_names_of_their_own() {
                 && (row["travel_left_mm"].parse() == Ok(0.0)
                     && row["travel_right_mm"].parse() == Ok(0.0))
         });
-        // A single load on the other wheel has no figure of this one in the table.
+        // The table has no result of this wheel for a single load on the other wheel.
         let row = row.unwrap_or_else(|| panic!("{}", figure.name()));
         let expected: f64 = row[key].parse().unwrap();
         let name = figure.name();
@@ -785,7 +786,7 @@ fn figures_have_names_of_their_own() {
     assert_eq!(checked, figures.len());
 }
 
-/// Returns true for the end of a column that is a unit alone.
+/// Returns true if the end of a column name is only a unit.
 fn is_unit(end: &str) -> bool {
     let words = [
         "trail", "secant", "opposed", "left", "right", "without", "locked", "heave", "vertical",
@@ -828,7 +829,7 @@ scatter = [
 bands = [{ characteristic = "steer_by_roll", between = [-0.1, 0.1] }]
 "#;
 
-/// Solves, sweeps, tunes and builds a study. A value that is there is a number.
+/// Solves, sweeps, tunes and builds a study. Every value in the results is finite.
 fn use_all_of(study: &Study) {
     let Some(both) = study.axle() else { return };
     if let Ok(found) = axle_curves(&both.axle, &both.plan) {
@@ -863,7 +864,7 @@ fn use_all_of(study: &Study) {
         let mut offsets = best.flat_map(|best| &best.offsets);
         assert!(offsets.all(|offset| offset.is_finite()));
     }
-    // Without its number of builds a study has thousands.
+    // A study without a number of builds would run thousands.
     let few = study.tolerance.as_ref().filter(|own| own.builds < 100);
     if let Some(tolerance) = few
         && let Ok(problem) = Problem::of(study, tolerance)
@@ -897,7 +898,7 @@ fn mutilated_studies(cases: u64) -> [usize; 2] {
     [used, refused]
 }
 
-/// Mutilated studies are computed or refused with a reason: no command ends in a panic or an endless loop.
+/// Studies with random damage are computed or refused with a reason: no command panics or loops forever.
 #[test]
 fn mutilated_studies_are_computed_or_refused() {
     use_all_of(&elastic(&with(SUBFRAME, EVERYTHING)));
@@ -933,7 +934,7 @@ constraints = [
 ]
 "#;
 
-/// Limits of an axle's figures have rows with exact slopes, and bind where a target wants more.
+/// Limits of an axle's test results have rows with exact slopes, and they are active if a target demands more.
 #[test]
 fn figures_of_an_axle_keep_their_limits() {
     let study = elastic(&with(SUBFRAME, LIMITED));
@@ -943,7 +944,7 @@ fn figures_of_an_axle_keep_their_limits() {
         .iter()
         .map(|c| c.name.as_str())
         .collect();
-    // The axle's figure has one limit, the wheel load one for each wheel.
+    // The axle's test result has one limit; the wheel load has one for each wheel.
     assert_eq!(names.len(), 5, "{names:?}");
     assert!(
         names.contains(&"wheel_load at most 6000, left wheel"),
@@ -955,7 +956,7 @@ fn figures_of_an_axle_keep_their_limits() {
         found.unwrap().unwrap().rows
     };
     let x = [1.3, 0.2, -0.1];
-    // Five limits of quantities and figures, two of a length.
+    // Five limits of quantities and test results, and two of a length.
     assert_slopes(at, &x, &[0.05, 0.005, 0.005], 7);
     let tuning = tune(&study.vehicle, optimise, Control::default()).unwrap();
     let best = tuning.best.unwrap();

@@ -1,29 +1,29 @@
-//! A second formulation of elastic axles: every body has six coordinates of its own, ball joints, rods and heights are
-//! constraints with multipliers, and forces are the gradient of one energy in true coordinates of both sides.
+//! Second formulation of elastic axles. Every body has six coordinates; ball joints, rods and heights are constraints
+//! with multipliers. Forces are the gradient of one energy in vehicle coordinates of both sides.
 
 use hardpoint::number::{Real, Scalar, Tape, Tracked, Vector3};
 
-/// The ground, which does not move.
+/// Index of the fixed ground.
 pub const GROUND: usize = 0;
 
 type Rotation = [[f64; 3]; 3];
 
 const IDENTITY: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// How a body moves.
+/// Freedom of a body's motion.
 #[derive(Clone, Copy)]
 pub enum Freedom {
     Fixed,
     Free,
-    /// Along a direction of a holder.
+    /// Translation along a direction of a holder.
     Along(usize, Vector3<f64>),
-    /// About an axis of a holder.
+    /// Rotation about an axis of a holder.
     About(usize, Vector3<f64>),
 }
 
 pub struct Body {
     pub freedom: Freedom,
-    /// Reference point in the design position; a point of the axis for a lever.
+    /// Reference point in the design position; for a lever, a point of the axis.
     pub reference: Vector3<f64>,
     pub shift: Vector3<f64>,
     pub rotation: Rotation,
@@ -31,12 +31,12 @@ pub struct Body {
     pub slide: f64,
 }
 
-/// A point of a body, in the design position.
+/// Point of a body, in the design position.
 #[derive(Clone, Copy)]
 pub struct On(pub usize, pub Vector3<f64>);
 
 pub enum Energy {
-    /// Holder, moving body, point, axes, rates, cubic terms of the forces, forces at design.
+    /// Holder, moving body, point, axes, rates, cubic terms of the forces, and forces in the design position.
     Bushing(
         usize,
         usize,
@@ -45,13 +45,13 @@ pub enum Energy {
         [f64; 6],
         [f64; 3],
     ),
-    /// Ends, force in compression at design, rate.
+    /// Ends, compression force in the design position, and rate.
     Spring(On, On, f64, f64),
-    /// Ends, rate.
+    /// Ends and rate.
     Rod(On, On, f64),
-    /// Two levers, rate.
+    /// Two levers and rate.
     Bar(usize, usize, f64),
-    /// Slide of a body against a command, rate.
+    /// Slide of a body relative to a command, and rate.
     Slide(usize, f64, f64),
 }
 
@@ -78,12 +78,12 @@ pub struct World {
     pub multipliers: Vec<f64>,
 }
 
-/// A body over tracked numbers: reference point and columns of the rotation.
+/// Body with tracked numbers: reference point and columns of the rotation.
 struct Moved<'t> {
     at: Vector3<Tracked<'t>>,
     columns: [Vector3<Tracked<'t>>; 3],
     slide: Tracked<'t>,
-    /// Numbers of its inputs on the tape.
+    /// Tape indices of its inputs.
     inputs: Vec<usize>,
 }
 
@@ -178,7 +178,7 @@ impl World {
                     let holder = &all[holder];
                     let axis = constant(axis);
                     let (sine, cosine) = body.slide.sin_cos();
-                    // The turn by the angle, with its first derivative.
+                    // Rotation by the angle, with its first derivative.
                     let turned = |v: Vector3<f64>| {
                         let v = constant(v);
                         let across = v - axis * axis.dot(v);
@@ -282,7 +282,7 @@ impl World {
         found
     }
 
-    /// Forces out of balance, then the misses of the constraints.
+    /// Unbalanced forces, then the errors of the constraints.
     fn residual(&self, loads: &[Load]) -> Vec<f64> {
         let tape = Tape::new();
         let (first, count) = self.sizes();
@@ -334,7 +334,7 @@ impl World {
         }
     }
 
-    /// Solves under loads, which `loads` gives in the present state: at once, or else in eight parts.
+    /// Solves under the loads that `loads` returns for the present state: in one step, or else in eight increments.
     pub fn solve(&mut self, loads: impl Fn(&World) -> Vec<Load>) {
         let start = self.copy();
         if self.settle(&loads).is_ok() {
@@ -357,7 +357,7 @@ impl World {
         }
     }
 
-    /// Newton's method; the tangent by central differences. Fails with the size of the last step.
+    /// Newton's method with a tangent from central differences. If it fails, returns the size of the last step.
     fn settle(&mut self, loads: &impl Fn(&World) -> Vec<Load>) -> Result<(), f64> {
         self.multipliers = vec![0.0; self.rows()];
         let (_, count) = self.sizes();
@@ -366,7 +366,8 @@ impl World {
         let mut size = f64::INFINITY;
         for round in 0..80 {
             let residual = self.residual(&loads(self));
-            // Steps with an old matrix shrink by a factor near it, and hardly far from it.
+            // Near the solution, steps with an old matrix shrink by a constant factor; far from it they hardly shrink,
+            // so a new matrix is needed.
             if round % 4 == 0 && size > 1e-7 {
                 matrix = vec![vec![0.0; total]; total];
                 for column in 0..total {
@@ -418,7 +419,7 @@ impl World {
         self.at(&all, on).map(|c| c.value())
     }
 
-    /// A direction of a body, turned with it.
+    /// Direction fixed to a body, rotated with it.
     pub fn direction(&self, body: usize, v: Vector3<f64>) -> Vector3<f64> {
         let r = &self.bodies[body].rotation;
         let row = |k: usize| r[k][0] * v.x + r[k][1] * v.y + r[k][2] * v.z;
@@ -462,7 +463,7 @@ fn placed<'t>(
     body.at + rotated(body, point - reference)
 }
 
-/// Rotation vector of j seen from i.
+/// Rotation vector of body j relative to body i.
 fn logarithm<'t>(i: &Moved<'t>, j: &Moved<'t>) -> Vector3<Tracked<'t>> {
     let entry = |a: usize, b: usize| i.columns[a].dot(j.columns[b]);
     let half = Tracked::constant(0.5);
@@ -484,7 +485,7 @@ fn logarithm<'t>(i: &Moved<'t>, j: &Moved<'t>) -> Vector3<Tracked<'t>> {
     sine * (size.atan2(cosine) / size)
 }
 
-/// The rotation after a turn about fixed axes.
+/// Rotation followed by a rotation about fixed axes.
 fn turned(rotation: &Rotation, turn: Vector3<f64>) -> Rotation {
     let angle = turn.norm();
     if angle == 0.0 {

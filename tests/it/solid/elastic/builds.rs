@@ -1,4 +1,5 @@
-//! Builds of elastic solid axles: misfit of five links, single rates, gradients, Monte Carlo analyses and the rigid limit.
+//! Tests of builds of elastic solid axles: misfit of five links, single rates, gradients, Monte Carlo analyses and the
+//! rigid limit.
 
 use super::rigid_limit::{rigid, stiffer, values};
 use super::{Kind, Scatter, made};
@@ -15,10 +16,10 @@ const KINDS: [Kind; 3] = [Kind::FourLink, Kind::ThreeLinkPanhard, Kind::FiveLink
 const MOTION: &str = "[motion]\ntravel_left = [-30.0, 20.0]\ntravel_right = [10.0]\n[outputs]\n\
                       characteristics = [\"camber\", \"toe\", \"mean_steer\", \"axle_steer\", \"axle_lateral\", \"pinion_angle\", \
                       \"roll_centre_height\", \"wheel_load\"]\n";
-/// Outputs of rigid axles, too.
+/// Motion and outputs that rigid axles support too.
 const RIGID_MOTION: &str = "[motion]\ntravel_left = [-30.0, 20.0]\ntravel_right = [10.0]\n[outputs]\n\
                             characteristics = [\"camber\", \"toe\", \"axle_steer\", \"axle_lateral\", \"pinion_angle\", \"roll_centre_height\"]\n";
-/// Half the width of the scatter of a build whose parts are known.
+/// Half the width of the scatter range; it is so narrow that the deviation of a part is known.
 const NARROW: f64 = 1e-13;
 
 fn text(kind: Kind, relaxed: &str, motion: &str) -> String {
@@ -29,7 +30,7 @@ fn text(kind: Kind, relaxed: &str, motion: &str) -> String {
         springs: true,
     };
     let text = made(kind, scatter, &mut Random(5), motion).text;
-    // A rate scatters about one nominal value, so both lower links have the same.
+    // A rate scatters about one nominal value, so both lower links get the same rate.
     let start = text.find("[axle.right.links.lower_link]").unwrap();
     let length: usize = text[start..]
         .lines()
@@ -54,7 +55,7 @@ fn on(_: u64) -> ControlFlow<()> {
     ControlFlow::Continue(())
 }
 
-/// Parts that scatter, one number each, and the step of differences.
+/// Scattered parts with one random number each, and their difference steps.
 fn entries(kind: Kind) -> Vec<(&'static str, f64)> {
     let mut entries = vec![
         (
@@ -108,14 +109,15 @@ fn known(steps: &[(&str, f64)]) -> String {
     format!("builds = 2\nscatter = [{}]", entries.join(", "))
 }
 
-/// Text of the build whose parts deviate by these steps.
+/// Text of the build whose parts deviate by these amounts.
 fn built(text: &str, steps: &[(&str, f64)]) -> String {
     let study = study(text, &known(steps));
     let text = problem(&study).built_text(0);
     text.unwrap_or_else(|e| panic!("{e:?}"))
 }
 
-/// Gradients with respect to every part are the slopes of written builds: three central differences, extrapolated to sixth order.
+/// Gradients with respect to every part equal slopes of written builds, from three central differences that are
+/// extrapolated to sixth order.
 #[test]
 fn gradients_are_slopes_of_builds() {
     for (kind, relaxed) in KINDS.into_iter().zip(["free", "at_design_load", "free"]) {
@@ -139,7 +141,7 @@ fn gradients_are_slopes_of_builds() {
                         + (f[cell] - a[cell]);
                     let slope = slope / (60.0 * h * column.factor());
                     let found = expansion.gradient(problem.cell(output, station))[number];
-                    // Equilibria are found to about 1e-11 of their values.
+                    // Equilibria are accurate to about 1e-11 of their values.
                     let size = (c[cell].abs() + d[cell].abs()).max(1e-2) * 1e-11 / h;
                     assert!(
                         (found - slope).abs() < 1e-6 * slope.abs() + size,
@@ -155,8 +157,8 @@ fn gradients_are_slopes_of_builds() {
     }
 }
 
-/// A Monte Carlo analysis of parts that deviate by known amounts has the values of the written build. So the written build has the same
-/// misfit and the same rates.
+/// A Monte Carlo analysis of parts with known deviations has the values of the written build. So the written build has
+/// the same link misfit and the same rates.
 #[test]
 fn written_builds_are_those_of_the_analysis() {
     for (kind, relaxed) in KINDS
@@ -222,7 +224,7 @@ fn points(study: &Study) -> BTreeMap<String, Point> {
         .collect()
 }
 
-/// Links of an axle: name of its prefix, left or right half, and its ends.
+/// Links of an axle: prefix of its names, left or right half, and its two ends.
 const LINKS: [(&str, usize, [&str; 2]); 5] = [
     ("lower_link", 0, ["lower_link_chassis", "lower_link_axle"]),
     (
@@ -239,8 +241,9 @@ const LINKS: [(&str, usize, [&str; 2]); 5] = [
     ("panhard", 0, ["panhard_chassis", "panhard_axle"]),
 ];
 
-/// Parts of five links that do not fit. The assembled axle keeps the shapes of body and axle and the heights of both wheels. The links
-/// differ from their own lengths by tension by stiffness, and their forces balance on the axle with vertical forces at the wheels.
+/// Five links with deviations do not fit without force. The assembled axle keeps the shapes of body and axle and the
+/// heights of both wheels. Each link is longer than its free length by tension divided by stiffness. The link forces
+/// are in balance with vertical forces at the wheels.
 #[test]
 fn five_links_share_the_misfit_in_balance() {
     let text = text(Kind::FiveLink, "free", MOTION);
@@ -312,7 +315,8 @@ fn five_links_share_the_misfit_in_balance() {
         largest = largest.max(part.preload.abs());
     }
     assert!(largest > 500.0, "{largest}");
-    // Vertical forces at the wheel centres balance the rest: three of the six balances have no other part.
+    // The vertical forces at the wheel centres balance the rest. In the other three balances the link forces alone add
+    // up to zero.
     assert!(
         force[0].abs() < 1e-7 * largest && force[1].abs() < 1e-7 * largest,
         "{force:?}"
@@ -327,7 +331,8 @@ fn five_links_share_the_misfit_in_balance() {
     assert!(pitch.abs() < 1e-4 * largest, "{pitch}");
 }
 
-/// Parts that deviate but fit cause no tensions: the Panhard rod is longer, and its bracket lies farther away along the same line.
+/// Parts that deviate but still fit cause no tension: the Panhard rod is longer, and its bracket is farther away along
+/// the same line.
 #[test]
 fn parts_that_fit_have_no_tension() {
     let symmetric = Scatter {
@@ -356,14 +361,14 @@ fn parts_that_fit_have_no_tension() {
         ("hardpoint = \"panhard_chassis\", axis = \"z\"", z),
         ("length = \"panhard\"", longer),
     ];
-    // Rounding of lengths of a metre times the stiffness.
+    // The bound is the rounding of lengths of a metre times the stiffness.
     let fits = tension(&steps);
     assert!(fits < 1e-7, "{fits}");
     let misses = tension(&steps[..2]);
     assert!(misses > 100.0, "{misses}");
 }
 
-/// The rate of a part that the axle has once scatters once, and has no side.
+/// The rate of a part that exists once scatters once and has no side.
 #[test]
 fn the_rate_of_a_single_link_scatters_once() {
     let text = text(Kind::ThreeLinkPanhard, "free", MOTION);
@@ -388,7 +393,7 @@ fn the_rate_of_a_single_link_scatters_once() {
 const SCATTER: &str = "{ hardpoints = [\"lower_link_axle\", \"upper_link_chassis\"], sigma = 0.2 }, { length = \"lower_link\", sigma = 0.1 }, \
                        { hardpoint = \"wheel_centre\", axis = \"z\", sigma = 0.2 }";
 
-/// First order and Monte Carlo agree where scatter is small, and the results do not depend on the number of lanes or threads.
+/// First order and Monte Carlo agree for small scatter, and the results do not depend on lanes or number of threads.
 #[test]
 fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     for kind in KINDS {
@@ -426,7 +431,8 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     }
 }
 
-/// The tolerance of stiff links is that of the rigid axle. The difference falls as one by the stiffness.
+/// With stiff links the tolerance result approaches that of the rigid axle. The difference is proportional to one over
+/// the stiffness.
 #[test]
 fn stiff_links_have_the_tolerance_of_the_rigid_axle() {
     for kind in [Kind::FourLink, Kind::ThreeLinkPanhard] {
@@ -493,7 +499,7 @@ fn refusals_have_reasons() {
             assert!(found.contains(reason), "{reason}: {found}");
         }
     }
-    // Without builds, bushings of five links are accepted.
+    // Without builds, the program accepts bushings with five links.
     let sound = Study::elastic_from_text("solid.toml", &bushed, Path::new(""));
     assert!(sound.is_ok(), "{}", sound.unwrap_err());
 }

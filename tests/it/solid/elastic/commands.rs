@@ -1,4 +1,4 @@
-//! The commands with five links of a solid axle: sweep, tuning, and the program as a user runs it.
+//! Tests of the commands with five links of a solid axle: sweep, tuning, and the program as a user runs it.
 
 use super::{Kind, Scatter, made};
 use crate::support::random::Random;
@@ -27,7 +27,7 @@ fn text(further: &str) -> String {
         rates: [4.0, 4.5],
         springs: true,
     };
-    // Rates that are varied are those of both halves.
+    // Variables change the rates of both halves together, so the right half has no separate rates.
     let made = made(Kind::FiveLink, scatter, &mut Random(9), further);
     let start = made.text.find("[axle.right.links.lower_link]").unwrap();
     let end = made.text.find("[spring]").unwrap();
@@ -45,7 +45,7 @@ fn curves(study: &Study) -> Curves {
     found
 }
 
-/// Designs of a sweep have the values that their own studies have in the design position.
+/// Designs of a sweep have the same values as their studies in the design position.
 #[test]
 fn a_sweep_reads_designs_as_their_studies_do() {
     let study = elastic(&text(&(MOTION.to_owned() + SWEEP)));
@@ -58,7 +58,7 @@ fn a_sweep_reads_designs_as_their_studies_do() {
     let mut checked = 0;
     for design in 0..6 {
         let alone = curves(&plan.moved(design as u64));
-        // Stations run over the travel of the right wheel first.
+        // The travel of the right wheel is the inner loop of the stations.
         let design_station = 2;
         let least = |name: &str, station: usize| {
             let column = alone.columns.iter().position(|c| c.name == name)?;
@@ -87,11 +87,11 @@ fn a_sweep_reads_designs_as_their_studies_do() {
             );
         }
     }
-    // Two quantities with a least value and a value in the design position, three figures.
+    // Two quantities with a smallest value and a value in the design position, and three test results.
     assert!(checked >= 6 * 7, "{checked} of {columns:?}");
 }
 
-/// The slopes of a tuning are those of differences of fourth order, and the tuning meets its targets.
+/// The slopes of a tuning equal differences of fourth order, and the tuning meets its targets.
 #[test]
 fn a_tuning_meets_its_targets_with_exact_slopes() {
     let tuned = "[optimise]\nvariables = [\n  { hardpoint = \"lower_link_chassis\", axis = \"z\", range = [-40.0, 40.0] },\n\
@@ -127,7 +127,7 @@ fn a_tuning_meets_its_targets_with_exact_slopes() {
             );
         }
     }
-    // Values of a known design are reached from the study's own.
+    // The targets are values of a known design; the tuning starts at the study's design.
     let known = [9.0, -12.0, 0.4];
     let residuals = at(&known).residuals;
     let read: Vec<f64> = (0..3)
@@ -154,7 +154,7 @@ fn a_tuning_meets_its_targets_with_exact_slopes() {
     let layout = TargetLayout::of(optimise, &study.vehicle);
     let found = assessed_at(study.wheel(), &optimise.variables, &layout, &best.offsets);
     let residuals = found.unwrap().unwrap().goal.residuals;
-    // The tuning stops at the smallest change whose misfit is good enough: 0.1.
+    // The tuning stops at the smallest change whose misfit is good enough, 0.1.
     let square = residuals.iter().map(|r| r * r).sum::<f64>() / 3.0;
     assert!(square.sqrt() < 0.1001, "{residuals:?} {:?}", best.offsets);
     let before = at(&[0.0; 3]).residuals.norm();
@@ -170,7 +170,7 @@ fn hardpoint(arguments: &[&str], directory: &Path) -> Output {
         .unwrap()
 }
 
-/// The printed template is the sample of the repository, and every command that takes elastic axles takes it.
+/// The printed template equals the sample of the repository, and every command that supports elastic axles accepts it.
 #[test]
 fn the_template_runs_in_all_commands() {
     let directory = tempfile::tempdir().unwrap();
@@ -202,7 +202,7 @@ fn the_template_runs_in_all_commands() {
         assert_eq!(ran.status.code(), Some(0), "{arguments:?}: {said}");
         if arguments[0] == "limits" {
             assert!(said.contains("Five rigid links"), "{said}");
-            // The parts that give way, and poses that a small push would leave.
+            // The output names the parts that give way, and the poses that are unstable.
             assert!(
                 said.contains("gives way") && said.contains("unstable"),
                 "{said}"
@@ -232,14 +232,14 @@ fn the_template_runs_in_all_commands() {
         of("upper_link_tension", "right")
     );
     assert!(of("panhard_tension", "axle").is_finite());
-    // The right wheel has no Panhard rod of its own.
+    // The right wheel has no separate Panhard rod.
     let levels = rows_by_column(&std::fs::read(here.join("kc/levels.csv")).unwrap());
     let ok = levels.iter().filter(|row| row["status"] == "ok");
     for row in ok {
         assert_eq!(row["right_panhard_tension_N"], "");
         assert_ne!(row["left_panhard_tension_N"], "");
     }
-    // A rigid solid axle has no tests, and the message has the remedy.
+    // A rigid solid axle has no elastic tests, and the message names the remedy.
     let rigid = hardpoint(&["new", "solid_axle"], here);
     std::fs::write(here.join("rigid.toml"), rigid.stdout).unwrap();
     let ran = hardpoint(&["kc", "rigid.toml"], here);
@@ -247,7 +247,7 @@ fn the_template_runs_in_all_commands() {
     assert!(String::from_utf8_lossy(&ran.stderr).contains("[links.NAME]"));
 }
 
-/// Every figure that the tests of elastic axles have is a name that the schema knows.
+/// The schema knows the names of all test results of elastic axles.
 #[test]
 fn the_schema_knows_the_figures() {
     let schema = hardpoint::study::schema().to_string();

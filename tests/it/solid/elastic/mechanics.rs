@@ -1,4 +1,5 @@
-//! Elastic solid axles against mechanics: work and energy, mirror images, links that fit, and the bind of those that do not.
+//! Tests of elastic solid axles against mechanics: work and energy, mirror images, links that fit, and the forces of
+//! those that do not.
 
 use super::rigid_limit::{rigid, values};
 use super::{Kind, Made, STILL, Scatter, elastic, made, results, study};
@@ -24,7 +25,7 @@ fn plain(kind: Kind, springs: bool, further: &str) -> Made {
     made(kind, scatter, &mut Random(1), further)
 }
 
-/// A random axle with an anti-roll bar.
+/// Random axle with an anti-roll bar.
 fn with_bar(kind: Kind, random: &mut Random) -> Made {
     let scatter = Scatter {
         points: 20.0,
@@ -42,7 +43,7 @@ fn with_bar(kind: Kind, random: &mut Random) -> Made {
     }
 }
 
-/// Nodes and weights of Gauss and Legendre on [0, 1].
+/// Nodes and weights of Gauss-Legendre integration on [0, 1].
 const GAUSS: [(f64, f64); 5] = [
     (0.046_910_077_030_668, 0.118_463_442_528_094_54),
     (0.230_765_344_947_158_45, 0.239_314_335_249_683_23),
@@ -68,8 +69,8 @@ fn energy(made: &Made, study: &AxleStudy, axle: &ElasticAxle, at: &AxleEquilibri
     }
 }
 
-/// The pads do the work that links, springs and bar store. The sum over five nodes in each of eight parts of the way is exact to
-/// the tenth power of a part's length.
+/// The work of the pads equals the energy stored in links, springs and bar. Integration with five nodes in each of
+/// eight intervals is exact to the tenth power of the interval.
 #[test]
 fn the_work_of_the_travels_is_the_energy() {
     let mut random = Random(42);
@@ -137,8 +138,8 @@ fn a_mirrored_rod_mirrors_the_axle() {
     }
 }
 
-/// Four equal parallel links let the axle translate, and the rod says how far sideways. So all five links fit in heave, and
-/// bind in roll.
+/// Four equal parallel links let the axle translate, and the rod determines its lateral position. So all five links fit
+/// in heave, and carry forces in roll.
 #[test]
 fn equal_parallel_links_fit_in_heave() {
     let points = [
@@ -164,13 +165,13 @@ fn equal_parallel_links_fit_in_heave() {
     };
     for heave in [-60.0, 45.0] {
         let (most, found) = tension([heave, heave]);
-        // 2e4 N/mm times the rounding of a length.
+        // The bound is 2e4 N/mm times the rounding of a length.
         assert!(most < 1e-6, "{most}");
         assert!(
             found[16].abs() < 1e-12 && found[17].abs() < 1e-12,
             "{found:?}"
         );
-        // The lengths of the links and of the rod in true coordinates.
+        // Lengths of the links and of the rod in vehicle coordinates.
         let [dx, dy] = [found[18], found[19]];
         let length = (500.0_f64 * 500.0 + 20.0 * 20.0).sqrt();
         let own = ((500.0 - dx).powi(2) + dy * dy + (20.0 - heave).powi(2)).sqrt();
@@ -182,8 +183,9 @@ fn equal_parallel_links_fit_in_heave() {
     assert!(tension([40.0, -40.0]).0 > 10.0);
 }
 
-/// With one link soft, the others move as those of a rigid axle with one upper link on its left side. Five rigid links do not fit
-/// in roll: the lengths that fit best are off by about 1 mm at 2 degrees, by 2 to 4 mm at 4 degrees.
+/// If one of five links is very soft, the axle moves like a rigid axle with one upper link on its left side. Five rigid
+/// links do not fit in roll: the best fit misses their lengths by about 1 mm at 2 degrees, and by 2 to 4 mm at 4
+/// degrees.
 #[test]
 fn five_rigid_links_miss_by_millimetres() {
     const MOTION: &str = "[motion]\ntravel_left = [26.54, -26.54, 53.14, -53.14]\ntravel_right = [26.54, -26.54, 53.14, -53.14]\n[outputs]\n\
@@ -199,7 +201,7 @@ fn five_rigid_links_miss_by_millimetres() {
     for (ours, theirs) in ours.iter().zip(&theirs) {
         assert!((ours - theirs).abs() < 1e-6, "{ours} {theirs}");
     }
-    // The lengths that fit least badly: all links are equally stiff.
+    // Equal stiffness of all links gives the best fit of the lengths.
     let study = study(&made.text);
     let axle = elastic(&study);
     for (travel, least, most) in [(26.54, 0.8, 1.5), (53.14, 2.0, 4.0)] {
@@ -235,15 +237,15 @@ fn roll_figure(text: &str, name: &str, travels: [f64; 2]) -> f64 {
         .unwrap()
 }
 
-/// Four links add no roll stiffness; those of five links are proportional to the rates of all links, and the axle without springs
-/// has no other roll stiffness.
+/// Four links add no roll stiffness. The roll stiffness of five links is proportional to the rates of all links, and
+/// the axle without springs has no other roll stiffness.
 #[test]
 fn the_links_add_roll_stiffness_by_their_rates() {
     let name = "link_roll_stiffness";
     for kind in [Kind::FourLink, Kind::ThreeLinkPanhard] {
         let made = plain(kind, true, STILL);
         for travels in [[0.0, 0.0], [30.0, -25.0]] {
-            // N mm/rad; the springs have 2e7.
+            // Roll stiffness of the links in N mm/rad; that of the springs is 2e7.
             let found = roll_figure(&made.text, name, travels);
             assert!(found.abs() < 1.0, "{kind:?}: {found}");
         }
@@ -267,8 +269,8 @@ fn the_links_add_roll_stiffness_by_their_rates() {
     }
 }
 
-/// With the drawing at the design load, the axle stands in it, its wheels have the loads of the rigid axle, and the matrix of
-/// displacements by loads is symmetric.
+/// If the nominal design is at the design load, it is the equilibrium, and its wheels have the loads of the rigid axle.
+/// The matrix of displacements per load is symmetric.
 #[test]
 fn the_drawing_is_the_equilibrium_at_the_design_load() {
     let mut random = Random(3);
@@ -292,7 +294,7 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
                 "{expected:?} {left} {right}"
             );
         }
-        // The forces at the design load are released where the springs are taken away.
+        // Without the springs, the forces of the design load are released.
         let links = axle.on_its_links().unwrap();
         let alone = links.at([0.0; 2], 0.0).unwrap();
         if kind != Kind::FiveLink {
@@ -306,7 +308,8 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
         let run = AxleKcRun::new(vehicle, &elastic.parts).unwrap();
         let stations = run.run(&[([10.0, -15.0], 0.0)], &elastic.tests);
         let matrix = stations[0].matrix.as_ref().unwrap();
-        // Of a wheel load at the contact point the tangent has a part without symmetry: it is small against the springs.
+        // A wheel load at the contact point gives the tangent an unsymmetric part, which is small compared with the
+        // springs.
         let size = (0..12).map(|i| matrix[i][i].abs()).fold(0.0, f64::max);
         for i in 0..12 {
             for j in 0..12 {
@@ -318,7 +321,7 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
                 );
             }
         }
-        // One body: turns of both wheels are the same in the study's axes.
+        // Both wheels are on one body, so their rotations are equal in the study's axes.
         for i in 3..6 {
             for (j, (left, right)) in matrix[i].iter().zip(&matrix[i + 6]).enumerate() {
                 assert!((left - right).abs() < 1e-12, "{i} {j}");

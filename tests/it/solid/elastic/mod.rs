@@ -1,4 +1,4 @@
-//! Elastic solid axles: against a second formulation, the rigid program, and mechanics.
+//! Tests of elastic solid axles against a second formulation, the rigid program, and mechanics.
 
 mod agreement;
 mod builds;
@@ -19,7 +19,7 @@ use second::{Axle, Link, Spring};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Kinds of axles: lengths and heights are 6, 6 and 7 rows.
+/// Kinds of axles: lengths and heights together give 6, 6 and 7 rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     FourLink,
@@ -43,9 +43,9 @@ const POINTS: [(&str, [f64; 3]); 4] = [
     ("upper_link_chassis", [440.0, 370.0, 445.0]),
     ("upper_link_axle", [15.0, 350.0, 475.0]),
 ];
-/// A splayed pair of upper links.
+/// Converging pair of upper links.
 const SPLAYED: [[f64; 3]; 2] = [[340.0, 470.0, 445.0], [15.0, 150.0, 475.0]];
-/// A single upper link.
+/// Single upper link.
 const SINGLE: [[f64; 3]; 2] = [[420.0, 50.0, 470.0], [15.0, 70.0, 480.0]];
 const PANHARD: [(&str, [f64; 3]); 2] = [
     ("panhard_chassis", [-140.0, 480.0, 360.0]),
@@ -67,17 +67,17 @@ fn line(name: &str, [x, y, z]: [f64; 3]) -> String {
 /// Sizes of the random changes of an axle.
 #[derive(Clone, Copy, Debug)]
 pub struct Scatter {
-    /// Of coordinates.
+    /// Random change of coordinates.
     pub points: f64,
-    /// True for other points, rates and springs at the right half.
+    /// True if the right half has other points, rates and springs.
     pub differs: bool,
-    /// Powers of ten of the rates: least and most.
+    /// Powers of ten of the rates: smallest and largest.
     pub rates: [f64; 2],
-    /// True for springs.
+    /// True if the axle has springs.
     pub springs: bool,
 }
 
-/// A random axle: the text of its study, and the same in true coordinates. `further` ends the text.
+/// Random axle: the text of its study, and the same axle in vehicle coordinates. `further` is appended to the text.
 pub fn made(kind: Kind, scatter: Scatter, random: &mut Random, further: &str) -> Made {
     let mut near = |place: [f64; 3]| place.map(|c| c + scatter.points * random.signed());
     let mut points: Vec<(&'static str, [f64; 3])> =
@@ -175,7 +175,7 @@ pub fn made(kind: Kind, scatter: Scatter, random: &mut Random, further: &str) ->
 struct Written {
     kind: Kind,
     points: Vec<(&'static str, [f64; 3])>,
-    /// Lines of the points of the right half.
+    /// Lines with the points of the right half.
     right: String,
     /// Static camber and toe.
     angles: [f64; 2],
@@ -221,7 +221,7 @@ fn text_of(own: &Written) -> String {
     text
 }
 
-/// A motion that tests of states do not read.
+/// Placeholder motion for tests of single states.
 pub const STILL: &str = "[motion]\nheave = [0.0]\n";
 
 pub fn study(text: &str) -> AxleStudy {
@@ -230,7 +230,7 @@ pub fn study(text: &str) -> AxleStudy {
     read.axle().expect("an axle").clone()
 }
 
-/// The elastic axle of a study.
+/// Elastic axle of a study.
 pub fn elastic(study: &AxleStudy) -> ElasticAxle {
     let axle = &study.axle;
     let parts = &axle.elastic.as_ref().expect("elastic parts").parts;
@@ -239,7 +239,7 @@ pub fn elastic(study: &AxleStudy) -> ElasticAxle {
     ElasticAxle::of(sides, designs, parts).unwrap_or_else(|e| panic!("{e:?}"))
 }
 
-/// The program's results, in the order of the second formulation.
+/// Results of the program, in the order of the second formulation.
 pub fn results(axle: &ElasticAxle, at: &AxleEquilibrium) -> Vec<f64> {
     let mut found = Vec::new();
     for side in Side::ALL {
@@ -257,7 +257,7 @@ pub fn results(axle: &ElasticAxle, at: &AxleEquilibrium) -> Vec<f64> {
     found
 }
 
-/// Number of a link among those of a half.
+/// Index of a link among those of a half.
 pub fn number_of(study: &AxleStudy, name: &str) -> usize {
     let names = &study
         .axle
@@ -268,7 +268,8 @@ pub fn number_of(study: &AxleStudy, name: &str) -> usize {
     names.iter().position(|own| own == name).expect("a link")
 }
 
-/// Tensions in the order of the second formulation's links. Its second link of a name is that of the right half.
+/// Tensions in the order of the second formulation's links, in which the second link of a name belongs to the right
+/// half.
 pub fn tensions(
     made: &Made,
     study: &AxleStudy,
@@ -284,7 +285,7 @@ pub fn tensions(
     links.iter().enumerate().map(of).collect()
 }
 
-/// True for the results that are angles.
+/// Returns true for results that are angles.
 pub fn is_angle(number: usize) -> bool {
     matches!(number, 0 | 1 | 8 | 9 | 16 | 17)
 }

@@ -1,4 +1,4 @@
-//! Elastic solid axles that are refused, with the reason and the fix.
+//! Tests of elastic solid axles that the program refuses, with the reason and the fix.
 
 use super::{Kind, STILL, Scatter, made};
 use crate::support::random::Random;
@@ -42,7 +42,8 @@ fn five_rigid_links_are_refused_with_the_fix() {
     assert!(found.contains("`hardpoint kc` needs it"), "{found}");
 }
 
-/// Parts that the axle has once have no rate at the right half; motions and outputs of rigid axles are refused.
+/// The program refuses a right-half rate for a part that exists once. It also refuses motions and outputs that only
+/// rigid axles have.
 #[test]
 fn parts_and_motions_of_rigid_axles_are_refused() {
     let five = text(Kind::FiveLink);
@@ -92,7 +93,7 @@ fn parts_and_motions_of_rigid_axles_are_refused() {
     }
 }
 
-/// Nothing holds such an axle sideways.
+/// The program refuses links that give the axle no lateral stiffness.
 #[test]
 fn links_without_lateral_stiffness_are_refused() {
     let four = text(Kind::FourLink);

@@ -1,4 +1,4 @@
-//! Stiff links against the rigid program.
+//! Tests of stiff links against the rigid program.
 
 use super::{Kind, Made, Scatter, made, study};
 use crate::support::random::Random;
@@ -21,7 +21,7 @@ pub fn values(text: &str) -> Vec<f64> {
     stations.flat_map(of).collect()
 }
 
-/// The text without elastic parts.
+/// Text without elastic parts.
 pub fn rigid(text: &str) -> String {
     let mut kept = String::new();
     let mut is_elastic = false;
@@ -37,7 +37,7 @@ pub fn rigid(text: &str) -> String {
     kept
 }
 
-/// The text with all rates multiplied.
+/// Text with all rates multiplied by a factor.
 pub fn stiffer(text: &str, factor: f64) -> String {
     let of = |line: &str| match line.strip_prefix("axial_stiffness = ") {
         Some(rate) => {
@@ -77,7 +77,8 @@ fn largest(a: &[f64], b: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The springs bend the pose by force over stiffness: ten times stiffer, a tenth of the error, until rounding.
+/// The springs displace the axle by force over link stiffness: links ten times stiffer give a tenth of the difference,
+/// down to rounding.
 #[test]
 fn the_error_falls_as_one_over_the_stiffness() {
     for made in cases(true) {
@@ -94,7 +95,7 @@ fn the_error_falls_as_one_over_the_stiffness() {
     }
 }
 
-/// Without springs nothing loads four links: they have their lengths, whatever their stiffness.
+/// Without springs no force acts on four links: they keep their lengths, whatever their stiffness.
 #[test]
 fn four_links_without_springs_are_rigid() {
     for made in cases(false) {

@@ -1,4 +1,4 @@
-//! Robust tuning of elastic solid axles on links that fit without force.
+//! Tests of robust tuning of elastic solid axles whose links fit without force.
 
 use super::{Kind, Scatter, made};
 use crate::support::random::Random;
@@ -53,7 +53,7 @@ fn derivatives_of_builds_are_exact() {
     assert_derivatives_are_slopes(&study, &X, &[0.1, 0.1, 0.01, 0.01], 1e-5);
 }
 
-/// A build of the tuning is the build that `tolerance` assembles from the same deviations.
+/// A build of the tuning equals the build that `tolerance` assembles from the same deviations.
 #[test]
 fn builds_are_those_of_tolerance() {
     let parts = [

@@ -1,8 +1,8 @@
-//! A second formulation of elastic solid axles: the energy of links and springs over six coordinates of the axle, with exact
-//! first and second derivatives of its own.
+//! Second formulation of elastic solid axles: the energy of links and springs over six coordinates of the axle, with
+//! exact first and second derivatives.
 //!
-//! The coordinates x are the shift of the middle of both wheel centres and the Gibbs vector of the turn. With E the energy, W
-//! the heights of the wheel centres and C those of the lowest points of the discs,
+//! The coordinates x are the displacement of the midpoint of both wheel centres and the Gibbs vector of the rotation.
+//! With the energy E, the heights W of the wheel centres and the heights C of the lowest points of the discs,
 //!
 //! ```text
 //! dE/dx = V_l dC_l/dx + V_r dC_r/dx,   W_l = z_l,   W_r = z_r
@@ -10,7 +10,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// A number with its gradient and its matrix of second derivatives.
+/// Number with its gradient and its matrix of second derivatives.
 #[derive(Clone)]
 pub struct Second {
     pub value: f64,
@@ -65,7 +65,7 @@ impl Second {
         self.plus(&other.scaled(-1.0))
     }
 
-    /// A function of the number, from its value and derivatives.
+    /// Function of the number, from the function's value and derivatives.
     fn of(&self, [value, slope, second]: [f64; 3]) -> Self {
         Second {
             value,
@@ -117,7 +117,7 @@ fn cross(a: &Triple, b: &Triple) -> Triple {
     })
 }
 
-/// A link: ends at the body and at the axle in true coordinates, and its stiffness.
+/// Link: its ends on the body and on the axle in vehicle coordinates, and its stiffness.
 #[derive(Clone, Debug)]
 pub struct Link {
     pub name: String,
@@ -126,7 +126,7 @@ pub struct Link {
     pub rate: f64,
 }
 
-/// A spring: ends at the body and at the axle, force in the design position, and rate.
+/// Spring: its ends on the body and on the axle, its force in the design position, and its rate.
 #[derive(Clone, Debug)]
 pub struct Spring {
     pub body: [f64; 3],
@@ -135,22 +135,22 @@ pub struct Spring {
     pub rate: f64,
 }
 
-/// An elastic solid axle in true coordinates.
+/// Elastic solid axle in vehicle coordinates.
 #[derive(Clone, Debug)]
 pub struct Axle {
     pub links: Vec<Link>,
     pub springs: Vec<Spring>,
-    /// Centre and outboard spin axis of the left and of the right wheel.
+    /// Centre and outboard spin axis of the left and the right wheel.
     pub wheels: [([f64; 3], [f64; 3]); 2],
     pub radius: f64,
 }
 
-/// An input of the axle: by which its results have derivatives.
+/// Input of the axle, with respect to which its results have derivatives.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Input {
-    /// A coordinate of an end of a link, with its weight: by the number of the link, true for the end at the axle.
+    /// Coordinates of link ends with their weights: index of the link, true for the end on the axle, axis, weight.
     Ends(Vec<(usize, bool, usize, f64)>),
-    /// The rates of these links.
+    /// Rates of these links.
     Rate(Vec<usize>),
     /// Travel of a side.
     Travel(usize),
@@ -163,7 +163,8 @@ pub struct Pose {
     pub vertical: [f64; 2],
 }
 
-/// Results at a pose: energy, and for each wheel toe, camber, centre, contact point; then steer, pitch and place.
+/// Number of results at a pose: energy; for each wheel toe, camber, centre and contact point; then steer, pitch and
+/// position.
 pub const RESULTS: usize = 2 * 8 + 5;
 
 struct Frame {
@@ -179,14 +180,14 @@ impl Frame {
         each(|i| Second::constant(v[i], self.count))
     }
 
-    /// A direction of the axle.
+    /// Direction fixed to the axle, after the motion.
     fn turned(&self, v: &Triple) -> Triple {
         let once = cross(&self.gibbs, v);
         let both = sum(&once, &cross(&self.gibbs, &once));
         each(|i| v[i].plus(&both[i].times(&self.twice)))
     }
 
-    /// A point of the axle, from its design position.
+    /// Point of the axle, from its design position.
     fn at(&self, point: &Triple) -> Triple {
         let middle = self.constant(self.middle);
         let lever = self.turned(&difference(point, &middle));
@@ -209,7 +210,7 @@ impl Axle {
         }
     }
 
-    /// An end of a link that moves with the inputs, which are numbered from 6.
+    /// End of a link that moves with the inputs, which have the indices from 6 on.
     fn end(&self, frame: &Frame, inputs: &[Input], link: usize, is_axle: bool) -> Triple {
         let own = &self.links[link];
         let mut at = frame.constant(if is_axle { own.axle } else { own.body });
@@ -224,7 +225,7 @@ impl Axle {
         at
     }
 
-    /// Length of a link less that in the design position.
+    /// Length of a link minus its length in the design position.
     fn stretch(&self, frame: &Frame, inputs: &[Input], link: usize) -> Second {
         let [body, axle] = [false, true].map(|end| self.end(frame, inputs, link, end));
         let now = difference(&frame.at(&axle), &body);
@@ -272,7 +273,8 @@ impl Axle {
         centre[2].minus(&drop.scaled(self.radius))
     }
 
-    /// Residuals of the equilibrium, their matrix by coordinates and vertical forces, and their derivatives with respect to the inputs.
+    /// Residuals of the equilibrium, their derivatives with respect to coordinates and vertical forces, and their
+    /// derivatives with respect to the inputs.
     fn system(
         &self,
         pose: &Pose,
@@ -316,7 +318,7 @@ impl Axle {
         (residual, matrix, by)
     }
 
-    /// The equilibrium at travels of both wheels: Newton's method in small steps from the design position, to rounding.
+    /// Equilibrium at travels of both wheels: Newton's method in small steps from the design position, to rounding.
     pub fn solve(&self, travels: [f64; 2]) -> Pose {
         const STEPS: usize = 3;
         let mut pose = Pose {
@@ -341,7 +343,7 @@ impl Axle {
                     (change[i] * scale).abs()
                 });
                 let size = size.fold(0.0, f64::max);
-                // Newton's method squares its error until rounding stops it.
+                // Newton's method squares its error in each step until it reaches rounding.
                 if size < 1e-9 && size >= 0.5 * last {
                     break;
                 }
@@ -351,7 +353,7 @@ impl Axle {
         pose
     }
 
-    /// Derivatives of coordinates and vertical forces by the inputs.
+    /// Derivatives of coordinates and vertical forces with respect to the inputs.
     pub fn sensitivities(&self, pose: &Pose, travels: [f64; 2], inputs: &[Input]) -> DMatrix<f64> {
         let (_, matrix, by) = self.system(pose, travels, inputs);
         matrix.lu().solve(&-by).expect("regular")
@@ -366,7 +368,7 @@ impl Axle {
             .collect()
     }
 
-    /// The results at a pose, with derivatives with respect to the coordinates.
+    /// Results at a pose, with derivatives with respect to the coordinates.
     fn read(&self, pose: &Pose) -> Vec<Second> {
         let frame = self.frame(&pose.x, 6);
         let mut found = Vec::new();
@@ -379,7 +381,8 @@ impl Axle {
             found.push(x.times(&y.scaled(out).inverse()).arc_tangent());
             found.push(z.scaled(-1.0).times(&level.inverse()).arc_tangent());
             found.extend(centre.iter().cloned());
-            // The lowest point is R down the disc: along -z less its part along the axis.
+            // The lowest point is one radius from the centre in the disc plane, along -z minus its component along the
+            // axis.
             let along = z.times(&level.inverse()).scaled(self.radius);
             found.push(centre[0].plus(&along.times(x)));
             found.push(centre[1].plus(&along.times(y)));
@@ -394,12 +397,12 @@ impl Axle {
         found
     }
 
-    /// The results at a pose.
+    /// Results at a pose.
     pub fn results(&self, pose: &Pose) -> Vec<f64> {
         self.read(pose).iter().map(|own| own.value).collect()
     }
 
-    /// Derivatives of the results by the inputs: a row for each result.
+    /// Derivatives of the results with respect to the inputs: one row for each result.
     pub fn slopes(&self, pose: &Pose, travels: [f64; 2], inputs: &[Input]) -> Vec<Vec<f64>> {
         let moved = self.sensitivities(pose, travels, inputs);
         let of = |own: &Second| {

@@ -1,4 +1,4 @@
-//! Set-ups of elastic solid axles: wanted values in equilibrium, effects to first order, and the rigid limit.
+//! Tests of set-ups of elastic solid axles: target values in equilibrium, first-order effects, and the rigid limit.
 
 use super::super::set_up::{column, linear_remainders, quarters};
 use super::rigid_limit::{rigid, stiffer};
@@ -23,7 +23,7 @@ fn text(kind: Kind, relaxed: &str) -> String {
     text.replace("relaxed = \"free\"", &format!("relaxed = \"{relaxed}\""))
 }
 
-/// Wanted values of the axle: `axle_steer`, `axle_lateral`, `axle_longitudinal`, `pinion_angle`.
+/// Target values of the axle: `axle_steer`, `axle_lateral`, `axle_longitudinal`, `pinion_angle`.
 const WANT: [f64; 4] = [0.15, 1.2, -2.0, 0.6];
 const NAMES: [&str; 4] = [
     "axle_steer",
@@ -49,7 +49,8 @@ fn found(text: &str, kind: Kind, want: [f64; 4], further: &str) -> FoundSetUp {
     found.unwrap_or_else(|why| panic!("{kind:?}: {}", why.reason()))
 }
 
-/// All values are there: the direction of the axle from its points and from the equilibrium of the adjusted study, and camber and toe.
+/// The equilibrium of the adjusted study has all target values: the direction of the axle from its points, and camber
+/// and toe.
 #[test]
 fn the_adjusted_axle_has_the_wanted_values_in_equilibrium() {
     for kind in KINDS {
@@ -75,7 +76,7 @@ fn the_adjusted_axle_has_the_wanted_values_in_equilibrium() {
                 let off = now[number].to_degrees() - value(name);
                 assert!(off.abs() < 1e-8, "{kind:?}, {relaxed}, {name}: {off:e}");
             }
-            // Wheel centres from the nominal ones, in the equilibrium.
+            // Displacement of the wheel centres in equilibrium, relative to the nominal ones.
             let nominal = Study::elastic_from_text("solid.toml", &text, Path::new("")).unwrap();
             let design = &nominal.axle().unwrap().axle.left;
             let centres = ["wheel_centre", "right_wheel_centre"];
@@ -92,13 +93,13 @@ fn the_adjusted_axle_has_the_wanted_values_in_equilibrium() {
     }
 }
 
-/// The effects of the design predict every static value to first order: if the wanted changes are half as large, the remainder is a
-/// quarter.
+/// The effects at the nominal design predict every static value to first order: if the target changes are half as
+/// large, the remainder is a quarter.
 #[test]
 fn effects_predict_to_first_order() {
     for kind in KINDS {
         let text = text(kind, "free");
-        // The nominal axle moves in its equilibrium. Wanted changes count from there.
+        // The nominal axle moves into its equilibrium. Target changes are relative to that equilibrium.
         let nominal = found(&text, kind, WANT, "").wheels[0].clone();
         let drawn = NAMES.map(|name| nominal.statics[column(&nominal, name)].drawn.unwrap());
         let remainders = |scale: f64| -> Vec<f64> {
@@ -113,7 +114,8 @@ fn effects_predict_to_first_order() {
     }
 }
 
-/// Stiff links have the adjustments of the rigid axle. The difference falls as one by the stiffness.
+/// With stiff links the adjustments approach those of the rigid axle. The difference is proportional to one over the
+/// stiffness.
 #[test]
 fn stiff_links_have_the_set_up_of_the_rigid_axle() {
     for kind in [Kind::FourLink, Kind::ThreeLinkPanhard] {

@@ -1,4 +1,5 @@
-//! Derivatives with respect to travels, hardpoints and rates against the exact linearisation of the second formulation.
+//! Tests of derivatives with respect to travels, hardpoints and rates, against the exact linearisation of the second
+//! formulation.
 
 use super::second::{Axle, Input};
 use super::{Kind, STILL, Scatter, elastic, is_angle, made, number_of, study};
@@ -8,7 +9,7 @@ use hardpoint::compliance::{AxleOnTape, AxleParameter, ElasticAxle, Parameter};
 use hardpoint::model::{Axis, Side};
 use hardpoint::number::{Real, Tape, Tracked};
 
-/// Weights of the ends of links that a hardpoint of the left half moves, in the axes of the study.
+/// Weights of the link ends that move with a hardpoint of the left half, in the axes of the study.
 fn ends_of(axle: &Axle, name: &str, is_axle: bool, axis: usize) -> Input {
     let own = axle
         .links
@@ -44,8 +45,8 @@ fn tracked<'t>(
     found
 }
 
-/// Points of links and rates of both halves together. Derivatives are compared per 100 mm, and per a hundredth of a rate's
-/// own size.
+/// Derivatives with respect to link points and rates of both halves together equal those of the second formulation. The
+/// test compares derivatives per 100 mm, and per hundredth of a rate.
 #[test]
 fn derivatives_by_hardpoints_and_rates_are_those_of_the_second_formulation() {
     let mut random = Random(77);
@@ -81,7 +82,7 @@ fn derivatives_by_hardpoints_and_rates_are_those_of_the_second_formulation() {
                     scales.push(100.0);
                 }
             }
-            // A rate that both halves share; a right one of its own moves with it.
+            // Both halves share a rate; a separate right rate changes with it.
             let own = made.axle.links.iter().enumerate();
             let own: Vec<usize> = own
                 .filter(|(_, l)| l.name == name)
@@ -116,7 +117,7 @@ fn derivatives_by_hardpoints_and_rates_are_those_of_the_second_formulation() {
     println!("worst: {worst:e} mm");
 }
 
-/// Columns of velocities of `solve` by heave and by each travel.
+/// The velocity columns of `solve` with respect to heave and to each travel equal those of the second formulation.
 #[test]
 fn derivatives_by_travels_are_those_of_the_second_formulation() {
     const NAMES: [&str; 4] = [
@@ -189,7 +190,7 @@ fn derivatives_by_travels_are_those_of_the_second_formulation() {
     }
 }
 
-/// Sensitivities of `solve` are derivatives with respect to the left half, which the right one follows.
+/// Sensitivities of `solve` are derivatives with respect to the left half; the right half follows as mirror image.
 #[test]
 fn sensitivities_of_solve_are_those_of_the_second_formulation() {
     let mut random = Random(8);
@@ -225,7 +226,7 @@ fn sensitivities_of_solve_are_those_of_the_second_formulation() {
     }
 }
 
-/// Link figures of the roll test: their gradients against differences of fourth order of whole studies.
+/// Gradients of the roll test's link results equal differences of fourth order between complete studies.
 #[test]
 fn gradients_of_link_figures_are_those_of_whole_studies() {
     use hardpoint::compliance::{AxleKcRun, AxleVehicle, TestLoad};
@@ -304,6 +305,6 @@ fn gradients_of_link_figures_are_those_of_whole_studies() {
             );
         }
     }
-    // Two links of each half, the rod, its stiffness alone and with springs.
+    // The results of two links of each half, of the rod, and of the roll stiffness of the links alone and with springs.
     assert_eq!(seen, 7, "{base:?}");
 }

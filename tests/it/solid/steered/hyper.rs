@@ -1,9 +1,9 @@
-//! Numbers with both first derivatives along two directions and the mixed second one. They make the linearisation of the
-//! other formulation exact.
+//! Numbers with first derivatives along two directions and the mixed second derivative. They make the linearisation of
+//! the other formulation exact.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// A value, its derivatives along a first and a second direction, and the derivative along both.
+/// Value, its first derivatives along two directions, and the mixed second derivative.
 #[derive(Clone, Copy, Debug)]
 pub struct Hyper {
     pub value: f64,
@@ -24,7 +24,7 @@ impl Hyper {
         }
     }
 
-    /// A function with this value, first and second derivative with respect to its argument.
+    /// Function with this value, first and second derivative with respect to its argument.
     fn chain(self, value: f64, slope: f64, curvature: f64) -> Hyper {
         Hyper {
             value,
@@ -63,7 +63,7 @@ impl Hyper {
         self.chain(self.value.atan(), slope, -2.0 * self.value * slope * slope)
     }
 
-    /// The angle of a direction to the right half plane.
+    /// Angle between a direction and the right half plane.
     pub fn angle(self, ahead: Hyper) -> Hyper {
         assert!(ahead.value > 0.0);
         (self * ahead.inverse()).arctangent()

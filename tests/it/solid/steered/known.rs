@@ -1,4 +1,4 @@
-//! Steered axles that are known in closed form: vertical kingpins, level links and level rods.
+//! Tests of steered axles with closed-form solutions: vertical kingpins, level links and level rods.
 
 use super::hyper::{Hyper, Point};
 use super::world::World;
@@ -14,7 +14,7 @@ use std::path::Path;
 
 /// Height of the lower ball joints, of Panhard rod and drag link, and of the tie rod.
 const HEIGHT: f64 = 400.0;
-/// Reach of the drag link's arm ahead of the kingpin, and of the tie rod's arms behind it.
+/// Length of the drag link's arm ahead of the kingpin, and of the tie rod's arms behind it.
 const ARM: f64 = 150.0;
 const KINGPIN: [f64; 2] = [20.0, 660.0];
 
@@ -22,8 +22,8 @@ fn at(x: f64, y: f64, z: f64) -> Point {
     [x, y, z].map(Hyper::constant)
 }
 
-/// An axle on level links with vertical kingpins. Its drag link has the direction and the length of the Panhard rod, and is
-/// `above` it. The tie rod's ends are `inboard` of the line from the kingpin straight back.
+/// Axle on level links with vertical kingpins. Its drag link has the direction and the length of the Panhard rod, and
+/// is higher by `above`. The tie rod's ends are `inboard` of the line from the kingpin straight back.
 fn level(above: f64, inboard: f64) -> World {
     let [x, y] = KINGPIN;
     World {
@@ -56,7 +56,7 @@ const STEER: [Quantity; 4] = [
     Quantity::Axle(A::AckermannError),
 ];
 
-/// Calls `look` with the axle level at this displacement of the steering gear.
+/// Calls `look` with the level axle at this displacement of the steering gear.
 fn steered<R>(
     world: &World,
     rack: f64,
@@ -73,9 +73,10 @@ fn steered<R>(
     Ok(look(&placed, read))
 }
 
-/// A drag link that is parallel to the Panhard rod, as long and at its height does not steer in heave and roll at first order.
-/// `above` it, the knuckle's end moves across by `above` times the roll angle while the arm is `ARM` long: the wheels steer by
-/// -above/ARM.
+/// A drag link that is parallel to the Panhard rod, equally long and at its height does not steer in heave and roll to
+/// first order.
+/// If it is higher by `above`, its end on the knuckle moves sideways by `above` times the roll angle. With the arm
+/// length `ARM` the wheels steer by -above/ARM.
 #[test]
 fn a_drag_link_steers_in_roll_by_its_height_over_the_panhard_rod() {
     for above in [0.0, 12.0, -30.0] {
@@ -92,8 +93,9 @@ fn a_drag_link_steers_in_roll_by_its_height_over_the_panhard_rod() {
     }
 }
 
-/// With arms straight back, the tie rod and the axle form a parallelogram: both wheels turn equally. The drag link keeps its
-/// length, and the wheels their heights. Arms that converge behind the axle turn the inner wheel further.
+/// With arms straight back, the tie rod and the axle form a parallelogram: both wheels turn equally. The drag link
+/// keeps its length, and the wheels keep their heights. Arms that converge behind the axle turn the inner wheel
+/// farther.
 #[test]
 fn parallelogram_steering_turns_both_wheels_equally() {
     let length = 920.0;
@@ -107,7 +109,7 @@ fn parallelogram_steering_turns_both_wheels_equally() {
         };
         let [left, right] = turns(0.0);
         assert!((left - right).abs() < 1e-13, "{left} {right}");
-        // The end of the arm, from the drag link's end at the body.
+        // End of the arm, relative to the drag link's end on the body.
         let (x, y) = (ARM * (left.cos() - 1.0), ARM * left.sin() + length - gear);
         assert!((x.hypot(y) - length).abs() < 1e-11, "{left}");
         assert!(left * gear > 0.0);
@@ -121,11 +123,11 @@ fn parallelogram_steering_turns_both_wheels_equally() {
     }
 }
 
-/// The drag link reaches its toggle where it lies in line with its arm: at the end of this range there is no pose, and the drag link
-/// is named.
+/// The drag link reaches its toggle when it is in line with its arm. Beyond this end of the range there is no pose, and
+/// the program names the drag link.
 #[test]
 fn the_drag_link_is_named_where_it_cannot_follow() {
-    // Arm and drag link in one line, the end at the body pulled away.
+    // Arm and drag link are in one line, with the end on the body pulled away.
     let reach = ARM + 920.0;
     let last = 920.0 - (reach * reach - ARM * ARM).sqrt();
     let world = level(0.0, 0.0);
@@ -143,16 +145,16 @@ fn the_drag_link_is_named_where_it_cannot_follow() {
     }
 }
 
-/// `limits` finds this end of the drag link, and names it. For random axles, there are positions up to the ends and none beyond
-/// them.
+/// `limits` finds this end of the drag link, and names it. Random axles have positions up to the ends and none beyond.
 #[test]
 fn limits_of_the_drag_link_are_its_toggles() {
     let reach = ARM + 920.0;
     let last = 920.0 - (reach * reach - ARM * ARM).sqrt();
     let own = axle(&study(&level(0.0, 0.0), "[motion]\nheave = [0.0]\n"));
     let [lower, _] = own.axle.limits().unwrap().rack.unwrap();
-    // A rod is at its toggle when its leverage, the sine of its angle to the arm, falls below 1e-5. With c for the drag link and
-    // a for its arm, that is a c/(a + c)/2 times its square before the end of the reach.
+    // A rod counts as at its toggle if its leverage is below 1e-5. Leverage is the sine of its angle to the arm. With
+    // the drag link length c and the arm length a, this occurs a c/(a + c)/2 times the square of the leverage before
+    // the end of the reach.
     let before = 0.5e-10 * ARM * 920.0 / reach;
     let error = lower.value - last;
     assert!(
@@ -236,7 +238,7 @@ fn the_axes_of_the_study_do_not_matter() {
     }
 }
 
-/// Tuning moves a drag link that is too high down to the Panhard rod, where it does not steer in roll.
+/// A tuning lowers a drag link that is too high to the height of the Panhard rod, where it does not steer in roll.
 #[test]
 fn tuning_takes_the_roll_steer_away() {
     let text = study(

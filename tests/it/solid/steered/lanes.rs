@@ -1,4 +1,4 @@
-//! Steered axles solved in SIMD lanes, compared with the same axles solved one by one.
+//! Tests of steered axles in SIMD lanes against one-by-one evaluation.
 
 use super::world::World;
 use super::{RIGHT, random, study};
@@ -9,7 +9,7 @@ use hardpoint::study::Study;
 use hardpoint::sweep::{SweepPlan, Worker};
 use std::path::Path;
 
-/// Designs of each axle.
+/// Number of designs of each axle.
 const DESIGNS: usize = 24;
 
 /// Points whose coordinates a sweep scatters.
@@ -22,7 +22,7 @@ const MOVED: [(&str, &str); 6] = [
     ("wheel_centre", "z"),
 ];
 
-/// A sweep of an axle with every quantity of lanes that it has.
+/// Sweep of an axle with every quantity that lanes can evaluate.
 fn swept(world: &World, motion: &str, scatter: f64) -> &'static Study {
     let variables = MOVED.map(|(point, axis)| {
         format!(
@@ -54,7 +54,7 @@ fn worker(study: &'static Study, width: Option<Width>) -> Worker<'static> {
     worker
 }
 
-/// A random axle. Of three, one has a slanted steering gear, static angles and a right half of its own.
+/// Random axle. Every third one has a slanted steering gear, static angles and a different right half.
 fn axle(generator: &mut Random, number: usize, by: f64) -> World {
     let mut world = random(generator, number.is_multiple_of(2), by);
     if number.is_multiple_of(3) {
@@ -70,8 +70,8 @@ fn axle(generator: &mut Random, number: usize, by: f64) -> World {
     world
 }
 
-/// Compares values, failures and faults of a sweep in lanes with those of the same sweep one by one. Returns the numbers of designs without all
-/// poses and of designs that the lanes reject.
+/// Compares values, failures and faults of a sweep in lanes with those of the same sweep one by one. Returns the
+/// numbers of designs without all poses and of designs that the lanes reject.
 fn compare(world: &World, motion: &str, scatter: f64) -> [usize; 2] {
     let study = swept(world, motion, scatter);
     let quantities = &study.axle().unwrap().plan.quantities;
@@ -99,10 +99,10 @@ fn compare(world: &World, motion: &str, scatter: f64) -> [usize; 2] {
                     if *quantity == Quantity::Axle(AxleQuantity::AckermannError)
                         && steer.abs() < 1e-9
                     {
-                        // Straight ahead, either wheel may be the inner one.
+                        // At zero steer either wheel may count as the inner one.
                         continue;
                     }
-                    // Quotients whose denominator is small are as uncertain as they are large.
+                    // The error of a quotient with a small denominator grows with its value.
                     let scale = expected.abs().max(1.0) * (1.0 + expected.abs() / 500.0);
                     assert!(
                         found.is_nan() && expected.is_nan()
@@ -123,8 +123,8 @@ fn compare(world: &World, motion: &str, scatter: f64) -> [usize; 2] {
     [failed.len(), rejected]
 }
 
-/// Lanes and the solver for single designs give equal values for steered axles: in roll, in heave, and steered to both sides.
-/// Hardly any design is left to the latter.
+/// Lanes and the solver for single designs give equal values for steered axles: in roll, in heave, and steered to both
+/// sides. Almost no design falls back to the solver for single designs.
 #[test]
 fn lanes_have_the_values_of_designs_one_by_one() {
     let mut generator = Random(99);
@@ -144,7 +144,8 @@ fn lanes_have_the_values_of_designs_one_by_one() {
     assert!(20 * left < designs, "{left} of {designs}");
 }
 
-/// Beyond the toggle of a rod there is no pose. Lanes find none there, and no lane takes the other branch of a knuckle.
+/// Beyond the toggle of a rod there is no pose. Lanes find none there, and no lane switches to the other branch of a
+/// knuckle.
 #[test]
 fn toggles_of_knuckles_are_found_as_one_by_one() {
     if !crate::support::has_lanes() {

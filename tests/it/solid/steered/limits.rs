@@ -1,4 +1,4 @@
-//! Ends of the range of a steering gear, and the parts that bind there.
+//! Tests of the ends of a steering gear's range, and of the parts that bind there.
 
 use super::{axle, random, study};
 use crate::support::random::Random;
@@ -42,7 +42,7 @@ fn follows(axle: &Axle, rack: f64) -> bool {
         .is_ok()
 }
 
-/// Two points of a knuckle's axis, and the ends of its rod, first the one on the knuckle.
+/// Two points of a knuckle's axis, then the ends of its rod, with the end on the knuckle first.
 type Linkage = [Point; 4];
 
 const DRAG_LINK: [&str; 4] = [
@@ -75,7 +75,7 @@ fn leverage(linkage: Linkage) -> f64 {
     moment.abs() / (dot(arm, arm) * dot(rod, rod)).sqrt()
 }
 
-/// The rod in the position of the axle, with the steering gear here.
+/// Rod in a position of the axle at this displacement of the steering gear.
 fn in_position(axle: &Axle, names: [&str; 4], rack: f64) -> Linkage {
     let ids = names.map(|name| axle.left.mechanism.point(name).unwrap());
     let mut solver = AxleSolver::<1>::new(axle, &[], false).unwrap();
@@ -86,7 +86,7 @@ fn in_position(axle: &Axle, names: [&str; 4], rack: f64) -> Linkage {
     [0, 1, 2, 3].map(|k| points[k].map(|c| c.coefficient([0, 0])).to_array())
 }
 
-/// A point turned about the axis of a knuckle.
+/// Point rotated about the axis of a knuckle.
 fn turned(linkage: Linkage, angle: f64, point: Point) -> Point {
     let axis = axis_of(linkage);
     let lever = minus(point, linkage[0]);
@@ -96,7 +96,8 @@ fn turned(linkage: Linkage, angle: f64, point: Point) -> Point {
     [0, 1, 2].map(|i| linkage[0][i] + cosine * lever[i] + sine * across[i] + along * axis[i])
 }
 
-/// Turn of a knuckle, near a known one, with which its rod has its length although its other end has moved to `outer`.
+/// Rotation of a knuckle, near a known one, at which its rod keeps its length when the rod's other end has moved to
+/// `outer`.
 fn turn(linkage: Linkage, outer: Point, near: f64) -> f64 {
     let square = |a: Point, b: Point| dot(minus(a, b), minus(a, b));
     let length = square(linkage[2], linkage[3]);
@@ -109,14 +110,14 @@ fn turn(linkage: Linkage, outer: Point, near: f64) -> f64 {
     angle
 }
 
-/// Drag link and tie rod while the axle rests, with the steering gear here: both knuckles follow its way.
+/// Drag link and tie rod of an axle at rest at this displacement of the steering gear; both knuckles follow.
 fn at_rest(axle: &Axle, rack: f64) -> [Linkage; 2] {
     let at = |name: &str| axle.left.design[axle.left.mechanism.point(name).unwrap().0].to_array();
     let (drag_link, tie_rod) = (DRAG_LINK.map(at), TIE_ROD.map(at));
     let (mut left, mut right) = (0.0, 0.0);
     let (mut body, mut end) = (drag_link[3], tie_rod[3]);
     for step in 1..=400 {
-        // Shorter steps towards a toggle.
+        // Steps become shorter towards a toggle.
         let share = 1.0 - (1.0 - f64::from(step) / 400.0).powi(2);
         body[1] = drag_link[3][1] + share * rack;
         left = turn(drag_link, body, left);
@@ -133,9 +134,9 @@ fn at_rest(axle: &Axle, rack: f64) -> [Linkage; 2] {
     ]
 }
 
-/// Nearly each end of the drag link's range names the part that binds. There are positions up to the end, and none beyond it. The rod
-/// that is named is in line with its arm, in the position or on the way to it, while the axle rests. Near a toggle a position is
-/// lost up to 1e-4 of the range before its end.
+/// Almost every end of the drag link's range names the part that binds. Positions exist up to the end, and none beyond
+/// it. The named rod is in line with its arm, in that position or on the path to it with the axle at rest. Near a
+/// toggle the solver loses a position up to 1e-4 of the range before its end.
 #[test]
 fn every_end_names_the_part_that_binds() {
     name_ends(4);
@@ -170,7 +171,8 @@ fn name_ends(axles: usize) {
                     ]
                     .map(leverage);
                     let least = leverages[0].min(leverages[1]);
-                    // Leverage falls with the square root of the distance to the toggle, at some axles only close to it.
+                    // Leverage falls with the square root of the distance to the toggle; for some axles it is small
+                    // only very close to the toggle.
                     assert!(least < 0.05, "{number}: {rod} {leverages:?}");
                     kinds[usize::from(is_tie_rod)] += 1;
                 }
@@ -179,7 +181,7 @@ fn name_ends(axles: usize) {
                     assert_eq!(limit.value, end.value);
                     kinds[2] += 1;
                 }
-                // The path is lost, and the program says so instead of a part.
+                // The solver lost the path, and the program reports this instead of a part.
                 _ => lost += 1,
             }
         }
@@ -190,8 +192,8 @@ fn name_ends(axles: usize) {
     );
 }
 
-/// Derivatives of the end by every point of the axle, where the links fold: differences of fourth order of the ends of other designs
-/// agree, for points that move along random directions.
+/// Derivatives of the end with respect to every point of the axle, where the links fold, are exact. They equal
+/// differences of fourth order between the ends of other designs, for points that move along random directions.
 #[test]
 fn a_fold_along_the_drag_link_has_exact_derivatives() {
     let mut generator = Random(23);
@@ -216,7 +218,7 @@ fn a_fold_along_the_drag_link_has_exact_derivatives() {
                 .iter()
                 .map(|_| generator.vector(1.0))
                 .collect();
-            // The displaced end of the drag link follows its hardpoint.
+            // The displaced end of the drag link moves with its hardpoint.
             let mut free = ways.clone();
             let end = id("drag_link_place");
             ways[end] = ways[id("drag_link_body")];

@@ -1,5 +1,5 @@
-//! Forces in links, drag link and tie rod: the six balances of the whole axle, and those of both knuckles about their kingpins,
-//! written with the places of the other formulation.
+//! Tests of forces in links, drag link and tie rod: the six balances of the whole axle, and one balance of each knuckle
+//! about its kingpin, with positions of the other formulation.
 
 use super::{Place, World, at, axle, random, study};
 use crate::support::random::Random;
@@ -24,7 +24,7 @@ fn cross(a: Point, b: Point) -> Point {
     ]
 }
 
-/// A force with its point.
+/// Force with its point of application.
 type Force = (Point, Point);
 
 fn pull(from: Point, to: Point, tension: f64) -> Force {
@@ -33,13 +33,13 @@ fn pull(from: Point, to: Point, tension: f64) -> Force {
     (from, way.map(|c| tension * c / length))
 }
 
-/// Forces on the axle with its knuckles, and on each knuckle beside the kingpin.
+/// Forces on the axle with its knuckles, and on each knuckle except those of the kingpin.
 struct Forces {
     outside: Vec<Force>,
     on_knuckles: [Vec<Force>; 2],
 }
 
-/// The forces of one load, from the columns of the program.
+/// Forces of one load, from the columns of the program.
 fn forces(world: &World, place: Place, has_spring: bool, tension: &dyn Fn(&str) -> f64) -> Forces {
     let solved = world.solve(&at(place, None, None)).unwrap();
     let on_axle = |side: usize, name: &str| world.place_on_axle(&solved, side, name);
@@ -96,7 +96,7 @@ fn forces(world: &World, place: Place, has_spring: bool, tension: &dyn Fn(&str) 
     }
 }
 
-/// Loads on either wheel, with springs and with supports at the wheel centres.
+/// Member forces balance loads on either wheel, with springs or with supports at the wheel centres.
 #[test]
 fn members_balance_loads_on_steered_wheels() {
     let mut generator = Random(465);
@@ -154,7 +154,7 @@ fn members_balance_loads_on_steered_wheels() {
                     size += force[i].abs();
                 }
             }
-            // Forces against their sum, moments against that at an arm of a metre.
+            // Relative errors: forces divided by the total force, moments by the total force at a lever of a metre.
             for i in 0..3 {
                 worst = worst
                     .max(sum[i].abs() / size)

@@ -1,4 +1,4 @@
-//! Steered solid axles against a formulation of its own, and in cases that are known in closed form.
+//! Tests of steered solid axles against an independent formulation, and in cases with closed-form solutions.
 
 mod hyper;
 mod known;
@@ -18,7 +18,7 @@ use hyper::Hyper;
 use std::fmt::Write as _;
 use world::{At, Travels, World};
 
-/// A steered front axle, every point moved by up to `by`.
+/// Random steered front axle, with every point moved by up to `by`.
 pub fn random(random: &mut Random, single: bool, by: f64) -> World {
     let mut near = |p: [f64; 3]| p.map(|c| Hyper::constant(c + by * random.signed()));
     let mut points = vec![
@@ -54,7 +54,7 @@ pub fn random(random: &mut Random, single: bool, by: f64) -> World {
     }
 }
 
-/// The study of an axle.
+/// Study of an axle.
 pub fn study(world: &World, further: &str) -> String {
     let mut text = String::from("[suspension]\ntopology = \"solid_axle\"\n");
     if world.single {
@@ -102,7 +102,7 @@ const OUTPUTS: &str = "[outputs]\norder = \"acceleration\"\npoints = [\"wheel_ce
 /// Heave, roll (rad) and displacement of the steering gear.
 type Place = [f64; 3];
 
-/// The place with a first derivative along `first` and a second one along `second`: 0 heave, 1 roll, 2 steering gear.
+/// Position with a first derivative along `first` and a second one along `second`: 0 heave, 1 roll, 2 steering gear.
 fn at(place: Place, first: Option<usize>, second: Option<usize>) -> At {
     let number = |k: usize| Hyper {
         first: f64::from(first == Some(k)),
@@ -117,7 +117,7 @@ fn at(place: Place, first: Option<usize>, second: Option<usize>) -> At {
     }
 }
 
-/// The largest error of each kind, relative to 1 or the number itself, with its name.
+/// Largest error of each kind with its name, relative to 1 or to the number itself.
 #[derive(Default)]
 struct Worst {
     value: (f64, String),
@@ -133,7 +133,8 @@ fn note(worst: &mut (f64, String), found: f64, expected: f64, what: impl FnOnce(
     }
 }
 
-/// Quantities of the other formulation with `roll_steer`, which are derivatives of steer by roll along `second`.
+/// Quantities of the other formulation, and `roll_steer` from the derivatives of steer with respect to roll along
+/// `second`.
 fn expected(world: &World, place: Place, first: Option<usize>) -> Option<Vec<(String, Hyper)>> {
     let solved = world.solve(&at(place, first, Some(1)))?;
     let mut all = solved.quantities();
@@ -154,7 +155,7 @@ fn expected(world: &World, place: Place, first: Option<usize>) -> Option<Vec<(St
     Some(all)
 }
 
-/// Compares one axle in one position. Returns false if one of both programs does not reach the position.
+/// Compares one axle in one position. Returns false if one of the two programs does not reach the position.
 fn compare(world: &World, place: Place, gradients: bool, worst: &mut Worst) -> bool {
     let [heave, roll, gear] = place;
     let Some(values) = expected(world, place, None) else {
@@ -175,7 +176,7 @@ fn compare(world: &World, place: Place, gradients: bool, worst: &mut Worst) -> b
         let named = found.columns.iter().position(|c| c.name == name);
         named.unwrap_or_else(|| panic!("{name} of {:?}", found.columns))
     };
-    // Near its toggle, a tie rod can end the path of the axle before it rolls, while the pose itself exists.
+    // Near its toggle, a tie rod can block the path of the axle before it rolls, although the pose itself exists.
     if station.values[column("left_toe_deg")] == Err(NoValue::NoPose) {
         return false;
     }
@@ -228,8 +229,8 @@ fn compare(world: &World, place: Place, gradients: bool, worst: &mut Worst) -> b
     true
 }
 
-/// The angular velocity w and acceleration a of a knuckle by the drag link move three of its points as one rigid body: for levers r
-/// between them, r' = w x r and r'' = a x r + w x (w x r).
+/// Knuckles rotate as rigid bodies: their angular velocity w and acceleration a with respect to the drag link move
+/// three of their points consistently. For levers r between these points, r' = w x r and r'' = a x r + w x (w x r).
 #[test]
 fn knuckles_turn_as_rigid_bodies() {
     let mut generator = Random(479);
@@ -322,8 +323,8 @@ fn everything_of_a_thousand_axles_is_that_of_another_formulation() {
     compare_all(1000);
 }
 
-/// Positions, quantities and their derivatives with respect to heave, roll and steering gear; for one axle of twelve also those by every
-/// hardpoint.
+/// Compares positions, quantities and their derivatives with respect to heave, roll and steering gear. For one axle of
+/// twelve, also compares derivatives with respect to every hardpoint.
 fn compare_all(axles: usize) {
     let mut generator = Random(461);
     let (mut worst, mut solved) = (Worst::default(), 0);
@@ -337,7 +338,7 @@ fn compare_all(axles: usize) {
             world.angles = [0.03 * generator.signed(), 0.02 * generator.signed()];
         }
         if number % 4 < 2 {
-            // A right half of its own, its wheel centre at another height, too.
+            // The right half differs, including the height of its wheel centre.
             world.apart = RIGHT
                 .iter()
                 .map(|name| (*name, [0.0; 3].map(|_| 15.0 * generator.signed())))
@@ -357,8 +358,8 @@ fn compare_all(axles: usize) {
     println!("second derivatives {:?}", worst.second);
     println!("gradients {:?}", worst.gradient);
     assert!(10 * solved > 9 * axles, "{solved}");
-    // Both programs solve equations with residuals of 1e-12 mm at conditions below 1e3. Rates lose one more factor of the
-    // condition, gradients too.
+    // Both programs solve equations with residuals of 1e-12 mm at condition numbers below 1e3. Rates and gradients lose
+    // one more factor of the condition number.
     assert!(worst.value.0 < 1e-9, "{:?}", worst.value);
     assert!(worst.rate.0 < 1e-9, "{:?}", worst.rate);
     assert!(worst.second.0 < 1e-9, "{:?}", worst.second);

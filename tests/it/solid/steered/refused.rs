@@ -1,4 +1,4 @@
-//! Studies of steered axles that are refused, with the reason.
+//! Tests of studies of steered axles that the program refuses, with the reason.
 
 use super::{random, study};
 use crate::support::random::Random;
@@ -97,7 +97,7 @@ fn sections_and_points_that_do_not_fit_are_refused() {
     assert!(found.contains("needs its drag link"), "{found}");
 }
 
-/// A kingpin through the drag link's end leaves its arm without a length.
+/// The program refuses a kingpin through the drag link's end, because its arm then has zero length.
 #[test]
 fn arms_without_a_length_are_refused() {
     let world = random(&mut Random(467), true, 10.0);

@@ -1,5 +1,5 @@
-//! Roll centres and anti-dive from velocities of the other formulation: of the knuckles' points at the contact points for forces,
-//! of the axle's point midway between them for the kinematic roll centre.
+//! Tests of roll centres and anti-dive against velocities of the other formulation. The forces follow from the knuckle
+//! points at the contact points. The kinematic roll centre follows from the axle point midway between them.
 
 use super::hyper::{Hyper, Point, cross, dot, minus, plus};
 use super::world::{At, Solved, Travels, World};
@@ -7,7 +7,7 @@ use super::{Place, at, axle, random, study};
 use crate::support::random::Random;
 use hardpoint::axle::axle_curves;
 
-/// A vector fixed in a body that carries three directions: its parts along them stay the same.
+/// Vector fixed in a body with three given directions: its components along them stay the same.
 fn carried(basis: [Point; 3], vector: Point) -> Point {
     let [a, b, c] = basis.map(|v| v.map(|c| c.value));
     let v = vector.map(|c| c.value);
@@ -25,7 +25,7 @@ fn carried(basis: [Point; 3], vector: Point) -> Point {
     plus(along(0), plus(along(1), along(2)))
 }
 
-/// The knuckle's point at the contact point of a wheel, as it moves with the knuckle.
+/// Knuckle point at the contact point of a wheel, as it moves with the knuckle.
 fn contact(solved: &Solved, side: usize) -> Point {
     let wheel = solved.wheels[side];
     let [_, kingpin] = wheel.kingpin;
@@ -44,7 +44,8 @@ fn second(p: Point) -> Point {
     p.map(|c| Hyper::constant(c.second))
 }
 
-/// The quantities at a place by their columns, from velocities by the difference of travels (first) and their mean (second).
+/// Quantities at a position by their columns, from velocities with respect to the difference of travels (first) and to
+/// their mean (second).
 fn expected(world: &World, place: Place) -> Option<[(&'static str, f64); 4]> {
     let on_plane = world.solve(&at(place, None, None))?;
     let half = on_plane.half_difference();
@@ -136,6 +137,6 @@ fn roll_centres_and_anti_dive_are_those_of_velocities() {
         apart = apart.max((values[0] - values[2]).abs());
     }
     println!("{worst:e}; both roll centres up to {apart} mm apart");
-    // The knuckles steer in roll, and only the forces see it.
+    // The knuckles steer in roll, which affects only the force-based roll centre.
     assert!(apart > 1.0);
 }

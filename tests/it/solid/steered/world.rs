@@ -1,11 +1,11 @@
-//! A formulation of its own: position and quaternion of the axle, the angles of both knuckles about their kingpins, and the
-//! difference of the travels, as ten unknowns. The equations are the lengths of six rods, the unit length of the quaternion, both
-//! heights, and the plane ground.
+//! Independent formulation with ten unknowns: position and quaternion of the axle, the angles of both knuckles about
+//! their kingpins, and the difference of the travels. The equations are the lengths of six rods, the unit length of the
+//! quaternion, both heights, and the plane ground.
 
 use super::hyper::{Hyper, Point, cross, dot, minus, mirror, plus, times, unit};
 use crate::solid::own::solve;
 
-/// Unknowns: position, quaternion, both knuckles, half the difference of the travels.
+/// Number of unknowns: position, quaternion, both knuckle angles, half the difference of the travels.
 const UNKNOWNS: usize = 10;
 type Unknowns = [Hyper; UNKNOWNS];
 
@@ -14,7 +14,7 @@ type Unknowns = [Hyper; UNKNOWNS];
 pub enum Travels {
     /// Both wheels stand on the plane.
     OnPlane,
-    /// Left and right one.
+    /// Left and right travel.
     Given(Hyper, Hyper),
 }
 
@@ -28,7 +28,7 @@ pub struct At {
     pub gear: Hyper,
 }
 
-/// A steered axle: points of the left half, and single ones.
+/// Steered axle: points of the left half, and single points.
 #[derive(Clone, Debug)]
 pub struct World {
     pub points: Vec<(&'static str, Point)>,
@@ -42,14 +42,14 @@ pub struct World {
     pub angles: [f64; 2],
 }
 
-/// A wheel in a position, in the vehicle's axes.
+/// Wheel in a position, in the vehicle's axes.
 #[derive(Clone, Copy, Debug)]
 pub struct Wheel {
     pub centre: Point,
-    /// Outboard.
+    /// Spin axis, pointing outboard.
     pub spin: Point,
     pub contact: Point,
-    /// Upward along the kingpin, with a point of it.
+    /// Kingpin: a point of it, and its upward direction.
     pub kingpin: [Point; 2],
 }
 
@@ -84,7 +84,7 @@ fn about([first, second]: [Point; 2], angle: Hyper, point: Point) -> Point {
     plus(first, plus(along, turned))
 }
 
-/// Half the excess of a square over that of the design, by its root.
+/// Half the difference of two squared lengths, divided by the design length.
 fn excess(now: Point, was: Point) -> Hyper {
     (dot(now, now) - dot(was, was)).scaled(0.5) / dot(was, was).sqrt()
 }
@@ -94,7 +94,7 @@ impl World {
         self.points.iter().find(|(n, _)| *n == name).unwrap().1
     }
 
-    /// A point of a side.
+    /// Point of a side.
     pub fn of(&self, side: usize, name: &str) -> Point {
         let point = self.at(name);
         if side == 0 {
@@ -116,7 +116,7 @@ impl World {
         if side == 0 { left } else { mirror(left) }
     }
 
-    /// Points of the axle and of its knuckles at the unknowns.
+    /// Position of a point of the axle at the unknowns.
     fn on_axle(x: &Unknowns, point: Point) -> Point {
         plus(turned(&x[3..7], point), [x[0], x[1], x[2]])
     }
@@ -127,7 +127,7 @@ impl World {
     }
 
     fn normal(roll: Hyper) -> Point {
-        // The body rolls by this angle; so the ground's normal turns the other way in its axes.
+        // The body rolls by this angle, so in body axes the ground normal rotates in the opposite direction.
         [Hyper::constant(0.0), roll.sine(), roll.cosine()]
     }
 
@@ -220,7 +220,7 @@ impl World {
         rows
     }
 
-    /// The same axle without derivatives.
+    /// Same axle without derivatives.
     fn plain(&self) -> World {
         let points = self.points.iter();
         World {
@@ -231,7 +231,7 @@ impl World {
         }
     }
 
-    /// One step of Newton's method with the present Jacobian in every part of the numbers. Returns its size.
+    /// One step of Newton's method, with the present Jacobian, for the values and all derivatives. Returns its size.
     fn step(&self, x: &mut Unknowns, at: &At) -> f64 {
         let rows = self.jacobian(x, at);
         let residuals = self.residuals(x, at);
@@ -260,7 +260,8 @@ impl World {
         value.iter().map(|c| c.abs()).fold(0.0, f64::max)
     }
 
-    /// The position: the steering gear first, then heave and roll, in small steps. `None` if a step is no small one.
+    /// Solves for the position in small steps: the steering gear first, then heave and roll. Returns `None` if a step
+    /// is not small.
     pub fn solve(&self, at: &At) -> Option<Solved> {
         let mut x = [Hyper::constant(0.0); UNKNOWNS];
         x[3] = Hyper::constant(1.0);
@@ -285,7 +286,7 @@ impl World {
                 self.step(&mut x, &place);
             }
             let turned = (7..9).map(|k| (x[k].value - before[k].value).abs());
-            // NaN is no small step.
+            // NaN does not count as a small step.
             if !turned.into_iter().all(|turn| turn < 0.3) {
                 return None;
             }
@@ -307,12 +308,12 @@ impl World {
 }
 
 impl World {
-    /// Present place of a point of the axle.
+    /// Present position of a point of the axle.
     pub fn place_on_axle(&self, solved: &Solved, side: usize, name: &str) -> [f64; 3] {
         World::on_axle(&solved.unknowns, self.of(side, name)).map(|c| c.value)
     }
 
-    /// Present place of a point of a knuckle.
+    /// Present position of a point of a knuckle.
     pub fn place_on_knuckle(&self, solved: &Solved, side: usize, name: &str) -> [f64; 3] {
         self.on_knuckle(&solved.unknowns, side, self.of(side, name))
             .map(|c| c.value)
@@ -325,7 +326,7 @@ impl Solved {
         self.unknowns[9].value
     }
 
-    /// Distance of the kingpin inboard of the contact point, both on level ground under the wheel.
+    /// Inboard distance of the kingpin from the contact point, on level ground under the wheel.
     fn scrub_radius(&self, side: usize) -> Hyper {
         let Wheel {
             centre,
@@ -343,7 +344,7 @@ impl Solved {
         dot(minus(contact, there), outboard)
     }
 
-    /// Quantities by their columns, angles in degrees.
+    /// Quantities by their columns, with angles in degrees.
     pub fn quantities(&self) -> Vec<(String, Hyper)> {
         let degrees = 1f64.to_radians().recip();
         let mut all = Vec::new();

@@ -124,7 +124,7 @@ mod tests {
         }
     }
 
-    /// A directory in place of a file and a file in place of a directory are named.
+    /// The error names a directory where a file is expected, and a file where a directory is expected.
     #[test]
     fn files_and_directories_are_told_apart() {
         let directory = tempfile::tempdir().unwrap();

@@ -178,8 +178,8 @@ mod tests {
         found.iter().map(|m| (m.link.number, m.part)).collect()
     }
 
-    /// The order of the links in the file does not matter: pairs are identified by their height, and the left link of each pair is
-    /// used.
+    /// The order of the links in the file does not matter. The heights of the pairs show which pair is the upper one. The left
+    /// link of each pair is used.
     #[test]
     fn links_are_told_apart_by_their_places() {
         let [a, b] = pair(0, [0.5, 0.1, 0.4], [0.2, 0.1, 0.0]);

@@ -253,7 +253,7 @@ impl BandCurve {
 }
 
 impl TargetRecord {
-    /// Record of a target at these stations. `printed` converts their drive values to printed ones.
+    /// Record of a target at these stations. `printed` converts drive values to printed values.
     pub(super) fn of(target: &Target, stations: &[f64], printed: impl Fn(f64) -> f64) -> Self {
         let factor = target.of.factor();
         let points = target.wanted.at_stations(stations).into_iter();

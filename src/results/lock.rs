@@ -232,7 +232,7 @@ mod tests {
         assert!(!path.exists());
     }
 
-    /// A symbolic link at the place of the lock file is reported. The lock neither waits for it nor follows it, even if its
+    /// A symbolic link with the name of the lock file is reported. The lock neither waits for it nor follows it, even if its
     /// target does not exist.
     #[cfg(unix)]
     #[test]

@@ -171,7 +171,7 @@ fn is_stream(_: &Path) -> bool {
     false
 }
 
-/// Makes a directory and those above it. If a file is in the way, the error names it.
+/// Makes a directory and those above it. If a file prevents this, the error names the file.
 pub fn make_directory(path: &Path) -> io::Result<()> {
     std::fs::create_dir_all(path).map_err(|error| {
         let there = path.ancestors().find(|above| above.exists());

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {path}: {source}")]
 pub struct WriteError {
-    /// File that was to be written.
+    /// File that could not be written.
     pub path: PathBuf,
     /// Error of the operating system.
     pub source: std::io::Error,

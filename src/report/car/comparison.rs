@@ -175,11 +175,11 @@ fn in_first_units(moves: &Moves, first: &Car, car: &Car, value: f64) -> f64 {
             let [from, to] = [car, first].map(|car| car.length_unit);
             let value = value * from.newtons() / to.newtons();
             match parameter {
-                // Force by length.
+                // Force per length.
                 AxleParameter::SpringRate
                 | AxleParameter::HeaveSpringRate
                 | AxleParameter::TyreRate => from.convert(value, to),
-                // Force times length by angle.
+                // Force times length per angle.
                 _ => to.convert(value, from),
             }
         }

@@ -1,4 +1,4 @@
-//! `sensitivities.csv` of `kc` tests: derivatives of every result by hardpoints, rates, preloads and the spring.
+//! `sensitivities.csv` of `kc` tests: derivatives of every result with respect to hardpoints, rates, preloads and the spring.
 
 use super::super::shortest;
 use super::{KcResults, bar, csv, held, mode, steering, subject};
@@ -113,7 +113,7 @@ impl KcResults<'_> {
         let inputs = self.inputs(parts, &[], points);
         let parameters: Vec<Parameter> = inputs.iter().map(|input| input.parameter).collect();
         let gradients = |station: &KcStation, outcomes: &[KcOutcome]| {
-            // Lists one figure after the other, each with its secant if there are levels.
+            // One result after the other. Its secant follows if the test has levels.
             let mut wanted = Vec::new();
             let mut places: Vec<Vec<FigureGradients>> = Vec::new();
             let mut of_wanted = Vec::new();

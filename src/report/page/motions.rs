@@ -29,8 +29,8 @@ pub(super) fn controls(motion: &MotionRecord, plots: &str) -> String {
     )
 }
 
-/// Figures of all outputs over all possible horizontal axes of a motion. Only the usual one is visible at first. `further` adds
-/// lines to the chart of a group of outputs over a column.
+/// Figures of all outputs over all possible horizontal axes of a motion. At first, only the usual horizontal axis is visible.
+/// `further` adds lines to the chart of a group of outputs over a column.
 pub(super) fn figures(
     of: Charted<'_>,
     missed: &[(&str, String)],

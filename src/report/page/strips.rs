@@ -133,8 +133,8 @@ fn rounded(value: f64, span: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Without a range, dots have numbers and the ends of the band have none. A rounding error is 0, and no number leaves the
-    /// picture.
+    /// Without a range, dots have numbers, and the ends of the band have no numbers. A rounding error is 0, and no number leaves
+    /// the picture.
     #[test]
     fn numbers_are_those_of_the_dots() {
         let strip = Strip {

@@ -28,8 +28,8 @@ pub struct SweepRun {
 }
 
 impl SweepRun {
-    /// Computes the sweep of a plan without files. It solves the designs for their statistics, and once more for the rows to be
-    /// shown. `drawn` makes the curves of some designs. `None` if `go_on` ended it early.
+    /// Computes the sweep of a plan without files. It solves the designs for their statistics, and once more for the rows on the
+    /// page. `drawn` computes the curves of some designs. `None` if `go_on` ended the sweep early.
     pub fn of<E>(
         plan: &SweepPlan<'_>,
         go_on: impl Fn() -> bool + Sync,

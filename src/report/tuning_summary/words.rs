@@ -70,8 +70,8 @@ impl TuningSummary {
         remarks
     }
 
-    /// Reason why a start is kept although it violates constraints, with the violations. `None` if it violates none that a variable
-    /// affects.
+    /// Reason why a start is kept although it violates constraints, with the violations. `None` if no variable affects the
+    /// violated constraints.
     fn least_violation_in_words(&self) -> Option<String> {
         let violated = self
             .violated()

@@ -201,7 +201,7 @@ fn placement(study: &CarStudy, drawing: &CarDrawing, side: usize) -> SidePlaceme
     }
 }
 
-/// Derivatives of every result by a coordinate, case by case, in the result's unit per length unit.
+/// Derivatives of every result with respect to a coordinate, case by case, in the result's unit per length unit.
 pub(super) fn influence(
     opened: &OpenedCar,
     request: &InfluenceRequest,

@@ -52,7 +52,7 @@ pub(in crate::studio) struct OpenedCar {
     study: CarStudy,
     /// A variable for every coordinate of each axle.
     every: [Vec<Variable>; 2],
-    /// Left side of this design in each load case, once it has been drawn. `None` without an equilibrium.
+    /// Left side of this design in each load case, computed when the page first needs it. `None` without an equilibrium.
     drawn: Vec<OnceLock<Option<SidePlacement>>>,
 }
 

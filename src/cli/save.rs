@@ -10,8 +10,8 @@ pub(super) fn file_of_out(out: &Option<PathBuf>) -> Option<&Path> {
     out.as_deref().filter(|out| *out != Path::new("-"))
 }
 
-/// Writes a file completely or not at all. It replaces an existing file only with `--force`, and it never replaces an input. A named
-/// pipe or a character device receives the contents.
+/// Writes a file completely or not at all. It replaces an existing file only with `--force`, and it never replaces an input. A
+/// named pipe or a character device receives the contents.
 pub(super) fn save(out: &Path, bytes: &[u8], force: bool, inputs: &[PathBuf]) -> Result<(), Stop> {
     check(out, force, inputs)?;
     results::write_whole(out, bytes)

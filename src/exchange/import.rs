@@ -256,8 +256,8 @@ pub(super) fn is_held_across(hardpoints: &[Hardpoint]) -> bool {
     names.any(|name| hardpoints.iter().any(|h| h.name == *name))
 }
 
-/// Refuses a solid axle with a Panhard rod or a Watt linkage and two upper links. The upper links are a pair if the rows of the right half have
-/// the opposite y, or if the rows apply to both halves.
+/// Refuses a solid axle with a Panhard rod or a Watt linkage and two upper links. The upper links are a pair if the rows of the
+/// right half have the opposite y, or if the rows apply to both halves.
 fn refuse_fifth_link(
     table: &PointTable,
     named: &[Named<'_>],

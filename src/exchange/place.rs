@@ -202,7 +202,7 @@ fn found(
         .convention()
         .map_or(placed.axes.to_string(), |frame| frame.name().to_owned());
     notes.push(format!(
-        "axes: {name}, {} wheel{assumed}; from the points, {shown} (--axes and --side change this)",
+        "axes: {name}, {} wheel{assumed}; {shown} (deduced from the points; change with --axes, --side)",
         placed.side.name()
     ));
     Ok(placed)

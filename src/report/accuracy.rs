@@ -13,7 +13,7 @@ pub fn remarks(curves: &Curves, length: LengthUnit) -> Vec<String> {
     remarks_on_motion(curves, length, |_| false)
 }
 
-/// Remarks on the curves of one of several motions. `elsewhere` tells if another motion has values of a column.
+/// Remarks on the curves of one of several motions. `elsewhere` returns true if another motion has values of a column.
 pub fn remarks_on_motion(
     curves: &Curves,
     length: LengthUnit,

@@ -1,5 +1,5 @@
-//! Designs that could replace the tuned one, as files and tables: the Pareto front, and the list of misfit against size of change
-//! ("price list").
+//! Alternatives to the tuned design, as files and tables: the Pareto front, and the list of misfit against size of change ("price
+//! list").
 
 use super::figure::{brief, without_zeros};
 use super::files::csv_of;

@@ -93,7 +93,7 @@ pub struct OutputRecord {
     pub positive: Option<String>,
 }
 
-/// A target, at the stations of its comparison.
+/// A target, at the stations at which it is compared.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TargetRecord {
     /// Column of the target.
@@ -185,8 +185,8 @@ impl Record {
 }
 
 impl MotionRecord {
-    /// Records the curves of a wheel over a motion of a study. `name` is the name of the motion, and `study` has it as its own
-    /// motion.
+    /// Records the curves of a wheel over a motion of a study. `name` is the name of the motion. `study` has this motion as its
+    /// own.
     pub fn of_wheel(
         study: &Study,
         name: Option<&str>,

@@ -40,7 +40,7 @@ fn release(path: &Path, file: &File) {
     }
 }
 
-/// Removes a lock file, if it is still in its place.
+/// Removes a lock file, if its path still leads to it.
 fn remove(path: &Path, file: &File) {
     if is_at(file, path) {
         let _ = std::fs::remove_file(path);

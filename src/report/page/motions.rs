@@ -79,7 +79,7 @@ pub(super) fn of_motions(run: &Run, missed: &[(&str, String)], charts: &mut Char
             first_table,
         };
         first_table += named.motion.designs.len();
-        // Names of targets end with the name of their motion.
+        // The name of a target ends with the name of its motion.
         let own = missed.iter().filter_map(|(target, by)| {
             let (column, motion) = target.split_once(", ")?;
             (motion == named.name).then(|| (column, by.clone()))

@@ -22,7 +22,7 @@ pub(super) fn instruction(adjustment: &Adjustment, suspension: &Suspension, amou
         BuildParameter::Length(_) => "shorten".to_owned(),
         BuildParameter::Coordinate(id, axis) => {
             // The adjustment knows the sign of its axis. The amounts of an axle's right wheel belong to its mirror image on the
-            // left, so the sign from the wheel's own frame would be wrong.
+            // left. So the sign from the wheel's own frame would be wrong.
             let (_, per_unit) = adjustment.change;
             let amount = per_unit * amount;
             format!(

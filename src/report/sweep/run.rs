@@ -117,7 +117,7 @@ impl SweepRun {
         for name in ["pareto.csv", "summary.json", "sweep.json", "drawn.json"] {
             files.extend(path.join(name).is_file().then(|| name.to_owned()));
         }
-        // A file from another version or another sweep is not shown.
+        // Data from another version or another sweep are not shown.
         let drawn = std::fs::read(path.join("drawn.json")).ok();
         let drawn: Option<DrawnDesigns> = drawn.and_then(|text| serde_json::from_slice(&text).ok());
         let drawn = drawn.filter(|d| d.digest == record.digest && d.is_whole());

@@ -329,7 +329,7 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     notes
 }
 
-/// Sentence about designs with a smaller misfit than the best one. They are not ranked because they are not solved everywhere.
+/// Sentence about designs with a smaller misfit than the best design. They are not ranked because they are not solved everywhere.
 fn unranked(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String> {
     let everywhere = if record.is_of_car() {
         "in every load case"

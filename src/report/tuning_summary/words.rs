@@ -102,8 +102,8 @@ impl TuningSummary {
         )];
         if self.variables.iter().any(|v| v.at_bound.is_some()) {
             remarks.push(
-                "a variable at its bound is not known: its interval is one-sided, and the intervals of the others \
-                 allow for every value that it may have"
+                "a variable at its bound has a one-sided interval. The intervals of the other variables allow for all its \
+                 possible values"
                     .to_owned(),
             );
         }

@@ -118,7 +118,7 @@ const rebase = async () => {
     say(`${state.overview.file} read again. Your unsaved changes are kept.`);
     return true;
   } catch (refused) {
-    say(`Not read again: ${refused.message}. The page still shows the earlier text with your changes.`, 'bad');
+    say(`The file was not reloaded: ${refused.message}. The page still shows the earlier text with your changes.`, 'bad');
     return false;
   }
 };

@@ -66,7 +66,7 @@ const retune = () => {
       try {
         if (share > 0) overview = await post('edit', { digest: own.digest, edits });
       } catch (refused) {
-        say(`The tuned values cannot be applied in this part: ${refused.message}`, 'bad');
+        say(`The tuned values cannot be applied at ${Math.round(100 * share)} %: ${refused.message}`, 'bad');
       }
       own.tuned = { share, overview, edits };
     }

@@ -56,8 +56,8 @@ impl<'s> Checked<'s> {
     }
 }
 
-/// Curves of a study's own motion and of its named ones. A quantity may be undefined throughout one motion, for example the
-/// Ackermann percentage without steering. It is missing only if no motion has a value.
+/// Curves of a study's own motion and of its named motions. A quantity may be undefined throughout one motion, for example the
+/// Ackermann percentage without steering. It counts as missing only if it has no value in any motion.
 pub(crate) struct AllMotions<'c> {
     pub(crate) own: &'c Curves,
     pub(crate) named: &'c [NamedCurves],
@@ -99,7 +99,7 @@ impl AllMotions<'_> {
     }
 }
 
-/// Ranges of stations that were not solved, in the study's own motion and in its named ones, one per line.
+/// Ranges of stations that were not solved, in the study's own motion and in its named motions, one per line.
 pub(crate) fn not_solved(
     solved: &Solved<'_>,
     of_motions: &[NamedCurves],

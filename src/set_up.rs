@@ -99,7 +99,7 @@ pub fn about(side: Option<SetUpSide>, sentence: &str) -> String {
 }
 
 /// Finds the adjustments that give the target values. If the independent wheels of an axle are not mirror images, each wheel has
-/// its own set-up. A solid axle is set up as a whole, and so is an axle with elastic parts and wheels that differ.
+/// its own set-up. Two kinds of axle are set up as a whole: a solid axle, and an axle with elastic parts whose wheels differ.
 ///
 /// # Errors
 /// A singular design, or target values that the adjustments do not reach.
@@ -142,8 +142,8 @@ fn refusal(
 /// A wheel that needs a set-up, or an axle.
 struct WheelToSetUp {
     side: Option<SetUpSide>,
-    /// Study of this wheel alone. If the axle is set up as a whole, or if elastic parts can couple its wheels, the study of the
-    /// axle.
+    /// Study of this wheel alone. It is the study of the axle if the axle is set up as a whole, or if elastic parts can couple
+    /// its wheels.
     study: Study,
     assembler: Assembler,
     /// Assembler of the right wheel of an axle that is set up as a whole. `None` for one wheel, and if both wheels are alike.

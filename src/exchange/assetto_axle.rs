@@ -194,7 +194,7 @@ mod tests {
             parts(&[rod.clone(), upper, c.clone(), d.clone()]),
             [(3, "lower_link"), (8, "upper_link"), (7, "panhard")]
         );
-        // With a Panhard rod, two splayed upper links bind. Two parallel ones are replaced by one link in the middle.
+        // With a Panhard rod, two splayed upper links bind. Two parallel upper links are replaced by one link in the middle.
         let [e, f] = pair(4, [0.4, 0.1, 0.4], [0.2, 0.1, 0.0]);
         let refused = meanings(&[c.clone(), d.clone(), e, f, rod.clone()]).unwrap_err();
         assert!(refused.contains("cannot move in roll"), "{refused}");

@@ -293,7 +293,7 @@ pub(super) fn of_reading(reading: &crate::report::Reading, side: Side) -> Axes {
     Axes(ways)
 }
 
-/// Reading of the points that belongs to these axes, for a wheel of this side.
+/// Reading of the points that corresponds to these axes, for a wheel of this side.
 pub(super) fn reading_of(axes: Axes, side: Side) -> crate::report::Reading {
     let at = |axis: usize| {
         let column = axes.0.iter().position(|way| way.axis() == axis);

@@ -7,7 +7,7 @@ use crate::mechanism::DesignFault;
 use crate::study::{AxleStudy, Drive, Study, Vehicle, WheelStudy};
 use crate::tolerance::Problem;
 
-/// Limits of one vehicle: that of a study, or a build of its `[tolerance]`.
+/// Limits of one vehicle: the vehicle of a study, or a build of its `[tolerance]`.
 #[derive(Clone, Debug)]
 pub struct VehicleLimits {
     /// A row for each quantity, while the others are held. All builds of a study have the same rows.

@@ -31,7 +31,8 @@ pub struct BandRecord {
 }
 
 impl BandRecord {
-    /// Value that the band limits. If there are several, the one whose 1 % or 99 % percentile has the smallest margin to a limit.
+    /// Value that the band limits. If there are several values, it is the value whose 1 % or 99 % percentile has the smallest
+    /// margin to a limit.
     pub fn worst_value<'v>(&self, values: &'v [ValueRecord]) -> Option<&'v ValueRecord> {
         if self.over.is_some() {
             return None;

@@ -194,8 +194,8 @@ fn unit_start(name: &str) -> usize {
     start
 }
 
-/// Name of a column in another unit, and the powers in its unit. The lever in a torque depends only on the unit of force: newton
-/// metres are printed in metres with every unit of length.
+/// Name of a column in another unit, and the powers in its unit. The length unit in a torque depends only on the unit of force:
+/// newton metres stay in metres for every unit of length.
 fn in_unit(name: &str, from: LengthUnit, to: LengthUnit) -> (String, Powers) {
     let (stem, unit) = split_unit(name);
     let (mut renamed, mut powers) = (stem.to_owned(), Powers::default());

@@ -222,7 +222,7 @@ impl MotionRecord {
     }
 }
 
-/// Targets that charts can show beside the curves of a motion: values and curves at its own rack.
+/// Targets that charts can show with the curves of a motion: values and curves at the rack displacement of the motion.
 fn targets(study: &Study, name: Option<&str>) -> Vec<TargetRecord> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let record = |target: &Target| {
@@ -269,7 +269,7 @@ impl TargetRecord {
     }
 }
 
-/// Bands that charts can show beside the curves of a motion: those at its own rack.
+/// Bands that charts can show with the curves of a motion: bands at the rack displacement of the motion.
 fn bands(study: &Study, name: Option<&str>) -> Vec<BandCurve> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let bands = targets.filter(|target| {

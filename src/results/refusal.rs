@@ -66,7 +66,8 @@ pub enum Refusal {
         command: String,
         /// Name of the study of the results.
         study: String,
-        /// True for the same study. `None` if unknown, because sweeps and other commands use different digests.
+        /// True if the results belong to the same study. `None` if this is unknown, because sweeps and other commands use
+        /// different digests.
         same_study: Option<bool>,
         /// True if that run has ended.
         is_finished: bool,

@@ -288,7 +288,7 @@ pub(super) struct SolvedAnswer {
     pub rack: f64,
     /// True if the stations are rows, whose curves follow the order of the rows.
     pub has_rows: bool,
-    /// True if stations of other groups are left out. Failures and remarks are then those of the shown group alone.
+    /// True if stations of other groups are left out. Failures and remarks then refer to the shown group only.
     pub is_partial: bool,
     pub status: Vec<&'static str>,
     pub failures: Vec<FailureRange>,

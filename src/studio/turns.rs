@@ -69,7 +69,7 @@ mod tests {
         turn.stop.load(Ordering::Relaxed)
     }
 
-    /// The later request of a page stops the earlier one, in whatever order they arrive. Requests of other pages continue.
+    /// The later request of a page stops the earlier request, in whatever order they arrive. Requests of other pages continue.
     #[test]
     fn the_latest_request_of_a_page_goes_on() {
         let turns = Turns::default();

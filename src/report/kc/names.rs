@@ -313,7 +313,7 @@ impl LoadedWheel<'_> {
         let by_moment = |row: usize| self.both(row, 6) * DEGREES;
         Some(match quantity {
             "toe_by_aligning_moment" => ("alt_steer_compliance", by_moment(6), "deg/(N mm)"),
-            // The published definition for the right wheel contradicts the one for the left.
+            // The published definition for the right wheel contradicts the definition for the left wheel.
             "camber_by_aligning_moment" if self.side == Side::Left => {
                 ("alt_camber_compliance", by_moment(4), "deg/(N mm)")
             }

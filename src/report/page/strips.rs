@@ -122,7 +122,7 @@ fn draw(strip: &Strip, top: f64, svg: &mut String) {
     }
 }
 
-/// Rounds a number to four digits. A number that is rounding error beside the span of its scale is zero.
+/// Rounds a number to four digits. A number that is only rounding error, compared with the span of its scale, becomes zero.
 fn rounded(value: f64, span: f64) -> f64 {
     if value.abs() < 1e-9 * span {
         return 0.0;

@@ -260,7 +260,7 @@ export const isSettled = () => !running && answered === wanted && !isPartial();
 const askRest = () => setTimeout(() => { if (!running && answered === wanted && isPartial()) ask(); }, PAUSE);
 // Pinned designs and the effect of a coordinate need all stations.
 const isEnough = (own) => own.since !== null && !state.influence && !Object.keys(state.pins).length;
-// Draws after an action, unless an answer is expected, which will draw the same.
+// Draws after an action. If an answer is expected, it causes the same drawing, so nothing is drawn now.
 export const onRest = (draw) => on('deed', () => { if (isSettled()) draw(); });
 const tellLate = (isLate) => {
   if (state.isLate === isLate) return;

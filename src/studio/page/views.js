@@ -279,8 +279,8 @@ class View extends MechanismView {
     return places.map((_, p) => p).filter((p) => far(p) <= STACKED).sort((a, b) => far(a) - far(b) || a - b);
   }
 
-  // The user drags a point in the plane of the picture. Among overlapping points it is the selected point, or else the nearest. A
-  // click without a move selects the next of these points.
+  // The user drags a point in the plane of the picture. Among overlapping points, the selected point moves, or else the nearest.
+  // A click without a move selects the next of these points.
   grab(event, hit, other) {
     if (event.button !== 0) return;
     event.preventDefault();

@@ -222,7 +222,7 @@ impl MotionRecord {
     }
 }
 
-/// Targets that charts can show with the curves of a motion: values and curves at the rack displacement of the motion.
+/// Targets that charts can show with the curves of a motion: values and curves that give no rack displacement of their own.
 fn targets(study: &Study, name: Option<&str>) -> Vec<TargetRecord> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let record = |target: &Target| {
@@ -269,7 +269,7 @@ impl TargetRecord {
     }
 }
 
-/// Bands that charts can show with the curves of a motion: bands at the rack displacement of the motion.
+/// Bands that charts can show with the curves of a motion: bands that give no rack displacement of their own.
 fn bands(study: &Study, name: Option<&str>) -> Vec<BandCurve> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let bands = targets.filter(|target| {

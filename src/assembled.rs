@@ -1,5 +1,4 @@
-//! All positions in which the parts of a design can be assembled ("assemblies"), as a table for one wheel or for both wheels of
-//! an axle.
+//! All positions in which a design can be assembled ("assemblies"), as a table for one wheel or for both wheels of an axle.
 
 use crate::analyse::{Assemblies, Assembly, AssemblyMode, Undecided};
 use crate::characteristics::{Characteristic, Constants, Quantity, WheelReading};
@@ -37,21 +36,21 @@ pub struct WheelAssemblies {
     pub side: Option<Side>,
     /// Number of assemblies.
     pub found: usize,
-    /// Number of assemblies without a proof.
+    /// Number of assemblies without a certificate.
     pub unproved: usize,
-    /// Places where the search could not decide, in words.
+    /// Descriptions of the ranges that the search could not decide.
     pub undecided: Vec<String>,
 }
 
 impl WheelAssemblies {
-    /// Puts the name of the axle's wheel before a sentence.
+    /// Writes the name of the wheel before a sentence, if the study has an axle.
     pub fn about(&self, sentence: &str) -> String {
         about(self.side, sentence)
     }
 }
 
 impl Assembled {
-    /// Places where the search could not decide. For an axle, each one names its wheel.
+    /// Descriptions of the undecided ranges. For an axle, each one names its wheel.
     pub fn undecided(&self) -> Vec<String> {
         let wheels = self.wheels.iter();
         let places =
@@ -59,7 +58,7 @@ impl Assembled {
         places.collect()
     }
 
-    /// True if each wheel has an assembly and the search decided everywhere.
+    /// True if each wheel has an assembly and no range is undecided.
     pub fn is_complete(&self) -> bool {
         let mut wheels = self.wheels.iter();
         wheels.all(|wheel| wheel.found > 0 && wheel.undecided.is_empty())
@@ -257,7 +256,7 @@ fn table(searches: &[Search]) -> Table {
     table
 }
 
-/// Describes in words a place where the search could not decide.
+/// Describes a range that the search could not decide.
 fn undecided(wheel: &Wheel, place: &Undecided) -> String {
     let suspension = wheel.suspension;
     let unit = suspension.length_unit.symbol();

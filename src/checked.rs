@@ -1,4 +1,4 @@
-//! Result of checking a study as `hardpoint check` does: curves of its own motion, curves of its named motions, and doubts.
+//! Result of checking a study as `hardpoint check` does: curves of its own motion, curves of its named motions, and warnings.
 
 use crate::curves::Curves;
 use crate::in_motions::InMotion;
@@ -56,8 +56,8 @@ impl<'s> Checked<'s> {
     }
 }
 
-/// Curves of a study's own motion and of its named ones. A quantity may be undefined throughout one motion, for example the
-/// Ackermann percentage without steering. It is missing only if no motion has a value.
+/// Curves of a study's own motion and of its named motions. A quantity may be undefined throughout one motion, for example the
+/// Ackermann percentage without steering. It counts as missing only if it has no value in any motion.
 pub(crate) struct AllMotions<'c> {
     pub(crate) own: &'c Curves,
     pub(crate) named: &'c [NamedCurves],
@@ -70,7 +70,8 @@ impl AllMotions<'_> {
         self.all().all(Curves::are_whole) && names.all(|column| self.has_value(&column.name))
     }
 
-    /// Remarks on the curves, one per line: their accuracy, and missing values. Those of a named motion begin with its name.
+    /// Remarks on the curves, one per line: their accuracy, and missing values. Each remark on a named motion begins with its
+    /// name.
     pub(crate) fn remarks(&self, wheel: &Suspension) -> Vec<String> {
         let of =
             |curves| remarks_on_motion(curves, wheel.length_unit, |column| self.has_value(column));
@@ -98,7 +99,7 @@ impl AllMotions<'_> {
     }
 }
 
-/// Ranges of stations that were not solved, in the study's own motion and in its named ones, one per line.
+/// Ranges of stations that were not solved, in the study's own motion and in its named motions, one per line.
 pub(crate) fn not_solved(
     solved: &Solved<'_>,
     of_motions: &[NamedCurves],
@@ -155,7 +156,7 @@ pub fn motion_file(name: &str) -> String {
     format!("curves_{name}.csv")
 }
 
-/// Copy of the study that computes its motion as `solve` does, but without sensitivities and proofs.
+/// Copy of the study that computes its motion as `solve` does, but without sensitivities and certificates.
 pub fn motion_alone(study: &Study) -> Study {
     let mut alone = study.clone();
     match &mut alone.vehicle {

@@ -150,7 +150,7 @@ pub fn compared(label: String, study: &Study, mut curves: CurveTable) -> Compare
         && let [rack] = motion.rack[..]
         && rack != 0.0
     {
-        // Curves at a single rack displacement do not show it.
+        // A motion with a single rack displacement has no column for the rack.
         curves.set_constant(&format!("rack_{}", suspension.length_unit.symbol()), rack);
     }
     let axle = study.axle().map(|both| &both.axle);

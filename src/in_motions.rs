@@ -76,7 +76,7 @@ fn file(label: &str, name: &str) -> String {
     }
 }
 
-/// Names of the files with curves over the named motions of a study. With `before` they include those of the design before a
+/// Names of the files with curves over the named motions of a study. With `before` they include the files of the design before a
 /// tuning.
 pub fn files_in_motions(study: &Study, before: bool) -> Vec<String> {
     let names = study.motion_names().into_iter();

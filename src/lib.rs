@@ -1,19 +1,19 @@
 //! Exact suspension kinematics with analytic derivatives, and the tuning of hardpoints.
 //!
-//! *Hardpoints* define a suspension: the points at which its arms, struts and rods are attached. This crate solves the
-//! mechanism exactly for any wheel travel, arm angle and rack displacement. It differentiates all results by travel, by
-//! time and by every hardpoint coordinate, without difference quotients. It moves hardpoints within bounds until camber,
-//! kingpin inclination and other curves meet their targets.
+//! *Hardpoints* define a suspension: the points at which its arms, struts and rods are attached. This crate solves the mechanism
+//! exactly for any wheel travel, arm angle and rack displacement. It differentiates all results with respect to travel, time and
+//! every hardpoint coordinate, without difference quotients. It moves hardpoints within bounds until camber, kingpin inclination
+//! and other curves meet their targets.
 //!
 //! # Conventions
 //!
-//! The crate has one frame inside: a left wheel, x forward, y left (outboard), z up (ISO 8855). Right wheels and other axis
+//! Internally, the crate uses one frame: a left wheel, x forward, y left (outboard), z up (ISO 8855). Right wheels and other axis
 //! conventions differ by signs of coordinates, and [`Frame`] converts them on input and output. Lengths are in the study's unit.
 //! Angles are in radians, except where names say `deg`. Travel is the height of the wheel centre above its design position,
 //! positive in jounce. The catalogue states the signs of characteristics ([`Characteristic::info`]).
 //!
-//! A derivative with respect to a hardpoint coordinate moves the *design*: lengths and the shape of the knuckle are recomputed, and the
-//! value of the drive is held.
+//! A derivative with respect to a hardpoint coordinate moves the *design*: lengths and the shape of the knuckle are recomputed,
+//! and the value of the drive stays constant.
 //!
 //! # The front door
 //!
@@ -61,7 +61,7 @@
 //! | `study` | the meaning of a study file, and its mistakes |
 //! | `model` | hardpoints, bodies, constraints; one file for each topology |
 //! | `mechanism` | a design in a pose, its constraint rows, the reasons for a missing pose |
-//! | `derive` | derivatives of a pose by the drive, by the rack, by every hardpoint coordinate |
+//! | `derive` | derivatives of a pose with respect to the drive, the rack and every hardpoint coordinate |
 //! | `solve` | poses connected to the design position, one design at a time or many side by side |
 //! | `analyse` | limits, loads, assemblies, certificates |
 //! | `assembly` | builds: mechanisms whose points, lengths and part shapes have deviations |
@@ -87,7 +87,7 @@
 //! | module | content |
 //! |---|---|
 //! | `drawing` | drawings of a page, solved in advance |
-//! | `checked` | a checked study: curves, doubts, and stations that are not solved |
+//! | `checked` | a checked study: curves, warnings, and stations that are not solved |
 //! | `assembled`, `compared`, `scatter` | assemblies, comparisons and builds, in memory |
 //! | `solved` | curves of a study, of one wheel or of both, with their files, tables and remarks |
 //! | `yields` | yields of builds, before and after a robust tuning |

@@ -99,7 +99,7 @@ impl<'s> RigTests<'s> {
         })
     }
 
-    /// Number of bushings and elastic links. For an axle it counts those of one side, and the rack.
+    /// Number of bushings and elastic links. For an axle it counts the parts of one side, and the rack.
     pub fn elastic_parts(&self) -> usize {
         self.elastic_parts
     }

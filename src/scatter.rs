@@ -38,8 +38,8 @@ pub fn curves_alone(study: &Study) -> Study {
     plain
 }
 
-/// Passes the percentile curves of builds to a function, then those of the nominal design as the last ones. Percentiles are
-/// separate for each station.
+/// Passes curves to a function: first the percentile curves of builds, then the curves of the nominal design. Percentiles are
+/// computed separately at each station.
 ///
 /// # Errors
 /// The reason in words, if the nominal design cannot be solved.

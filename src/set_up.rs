@@ -9,8 +9,8 @@ use serde::Serialize;
 
 /// Set-up of all wheels.
 pub struct FoundSetUp {
-    /// One set-up for a single wheel, for both wheels of a mirrored axle, or for an axle that is set up as a whole. Otherwise one for
-    /// each wheel.
+    /// One set-up for a single wheel, for both wheels of a mirrored axle, or for an axle that is set up as a whole. Otherwise one
+    /// set-up for each wheel.
     pub wheels: Vec<SetUpSummary>,
     /// Study with the adjusted wheels. Its design position is the new static position.
     pub adjusted: Study,
@@ -90,7 +90,7 @@ fn stacked(wheels: &[SetUpSummary], table: fn(&SetUpSummary) -> Table) -> Table 
     Table::stacked("side", tables).expect("a set-up has one wheel at least")
 }
 
-/// Puts the name of the wheel before a sentence, if the wheels of an axle are set up one by one.
+/// Writes the name of the wheel before a sentence, if each wheel of an axle has its own set-up.
 pub fn about(side: Option<SetUpSide>, sentence: &str) -> String {
     match side {
         None | Some(SetUpSide::Both) => sentence.to_owned(),
@@ -99,7 +99,7 @@ pub fn about(side: Option<SetUpSide>, sentence: &str) -> String {
 }
 
 /// Finds the adjustments that give the target values. If the independent wheels of an axle are not mirror images, each wheel has
-/// its own set-up. A solid axle is set up as a whole, and so is an axle with elastic parts and wheels that differ.
+/// its own set-up. Two kinds of axle are set up as a whole: a solid axle, and an axle with elastic parts whose wheels differ.
 ///
 /// # Errors
 /// A singular design, or target values that the adjustments do not reach.
@@ -142,7 +142,8 @@ fn refusal(
 /// A wheel that needs a set-up, or an axle.
 struct WheelToSetUp {
     side: Option<SetUpSide>,
-    /// Study of this wheel alone. That of the axle if it is set up as a whole, or if elastic parts can couple its wheels.
+    /// Study of this wheel alone. It is the study of the axle if the axle is set up as a whole, or if elastic parts can couple
+    /// its wheels.
     study: Study,
     assembler: Assembler,
     /// Assembler of the right wheel of an axle that is set up as a whole. `None` for one wheel, and if both wheels are alike.
@@ -150,8 +151,8 @@ struct WheelToSetUp {
 }
 
 impl WheelToSetUp {
-    /// Wheels that need a set-up: both wheels of an axle if the right wheel is not a mirror image, else one. An axle that is set up as a
-    /// whole counts as one.
+    /// Wheels that need a set-up: both wheels of an axle if the right wheel is not a mirror image, otherwise one wheel. An axle
+    /// that is set up as a whole counts as one wheel.
     fn all(study: &Study) -> Result<Vec<Self>, String> {
         let assembler = |side: Option<SetUpSide>, suspension: &Suspension| {
             let fault = |fault: DesignFault| about(side, &fault.describe(&suspension.mechanism));

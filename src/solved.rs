@@ -166,8 +166,8 @@ impl<'s> Solved<'s> {
         Ok(Summary::Solve(Box::new(summary)))
     }
 
-    /// Record of these designs over the named motion that their studies have as their own. All of them describe one wheel, or all
-    /// of them describe an axle.
+    /// Record of these designs over the motion `name`, which each study has as its own motion. All of them describe one wheel, or
+    /// all of them describe an axle.
     pub(crate) fn motion_record(name: &str, designs: &[Labelled<'_>]) -> MotionRecord {
         let (.., last) = designs.last().expect("a run has a design");
         let study = designs[0].2.study;

@@ -96,7 +96,7 @@ impl Subject {
         }
     }
 
-    /// Refuses a study that cannot be measured in this way.
+    /// Refuses a study that this measurement does not support.
     fn check(&self, kind: BenchKind, path: &Path) -> Result<(), Stop> {
         let Subject::Study(study) = self else {
             return Ok(());
@@ -185,7 +185,7 @@ pub(super) fn run(arguments: &BenchArguments) -> Result<Exit, Stop> {
     output.finish()?;
     if output.directory().is_some() {
         match &picture {
-            // The full table has about a hundred rows, so the text output shows the brief one.
+            // The full table has about a hundred rows, so the text output shows the brief table.
             Some((_, brief)) => {
                 output.table_for_programs(kind, || table.clone());
                 output.text_only(&brief.text(width()))?;
@@ -224,7 +224,7 @@ fn measure(
             let found = Equilibria::measure(study, clock)?;
             (jobs_table(&found.measurements), None)
         }
-        // The other kinds were refused for axles before.
+        // For an axle, an earlier check has refused these measurements.
         _ => (
             throughput_table(&Throughput::measure(study, threads, clock)?),
             None,

@@ -102,7 +102,8 @@ fn car(arguments: &ConvertArguments, choice: &UnitChoice) -> Result<Exit, Stop> 
     Ok(Exit::Done)
 }
 
-/// Names of the new files: those of the old ones, or other names for the axles if two old files have the same name.
+/// Names of the new files: equal to the names of the old files. If two old files have the same name, the files of the axles get
+/// other names.
 fn names(car: &Path, text: &str) -> [String; 3] {
     let name = |path: &Path| {
         let name = path.file_name().unwrap_or_default();

@@ -69,7 +69,7 @@ pub(super) fn check_axle(
     Ok(Exit::of(complete))
 }
 
-/// Prints that a study is valid, then doubts about its points and about the elastic parts of a wheel.
+/// Prints that a study is valid, then warnings about its points and about the elastic parts of a wheel.
 fn say_doubts(
     arguments: &StudyArguments,
     study: &Study,

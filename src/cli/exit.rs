@@ -11,7 +11,7 @@ const LONGEST_WORD: usize = 300;
 /// Longest error message, in characters.
 const LONGEST_REASON: usize = 20_000;
 
-/// Shortens the longest words of a message. A file may have millions of characters in place of a number.
+/// Shortens the longest words of a message. A faulty file may have millions of characters instead of a number.
 fn shortened(reason: &str) -> String {
     let mut short = String::new();
     for word in reason.split_inclusive(char::is_whitespace) {

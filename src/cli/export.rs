@@ -137,7 +137,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<Exit, Stop> {
     run_of(arguments, None)
 }
 
-/// Exports the source, or the given study in its place.
+/// Exports the given study, or without it the source.
 pub(super) fn run_of(arguments: &ExportArguments, given: Option<&Study>) -> Result<Exit, Stop> {
     check_call(arguments)?;
     let source = match given {

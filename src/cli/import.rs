@@ -387,7 +387,7 @@ pub(super) fn listed(title: &str, lines: &[String]) -> String {
     format!("{title}:\n{lines}")
 }
 
-/// Table of the hardpoints with their names and places in the file.
+/// Table of the hardpoints with their names and locations in the file.
 pub(super) fn roles(imported: &Imported) -> String {
     let own = imported.hardpoints.iter().map(|h| (h.name.to_owned(), h));
     let right = imported.right_half.iter();

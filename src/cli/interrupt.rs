@@ -60,8 +60,8 @@ pub(super) fn is_raised() -> bool {
     FLAG.load(Ordering::SeqCst)
 }
 
-/// Declares that the command checks the flag and stops by itself. If a signal is ending the process already, the command does not
-/// continue, so that an interrupted command never looks like a finished one.
+/// Declares that the command checks the flag and stops by itself. If a signal is already ending the process, the command does not
+/// continue. So an interrupted command never looks like a finished command.
 pub(super) fn stops_by_itself() {
     let mut phase = phase();
     if *phase == Phase::Ending {

@@ -80,7 +80,7 @@ pub(super) fn run(
 
 /// Table of the limits of the nominal design, and of the nearest limits of all builds.
 fn table(drawn: &VehicleLimits, nearest: &NearestLimits) -> Table {
-    // A nearer limit can be among the unknown ones.
+    // A build with unknown limits may have a nearer limit.
     let (unknown, _) = nearest.unknown;
     let builds = if unknown == 0 {
         "of all builds"

@@ -77,7 +77,8 @@ enum Kept {
 }
 
 impl Kept {
-    /// Reads the study that a directory of parts keeps. `None` if it keeps none. The study has the given name, not that of its copy.
+    /// Reads the study that is kept in a directory of parts. `None` if there is no study. The study has the given name instead of
+    /// the name of its copy.
     fn read(directory: &Path, name: &str) -> Option<Self> {
         let path = directory.join(STUDY_COPY);
         if CarStudy::is_at(&path) {

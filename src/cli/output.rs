@@ -74,7 +74,7 @@ pub(super) struct Output {
     pictures: RefCell<Option<(PathBuf, Vec<String>)>>,
 }
 
-/// Files of a command, and the place to which they are written.
+/// Files of a command, and their destination.
 pub(super) struct Destination<'a> {
     /// Value of `--out`. `-` means standard output.
     out: Option<&'a Path>,
@@ -373,7 +373,7 @@ impl Output {
         }
     }
 
-    /// Prints the places of the results, and in formats for programs the tables.
+    /// Prints the paths of the results, and in formats for programs the tables.
     pub(super) fn print_files(&self, files: &[&str]) -> Result<(), Stop> {
         if !self.is_text() {
             let text = self.tables.borrow().render(self.format, terminal::width());

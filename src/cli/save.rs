@@ -10,8 +10,8 @@ pub(super) fn file_of_out(out: &Option<PathBuf>) -> Option<&Path> {
     out.as_deref().filter(|out| *out != Path::new("-"))
 }
 
-/// Writes a file completely or not at all. It replaces an existing file only with `--force`, and it never replaces an input. A named
-/// pipe or a character device receives the contents.
+/// Writes a file completely or not at all. It replaces an existing file only with `--force`, and it never replaces an input. A
+/// named pipe or a character device receives the contents.
 pub(super) fn save(out: &Path, bytes: &[u8], force: bool, inputs: &[PathBuf]) -> Result<(), Stop> {
     check(out, force, inputs)?;
     results::write_whole(out, bytes)
@@ -124,7 +124,7 @@ mod tests {
         }
     }
 
-    /// A directory in place of a file and a file in place of a directory are named.
+    /// The error names a directory where a file is expected, and a file where a directory is expected.
     #[test]
     fn files_and_directories_are_told_apart() {
         let directory = tempfile::tempdir().unwrap();

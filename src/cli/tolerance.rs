@@ -111,7 +111,7 @@ fn print(
     output.say_remarks(summary.failures())
 }
 
-/// Prints the number of finished builds of the requested ones, and the files of the run.
+/// Prints the numbers of finished and of requested builds, and the files of the run.
 pub(super) fn ended(
     output: &Output,
     interrupted: bool,

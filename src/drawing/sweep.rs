@@ -8,7 +8,7 @@ use crate::report::{CurveTable, DrawnDesigns, Record, SweepSummary, curves_csv};
 use crate::study::{Study, WheelStudy};
 use crate::sweep::SweepPlan;
 
-/// Largest number of drawn designs in addition to the nominal design.
+/// Largest number of designs that are shown in addition to the nominal design.
 const MOST_DESIGNS: usize = 16;
 /// Largest number of stations of each design.
 const MOST_STATIONS: usize = 45;

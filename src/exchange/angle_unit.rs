@@ -88,8 +88,8 @@ fn one_of(mut units: impl Iterator<Item = AngleUnit>) -> Option<AngleUnit> {
     Some(if is_same { first } else { AngleUnit::Other })
 }
 
-/// True if a text has the sign of minutes, seconds or percent. An apostrophe within a word and the quotes around a text are no
-/// such signs.
+/// True if a text has the sign of minutes, seconds or percent. An apostrophe within a word and the quotes around a text do not
+/// count.
 fn has_mark(text: &str) -> bool {
     let text = text.trim();
     let quotes = |c: char| "'\"".contains(c);

@@ -178,8 +178,8 @@ mod tests {
         found.iter().map(|m| (m.link.number, m.part)).collect()
     }
 
-    /// The order of the links in the file does not matter: pairs are identified by their height, and the left link of each pair is
-    /// used.
+    /// The order of the links in the file does not matter. The heights of the pairs show which pair is the upper one. The left
+    /// link of each pair is used.
     #[test]
     fn links_are_told_apart_by_their_places() {
         let [a, b] = pair(0, [0.5, 0.1, 0.4], [0.2, 0.1, 0.0]);
@@ -194,7 +194,7 @@ mod tests {
             parts(&[rod.clone(), upper, c.clone(), d.clone()]),
             [(3, "lower_link"), (8, "upper_link"), (7, "panhard")]
         );
-        // With a Panhard rod, two splayed upper links bind. Two parallel ones are replaced by one link in the middle.
+        // With a Panhard rod, two splayed upper links bind. Two parallel upper links are replaced by one link in the middle.
         let [e, f] = pair(4, [0.4, 0.1, 0.4], [0.2, 0.1, 0.0]);
         let refused = meanings(&[c.clone(), d.clone(), e, f, rod.clone()]).unwrap_err();
         assert!(refused.contains("cannot move in roll"), "{refused}");

@@ -304,7 +304,7 @@ impl File<'_> {
         })
     }
 
-    /// Notes why the rate at the wheel gives no spring, and how to get one.
+    /// Adds a note why the rate at the wheel gives no spring, and how to get a spring.
     fn spring_rate(&self, name: &str, table: &mut PointTable) -> Result<(), String> {
         let Some(rate) = self.number(name, "SPRING_RATE")? else {
             return Ok(());

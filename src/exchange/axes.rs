@@ -110,7 +110,7 @@ impl Axes {
         })
     }
 
-    /// Convention with these axes, if studies know one.
+    /// Convention with these axes. `None` if studies have no such convention.
     pub(super) fn convention(self) -> Option<FrameConvention> {
         let mut all = FrameConvention::ALL.into_iter();
         all.find(|convention| Axes::of(*convention) == self)
@@ -132,7 +132,7 @@ impl Axes {
         (column, self.0[column].sign())
     }
 
-    /// Converts a position or vector of the file to ISO 8855. Coordinates only change places and signs.
+    /// Converts a position or vector of the file to ISO 8855. Only the order and the signs of its coordinates change.
     pub(super) fn to_iso(self, position: [f64; 3]) -> [f64; 3] {
         let mut iso = [0.0; 3];
         for (way, coordinate) in self.0.iter().zip(position) {
@@ -293,7 +293,7 @@ pub(super) fn of_reading(reading: &crate::report::Reading, side: Side) -> Axes {
     Axes(ways)
 }
 
-/// Reading of the points that belongs to these axes, for a wheel of this side.
+/// Reading of the points that corresponds to these axes, for a wheel of this side.
 pub(super) fn reading_of(axes: Axes, side: Side) -> crate::report::Reading {
     let at = |axis: usize| {
         let column = axes.0.iter().position(|way| way.axis() == axis);

@@ -12,7 +12,7 @@ use std::fmt::Write;
 pub(super) struct Bushing {
     hardpoint: &'static str,
     laws: Laws,
-    /// Name of the bushing and its place in the file.
+    /// Name of the bushing and its location in the file.
     from: String,
 }
 

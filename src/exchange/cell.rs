@@ -13,7 +13,7 @@ pub(super) enum Cell {
     Unusable(String),
 }
 
-/// Naming scheme for places in a table.
+/// Naming scheme for the cells of a table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Places {
     /// Line and column, counted from 1.
@@ -29,7 +29,7 @@ pub(super) struct Sheet {
     pub name: String,
     /// Cells that are not empty.
     pub cells: BTreeMap<(u32, u32), Cell>,
-    /// Naming scheme for places of cells.
+    /// Naming scheme for the cells.
     pub places: Places,
 }
 
@@ -85,7 +85,7 @@ impl Sheet {
         self.cells.get(&(row, column))
     }
 
-    /// Name of a cell's place.
+    /// Name of a cell in the naming scheme.
     pub(super) fn place(&self, row: u32, column: u32) -> String {
         match self.places {
             Places::Lines => format!("line {}, column {}", row + 1, column + 1),
@@ -93,7 +93,7 @@ impl Sheet {
         }
     }
 
-    /// Name of a row's place.
+    /// Name of a row in the naming scheme.
     pub(super) fn row_place(&self, row: u32) -> String {
         match self.places {
             Places::Lines => format!("line {}", row + 1),

@@ -29,9 +29,9 @@ fn text_height(outgoing: &Outgoing<'_>) -> f64 {
     outgoing.unit.convert(6.0, LengthUnit::Millimetre)
 }
 
-/// Prefix of a part of a solid axle through these points. `None` if the part is drawn with the other wheel. The mechanism of each
-/// wheel contains both halves. So each half is drawn with its own wheel, and parts that exist only once are drawn with the left
-/// wheel.
+/// Prefix for the layer of a line between these points of a solid axle. `None` if the line is drawn with the other wheel. The
+/// mechanism of each wheel contains both halves, so each half is drawn with its own wheel. Parts that exist only once are drawn
+/// with the left wheel.
 fn prefix_on_solid_axle<'p>(
     rigid: &RigidAxle,
     side: Side,

@@ -408,8 +408,8 @@ pub(super) fn location(root: &Node, (part, key): (&str, &str)) -> Option<[f64; 3
 mod tests {
     use super::*;
 
-    /// For a spring on the link, the explanation describes a parallel spring at the link's outer joint, and gives the fraction at
-    /// which the spring's foot is. For a foot beyond either joint, there is no such explanation.
+    /// For a spring on the link, the explanation describes a parallel spring at the link's outer joint. It also gives the
+    /// position of the spring's foot as a fraction of the link. There is no such explanation for a foot beyond either joint.
     #[test]
     fn a_foot_between_the_joints_has_a_share() {
         let list = |point: [f64; 3]| Node::List(Vec::from(point.map(Node::Number)));

@@ -1,5 +1,5 @@
-//! Vehicles of Project Chrono: `"Type": "Vehicle"` with two axles. Each axle has the file of its suspension and its place in the
-//! vehicle.
+//! Vehicles of Project Chrono: `"Type": "Vehicle"` with two axles. Each axle names the file of its suspension and gives its
+//! position in the vehicle.
 //!
 //! Paths in such a file start at the folder of all vehicles, which is some levels above the file. The importer looks for them in
 //! the folders above the vehicle's file, the nearest first. It moves the points by `Suspension Location` into the axes of the
@@ -80,7 +80,7 @@ pub(super) fn read(path: &Path, root: &Node) -> Result<Option<PointTable>, Strin
     Ok(Some(table))
 }
 
-/// Adds the points of an axle, moved to the axle's place.
+/// Adds the points of an axle, moved by the axle's position.
 fn add(table: &mut PointTable, own: Axle, end: AxlePosition) {
     let Axle {
         table: mut axle,

@@ -105,7 +105,7 @@ fn drop_from_rocker(
     }
 }
 
-/// Names of points that have no meaning here, each name once.
+/// Names of points that the import does not use, each name once.
 pub(super) fn unused(
     table: &PointTable,
     meanings: &[Option<&'static str>],

@@ -9,7 +9,7 @@ use crate::study::Study;
 use std::fmt::Write;
 use std::path::Path;
 
-/// Characteristics in the study of a wheel. Those that its points do not define are left out.
+/// Characteristics in the study of a wheel. Characteristics that its points do not define are left out.
 const OUTPUTS: [&str; 8] = [
     "camber",
     "toe",

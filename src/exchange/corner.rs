@@ -183,7 +183,7 @@ pub(super) fn pick(
         .expect("at least one candidate has the best rank");
     if let Some(second) = chosen.find(|other| other.point.position != first.point.position) {
         let [a, b] = [first.point, second.point];
-        // A map names a point, so it cannot tell points with one name apart.
+        // A map refers to points by name, so it cannot distinguish points with the same name.
         let remedy = if a.name.trim().to_lowercase() == b.name.trim().to_lowercase() {
             "rename or remove one of the two"
         } else {

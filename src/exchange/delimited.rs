@@ -46,7 +46,7 @@ pub(super) fn read(text: &str) -> Result<Sheet, String> {
     }
 }
 
-/// Counts line numbers of a text for rising positions.
+/// Finds line numbers of a text for increasing positions.
 struct Lines<'a> {
     text: &'a str,
     at: usize,
@@ -75,7 +75,7 @@ impl Lines<'_> {
     }
 }
 
-/// Replaces the spaces between a name and the numbers behind it by tabs, if spaces separate the cells of most lines. The name may
+/// If spaces separate the cells of most lines, replaces the spaces between a name and the numbers after it by tabs. The name may
 /// have several words.
 fn in_tabs(text: &str) -> Cow<'_, str> {
     let lines = || lines_of(text);
@@ -97,8 +97,8 @@ fn in_tabs(text: &str) -> Cow<'_, str> {
     Cow::Owned(tabs)
 }
 
-/// Replaces the `#` in front of a title by spaces, so that every byte keeps its position. A comment with a number in a cell of its
-/// own, or with three numbers, stays a comment: it is a row that somebody took out.
+/// Replaces the `#` before a title by spaces, so that every byte keeps its position. A comment with a number in a cell of its
+/// own, or with three numbers, stays a comment, because it is a disabled row.
 fn with_titles(text: &str, separator: u8) -> Cow<'_, str> {
     if !text.contains('#') {
         return Cow::Borrowed(text);
@@ -130,8 +130,8 @@ fn lines_of(text: &str) -> impl Iterator<Item = &str> {
     lines.filter(|line| !line.trim().is_empty() && !line.starts_with('#'))
 }
 
-/// Cells of a line with a name and at least three numbers behind it, separated by spaces, or of a header that ends with x, y
-/// and z. `None` for another line.
+/// Cells of a line with a name followed by at least three numbers, separated by spaces. Also the cells of a header that ends with
+/// x, y and z. `None` for any other line.
 fn in_words(line: &str) -> Option<Vec<String>> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let is_number =
@@ -201,7 +201,7 @@ mod tests {
         assert_eq!(texts("n,x,y,z\na,\"1,5\",2,3\n")[1], ["a", "1,5", "2", "3"]);
     }
 
-    /// Spaces separate cells where nothing else does. Names have several words, and numbers have decimal commas.
+    /// Spaces separate cells if the text has no other separator. Names have several words, and numbers have decimal commas.
     #[test]
     fn spaces_separate_numbers_from_names() {
         assert_eq!(
@@ -232,7 +232,7 @@ mod tests {
         assert_eq!(sheet.place(4, 1), "line 5, column 2");
     }
 
-    /// A comment without numbers is a title. A row of numbers behind a `#` was taken out.
+    /// A comment without numbers is a title. A row of numbers after a `#` is disabled.
     #[test]
     fn comments_are_titles() {
         let text = "# left side 2027, all in mm\n#name,x,y,z\na,1,2,3\n#b,4,5,6\n# c 7 8 9\n### upper\nd,1,1,1\n";

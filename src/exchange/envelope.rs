@@ -54,8 +54,8 @@ impl Span {
 pub struct Envelope {
     /// One solid per pose and wheel, as triangles. Seen from outside, the corners are counter-clockwise.
     pub solids: Vec<Vec<[[f32; 3]; 3]>>,
-    /// Largest distance between a corner of a solid and the same corner at the next value: of the travel, of the left wheel's travel
-    /// where both travels move each wheel, and of the rack.
+    /// Largest distance that a corner moves in one step of each motion. First: travel. Second: travel of the left wheel, if both
+    /// travels move each wheel. Third: rack.
     pub widest_steps: [f64; 3],
     title: String,
 }
@@ -243,7 +243,7 @@ fn poses_of_axle(
     Ok(of_wheels)
 }
 
-/// Values of a station. An error is the reason why there are none.
+/// Values of a station, or the reason why it has none.
 fn values_of(station: &Station, unit: LengthUnit, frame: Frame) -> Result<Vec<f64>, String> {
     if let Status::Failed(failure) = station.status {
         return Err(failure.describe(unit, frame));
@@ -252,7 +252,7 @@ fn values_of(station: &Station, unit: LengthUnit, frame: Frame) -> Result<Vec<f6
     values.map_err(|_| "the wheel has no angles".to_owned())
 }
 
-/// Pose of a wheel with this camber, toe, and place of its centre, all as printed by the study.
+/// Pose of a wheel from its camber, its toe and the position of its centre, as printed by the study.
 fn pose(outgoing: &Outgoing<'_>, side: Side, frame: Frame, values: &[f64]) -> WheelPose {
     let [camber, toe, x, y, z] = values[..] else {
         unreachable!("two angles and a point were requested")

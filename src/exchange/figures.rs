@@ -21,7 +21,7 @@ pub(super) struct Figures {
     pub wheelbase: Option<f64>,
     /// Offsets of the contact point: forward, outboard and up.
     pub offset: [f64; 3],
-    /// Names of values without a meaning here.
+    /// Names of values that the import does not use.
     pub unused: Vec<String>,
 }
 
@@ -123,8 +123,8 @@ pub(super) fn read(
     Ok(found)
 }
 
-/// Angle in degrees with the sign of studies. `unit` applies to an angle without its own unit. `toe_out` is true if the tool counts
-/// toe-out as positive. In studies camber is positive with the top outward, and toe with the front inward.
+/// Angle in degrees with the sign of studies. `unit` applies to an angle without its own unit. `toe_out` is true if the tool
+/// counts toe-out as positive. In studies camber is positive with the top outward, and toe with the front inward.
 fn angle(
     kind: FigureKind,
     row: &Figure,

@@ -85,7 +85,7 @@ pub(super) fn header(
             unit = unit.or(header.unit);
         }
         declared = declared.and(stated, &sheet.row_place(row))?;
-        // A title across three columns is in the first cell or in all of them. A cell such as "y right" names an axis, not a wheel.
+        // A title across three columns is in the first cell or in all three. A cell such as "y right" names an axis, not a wheel.
         let [x, y, z] = columns;
         let title = above.and_then(|above| sheet.cell(above, x.min(y).min(z)));
         let title = title.and_then(text).map(cut).unwrap_or_default();

@@ -1,5 +1,5 @@
 //! Makes a study's wheel from the points of a file: roles of the points, axle and wheel, axes, and unit. The notes report every
-//! guess. If a guess would be doubtful, the import is refused, and the refusal names the flag that decides.
+//! guess. If a guess would be uncertain, the import is refused, and the refusal names the flag that decides.
 
 use super::axes::Axes;
 use super::bushings::{self, Bushing};
@@ -256,8 +256,8 @@ pub(super) fn is_held_across(hardpoints: &[Hardpoint]) -> bool {
     names.any(|name| hardpoints.iter().any(|h| h.name == *name))
 }
 
-/// Refuses a solid axle with a Panhard rod or a Watt linkage and two upper links. The upper links are a pair if the rows of the right half have
-/// the opposite y, or if the rows apply to both halves.
+/// Refuses a solid axle with a Panhard rod or a Watt linkage and two upper links. The upper links are a pair if the rows of the
+/// right half have the opposite y, or if the rows apply to both halves.
 fn refuse_fifth_link(
     table: &PointTable,
     named: &[Named<'_>],
@@ -451,7 +451,8 @@ fn in_order(topology: &Topology, picked: Vec<Picked>) -> Vec<Hardpoint> {
 }
 
 /// Converts the points to the frame of the study. If studies know the file's frame, the study uses it, so that the coordinates
-/// stay equal to those of the file. Otherwise the study uses ISO 8855; coordinates only change places and signs.
+/// stay equal to those of the file. Otherwise the study uses ISO 8855, and only the order and the signs of the coordinates
+/// change.
 fn to_study_frame(
     placed: Placed,
     hardpoints: [&mut Vec<Hardpoint>; 2],

@@ -17,8 +17,9 @@
 //! `curve_columns`, `subsystem`, `optimum_table`, `suspensions_ini`, `property_file`, `centre_lines` and `envelope` write files.
 //!
 //! [`read_points`] makes the table, [`import()`] makes the wheel, and [`Imported::study`] makes the study. If studies know the
-//! file's axes, the study keeps them, so every coordinate is exactly the number in the file. Otherwise coordinates only change
-//! places and signs. A wheel at the origin is moved out by its half track.
+//! file's axes, the study keeps them, so every coordinate is exactly the number in the file. Otherwise only the order and the
+//! signs of the coordinates change. If the file's origin is at the wheel, the importer moves the points outboard by the half
+//! track.
 
 mod adams;
 mod adams_bushings;

@@ -75,8 +75,8 @@ impl<'s> Outgoing<'s> {
         Frame::new(self.convention, side)
     }
 
-    /// Wheels with different data: one wheel, or two if the right wheel of an axle has its own points or angles. One mechanism of a
-    /// solid axle or a twist beam has the points of both halves.
+    /// Wheels with different data. There is one, or two if the right wheel of an axle has its own points or angles. A solid axle
+    /// or a twist beam counts as one, because its mechanism has the points of both halves.
     pub fn different_wheels(&self) -> Vec<Side> {
         let is_rigid = self.study.wheel().mechanism.rigid_axle.is_some();
         match &self.right {

@@ -26,7 +26,7 @@ pub(super) struct Placed {
     pub side: Side,
 }
 
-/// Wheel to which the file assigns the points that serve as evidence, with these points only.
+/// Wheel to which the file assigns the points used as evidence, and these points.
 fn evidence(picked: &[Picked], wanted: Option<Side>) -> (Option<Side>, Vec<(&str, [f64; 3])>) {
     let has = |side: Side| picked.iter().any(|p| p.origin == Some(side));
     let origin = match wanted {
@@ -202,7 +202,7 @@ fn found(
         .convention()
         .map_or(placed.axes.to_string(), |frame| frame.name().to_owned());
     notes.push(format!(
-        "axes: {name}, {} wheel{assumed}; from the points, {shown} (--axes and --side change this)",
+        "axes: {name}, {} wheel{assumed}; {shown} (deduced from the points; change with --axes, --side)",
         placed.side.name()
     ));
     Ok(placed)
@@ -265,9 +265,9 @@ pub(super) fn mirror(
     }
 }
 
-/// Moves a wheel at the origin out to its half track. In files with the wheel centre or the contact point at y = 0, the points of
-/// the body are on the other side of the centre plane. `asked` is true if the half track is a flag. `compare` is true if a half
-/// track of the file is compared with the points.
+/// Moves the points outboard by the half track if the file's origin is at the wheel. In such a file the wheel centre or the
+/// contact point is at y = 0. The points of the body are then on the other side of the centre plane. `asked` is true if a flag
+/// gives the half track. `compare` is true if a half track of the file is compared with the points.
 pub(super) fn to_half_track(
     placed: Placed,
     half_track: Option<f64>,

@@ -23,7 +23,7 @@ pub struct Question {
 }
 
 impl Question {
-    /// Question whose possible answers are these values of one flag.
+    /// Question with these values of one flag as possible answers.
     pub(super) fn of(reason: String, flag: &'static str, values: &[&str]) -> Refusal {
         Refusal::Open(Question {
             reason,

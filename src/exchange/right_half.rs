@@ -6,8 +6,8 @@ use super::corner::{self, Corner, Named};
 use super::refusal::Refusal;
 use crate::model::{Side, Topology};
 
-/// Hardpoints that the file gives for the right half, without mirror images of the left half. `left` is the left half in the axes of
-/// the file.
+/// Hardpoints that the file gives for the right half, without mirror images of the left half. `left` is the left half in the axes
+/// of the file.
 pub(super) fn own(
     topology: &'static Topology,
     named: &[Named<'_>],

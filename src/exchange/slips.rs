@@ -1,5 +1,5 @@
-//! Slips in the points of a file. If one coordinate with a wrong sign or decimal place explains why the axes or the half track are in
-//! doubt, the importer names it instead of asking about the whole file.
+//! Slips in the points of a file: one coordinate with a wrong sign or decimal place. A slip may explain why the axes or the half
+//! track are uncertain. Then the importer names the slip instead of asking about the whole file.
 
 use super::ImportOptions;
 use super::corner::Picked;
@@ -20,7 +20,7 @@ pub(super) struct Checks<'a> {
 }
 
 impl Checks<'_> {
-    /// True if points raise no doubt.
+    /// True if the points pass all checks.
     fn pass(&self, mut picked: Vec<Picked>) -> bool {
         let mut notes = Vec::new();
         let placed = place::place(self.table, self.options, self.wanted, &picked, &mut notes);
@@ -35,7 +35,8 @@ impl Checks<'_> {
         moved.is_ok() && !notes.iter().any(|note| note.starts_with("please check"))
     }
 
-    /// Replaces the reason of a refusal by the slip that explains it, if there is one. `picked` are the points as the file has them.
+    /// Replaces the reason of a refusal by the slip that explains it, if there is a slip. `picked` are the points as written in
+    /// the file.
     pub(super) fn explain(&self, picked: &[Picked], refusal: Refusal) -> Refusal {
         let points: Vec<[f64; 3]> = picked.iter().map(|p| p.hardpoint.position).collect();
         let changed = |points: &[[f64; 3]]| {

@@ -114,8 +114,8 @@ VERSION=2
 [BASIC]
 ";
 
-/// Rate per wheel in the design position: of a solid axle in heave, else of the left wheel alone. Otherwise the reason why the
-/// study has none.
+/// Rate per wheel in the design position. For a solid axle it is the rate in heave, otherwise the rate of the left wheel alone.
+/// Returns the reason if the study has no such rate.
 fn wheel_rate(outgoing: &Outgoing<'_>) -> Result<f64, &'static str> {
     let needs = "only a study with [axle], [spring] and [wheel] radius has it";
     let both = outgoing.study.axle().ok_or(needs)?;

@@ -128,7 +128,7 @@ pub struct PointTable {
     pub(super) unit: Option<FileUnit>,
     /// Unit of angles without their own unit, if the file states it.
     pub(super) angle_unit: Option<AngleUnit>,
-    /// Statement of a unit that is not known, with its place.
+    /// Statement of a unit that is not known, with its location in the file.
     pub(super) unknown_unit: Option<String>,
     /// Axes, if the file states them.
     pub(super) declared: Declared,

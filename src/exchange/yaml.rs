@@ -8,7 +8,7 @@ use super::map::Node;
 use saphyr_parser::{Event, Parser, ScalarStyle};
 use std::path::Path;
 
-/// Deepest nesting. Files of points need less than a tenth of it.
+/// Deepest nesting. Files of points need less than a tenth of this depth.
 const DEEPEST: usize = 100;
 
 /// True if the name of the file ends like that of a YAML file.
@@ -53,7 +53,7 @@ pub(super) fn read(text: &str) -> Result<Node, String> {
             },
             Event::Alias(_) => {
                 return Err(format!(
-                    "line {line}: an alias (*name); write the value instead"
+                    "line {line}: YAML alias *name is not supported; write the value"
                 ));
             }
             Event::Nothing
@@ -137,7 +137,7 @@ true: yes
     #[test]
     fn what_is_no_map_of_points_is_refused_with_its_line() {
         for (text, reason) in [
-            ("a: &p [1, 2, 3]\nb: *p\n", "line 2: an alias"),
+            ("a: &p [1, 2, 3]\nb: *p\n", "line 2: YAML alias"),
             ("a: [1, 2\nb: 3", "not YAML: line 2"),
             ("? [1, 2]\n: 3\n", "line 1: a key is a list or a map"),
         ] {

@@ -7,7 +7,7 @@ use crate::mechanism::DesignFault;
 use crate::study::{AxleStudy, Drive, Study, Vehicle, WheelStudy};
 use crate::tolerance::Problem;
 
-/// Limits of one vehicle: that of a study, or a build of its `[tolerance]`.
+/// Limits of one vehicle: the vehicle of a study, or a build of its `[tolerance]`.
 #[derive(Clone, Debug)]
 pub struct VehicleLimits {
     /// A row for each quantity, while the others are held. All builds of a study have the same rows.
@@ -24,7 +24,7 @@ impl VehicleLimits {
     /// Limits of a vehicle of a study.
     ///
     /// # Errors
-    /// Says why the vehicle has no limits: it has no position, or no equilibrium.
+    /// The vehicle has no position, or no equilibrium. The text explains why.
     pub fn of_vehicle(study: &Study, vehicle: &Vehicle) -> Result<Self, String> {
         match vehicle {
             Vehicle::Wheel(own) => VehicleLimits::of_wheel(study, own),
@@ -105,7 +105,7 @@ impl NearestEnd {
     }
 }
 
-/// Number of builds, and number of the first one.
+/// Number of builds, and number of the first of these builds.
 type Counted = (u64, Option<u64>);
 
 /// Nearest limits among some builds. If limits are equal, the first build counts.

@@ -1,7 +1,7 @@
 //! Limits of a study with elastic parts: the values beyond which there is no equilibrium.
 //!
-//! Travel and rack end where a part gives way. A load ends at the largest value that the suspension carries. The table also shows
-//! the limits of the mechanism with rigid parts.
+//! A range of travel or rack displacement ends where a motion of a part loses its stiffness. A load ends at the largest value
+//! that the suspension carries. The table also shows the limits of the mechanism with rigid parts.
 
 use super::row::{LOST, LimitRow, Row};
 use super::{Found, travel_rows};
@@ -19,7 +19,7 @@ use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study, Wheel
 /// Words for the limits of the mechanism whose parts are all rigid.
 const RIGID: &str = "all parts rigid";
 
-/// Ends of equilibrium, or why there is none in the design position.
+/// Ends of equilibrium, or the reason why the design position has no equilibrium.
 type Ends = Result<[EquilibriumEnd; 2], NoEquilibrium>;
 
 /// Limits of one quantity.
@@ -49,7 +49,7 @@ impl ElasticRow {
     }
 }
 
-/// Limits of all rows. An error says that the design position has no equilibrium.
+/// Limits of all rows. Returns an error if the design position has no equilibrium.
 pub(super) fn in_equilibrium(rows: Vec<ElasticRow>) -> Result<Vec<LimitRow>, String> {
     if !rows.iter().all(ElasticRow::has_equilibrium) {
         return Err("the design position has no equilibrium".to_owned());
@@ -193,8 +193,8 @@ fn rack_row(suspension: &Suspension, at: &str) -> Row {
     }
 }
 
-/// Limits of equilibrium of a wheel, and the distance of the study's travels from the nearest limit; negative if they go beyond
-/// it, `None` if it is not known.
+/// Limits of equilibrium of a wheel, and the distance of the study's travels from the nearest limit. The distance is negative if
+/// the travels go beyond the limit, and `None` if it is not known.
 pub(super) fn rows_of_wheel(
     own: &WheelStudy,
     elastic: &ComplianceStudy,
@@ -247,7 +247,7 @@ pub(super) fn rows_of_wheel(
     Ok((rows, margin(&own.motion.values, &by_rack)))
 }
 
-/// Distance of travels from the nearest limit; negative if they go beyond it. `None` without an equilibrium.
+/// Distance of travels from the nearest limit. It is negative if they go beyond the limit, and `None` without an equilibrium.
 fn margin(travels: &[f64], by_rack: &[Ends]) -> Option<f64> {
     let mut least = f64::INFINITY;
     for ends in by_rack {

@@ -24,8 +24,8 @@ pub(super) struct Ranges<'r> {
     pub(super) rockers: &'r [RockerRange],
 }
 
-/// Smallest distance to a singular pose over the motion of the study, and its distance to the travel limits and to the toggles
-/// of rockers, in words.
+/// Describes the margins of the study's motion: its distance to a singular pose, to the travel limits, and to the toggles of
+/// rockers.
 pub(super) fn margin(
     study: &Study,
     plan: &Plan,
@@ -94,8 +94,8 @@ pub(super) fn margin(
     Ok(text)
 }
 
-/// Sentences about the toggles of rockers, at the ends of the travel where they have one. The bar's lever follows the rocker
-/// of the pushrod, so both end at one toggle, which is named once.
+/// Sentences about the toggles of rockers at the ends of the travel. The bar's lever follows the rocker of the pushrod. So both
+/// end at the same toggle, which is named once.
 fn toggles(rockers: &[RockerRange], moved: &Curves, unit: &str) -> String {
     let travels = || moved.along("travel").flatten();
     let least = travels().fold(0.0, f64::min);

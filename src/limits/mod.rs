@@ -35,7 +35,7 @@ pub(crate) struct LimitTable {
 type Found = (Vec<LimitRow>, Vec<String>);
 
 impl LimitTable {
-    /// Finds the limits of one wheel or of an axle. An error says why the design has no position.
+    /// Finds the limits of one wheel or of an axle. An error explains why the design has no position.
     pub(crate) fn of(study: &Study) -> Result<Self, String> {
         match &study.vehicle {
             Vehicle::Axle(both) => {
@@ -290,7 +290,7 @@ fn rod_travel(study: &Study, rocker: RockerId) -> String {
     format!("{}_travel_{unit}", rod.replace(' ', "_"))
 }
 
-/// Row of the travels at which the rod of a rocker is at toggle, or of the ends of the wheel's travel if these come first.
+/// Row of the travels at which the rod of a rocker is at toggle. An end of the wheel's travel replaces a toggle beyond it.
 fn toggles(quantity: String, at: &str, range: &RockerRange, travel: &Range) -> LimitRow {
     let end = |toggle: Option<Toggle>, end: &RangeEnd| match toggle {
         Some(Toggle { travel, rod }) => {

@@ -167,7 +167,10 @@ pub(super) fn because(limit: &Limit, study: &Study) -> String {
     let links: Vec<String> = limit.dependent.iter().map(name).collect();
     match (limit.cause, &limit.nearest) {
         (LimitCause::DependentLinks, _) => {
-            format!("{} are at a dead centre with each other", links.join(", "))
+            format!(
+                "{} are at toggle: their lines are linearly dependent",
+                links.join(", ")
+            )
         }
         (cause @ LimitCause::AxleFolds, _) => {
             format!("{cause}; the largest force is in {}", links.join(", "))

@@ -13,7 +13,7 @@ pub fn remarks(curves: &Curves, length: LengthUnit) -> Vec<String> {
     remarks_on_motion(curves, length, |_| false)
 }
 
-/// Remarks on the curves of one of several motions. `elsewhere` tells if another motion has values of a column.
+/// Remarks on the curves of one of several motions. `elsewhere` returns true if another motion has values of a column.
 pub fn remarks_on_motion(
     curves: &Curves,
     length: LengthUnit,
@@ -146,28 +146,28 @@ impl ConditionSummary {
     }
 }
 
-/// Summary of the proofs of poses.
+/// Summary of the certificates of poses.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct CertificateSummary {
-    /// Number of stations with a proof that their pose exists and is on the branch of the design position.
+    /// Number of stations with a certificate that their pose exists and is on the branch of the design position.
     proved: usize,
-    /// Number of stations whose pose could not be proved.
+    /// Number of stations whose pose could not be certified.
     unproved: usize,
-    /// True if every station is proved, so that the whole curve is one branch.
+    /// True if every station is certified, so that the whole curve is one branch.
     one_branch: bool,
-    /// Largest proved bound on the position error of points of the wheel carrier.
+    /// Largest certified bound on the position error of points of the wheel carrier.
     largest_position_error: Option<f64>,
     /// Station with this bound.
     at: Option<StationLabel>,
     /// Station with this bound, in words.
     #[serde(skip)]
     at_words: String,
-    /// Smallest distance within which the proof excludes any other pose.
+    /// Smallest distance within which a certificate excludes any other pose.
     smallest_uniqueness: Option<f64>,
 }
 
 impl CertificateSummary {
-    /// Summarises the proofs of curves. `None` if the study does not request proofs.
+    /// Summarises the certificates of curves. `None` if the study does not request them.
     pub(super) fn of(curves: &Curves) -> Option<Self> {
         if curves.bounds.is_empty() {
             return None;

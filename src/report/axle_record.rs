@@ -12,7 +12,7 @@ use crate::mechanism::{DesignFault, NoPose};
 use crate::model::Side;
 use crate::study::{Study, Target};
 
-/// Largest number of drawn stations along the first and along the second coordinate of the motion.
+/// Largest number of stations in the drawing, along the first and along the second coordinate of the motion.
 const MOST_FRAMES: [usize; 2] = [41, 9];
 
 /// A design to be recorded: label, file with its curves, axle, and curves.
@@ -53,8 +53,8 @@ impl Record {
 }
 
 impl MotionRecord {
-    /// Records the curves of an axle over a motion. `name` is the name of the motion, and `plan` has it. `frames` contains the
-    /// poses of each design; designs beyond its end have none.
+    /// Records the curves of an axle over a motion. `name` is the name of the motion that `plan` has. `frames` contains the poses
+    /// of each design. Designs without an entry in `frames` have no poses.
     pub fn of_axle(
         study: &Study,
         name: Option<&str>,
@@ -154,7 +154,7 @@ fn frames_of_rows(
     drawn(axle, &placements, places)
 }
 
-/// Frames of placements, each with its place: values of the first and the second coordinate.
+/// Frames of placements, each with its values of the first and the second coordinate.
 fn drawn(
     axle: &Axle,
     placements: &[Placement],

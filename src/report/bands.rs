@@ -12,12 +12,12 @@ pub struct BandRecord {
     pub band: String,
     /// Share of builds within the band.
     pub kept: f64,
-    /// Share of builds within the band, by the first-order estimate.
+    /// Share of builds within the band, according to the first-order estimate.
     pub kept_linear: f64,
     /// Column of the output that the band limits.
     #[serde(default)]
     pub output: String,
-    /// Position of the motion at which the band applies. `None` if it applies everywhere.
+    /// Position on the motion at which the band applies. `None` if it applies everywhere.
     #[serde(default)]
     pub at: Option<f64>,
     /// For an axle: column of the motion to which `at` refers.
@@ -31,7 +31,8 @@ pub struct BandRecord {
 }
 
 impl BandRecord {
-    /// Value that the band limits. If there are several, the one whose 1 % or 99 % percentile has the smallest margin to a limit.
+    /// Value that the band limits. If there are several values, it is the value whose 1 % or 99 % percentile has the smallest
+    /// margin to a limit.
     pub fn worst_value<'v>(&self, values: &'v [ValueRecord]) -> Option<&'v ValueRecord> {
         if self.over.is_some() {
             return None;

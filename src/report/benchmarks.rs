@@ -7,7 +7,7 @@ use crate::bench::accuracy::{Accuracy, Family};
 use crate::bench::effects::Effects;
 use crate::bench::throughput::Throughput;
 
-/// Table of the times of jobs: equilibria, sheets of tests, states of a car.
+/// Table of computing times: equilibria, complete tests (`kc`), states of a car.
 pub fn jobs_table(measurements: &[JobTime]) -> Table {
     let mut table = Table::new(["job", "us_each", "spread_percent", "per_s"]);
     for m in measurements {
@@ -83,8 +83,8 @@ pub fn effects_table(effects: &Effects) -> Table {
     table
 }
 
-/// Short table of computing time by accuracy, with about ten rows: the fastest method for each number of digits and each kind of
-/// derivative.
+/// Short table of computing time against accuracy, with about ten rows: the fastest method for each number of digits and each
+/// kind of derivative.
 pub fn accuracy_summary(accuracy: &Accuracy) -> Table {
     let mut table = Table::new([
         "measured",

@@ -1,5 +1,5 @@
-//! Designs that could replace the tuned one, as files and tables: the Pareto front, and the list of misfit against size of change
-//! ("price list").
+//! Alternatives to the tuned design, as files and tables: the Pareto front, and the list of misfit against size of change ("price
+//! list").
 
 use super::figure::{brief, without_zeros};
 use super::files::csv_of;
@@ -18,8 +18,8 @@ fn column(variable: &Variable, unit: &str) -> String {
     format!("{}_{unit}", variable.label())
 }
 
-/// Content of `front.csv`: one row per point of the front. It has the misfit of each goal in tolerances, the weights, and the
-/// offsets of the variables. The last column is "yes" if the front has a gap after this point.
+/// Content of `front.csv`: one row per point of the front. It has the misfit of each goal as a multiple of its tolerance, the
+/// weights, and the offsets of the variables. The last column is "yes" if the front has a gap after this point.
 pub fn front_csv(study: &Study, optimise: &Optimise, front: &Front) -> Vec<u8> {
     let unit = study.wheel().length_unit.symbol();
     csv_of(|writer| {
@@ -151,7 +151,7 @@ pub struct FrontRecord {
 /// A point of a front.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrontPoint {
-    /// Misfit of each goal, in tolerances.
+    /// Misfit of each goal, as a multiple of its tolerance.
     pub misfits: Vec<f64>,
     /// Weight of each goal.
     pub weights: Vec<f64>,
@@ -207,9 +207,9 @@ impl FrontRecord {
 /// One design of the price list.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct PriceRecord {
-    /// Size of the change, in ranges: the root of the sum of squares.
+    /// Size of the change: root of the sum of squares of the offsets, each divided by its range.
     pub moved: f64,
-    /// Smallest misfit with a change of this size, in tolerances.
+    /// Smallest misfit with a change of this size, as a multiple of the tolerances.
     pub misfit: f64,
     /// Decrease of the misfit if the change grows by a tenth of a range. `None` at the ends.
     pub gain: Option<f64>,

@@ -79,7 +79,7 @@ impl ConvertedColumn {
     }
 }
 
-/// Motions by which columns are differentiated.
+/// Motions with respect to which columns are differentiated.
 const MOTIONS: [&str; 4] = ["rack", "roll", "heave", "travel"];
 
 /// Relation of a column's values to the axes of the study.
@@ -140,7 +140,7 @@ impl ColumnAxes {
 
 impl Component {
     fn of(stem: &str) -> Self {
-        // The name of a test figure may go on: `rack_force_secant`.
+        // The name of a test result may have a suffix: `rack_force_secant`.
         if stem == "rack" || stem.starts_with("rack_force") || stem.ends_with("_rack_force") {
             return Component::Along(Axis::Y);
         }
@@ -194,8 +194,8 @@ fn unit_start(name: &str) -> usize {
     start
 }
 
-/// Name of a column in another unit, and the powers in its unit. The lever in a torque depends only on the unit of force: newton
-/// metres are printed in metres with every unit of length.
+/// Name of a column in another unit, and the powers in its unit. The length unit in a torque depends only on the unit of force:
+/// newton metres stay in metres for every unit of length.
 fn in_unit(name: &str, from: LengthUnit, to: LengthUnit) -> (String, Powers) {
     let (stem, unit) = split_unit(name);
     let (mut renamed, mut powers) = (stem.to_owned(), Powers::default());

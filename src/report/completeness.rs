@@ -104,8 +104,8 @@ impl Completeness {
         (all > 0).then(|| format!("{solved} of {all} stations solved{others}"))
     }
 
-    /// Remarks on empty cells, one per line. A column without any value is no warning if another motion of the study has values
-    /// of it, which `elsewhere` tells.
+    /// Remarks on empty cells, one per line. A column without any value causes no warning if another motion of the study has
+    /// values of it. `elsewhere` returns true for such a column.
     pub fn remarks(&self, elsewhere: impl Fn(&str) -> bool) -> Vec<String> {
         let remarks = self.empty.iter().flat_map(|cells| {
             let columns = cells.columns.iter().map(String::as_str);

@@ -45,8 +45,8 @@ pub(crate) fn constraint_margins(
         .collect()
 }
 
-/// Remarks on the constraints that the design of a study violates, one per line. A tuning may start outside its constraints. The
-/// error says why the design cannot be solved.
+/// Remarks on the constraints that the design of a study violates, one per line. A tuning may start outside its constraints. An
+/// error explains why the design cannot be solved.
 pub fn violated_constraints(study: &Study) -> Result<Vec<String>, DesignFault> {
     let Some(optimise) = study
         .optimise

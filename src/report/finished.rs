@@ -75,7 +75,7 @@ impl FinishedRun {
 }
 
 impl CarRecord {
-    /// Reads the record of a car's run. `None` if the directory has none.
+    /// Reads the record of a car's run. `None` if the directory has no such record.
     pub(super) fn read(directory: &Path) -> Result<Option<Self>, NotARun> {
         #[derive(serde::Deserialize)]
         struct Kind {

@@ -1,4 +1,5 @@
-//! Regions in which constraints keep points, or which points must avoid, and members that must stay apart, for the drawing.
+//! Regions of constraints for the drawing: regions in which a point must stay, regions that a point must avoid, and members that
+//! must stay apart.
 
 use crate::characteristics::{Measure, Quantity};
 use crate::model::{Axis, Frame, PointId};

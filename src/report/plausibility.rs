@@ -1,5 +1,5 @@
-//! Doubts about a suspension: points may be swapped, or a sign or unit may be wrong. Unusual suspensions exist, so doubts are
-//! only reported.
+//! Plausibility warnings about a suspension: points may be swapped, or a sign or unit may be wrong. Unusual suspensions exist, so
+//! these warnings are not errors.
 
 mod axle;
 mod carrier;
@@ -46,8 +46,8 @@ const REACH: [f64; 2] = [0.05, 4.0];
 /// Largest plausible deviation of a wheel from half the track, as a fraction of it.
 const OFF_TRACK: f64 = 0.1;
 
-/// Warnings about a suspension in its design position, one line each. If one coordinate with a wrong sign or decimal place explains
-/// all of them, the first warning names it.
+/// Warnings about a suspension in its design position, one line each. If one coordinate with a wrong sign or decimal place
+/// explains all warnings, the first warning names it.
 pub fn plausibility(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     let doubts = doubts(suspension)?;
     let slip = (!doubts.is_empty()).then(|| slip::explains(suspension));
@@ -73,7 +73,7 @@ fn doubts(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     Ok(remarks.found)
 }
 
-/// Doubts about a study, one per line: about its wheel, or its axle over the motion, and about its variables.
+/// Warnings about a study, one per line: about its wheel, or its axle over the motion, and about its variables.
 pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     let mut found = match study.axle() {
         None => plausibility(study.wheel()).map_err(|fault| (Side::Left, fault))?,
@@ -87,7 +87,7 @@ pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     Ok(found)
 }
 
-/// Doubt about a rack that moves although no part of the suspension is attached to it. The curves are then equal at every
+/// Warning about a rack that moves although no part of the suspension is attached to it. The curves are then equal at every
 /// displacement.
 pub fn rack_doubt(study: &Study) -> Option<String> {
     let mechanism = &study.wheel().mechanism;
@@ -108,7 +108,7 @@ pub fn rack_doubt(study: &Study) -> Option<String> {
     })
 }
 
-/// Doubts about the variables and targets of a study, one per line: coordinates where the key expects offsets, offsets where it
+/// Warnings about the variables and targets of a study, one per line: coordinates where the key expects offsets, offsets where it
 /// expects coordinates, or points far beyond the motion.
 pub fn variable_plausibility(study: &Study) -> Vec<String> {
     let mut remarks = PlausibilityRemarks {
@@ -145,7 +145,7 @@ impl<'a> PlausibilityRemarks<'a> {
         self.suspension.mechanism.name(id)
     }
 
-    /// Doubt if the points show different axes than the study states. Columns may be in another order, or a sign may be wrong.
+    /// Warning if the points show different axes than the study states. Columns may be in another order, or a sign may be wrong.
     fn axes(&mut self) {
         let points = self.suspension.mechanism.points.iter();
         let points: Vec<(&str, [f64; 3])> = points
@@ -161,7 +161,7 @@ impl<'a> PlausibilityRemarks<'a> {
         let Some(other) = directions.contradict(&own) else {
             return;
         };
-        // A front pivot behind a rear pivot is reported by another doubt, which names the likely cause.
+        // Another warning reports a front pivot behind a rear pivot, and names the likely cause.
         if other.forward.0 == 0 && other.outboard.0 == 1 && other.up.0 == 2 {
             return;
         }
@@ -172,8 +172,8 @@ impl<'a> PlausibilityRemarks<'a> {
         ));
     }
 
-    /// Doubt about a wheel centre at the centre plane with the points of the body beyond it. Probably the file's origin is at the
-    /// wheel.
+    /// Warning about a wheel centre at the centre plane with the points of the body beyond it. Probably the file's origin is at
+    /// the wheel.
     fn wheel_at_the_centre_plane(&mut self) {
         let mechanism = &self.suspension.mechanism;
         let wheel = self.at(mechanism.wheel_centre).y;
@@ -198,7 +198,7 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Doubts about points far from the wheel or below the ground. Probably a coordinate has another unit or the wrong sign.
+    /// Warnings about points far from the wheel or below the ground. Probably a coordinate has another unit or the wrong sign.
     fn distances(&mut self) {
         let suspension = self.suspension;
         let centre = self.at(suspension.mechanism.wheel_centre);
@@ -243,7 +243,7 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Doubts about the direction of rods. They lead outboard from the body to the wheel carrier, and inboard from the wheel
+    /// Warnings about the direction of rods. They lead outboard from the body to the wheel carrier, and inboard from the wheel
     /// carrier to a rocker.
     fn rods(&mut self) {
         let mechanism = &self.suspension.mechanism;
@@ -267,8 +267,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Doubts about bodies that the study does not name: the body of a drop link if there is a rocker, and bodies of points that
-    /// are clearly nearer to another body.
+    /// Warnings about bodies that the study does not name: the body of a drop link if there is a rocker, and bodies of points
+    /// that are clearly nearer to another body.
     fn seats(&mut self) {
         let Suspension {
             mechanism,
@@ -314,7 +314,7 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Doubt about a rear point that is further forward than its front point. Equal positions are allowed, as for a transverse
+    /// Warning about a rear point that is further forward than its front point. Equal positions are allowed, as for a transverse
     /// axis.
     fn front_and_rear(&mut self) {
         let mechanism = &self.suspension.mechanism;
@@ -335,8 +335,8 @@ impl<'a> PlausibilityRemarks<'a> {
         }
     }
 
-    /// Doubt about the range of a variable. A range of coordinates must be near the design; a range of offsets must contain small
-    /// numbers around zero.
+    /// Warning about the range of a variable. A range of coordinates must be near the design; a range of offsets must contain
+    /// small numbers around zero.
     fn range(&mut self, moves: &[Move], absolute: bool, [low, high]: [f64; 2]) {
         let [Move { point, axis, .. }] = *moves else {
             return;
@@ -408,7 +408,7 @@ impl<'a> PlausibilityRemarks<'a> {
                 ));
             }
         }
-        // In wheel radii if it is plausible in metres.
+        // A length that is plausible in metres is compared with the wheel radius.
         for (name, length, in_metres, [least, most]) in [
             (
                 "wheelbase",

@@ -93,7 +93,7 @@ pub struct OutputRecord {
     pub positive: Option<String>,
 }
 
-/// A target, at the stations of its comparison.
+/// A target, at the stations at which it is compared.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TargetRecord {
     /// Column of the target.
@@ -185,8 +185,8 @@ impl Record {
 }
 
 impl MotionRecord {
-    /// Records the curves of a wheel over a motion of a study. `name` is the name of the motion, and `study` has it as its own
-    /// motion.
+    /// Records the curves of a wheel over a motion of a study. `name` is the name of the motion. `study` has this motion as its
+    /// own.
     pub fn of_wheel(
         study: &Study,
         name: Option<&str>,
@@ -222,7 +222,7 @@ impl MotionRecord {
     }
 }
 
-/// Targets that charts can show beside the curves of a motion: values and curves at its own rack.
+/// Targets that charts can show with the curves of a motion: values and curves that give no rack displacement of their own.
 fn targets(study: &Study, name: Option<&str>) -> Vec<TargetRecord> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let record = |target: &Target| {
@@ -253,7 +253,7 @@ impl BandCurve {
 }
 
 impl TargetRecord {
-    /// Record of a target at these stations. `printed` converts their drive values to printed ones.
+    /// Record of a target at these stations. `printed` converts drive values to printed values.
     pub(super) fn of(target: &Target, stations: &[f64], printed: impl Fn(f64) -> f64) -> Self {
         let factor = target.of.factor();
         let points = target.wanted.at_stations(stations).into_iter();
@@ -269,7 +269,7 @@ impl TargetRecord {
     }
 }
 
-/// Bands that charts can show beside the curves of a motion: those at its own rack.
+/// Bands that charts can show with the curves of a motion: bands that give no rack displacement of their own.
 fn bands(study: &Study, name: Option<&str>) -> Vec<BandCurve> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     let bands = targets.filter(|target| {

@@ -31,7 +31,8 @@ pub struct Scene {
 pub(super) enum Sight {
     /// From the front: the car's left is on the right.
     Front,
-    /// From the side, with the wheel in front: forward is to the left for a left wheel or an axle, to the right for a right wheel.
+    /// From the side, with the wheel in front. Forward is to the left for a left wheel or an axle, and to the right for a right
+    /// wheel.
     Side,
     /// From above: forward is up, and the car's left is on the left.
     Top,
@@ -175,7 +176,7 @@ fn bodies(mechanism: &Mechanism) -> Vec<SceneBody> {
     parts.bodies
 }
 
-/// Bodies of a drawing, with the joints and the strut that were met.
+/// Bodies of a drawing, with the joints and the strut found so far.
 #[derive(Default)]
 struct Parts {
     bodies: Vec<SceneBody>,

@@ -77,17 +77,18 @@ pub struct StaticRecord {
     pub kept: bool,
     /// Computed value minus target value.
     pub miss: Option<f64>,
-    /// Possible error from half steps of shims. Up to this size, `miss` counts as met.
+    /// Possible error from half steps of shims. If `miss` is not larger, the target counts as met.
     pub allowed: f64,
     /// Value with the rounded amounts.
     pub set_rounded: Option<f64>,
     /// Rounded value minus target value.
     pub miss_rounded: Option<f64>,
-    /// Possible error from half steps of shims and half sixteenths of turns. Up to this size, `miss_rounded` counts as met.
+    /// Possible error from half steps of shims and half sixteenths of turns. If `miss_rounded` is not larger, the target counts
+    /// as met.
     pub allowed_rounded: f64,
-    /// True if `miss` counts as met.
+    /// True if the target counts as met with the computed amounts.
     pub met: bool,
-    /// True if `miss_rounded` counts as met.
+    /// True if the target counts as met with the rounded amounts.
     pub met_rounded: bool,
 }
 
@@ -108,7 +109,7 @@ pub struct AdjustmentRecord {
     pub amount_rounded: f64,
     /// Amount that a mechanic can set, in turns.
     pub turns_rounded: Option<f64>,
-    /// Change of each static value per length unit of this adjustment, about the nominal design.
+    /// Change of each static value per length unit of this adjustment, at the nominal design.
     pub by_length: Vec<Option<f64>>,
     /// Change of each static value per turn of this adjustment.
     pub by_turn: Option<Vec<Option<f64>>>,
@@ -244,7 +245,7 @@ impl SetUpSummary {
         table
     }
 
-    /// Table of instructions for a mechanic, one row per adjusted place.
+    /// Table of instructions for a mechanic, one row per adjustment.
     pub fn instructions(&self) -> Table {
         let amount = format!("computed {}", self.unit);
         let has_turns = self.adjustments.iter().any(|a| a.turns.is_some());

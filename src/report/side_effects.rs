@@ -36,19 +36,19 @@ fn in_three_digits(tolerance: f64) -> String {
     brief((tolerance * digits).round() / digits)
 }
 
-/// Largest change beyond what targets ask for, with its sign.
+/// Largest change that no target requests, with its sign.
 fn change(effect: &SideEffect) -> Option<String> {
     let change = effect.largest_change?;
     let text = with_decimals(change, decimals(effect));
     Some(with_plus(change, text))
 }
 
-/// True if the printed values show a change that no target asks for.
+/// True if the printed values show a change that no target requests.
 pub(super) fn is_visible(effect: &SideEffect) -> bool {
     effect.flagged || has_digits(&change(effect).unwrap_or_default())
 }
 
-/// True if the printed values show a change, but none that no target asks for.
+/// True if the printed values change, but only as targets request.
 fn is_as_asked(effect: &SideEffect) -> bool {
     !is_visible(effect) && has_digits(&with_decimals(effect.asked_change, decimals(effect)))
 }
@@ -66,7 +66,7 @@ fn place(effect: &SideEffect) -> String {
     coordinates.chain(wheel).collect::<Vec<_>>().join(", ")
 }
 
-/// Station of the largest change in a short form: a travel alone without its name, else without coordinates that are 0.
+/// Station of the largest change in a short form. A single travel has no name. Otherwise, coordinates that are 0 are left out.
 fn short_place(effect: &SideEffect) -> String {
     match (effect.at.as_slice(), &effect.wheel) {
         ([only], None) if only.name == "travel" => {
@@ -154,7 +154,7 @@ pub fn side_effects_table(effects: &[SideEffect]) -> Table {
     table
 }
 
-/// Side effects whose printed values show a change that no target asks for, the flagged ones first.
+/// Side effects whose printed values show a change that no target requests, the flagged ones first.
 pub fn visible_side_effects(effects: &[SideEffect]) -> Vec<SideEffect> {
     let mut changed: Vec<SideEffect> = effects.iter().filter(|e| is_visible(e)).cloned().collect();
     changed.sort_by_key(|effect| !effect.flagged);
@@ -184,7 +184,8 @@ pub fn side_effects_in_words(effects: &[SideEffect]) -> Option<String> {
     })
 }
 
-/// Names of the outputs that change only as targets ask, and of those without a visible change, in words. No line without names.
+/// Lists in words: outputs that change only as targets request, and outputs without a visible change. An empty list gives no
+/// line.
 pub fn further_in_words(effects: &[SideEffect]) -> Vec<String> {
     let line = |heading: &str, is_in: &dyn Fn(&SideEffect) -> bool| {
         let names = effects.iter().filter(|e| is_in(e)).map(SideEffect::column);

@@ -1,4 +1,4 @@
-//! Slips in a table of points: one coordinate with the wrong sign or the decimal point at the wrong place.
+//! Slips in a table of points: one coordinate with the wrong sign or the decimal point in the wrong position.
 
 /// A coordinate that is probably wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,8 +14,8 @@ pub(crate) struct Slip {
 }
 
 impl Slip {
-    /// Finds the slip that explains all doubts. `fits` returns true if points raise no doubt. Only the point that is farthest from
-    /// the others may have the slip, and the change must bring it much nearer to them.
+    /// Finds the slip that explains all warnings. `fits` returns true if points cause no warning. Only the point that is farthest
+    /// from the others may have the slip, and the change must bring it much nearer to them.
     pub(crate) fn of(points: &[[f64; 3]], fits: impl Fn(&[[f64; 3]]) -> bool) -> Option<Slip> {
         const NEARER: f64 = 0.6;
         let distances: Vec<f64> = (0..points.len()).map(|k| away(points, k)).collect();
@@ -43,7 +43,7 @@ impl Slip {
         nearest.map(|(_, slip)| slip)
     }
 
-    /// The slip in words: `y = 22.52 instead of -22.52 (a wrong sign)`. `now` is the coordinate as it is written, and `likely` its
+    /// Describes the slip: `y = 22.52 instead of -22.52 (a wrong sign)`. `now` is the coordinate as written, and `likely` its
     /// likely value in the same axes.
     pub(crate) fn describe(&self, now: f64, likely: f64) -> String {
         let kind = if self.is_sign {

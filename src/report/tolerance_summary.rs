@@ -46,7 +46,7 @@ pub struct ToleranceSummary {
     pub bands: Vec<BandRecord>,
     /// Share of builds within all bands. `None` without bands.
     pub yield_of_all: Option<f64>,
-    /// Share of builds within all bands, by the first-order estimate.
+    /// Share of builds within all bands, according to the first-order estimate.
     pub yield_of_all_linear: Option<f64>,
     /// Contributors, sorted by the yield gained by halving their tolerance.
     pub ranking: Vec<RankingRecord>,

@@ -52,8 +52,8 @@ pub struct BandShares {
 }
 
 impl YieldRecord {
-    /// Compares the builds of three designs: `before` is the given one, `plain` the optimum without scatter, and `after` the
-    /// tuned one.
+    /// Compares the builds of three designs: `before` is the given design, `plain` the optimum without scatter, and `after` the
+    /// tuned design.
     pub fn of(
         tolerance: &Tolerance,
         before: Option<MonteCarlo>,

@@ -4,7 +4,7 @@ use super::manifest::{self, Manifest, RunRecord, matches};
 use super::{Refusal, TEMPORARY};
 use std::path::{Path, PathBuf};
 
-/// States whether other runs may write to the directory at the same time.
+/// Permission for other runs to write to the directory at the same time.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sharing {
     /// Only this run may write.

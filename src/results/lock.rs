@@ -40,7 +40,7 @@ fn release(path: &Path, file: &File) {
     }
 }
 
-/// Removes a lock file, if it is still in its place.
+/// Removes a lock file, if its path still leads to it.
 fn remove(path: &Path, file: &File) {
     if is_at(file, path) {
         let _ = std::fs::remove_file(path);
@@ -232,7 +232,7 @@ mod tests {
         assert!(!path.exists());
     }
 
-    /// A symbolic link at the place of the lock file is reported. The lock neither waits for it nor follows it, even if its
+    /// A symbolic link with the name of the lock file is reported. The lock neither waits for it nor follows it, even if its
     /// target does not exist.
     #[cfg(unix)]
     #[test]

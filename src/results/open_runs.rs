@@ -111,7 +111,8 @@ fn clear(directory: &Path) {
     }
 }
 
-/// Writes a file completely or not at all, and no signal can interrupt it. A named pipe or a character device receives the contents.
+/// Writes a file completely or not at all, and no signal can interrupt it. A named pipe or a character device receives the
+/// contents.
 pub fn write_whole(path: &Path, contents: &[u8]) -> io::Result<()> {
     if is_stream(path) {
         // The reader determines how long this takes, so a signal may interrupt it.
@@ -121,8 +122,8 @@ pub fn write_whole(path: &Path, contents: &[u8]) -> io::Result<()> {
     undivided(|| put(path, contents))
 }
 
-/// Writes a file under a temporary name, then renames it. A symbolic link stays, and its target is replaced. Within [`undivided`],
-/// no signal can interrupt it.
+/// Writes a file under a temporary name, then renames it. A symbolic link stays, and its target is replaced. Within
+/// [`undivided`], no signal can interrupt it.
 pub fn put(path: &Path, contents: &[u8]) -> io::Result<()> {
     let path = &target(path);
     match std::fs::metadata(path) {
@@ -171,7 +172,7 @@ fn is_stream(_: &Path) -> bool {
     false
 }
 
-/// Makes a directory and those above it. If a file is in the way, the error names it.
+/// Makes a directory and those above it. If a file prevents this, the error names the file.
 pub fn make_directory(path: &Path) -> io::Result<()> {
     std::fs::create_dir_all(path).map_err(|error| {
         let there = path.ancestors().find(|above| above.exists());

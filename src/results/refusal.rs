@@ -7,7 +7,7 @@ use std::path::PathBuf;
 #[derive(Debug, thiserror::Error)]
 #[error("cannot write {path}: {source}")]
 pub struct WriteError {
-    /// File that was to be written.
+    /// File that could not be written.
     pub path: PathBuf,
     /// Error of the operating system.
     pub source: std::io::Error,
@@ -66,7 +66,8 @@ pub enum Refusal {
         command: String,
         /// Name of the study of the results.
         study: String,
-        /// True for the same study. `None` if unknown, because sweeps and other commands use different digests.
+        /// True if the results belong to the same study. `None` if this is unknown, because sweeps and other commands use
+        /// different digests.
         same_study: Option<bool>,
         /// True if that run has ended.
         is_finished: bool,

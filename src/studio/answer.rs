@@ -18,7 +18,7 @@ use crate::study::{Drive, Study, Vehicle, WheelStudy};
 use std::borrow::Cow;
 use std::time::Instant;
 
-/// Copy of the study that requests these characteristics. Proofs are switched off, because they take too long here.
+/// Copy of the study that requests these characteristics, but no certificates, because they take too long here.
 pub(super) fn asking_for(own: &WheelStudy, names: &[String]) -> Result<WheelStudy, String> {
     let mut asked = own.clone();
     asked.outputs.certify = false;
@@ -168,7 +168,7 @@ fn grouped(found: &Curves, plan: &Plan, request: &SolveRequest) -> (Groups, Vec<
         return (groups, drives.collect());
     }
     let rack_of = |station: usize| plan.racks[station / along];
-    // A station without a pose has no drive value, so it goes to a group that is not drawn.
+    // A station without a pose has no drive value, so it goes to a group that the page does not show.
     let place =
         |(station, drive): (usize, Option<f64>)| vec![drive.unwrap_or(f64::NAN), rack_of(station)];
     let places: Vec<Vec<f64>> = drives.enumerate().map(place).collect();

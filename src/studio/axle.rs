@@ -167,7 +167,7 @@ pub(super) fn solved(
     let sign = left.frame.sign(Axis::Y);
     let mut plan = asking_for(plan, axle, &request.characteristics)?;
     if let Some(rack) = request.curves_rack {
-        // Rows have a rack each.
+        // Each row has its own rack displacement.
         let racks = if plan.motion.has_rows() {
             plan.motion.stations()
         } else {
@@ -257,8 +257,8 @@ pub(super) fn solved(
     })
 }
 
-/// Stations of a motion in the group nearest to the sliders at `at`: only the coordinate with the index `over` moves. A motion over
-/// time and one of rows stay whole.
+/// Stations of a motion in the group nearest to the sliders at `at`: only the coordinate with the index `over` moves. A motion
+/// over time and a motion of rows stay whole.
 fn shown_alone(motion: &AxleMotion, (over, at): (usize, &[f64]), axle: &Axle) -> AxleMotion {
     let mut shown = motion.clone();
     if motion.time.is_some() || motion.has_rows() {

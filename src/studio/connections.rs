@@ -1,8 +1,8 @@
 //! Limits for connections: a few for connections without the token, more for those that have shown it.
 //!
-//! Every program on this machine can connect and then send nothing. Such connections share [`MOST_STRANGERS`] places. If all are
-//! taken, a new connection replaces the oldest one, so idle connections never keep the owner out. A connection that shows the
-//! token moves to the owner's places.
+//! Every program on this machine can connect and then send nothing. Such connections share [`MOST_STRANGERS`] slots. If all slots
+//! are taken, a new connection replaces the oldest one, so idle connections never keep the owner out. A connection that shows the
+//! token moves to a slot of the owner.
 
 use std::collections::VecDeque;
 use std::net::{Shutdown, TcpStream};
@@ -27,7 +27,7 @@ struct Open {
     admitted: usize,
 }
 
-/// Place of one connection. It becomes free again, however the connection's thread ends.
+/// Slot of one connection. The slot becomes free again, however the connection's thread ends.
 pub(super) struct Place {
     connections: Arc<Connections>,
     number: u64,
@@ -35,7 +35,7 @@ pub(super) struct Place {
 }
 
 impl Connections {
-    /// Gives a new connection a place among those without the token. If all places are taken, it closes the oldest connection.
+    /// Gives a new connection a slot among those without the token. If all slots are taken, it closes the oldest connection.
     ///
     /// # Errors
     /// If the system cannot duplicate the connection.
@@ -64,7 +64,7 @@ impl Connections {
 }
 
 impl Place {
-    /// Moves a connection that has shown the token to the owner's places. Returns false if all of them are taken.
+    /// Moves a connection that has shown the token to a slot of the owner. Returns false if all of these slots are taken.
     pub(super) fn admit(&mut self) -> bool {
         if self.is_admitted {
             return true;

@@ -7,7 +7,8 @@ use crate::limits::LimitTable;
 use crate::optimise::{Bounds, Identifiability, Linearisation, assessed};
 use crate::study::Variable;
 
-/// Largest change of the misfit, in tolerances, that counts as no change, for a move across the whole range.
+/// Largest change of the misfit that counts as no change, for a move across the whole range. The misfit is a multiple of the
+/// tolerances.
 const UNSEEN: f64 = 0.01;
 /// Largest number of directions.
 const MOST: usize = 8;
@@ -36,7 +37,8 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
     Ok(unseen(&found.goal, &shown, suspension.design.len()))
 }
 
-/// Directions that the rows of `goal` do not see. Its columns belong to the variables, which move some of `points` points.
+/// Directions that leave the rows of `goal` unchanged. Its columns belong to the variables. `points` is the number of points of
+/// the design.
 pub(super) fn unseen(
     goal: &Linearisation,
     variables: &[VariableOverview],

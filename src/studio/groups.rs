@@ -61,7 +61,7 @@ impl Groups {
         }
     }
 
-    /// The same groups for an answer that has only the `stations` of the shown one.
+    /// Groups for an answer that contains only the `stations` of the shown group.
     pub(super) fn with_shown_only(self, stations: usize) -> Self {
         Groups {
             of_stations: vec![self.shown; stations],
@@ -75,7 +75,7 @@ impl Groups {
     }
 }
 
-/// Index of the value that is nearest to `at`, the first one of several.
+/// Index of the value nearest to `at`. If several values are equally near, the first one counts.
 pub(super) fn nearest(values: &[f64], at: f64) -> Option<usize> {
     let far = |k: &usize| (values[*k] - at).abs();
     (0..values.len()).min_by(|a, b| far(a).total_cmp(&far(b)))

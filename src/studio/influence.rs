@@ -8,7 +8,7 @@ use crate::model::{Axis, PointId};
 use crate::plan::Plan;
 use crate::study::Vehicle;
 
-/// Derivatives of every column by a coordinate at each station, in the column's unit per length unit.
+/// Derivatives of every column with respect to a coordinate at each station, in the column's unit per length unit.
 pub(super) fn influence(
     opened: &Opened,
     request: &InfluenceRequest,

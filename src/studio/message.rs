@@ -67,7 +67,7 @@ pub(super) struct SolveRequest {
     pub of: Designed,
     /// Names of the requested characteristics.
     pub characteristics: Vec<String>,
-    /// Position of the drawn mechanism: one value per slider.
+    /// Position of the mechanism in the drawing: one value per slider.
     pub at: Vec<f64>,
     /// Rack displacement of the curves. `None` for the displacements of the study.
     pub curves_rack: Option<f64>,
@@ -126,8 +126,8 @@ pub(super) struct SaveRequest {
     pub name: Option<String>,
     /// True to write the moved coordinates although the file has changed, or to replace an existing file of that name.
     pub anyway: bool,
-    /// SHA-256 of the file's text that the page knows. `None` for the text that the design's changes start from. After a save and
-    /// an undo, the two differ.
+    /// SHA-256 of the file's text that the page knows. `None` for the text from which the design's changes start. After a save
+    /// and an undo, these two texts differ.
     #[serde(default)]
     pub base: Option<String>,
 }
@@ -288,11 +288,11 @@ pub(super) struct SolvedAnswer {
     pub rack: f64,
     /// True if the stations are rows, whose curves follow the order of the rows.
     pub has_rows: bool,
-    /// True if stations of other groups are left out. Failures and remarks are then those of the shown group alone.
+    /// True if stations of other groups are left out. Failures and remarks then refer to the shown group only.
     pub is_partial: bool,
     pub status: Vec<&'static str>,
     pub failures: Vec<FailureRange>,
-    /// Mechanism at the drawn station, and the study's own design at the same station.
+    /// Mechanism at the station of the drawing, and the study's own design at the same station.
     pub frame: Option<Drawn>,
     /// Right wheel of an axle, or right side of a car.
     pub right: Option<Drawn>,
@@ -303,11 +303,11 @@ pub(super) struct SolvedAnswer {
     pub milliseconds: f64,
 }
 
-/// A drawn position.
+/// Position of a mechanism in the drawing.
 #[derive(Serialize)]
 #[serde(untagged)]
 pub(super) enum Drawn {
-    /// Of one wheel.
+    /// Drawing of one wheel.
     Wheel(Box<Frame>),
     /// Drawing of one side of a car.
     Side {
@@ -355,7 +355,7 @@ impl ColumnValues {
     }
 }
 
-/// Misfit in tolerances, with its derivatives with respect to every coordinate.
+/// Misfit as a multiple of the tolerances, with its derivatives with respect to every coordinate.
 #[derive(Serialize)]
 pub(super) struct Misfit {
     pub value: Option<f64>,

@@ -114,7 +114,7 @@ mod tests {
         ));
     }
 
-    /// Identifiers are unique, and every reference leads to one. Scripts make the tabs and the heading of the dialog.
+    /// Identifiers are unique, and every reference leads to an identifier. Scripts make the tabs and the heading of the dialog.
     #[test]
     fn references_lead_somewhere() {
         let tabs = INDEX.matches("role=\"tabpanel\"").count();

@@ -24,7 +24,7 @@ pub(super) trait Reading: Send + Sync {
     fn overview(&self) -> Overview;
     /// Answers a dragged point. The flag stops the work.
     fn solved(&self, request: &SolveRequest, stop: &Stop) -> Result<SolvedAnswer, String>;
-    /// Derivatives of every column by a coordinate.
+    /// Derivatives of every column with respect to a coordinate.
     fn influence(&self, request: &InfluenceRequest) -> Result<InfluenceAnswer, String>;
     /// Moves that leave the targets unchanged.
     fn directions(&self, of: &Designed) -> Result<DirectionsAnswer, String>;

@@ -37,7 +37,7 @@ pub(super) struct ServerState {
     directory: PathBuf,
     /// File of the study. Without a study, the page asks for one.
     file: OnceLock<Files>,
-    /// The latest used last.
+    /// Study texts of the server, the most recently used one last.
     texts: Mutex<VecDeque<Arc<dyn Reading>>>,
     job: Mutex<Option<Arc<Job>>>,
     /// Report pages with their numbers, the latest last.
@@ -182,7 +182,7 @@ impl ServerState {
             let why = "the server has another version of the study: reload the page";
             (409, why.to_owned())
         })?;
-        // A text that is used stays longer than one that is not.
+        // The used text moves to the end, so the server keeps it longer.
         texts.push_back(found.clone());
         Ok(found)
     }

@@ -22,7 +22,7 @@ use tempfile::NamedTempFile;
 
 /// A study text that was read, with the resolved study.
 pub(super) struct Opened {
-    /// Place of the study.
+    /// Location of the study.
     pub file: StudyFile,
     /// SHA-256 of the study text.
     pub digest: String,
@@ -43,7 +43,7 @@ pub(super) struct Opened {
 
 /// Files that a save may replace.
 pub(super) struct Over<'r> {
-    /// SHA-256 of the files' texts that the page knows. `None` for the texts that the design's changes start from.
+    /// SHA-256 of the files' texts that the page knows. `None` for the texts from which the design's changes start.
     pub known: Option<&'r str>,
     /// True to write the changes into files that another program has changed.
     pub anyway: bool,
@@ -358,7 +358,7 @@ fn temporary_beside(path: &Path, text: &str) -> io::Result<NamedTempFile> {
     Ok(file)
 }
 
-/// Moves a complete file to its final place. If the target has several names (hard links), its content is replaced instead, so
+/// Moves a complete file to its final path. If the target has several names (hard links), its content is replaced instead, so
 /// that all names have the new text. If that fails halfway, the new text stays in the temporary file.
 fn replace(temporary: NamedTempFile, path: &Path, text: &str) -> io::Result<()> {
     if !has_other_names(path) {

@@ -1,4 +1,4 @@
-//! Requests that a later one of the same page stops.
+//! Requests that a later request of the same page stops.
 //!
 //! A page that drags a point asks for one design after the other. If the search for an equilibrium takes long, the page asks for
 //! the next design before it has the answer. The earlier search then stops at its next checkpoint.
@@ -25,8 +25,8 @@ pub(super) struct Turn<'t> {
 }
 
 impl Turns {
-    /// Registers a request of a page, and stops the earlier request of this page. If a later request of the page has arrived
-    /// before, this request is stopped itself.
+    /// Registers a request of a page, and stops the earlier request of this page. If a later request of the page has already
+    /// arrived, this request is stopped itself.
     pub(super) fn begin(&self, [page, number]: [u64; 2]) -> Turn<'_> {
         let stop = Stop::default();
         let mut running = self.running();
@@ -69,7 +69,7 @@ mod tests {
         turn.stop.load(Ordering::Relaxed)
     }
 
-    /// The later request of a page stops the earlier one, in whatever order they arrive. Requests of other pages continue.
+    /// The later request of a page stops the earlier request, in whatever order they arrive. Requests of other pages continue.
     #[test]
     fn the_latest_request_of_a_page_goes_on() {
         let turns = Turns::default();

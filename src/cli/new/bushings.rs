@@ -19,7 +19,7 @@ const OF_LINK: &str = "[9000.0, 1200.0, 9000.0, 5.0e4, 1.2e5, 5.0e4]";
 /// Top mount of a strut. z points along the strut, and the mount lets the strut turn freely about z.
 const OF_STRUT: &str = "[600.0, 600.0, 1500.0, 2.0e4, 2.0e4, 0.0]";
 
-/// Adds a spring, bushings and a stretching link to the text of a template.
+/// Adds a spring, bushings and a link with axial stiffness to the text of a template.
 ///
 /// # Errors
 /// The reason in words why the topology has no elastic parts.
@@ -45,7 +45,7 @@ pub(super) fn with_bushings(
         }
     }
     if is_axle {
-        // With elastic parts, the derivative of steer by roll from the tests replaces `roll_steer`.
+        // With elastic parts, the tests give the derivative of steer with respect to roll, so it replaces `roll_steer`.
         written = written.replace(
             "{ characteristic = \"roll_steer\", over = \"roll\",",
             "{ figure = \"steer_by_roll\",",

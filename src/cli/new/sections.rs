@@ -81,8 +81,8 @@ const STEERED_AXLE_OUTPUTS: [&str; 11] = [
     "anti_dive",
 ];
 
-/// Changes the text of a solid rear axle to that of a steered front axle. All points change the sign of x. Points of the Panhard rod
-/// and of the Watt linkage also change the sign of y, so that the Panhard rod is parallel to the drag link.
+/// Changes the text of a solid rear axle to that of a steered front axle. All points change the sign of x. Points of the Panhard
+/// rod and of the Watt linkage also change the sign of y. The Panhard rod is then parallel to the drag link.
 pub(super) fn as_steered_front_axle(text: &str) -> String {
     let mut written = String::new();
     let mut within = false;

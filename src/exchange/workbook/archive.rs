@@ -88,7 +88,7 @@ impl Archive {
     }
 }
 
-/// Members in the central directory. The record at the archive's end gives its place.
+/// Members in the central directory. The record at the archive's end gives the directory's position.
 fn members(bytes: &[u8]) -> Option<Vec<Member>> {
     const END: usize = 22;
     let last = bytes.len().checked_sub(END)?;

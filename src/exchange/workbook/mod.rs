@@ -65,7 +65,7 @@ mod tests {
         for at in 0..bytes.len() {
             let mut damaged = bytes.clone();
             damaged[at] ^= 0x55;
-            // Numbers have a checksum, but names of sheets and parts have none.
+            // Numbers have a checksum, but names of sheets and parts have no checksum.
             if let Ok(read) = std::panic::catch_unwind(|| sheet(damaged)).expect("no panic") {
                 assert!(
                     read.cells == whole.cells || read.cells.is_empty(),

@@ -175,11 +175,11 @@ fn in_first_units(moves: &Moves, first: &Car, car: &Car, value: f64) -> f64 {
             let [from, to] = [car, first].map(|car| car.length_unit);
             let value = value * from.newtons() / to.newtons();
             match parameter {
-                // Force by length.
+                // Force per length.
                 AxleParameter::SpringRate
                 | AxleParameter::HeaveSpringRate
                 | AxleParameter::TyreRate => from.convert(value, to),
-                // Force times length by angle.
+                // Force times length per angle.
                 _ => to.convert(value, from),
             }
         }
@@ -189,7 +189,7 @@ fn in_first_units(moves: &Moves, first: &Car, car: &Car, value: f64) -> f64 {
     }
 }
 
-/// Relative difference up to which values of cars with different units count as equal: rounding of their conversion.
+/// Largest relative difference of equal values in different units. It comes from rounding in the conversion.
 const ROUNDING: f64 = 1e-12;
 
 /// Returns true if a value differs from the value of the first car. Values in the same units must be equal to the last bit.

@@ -5,7 +5,7 @@ use crate::report::table::{Cell, Column, Table};
 use crate::report::{brief, figure};
 use crate::study::CarStudy;
 
-/// Decimal places to which the acceleration of a lift is known.
+/// Decimal places to which the acceleration at wheel lift is known.
 const LIFT_PLACES: i32 = 9;
 /// Decimal places to which the end of equilibrium is known.
 const END_PLACES: i32 = 5;

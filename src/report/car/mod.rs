@@ -97,7 +97,7 @@ impl<'s> CarResults<'s> {
         }
     }
 
-    /// Remarks on the static position and on figures that the axle studies give differently.
+    /// Remarks on the static position, and on values for which the study of an axle and the study of the car differ.
     pub fn remarks(&self) -> Vec<String> {
         let study = self.study;
         let mut remarks = Vec::new();
@@ -203,7 +203,7 @@ impl<'s> CarResults<'s> {
     }
 }
 
-/// Doubt about masses of the car without a unit, if an axle has masses in pounds.
+/// Warning about masses of the car without a unit, if an axle has masses in pounds.
 fn mass_doubt(study: &CarStudy) -> Option<String> {
     let written: toml::Table = study.text.parse().ok()?;
     if written.get("car")?.get("mass_unit").is_some() {

@@ -49,7 +49,7 @@ pub struct CarRecord {
     /// Changes by a tuning that no target requests.
     #[serde(default)]
     pub side_effects: Vec<SideEffect>,
-    /// Drawn parts of the front and of the rear axle.
+    /// Parts of the front and of the rear axle in the drawing.
     pub scenes: [Scene; 2],
     /// Names of the files of the run.
     pub files: Vec<String>,
@@ -141,14 +141,14 @@ pub struct CarTargetRecord {
     pub tolerance: f64,
     /// Values before and after.
     pub values: [Option<f64>; 2],
-    /// Deviation after the tuning, in tolerances.
+    /// Deviation after the tuning, as a multiple of the tolerance.
     pub deviation: Option<f64>,
 }
 
 /// Misfit and variables of a tuning.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CarTuningRecord {
-    /// Misfit before and after, in tolerances. `None` if the car cannot be compared.
+    /// Misfit before and after, as a multiple of the tolerances. `None` if the car cannot be compared.
     pub misfits: [Option<f64>; 2],
     /// Reason why the search ended.
     pub ended: String,

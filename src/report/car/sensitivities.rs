@@ -9,7 +9,8 @@ use crate::model::{Axis, PointId};
 use crate::report::optional;
 
 impl<'s> CarResults<'s> {
-    /// Content of `sensitivities.csv`, if the study requests it: derivatives of the results by hardpoints and parameters.
+    /// Content of `sensitivities.csv`, if the study requests it: derivatives of the results with respect to hardpoints and
+    /// parameters.
     pub fn sensitivities_csv(&self, solver: &mut CarSolver<'s>) -> Option<Vec<u8>> {
         if !self.study.sensitivities {
             return None;
@@ -70,7 +71,7 @@ impl<'s> CarResults<'s> {
         for (number, end) in crate::car::AXLE_NAMES.into_iter().enumerate() {
             let axle = &car.axles[number].left;
             for (k, by) in gradient.hardpoints[number].iter().enumerate() {
-                // The derivatives by a far half are part of those by the near half.
+                // The derivatives with respect to points of the near half include those of the far half.
                 if axle.mechanism.is_far(PointId(k)) {
                     continue;
                 }

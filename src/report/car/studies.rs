@@ -13,7 +13,8 @@ pub fn car_with_axles(text: &str, front: &str, rear: &str) -> String {
     )
 }
 
-/// Edits of the three studies that set rates and other values of the car to those of the variables. They do not move hardpoints.
+/// Edits of the three studies. They set rates and other values of the car to the values of the variables, but do not move
+/// hardpoints.
 struct Edits {
     of_car: Vec<String>,
     of_axles: [Vec<String>; 2],

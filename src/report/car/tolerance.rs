@@ -41,7 +41,7 @@ struct CarValue {
     sigma_linear: Option<f64>,
     /// Second-order term as a share of the first-order variance.
     second_order: Option<f64>,
-    /// True if the linear result is valid, by its second order and by the builds.
+    /// True if the first-order estimate is accurate enough, according to the second-order estimate and the builds.
     linear_holds: Option<bool>,
     /// Fraction of the builds' variance that is not first order: curvature and interaction.
     remainder: Option<f64>,

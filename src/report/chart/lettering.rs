@@ -140,7 +140,7 @@ fn write_outlines(svg: &mut String, words: &Words, font: &Font) {
     );
 }
 
-/// Attribute with the classes of words. Empty if they have none.
+/// Attribute with the classes of words. Empty if the words have no classes.
 fn classes(first: &str, words: &Words) -> String {
     let label = if words.label { "label" } else { "" };
     let all: Vec<&str> = [first, label, words.class]

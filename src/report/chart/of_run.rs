@@ -309,8 +309,8 @@ fn in_short(column: &str, value: f64) -> String {
     }
 }
 
-/// Columns of the coordinates that move besides the one on the horizontal axis: the rack for a wheel, all other coordinates for
-/// an axle.
+/// Columns of the coordinates that move in addition to the coordinate on the horizontal axis: the rack for a wheel, all other
+/// coordinates for an axle.
 pub(in crate::report) fn moving_beside<'r>(
     motion: &'r MotionRecord,
     abscissa: &str,

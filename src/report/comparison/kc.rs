@@ -44,8 +44,8 @@ impl KcComparison {
     /// Compares runs. Results have the order of the first run that has them.
     ///
     /// # Errors
-    /// The reason in words, with the label, if a text is no `kc.csv`, if runs have different columns, or if unknown axes determine
-    /// the sign of a value.
+    /// The reason in words, with the label: a text is not a `kc.csv`, runs have different columns, or unknown axes determine the
+    /// sign of a value.
     pub fn of(runs: &[ComparedKc]) -> Result<Self, String> {
         let mut comparison = KcComparison {
             labels: runs.iter().map(|run| run.label.clone()).collect(),

@@ -55,7 +55,7 @@ pub fn no_equilibrium(why: &NoEquilibrium) -> String {
     }
 }
 
-/// The motion of a part that gives way, in words.
+/// Motion of the softest part, in words.
 pub fn weakest_motion(part: &str, motion: Motion) -> String {
     match motion {
         Motion::Turn(axis) => format!("{part} turns about {}", axis.name()),

@@ -35,11 +35,11 @@
 //!
 //! The lower sign applies to the right wheel. `track` is the distance of the wheel centres.
 //!
-//! Sources: Altair MotionView reference, pages of these names; Adams Car, "Output of Suspension Analyses" and the appendix "Static
-//! Vehicle Characteristics", pages of these names. MotionView prints the formulas for two orientations, A and B. Its camber is
-//! positive with the top outboard, its ride camber of a left wheel is (10) in A, its converging forces point to the inside, and its
-//! tread widens by C(8,3) - C(2,3) in A: so x points rearward and y to the right in A. B is turned by half a turn about z, and its
-//! signs give the same values.
+//! Sources: Altair MotionView reference, pages of these names; Adams Car, "Output of Suspension Analyses" and the appendix
+//! "Static Vehicle Characteristics", pages of these names. MotionView prints the formulas for two orientations, A and B. In A, x
+//! points rearward and y to the right. This follows from four facts: its camber is positive with the top outboard; its ride
+//! camber of a left wheel is (10) in A; its converging forces point to the inside; and its tread widens by C(8,3) - C(2,3) in A.
+//! B is turned by half a turn about z, and its signs give the same values.
 
 use crate::compliance::{KcSubject, KcTest, TestLoad, TestMode, TestPlace};
 use crate::model::{Axis, Frame, FrameConvention, LengthUnit, Side};
@@ -192,7 +192,7 @@ impl StationMatrix<'_> {
         }
     }
 
-    /// Difference of the heights of both wheel centres by equal opposite vertical forces of 1 N, in mm.
+    /// Difference of the heights of both wheel centres, in mm, caused by equal and opposite vertical forces of 1 N.
     fn roll_height(&self) -> f64 {
         self.entry(3, 3) - self.entry(3, 9) - self.entry(9, 3) + self.entry(9, 9)
     }
@@ -202,7 +202,7 @@ impl StationMatrix<'_> {
 struct LoadedWheel<'a> {
     of: &'a StationMatrix<'a>,
     side: Side,
-    /// Load on the right wheel by that on the left one, both along the same axis.
+    /// Load on the right wheel divided by the load on the left wheel, both along the same axis.
     sign: f64,
 }
 
@@ -220,12 +220,12 @@ impl LoadedWheel<'_> {
         self.of.radius * self.of.mm()
     }
 
-    /// Rotation by a side force at the end of the vertical lever: equations (1) and (2).
+    /// Rotation caused by a side force at the end of the vertical lever: equations (1) and (2).
     fn by_side_force(&self, row: usize) -> f64 {
         1000.0 * (self.both(row, 2) + self.both(row, 4) * self.radius()) * DEGREES
     }
 
-    /// Rotation by a longitudinal force at the wheel centre or at the end of the vertical lever: equations (5) to (7).
+    /// Rotation caused by a longitudinal force at the wheel centre or at the end of the vertical lever: equations (5) to (7).
     fn by_longitudinal_force(&self, row: usize, place: TestPlace) -> f64 {
         let lever = match place {
             TestPlace::ContactPoint => self.radius(),
@@ -313,7 +313,7 @@ impl LoadedWheel<'_> {
         let by_moment = |row: usize| self.both(row, 6) * DEGREES;
         Some(match quantity {
             "toe_by_aligning_moment" => ("alt_steer_compliance", by_moment(6), "deg/(N mm)"),
-            // The published definition for the right wheel contradicts the one for the left.
+            // The published definition for the right wheel contradicts the definition for the left wheel.
             "camber_by_aligning_moment" if self.side == Side::Left => {
                 ("alt_camber_compliance", by_moment(4), "deg/(N mm)")
             }

@@ -4,8 +4,8 @@ use super::super::table::{Cell, Table};
 use crate::compliance::{AxialStiffness, Shape};
 use crate::study::Study;
 
-/// Table of the elastic parts of a study, one part per row. For an axle it has the parts of the left wheel, the mounts of the
-/// subframe, the parts of the right wheel that differ, the rack and the steering column.
+/// Table of the elastic parts of a study, one part per row. For an axle it has the parts of the left wheel, and the parts of the
+/// right wheel that differ. The mounts of the subframe, the rack and the steering column follow.
 pub fn elastic_parts(study: &Study) -> Table {
     let mut table = Table::new(["part", "elastic", "rates", "torsional rates", "unit"]);
     let u = study.wheel().length_unit.symbol();

@@ -9,7 +9,7 @@ impl KcResults<'_> {
         self.failures().is_empty()
     }
 
-    /// Stations and levels without equilibrium, one per line. Of the levels of a test it lists the nearest one in each direction.
+    /// Stations and levels without equilibrium, one per line. For each test, it lists only the nearest level in each direction.
     pub fn failures(&self) -> Vec<String> {
         let u = self.length().symbol();
         let mut failures = Vec::new();

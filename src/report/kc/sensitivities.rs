@@ -1,4 +1,4 @@
-//! `sensitivities.csv` of `kc` tests: derivatives of every result by hardpoints, rates, preloads and the spring.
+//! `sensitivities.csv` of `kc` tests: derivatives of every result with respect to hardpoints, rates, preloads and the spring.
 
 use super::super::shortest;
 use super::{KcResults, bar, csv, held, mode, steering, subject};
@@ -21,7 +21,7 @@ struct Input {
 }
 
 impl KcResults<'_> {
-    /// Inputs of a suspension: the coordinates of these points, the inputs of its elastic parts, and those of these mounts of a
+    /// Inputs of a suspension: coordinates of these points, inputs of its elastic parts, and inputs of these mounts of a
     /// subframe.
     fn inputs(
         &self,
@@ -113,7 +113,7 @@ impl KcResults<'_> {
         let inputs = self.inputs(parts, &[], points);
         let parameters: Vec<Parameter> = inputs.iter().map(|input| input.parameter).collect();
         let gradients = |station: &KcStation, outcomes: &[KcOutcome]| {
-            // Lists one figure after the other, each with its secant if there are levels.
+            // One result after the other. Its secant follows if the test has levels.
             let mut wanted = Vec::new();
             let mut places: Vec<Vec<FigureGradients>> = Vec::new();
             let mut of_wanted = Vec::new();

@@ -1,7 +1,7 @@
 // The run's data, errors, and words that several parts of a page use.
 const root = document.documentElement;
 const run = JSON.parse(byId('run').textContent);
-// Drawn designs of a sweep, with their curves; null without any.
+// Designs of a sweep with drawings and curves. Null if the page has none of these designs.
 const record = run.record ?? null;
 
 // Writes an error to the page, so that a reader or a test can find it.
@@ -21,7 +21,7 @@ const axisName = (name) => {
 };
 const withUnit = (title, unit) => (unit ? `${title} [${unit}]` : title);
 
-// Places along the motion that are pointed at, by column: charts and the mechanism show the same one.
+// Position on the motion at the pointer, by column. Charts and the mechanism show the same position.
 const pointed = new Map();
 const followers = new Set();
 const point = (name, value, from) => {
@@ -30,7 +30,7 @@ const point = (name, value, from) => {
   for (const follow of followers) follow(name, value, from);
 };
 
-// Counts what is drawn, for those who cannot see it.
+// Counts the drawn elements in an attribute of the page, for tests and other programs.
 const drawn = new Set();
 const noteDrawn = (element) => {
   drawn.add(element);

@@ -1,4 +1,4 @@
-//! The page of a car. It has no script, because every picture is drawn here.
+//! The page of a car. It has no script, because this module draws every picture.
 
 mod charts;
 mod views;

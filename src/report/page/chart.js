@@ -26,7 +26,7 @@ class LiveChart {
     this.hair = this.cross.appendChild(svg('path', { class: 'hair' }));
     this.spots = this.lines.map(({ class: look }) => this.cross.appendChild(svg('path', { class: `dot ${look}`, display: 'none' })));
     this.brush = this.cross.appendChild(svg('rect', { class: 'brush', display: 'none' }));
-    // A transparent ground, so that the whole plot can be pointed at.
+    // A transparent background receives pointer events in the whole plot.
     this.svg.insertBefore(svg('rect', { class: 'ground', x: left, y: top, width: this.box.width, height: this.box.height }), this.svg.firstChild);
     this.places = [...new Set(this.lines.flatMap(({ points }) => points.map(([x]) => x)))].sort((a, b) => a - b);
     set(this.svg, { tabindex: 0 });
@@ -42,7 +42,7 @@ class LiveChart {
       button('⟲', 'Whole chart', () => this.reset()), button('SVG', 'Save as SVG', () => this.save())));
   }
 
-  // Between values and places on the picture.
+  // Converts a value to a fraction of its axis.
   share(axis, value) {
     const [low, high] = this.view[axis];
     return this.layout[axis ? 'y' : 'x'].is_log ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low);
@@ -55,7 +55,7 @@ class LiveChart {
     const { left, top, width, height } = this.box;
     return [left + this.share(0, x) * width, top + (1 - this.share(1, y)) * height];
   }
-  // Place of a pointer in the picture's own lengths.
+  // Position of a pointer in picture units.
   pointer(event) {
     const box = this.svg.getBoundingClientRect();
     const [width, height] = this.layout.size;
@@ -99,7 +99,7 @@ class LiveChart {
     this.svg.addEventListener('pointercancel', () => { start = null; set(this.brush, { display: 'none' }); });
     this.svg.addEventListener('pointerleave', () => { if (!start) this.leave(); });
     this.svg.addEventListener('dblclick', () => this.reset());
-    // The readout of the chart that has the focus is read aloud.
+    // Screen readers read the values of the chart that has the focus.
     this.svg.addEventListener('focus', () => set(this.readout, { 'aria-live': 'polite' }));
     this.svg.addEventListener('blur', () => { set(this.readout, { 'aria-live': 'off' }); this.leave(); });
     this.svg.addEventListener('keydown', (event) => {
@@ -125,7 +125,7 @@ class LiveChart {
   }
   leave() { point(this.layout.x.column, null, this); }
 
-  // The value of a line at a place, by straight lines between its points.
+  // Value of a line at a position, interpolated linearly between its points.
   value({ points }, x) {
     const next = points.findIndex(([at]) => at >= x);
     if (next < 0) return null;
@@ -188,7 +188,7 @@ class LiveChart {
       const id = `clip-${clips += 1}`;
       this.clip = svg('clipPath', { id }, svg('rect', { x: left, y: top, width, height }));
       this.svg.append(this.clip);
-      // The clip stays while what it clips is moved.
+      // The clip does not move with the curves inside it.
       const holder = svg('g', { 'clip-path': `url(#${id})` });
       this.inner.replaceWith(holder);
       holder.append(this.inner);
@@ -200,7 +200,7 @@ class LiveChart {
       return [b - a, a];
     });
     const [[sx, ox], [sy, oy]] = scale;
-    // A point at share s of the whole chart is at o + s k of the part that is shown.
+    // A point at fraction s of the whole chart is at fraction o + s k of the visible part.
     const tx = left + ox * width - sx * left;
     const ty = top + height * (1 - oy) - sy * (top + height);
     set(this.inner, { transform: is ? `matrix(${sx} 0 0 ${sy} ${tx} ${ty})` : null });
@@ -209,7 +209,7 @@ class LiveChart {
     if (value !== undefined) this.follow(this.layout.x.column, value);
   }
 
-  // Ticks of the part that is shown; those of the whole chart come with it.
+  // Ticks of the visible part. The ticks of the whole chart are part of the page.
   drawTicks(is) {
     this.zoomedAxes.replaceChildren();
     if (!is) return;

@@ -1,4 +1,4 @@
-// The designs of a sweep by two of their columns. Axes come with the page; the marks are placed on them.
+// Scatter plot of the designs of a sweep over two columns. The page contains the axes; the script adds the marks.
 const { columns, shown, first, best, front: frontDesigns } = run;
 const rowOf = new Map(shown.design.map((design, row) => [design, row]));
 const rowsOf = (designs) => designs.map((design) => rowOf.get(design)).filter((row) => row !== undefined);
@@ -14,7 +14,8 @@ const SCATTER = { size: [900, 520], box: [74, 52, 880, 462] };
 const axisOf = (k, isLog) => (isLog && columns[k].log_axis) || columns[k].axis;
 const shareOn = (axis, v) => (axis.is_log ? Math.log(v / axis.low) / Math.log(axis.high / axis.low) : (v - axis.low) / (axis.high - axis.low));
 
-// The shade of each design by a column: equally many designs in each, since a few bad ones would leave all others in one.
+// Shade of each design by a column. Each shade has equally many designs. Otherwise a few bad designs would leave all others in
+// one shade.
 const shadesBy = (k) => {
   const known = allRows.filter((row) => value(k, row) !== null).sort((a, b) => value(k, a) - value(k, b));
   const shades = new Map();
@@ -22,7 +23,7 @@ const shadesBy = (k) => {
   return shades;
 };
 const shadesOf = (state) => (state.colour === 'status' ? null : shadesBy(state.colour));
-// Groups of designs, the ones that matter last: class, rows, name.
+// Groups of designs, the most important ones last: class, rows, name.
 const groupsOf = (state) => {
   const selected = (row) => state.selected === null || state.selected.has(row);
   const plain = allRows.filter((row) => isWhole(row) && !marked.has(row));
@@ -90,7 +91,7 @@ const placeIn = (element, size, event) => {
   const box = element.getBoundingClientRect();
   return [((event.clientX - box.x) * size[0]) / box.width, ((event.clientY - box.y) * size[1]) / box.height];
 };
-// A click picks the nearest design, a drag selects those in a box; a double click takes all again.
+// A click picks the nearest design. A drag selects the designs in a box. A double click selects all designs again.
 const listenToScatter = (state, pick, select) => {
   let start = null;
   scatter.addEventListener('pointerdown', (event) => { if (event.button === 0) start = placeIn(scatter, SCATTER.size, event); });
@@ -128,7 +129,7 @@ const sayPicked = ({ picked }) => {
   const table = byId('picked-table');
   table.replaceChildren();
   if (picked === null) return;
-  // Six digits to read; the whole number where the pointer rests.
+  // Cells have six digits; their tooltips have all digits.
   const cell = (v) => html('td', { class: 'number', text: v === null ? '' : brief(v, 6), title: v === null ? null : String(v) });
   const exact = (v) => (v === null ? '' : String(v));
   const design = shown.design[picked];

@@ -7,12 +7,12 @@ const measures = {
 const MOST_VARIABLES = 24;
 const variableTitles = columns.slice(0, first.variables).map(({ title }) => title);
 const effectOf = (k, variable, measure) => run.effects[k].effects[variable]?.[measure] ?? null;
-// An output that no variable moves has effects of rounding alone.
+// The effects on an output that no variable changes are only rounding errors.
 const moved = run.effects.map((_, k) => k).filter((k) => !run.unmoved.includes(k))
   .filter((k) => variableTitles.some((_, v) => effectOf(k, v, 'change') !== null));
 const offered = Object.keys(measures).filter((m) => moved.some((k) => variableTitles.some((_, v) => effectOf(k, v, m) !== null)));
 
-// A change is compared within its output, a share is a share.
+// A change is compared with the other changes of its output. A share is used as it is.
 const strengthOf = (k, variable, measure) => {
   const found = effectOf(k, variable, measure);
   if (found === null || measure !== 'change') return found ?? 0;

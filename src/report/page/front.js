@@ -1,9 +1,9 @@
-// The front of an optimisation: a chosen point has its offsets and its study.
+// Pareto front of an optimisation. The page shows the offsets and the study of the chosen point.
 const front = record.front;
 const frontState = { picked: run.kept_point ?? 0 };
 const frontCharts = charts.filter(({ figure }) => 'front' in figure.dataset);
 
-// The study of a point: that of the first one with the lines that differ.
+// Study of a point: the study of the first point, with the lines that differ replaced.
 const studyOf = (number) => {
   const lines = [...front.study];
   for (const [k, line] of front.points[number].lines) lines[k] = line;
@@ -28,7 +28,7 @@ const sayPoint = () => {
     chart.ring ??= chart.inner.appendChild(svg('path', { class: 'ring' }));
     set(chart.ring, { d: `M${(left + share(0, a) * width).toFixed(1)} ${(top + (1 - share(1, b)) * height).toFixed(1)}h.01` });
   }
-  // The curves of the point, beside those of the kept design.
+  // Shows the curves of the point beside those of the kept design.
   for (const { figure } of charts) {
     if (!figure.dataset.over) continue;
     figure.classList.forEach((name) => { if (name.startsWith('shows-')) figure.classList.remove(name); });

@@ -1,5 +1,5 @@
 // Tables in shades, and ranked bars.
-// Rows and columns with a text and a strength from -1 to 1 in each cell; a click on a column ranks the rows by it.
+// Table whose cells have a text and a strength from -1 to 1. A click on a column ranks the rows by this column.
 const drawShades = (element, { rows, columns, cell, pick, picked }) => {
   const table = html('table', { class: 'shades' });
   const head = html('tr', {}, html('td'));

@@ -1,9 +1,9 @@
-// The mechanism of a report at the solver's positions: the studio's view, moved along the motion, with centres, constraints
-// and the other designs.
+// Mechanism of a report at the positions from the solver. It uses the view of the studio, moves along the motion, and also shows
+// centres, constraints and the other designs.
 const scene = record ? record.scene : null;
 const allFrames = record ? record.designs.flatMap((d) => d.frames) : [];
 const racks = [...new Set(allFrames.map((f) => f.rack))];
-// The last design has frames; curves of the very same mechanism have none of their own.
+// The last design always has frames. A design with the same mechanism has no frames.
 const stations = record?.designs.length ? record.designs.at(-1).frames.length / racks.length : 0;
 const frameAt = (design, place) => record.designs[design].frames[place.rack * stations + place.station];
 const [forward, outboard, up] = scene ? scene.signs : [1, 1, 1];
@@ -14,7 +14,7 @@ const ASSUMED_RADIUS = { mm: 300, m: 0.3, in: 12 };
 // Column of the second slider.
 const secondColumn = record?.further?.[0] ?? record?.rack ?? null;
 
-// The wheels of a placement: one, or both of an axle.
+// Wheels of a placement: one wheel, or both wheels of an axle.
 const wheelsOf = (p) => [
   { ...p, centre: p.points[scene.wheel_centre] },
   ...(p.right ? [{ ...p.right, centre: p.points[scene.right_wheel_centre] }] : []),
@@ -45,7 +45,7 @@ class ReportView extends MechanismView {
     super({ name: 'space', title: 'The mechanism. Drag to turn it, arrow keys turn it, plus and minus zoom.', basis: null, scene: () => scene, layers: ['grid', 'former', 'bodies', 'limits', 'marks', 'dots', 'words'] });
     this.isInPage = true;
     this.shows = { names: scene.bodies.length <= 12, centres: true };
-    // The design that matters is the last one with a drawing.
+    // The main design is the last one with a drawing.
     this.designs = record.designs.map((_, k) => k).filter((k) => record.designs[k].frames.length);
     this.place = { station: 0, rack: 0 };
     set(this.svg, { tabindex: 0 });
@@ -65,7 +65,7 @@ class ReportView extends MechanismView {
 
   fit() {
     const all = this.designs.flatMap((design) => record.designs[design].frames).map((frame) => frame.pose.Ok).filter(Boolean);
-    // The same part of space for every place of the motion.
+    // All positions of the motion have the same scale.
     this.fitTo(all.flatMap((p) => [...p.points, ...wheelsOf(p).flatMap(rimOf)]));
     if (!this.basis) this.scale *= 0.86;
   }
@@ -102,7 +102,7 @@ class ReportView extends MechanismView {
     this.drawMarks(main, wheels);
   }
 
-  // Constraints: shapes that stay, and the gaps of members with the room that is left.
+  // Draws constraints: shapes that do not move, and gaps between members with their margins.
   drawLimits(main) {
     const { limits } = this.layers;
     limits.replaceChildren();
@@ -123,7 +123,7 @@ class ReportView extends MechanismView {
     }
   }
 
-  // Instantaneous centres. One that is not in the picture is an arrow at the edge with its distance: it has no place here.
+  // Draws instantaneous centres. For a centre outside the picture, an arrow at the edge gives its direction and distance.
   centres(main, wheels) {
     const found = [];
     wheels.forEach((wheel, side) => {
@@ -186,7 +186,7 @@ class ReportView extends MechanismView {
 
 let stage = null;
 
-// Tells readers of the screen the place of the slider and the drawn positions.
+// Tells screen readers the position of the slider and the positions in the drawing.
 const sayPlace = () => {
   const { place } = stage;
   const frames = stage.designs.map((design) => [record.designs[design].label, frameAt(design, place)]);
@@ -211,7 +211,7 @@ const placeOf = (name) => {
   const now = frameAt(stage.designs.at(-1), stage.place);
   return name === record.drive ? now.drive : now.rack;
 };
-// The numbers of the slider, by station or by rack.
+// Values of a slider: drive values of the stations, or racks.
 const valuesOf = (name) => (name === record.drive
   ? Array.from({ length: stations }, (_, station) => frameAt(stage.designs.at(-1), { station, rack: 0 }).drive)
   : racks);
@@ -242,7 +242,7 @@ const setUpStage = () => {
   }
   byId('rack-label').hidden = racks.length < 2;
   if (secondColumn) byId('rack-name').textContent = axisName(secondColumn).name;
-  // The mechanism stands where a chart is pointed at.
+  // The mechanism moves to the position at which the user points in a chart.
   followers.add((name, value, from) => {
     if (value === null || from === stage || (name !== record.drive && name !== secondColumn)) return;
     stage.place[name === record.drive ? 'station' : 'rack'] = nearestIn(valuesOf(name), value);

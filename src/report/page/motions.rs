@@ -29,8 +29,8 @@ pub(super) fn controls(motion: &MotionRecord, plots: &str) -> String {
     )
 }
 
-/// Figures of all outputs over all possible horizontal axes of a motion. Only the usual one is visible at first. `further` adds
-/// lines to the chart of a group of outputs over a column.
+/// Figures of all outputs over all possible horizontal axes of a motion. At first, only the usual horizontal axis is visible.
+/// `further` adds lines to the chart of a group of outputs over a column.
 pub(super) fn figures(
     of: Charted<'_>,
     missed: &[(&str, String)],
@@ -79,7 +79,7 @@ pub(super) fn of_motions(run: &Run, missed: &[(&str, String)], charts: &mut Char
             first_table,
         };
         first_table += named.motion.designs.len();
-        // Names of targets end with the name of their motion.
+        // The name of a target ends with the name of its motion.
         let own = missed.iter().filter_map(|(target, by)| {
             let (column, motion) = target.split_once(", ")?;
             (motion == named.name).then(|| (column, by.clone()))

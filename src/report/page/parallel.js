@@ -2,7 +2,7 @@
 const parallel = byId('parallel-plot');
 const MOST_AXES = 12;
 const PARALLEL = { size: [1180, 436], box: [50, 102, 1130, 396] };
-// Letters in a line of an axis title, relative to the letters between two axes.
+// Length of a line of an axis title, relative to the distance of two axes.
 const TITLE = 1.8;
 const brushes = new Map();
 

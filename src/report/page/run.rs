@@ -33,7 +33,8 @@ const SCRIPTS: [&str; 9] = [
     include_str!("start.js"),
 ];
 
-/// Largest number of curve values in a page. If there are more, evenly spaced stations are kept, and the page says so.
+/// Largest number of curve values in a page. If a run has more values, evenly spaced stations are kept, and a remark on the page
+/// states this.
 const MOST_NUMBERS: usize = 25_000;
 
 /// Data that the page's script reads.

@@ -265,18 +265,18 @@ pub(super) fn contributors(summary: &ToleranceSummary) -> String {
     )
 }
 
-/// Place of the label at the end of a contributor's bar.
+/// Position of the label at the end of a contributor's bar.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct EndLabel {
     place: f64,
     /// Distance from the middle of the row, downward.
     below: f64,
-    /// True if the text is to the left of its place.
+    /// True if the text is to the left of this position.
     is_left: bool,
 }
 
-/// Labels of the yields with half and with twice a tolerance. If both yields are on the same side of the present one, the labels
-/// stand above each other beside the longer bar. They would otherwise cover each other or the longer bar.
+/// Labels of the yields with half and with twice a tolerance. If both yields are on the same side of the present yield, one label
+/// is above the other, beside the longer bar. Otherwise they would cover each other or the longer bar.
 fn end_labels(now: f64, ends: [f64; 2], x: &impl Fn(f64) -> f64) -> [EndLabel; 2] {
     const GAP: f64 = 4.0;
     const HALF_LINE: f64 = 5.5;
@@ -302,8 +302,8 @@ fn end_labels(now: f64, ends: [f64; 2], x: &impl Fn(f64) -> f64) -> [EndLabel; 2
 mod tests {
     use super::*;
 
-    /// Labels of yields on both sides of the present one stand at their bars. Labels on the same side stand above each other,
-    /// outside both bars, at least a line of 10 px apart.
+    /// If the yields are on both sides of the present yield, each label is at its bar. If they are on the same side, one label is
+    /// above the other, outside both bars, at least a line of 10 px apart.
     #[test]
     fn labels_at_bars_do_not_overlap() {
         let x = |share: f64| 1000.0 * share;

@@ -4,7 +4,7 @@ const state = {
   x: firstX, y: firstY, colour: first.misfit ?? 'status', logarithmic: false, more: null, selected: null,
   picked: (wishes.has('design') ? rowOf.get(Number(wishes.get('design'))) : undefined) ?? bestRows[0] ?? (allRows.length ? 0 : null),
 };
-// The chosen design beside the one as given, where its curves are on the page.
+// Shows the chosen design beside the given design, if the page has its curves.
 const drawPicked = () => {
   const place = record ? run.drawn.indexOf(shown.design[state.picked]) : -1;
   byId('picked-drawn').hidden = place < 0;

@@ -26,7 +26,8 @@ pub(super) struct Strip {
     pub title: String,
     /// Range, drawn as a line with ends.
     pub range: Option<[f64; 2]>,
-    /// Band behind the line. Its ends have numbers beside a range only; otherwise the title names the wanted value.
+    /// Band behind the line. Its ends have numbers only if the strip also has a range. Otherwise the title names the target
+    /// value.
     pub band: Option<[f64; 2]>,
     /// Class and value of each dot.
     pub dots: Vec<(&'static str, f64)>,
@@ -102,7 +103,7 @@ fn draw(strip: &Strip, top: f64, svg: &mut String) {
             false,
         );
     }
-    // Numbers of the values come first, then those of the ends of range and band, if there is enough space.
+    // Numbers of the values are placed first. Numbers at the ends of range and band follow, if there is enough space.
     let dots = strip.dots.iter().rev().map(|(_, value)| *value);
     let ends = strip.range.into_iter().chain(strip.range.and(strip.band));
     let mut taken: Vec<[f64; 2]> = Vec::new();
@@ -121,7 +122,7 @@ fn draw(strip: &Strip, top: f64, svg: &mut String) {
     }
 }
 
-/// Rounds a number to four digits. A number that is rounding error beside the span of its scale is zero.
+/// Rounds a number to four digits. A number that is only rounding error, compared with the span of its scale, becomes zero.
 fn rounded(value: f64, span: f64) -> f64 {
     if value.abs() < 1e-9 * span {
         return 0.0;
@@ -133,8 +134,8 @@ fn rounded(value: f64, span: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Without a range, dots have numbers and the ends of the band have none. A rounding error is 0, and no number leaves the
-    /// picture.
+    /// Without a range, dots have numbers, and the ends of the band have no numbers. A rounding error is 0, and no number leaves
+    /// the picture.
     #[test]
     fn numbers_are_those_of_the_dots() {
         let strip = Strip {

@@ -41,7 +41,7 @@ struct Data<'a> {
     effects: &'a [OutputSummary],
     /// Indices of the outputs that no variable changes.
     unmoved: Vec<usize>,
-    /// Designs whose curves and mechanism are drawn. The first one is the nominal design, which has no number.
+    /// Designs whose curves and mechanism the page shows. The first one is the nominal design, which has no number.
     drawn: Vec<Option<u64>>,
     record: Option<&'a Record>,
     curves: &'a [CurveTable],

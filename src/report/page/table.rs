@@ -24,7 +24,7 @@ pub(super) fn table(table: &Table, class: impl Fn(usize) -> Option<&'static str>
     )
 }
 
-/// The row as a heading of the rows below it, if it has a text in its first cell only.
+/// Row that is a heading of the rows below it: it has a text in its first cell only. `None` for another row.
 fn group(cells: &[&Cell]) -> Option<String> {
     let [title, others @ ..] = cells else {
         return None;

@@ -1,5 +1,5 @@
-// A steered axle from above, in the body's axes: both wheels, their spin axes to the other axle's line, and the centre that
-// the vehicle turns about, at the place of the mechanism.
+// Steered axle from above, in the axes of the body, at the position of the mechanism. It shows both wheels, their spin axes up to
+// the line of the other axle, and the centre about which the vehicle turns.
 const TURN_SIZE = [900, 460];
 const turnPlot = byId('turn-plot');
 const turnOf = (design, place) => frameAt(design, place).pose.Ok?.turn ?? null;

@@ -148,7 +148,7 @@ impl<'r> View<'r> {
         }
     }
 
-    /// Names of the points. For an axle, only those of the left wheel.
+    /// Names of the points. For an axle, only the names of the left wheel's points.
     fn names(
         &self,
         svg: &mut String,

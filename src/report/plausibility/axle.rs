@@ -12,8 +12,8 @@ use crate::report::figure::brief;
 use crate::report::shortest;
 use crate::report::station_label::place_in_words;
 
-/// Doubts about an axle, one per line: about its curves, and about both wheels in the design position. A right wheel with its own
-/// hardpoints only gets doubts that the left wheel does not have.
+/// Warnings about an axle, one per line: about its curves, and about both wheels in the design position. For a right wheel with
+/// its own hardpoints, warnings that the left wheel also has are omitted.
 pub fn both_wheels_plausibility(
     axle: &Axle,
     plan: &AxlePlan,
@@ -37,7 +37,7 @@ pub fn both_wheels_plausibility(
     Ok(found)
 }
 
-/// Doubt about a soft spring of an axle in inches. Its rate may be in pounds-force per inch.
+/// Warning about a soft spring of an axle in inches. Its rate may be in pounds-force per inch.
 fn soft_spring(axle: &Axle) -> Option<String> {
     // 7 N/mm is softer than the springs of cars.
     const LEAST: f64 = 40.0 * 4.448_221_615_260_5;
@@ -76,7 +76,7 @@ pub fn axle_plausibility(
     remarks
 }
 
-/// Doubt about the sign of `c_factor`. The steering arms decide the right one, wherever the rack is.
+/// Warning about the sign of `c_factor`. The steering arms determine the correct sign, regardless of the position of the rack.
 fn turned_against(axle: &Axle) -> String {
     let c_factor = axle.setup.c_factor.unwrap_or(0.0);
     let printed = c_factor * axle.left.frame.sign(Axis::Y);
@@ -133,7 +133,7 @@ fn lifted(plan: &AxlePlan, found: &AxleCurves) -> Option<String> {
     })
 }
 
-/// Doubt about a spring or bump stop that leaves the range of its force curve.
+/// Warning about a spring or bump stop that leaves the range of its force curve.
 fn beyond_curve(axle: &Axle, beyond: &BeyondCurve) -> String {
     let unit = axle.left.length_unit.symbol();
     let [value, end, travel] = [beyond.value, beyond.end, beyond.travel].map(brief);
@@ -148,8 +148,8 @@ fn beyond_curve(axle: &Axle, beyond: &BeyondCurve) -> String {
     )
 }
 
-/// Doubt about hardpoints of a right wheel on the side of the left wheel, well away from the centre plane. Probably their y has
-/// the wrong sign. Each design is in the kernel's frame of a wheel on its own side.
+/// Warning about hardpoints of a right wheel on the side of the left wheel, well away from the centre plane. Probably their y has
+/// the wrong sign. Each design is in the kernel's frame, with the wheel on its own side.
 fn across(left: &Suspension, right: &Suspension) -> Option<String> {
     let centre = |of: &Suspension| of.design[of.mechanism.wheel_centre.0].y.abs();
     let off = 0.1 * centre(left);

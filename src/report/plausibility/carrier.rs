@@ -1,4 +1,4 @@
-//! Doubt about the position of the wheel centre on its carrier.
+//! Warning about the position of the wheel centre on its carrier.
 
 use super::PlausibilityRemarks;
 use crate::model::{Constraint, PointId, Suspension};
@@ -9,8 +9,8 @@ use crate::report::figure::brief;
 const OFF_CARRIER: [f64; 2] = [0.25, 1.0];
 
 impl PlausibilityRemarks<'_> {
-    /// Doubt about a wheel centre well above, below, ahead of or behind all points of its carrier. Probably its coordinates have
-    /// another unit or origin. Axles are left out: their points may all be high above the wheel centres.
+    /// Warning about a wheel centre well above, below, ahead of or behind all points of its carrier. Probably its coordinates
+    /// have another unit or origin. Axles are left out: their points may all be high above the wheel centres.
     pub(super) fn wheel_centre_off_its_carrier(&mut self) {
         let Suspension {
             mechanism,

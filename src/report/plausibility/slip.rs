@@ -1,11 +1,11 @@
-//! Doubt about one coordinate with a wrong sign or decimal place, which explains all other doubts.
+//! Warning about one coordinate with a wrong sign or decimal place, which explains all other warnings.
 
 use super::doubts;
 use crate::model::{PointId, Suspension};
 use crate::number::Vector3;
 use crate::report::Slip;
 
-/// Warning about the one coordinate that explains all other doubts, if there is one.
+/// Warning about the one coordinate that explains all other warnings. `None` if there is no such coordinate.
 pub(super) fn explains(suspension: &Suspension) -> Option<String> {
     let own: Vec<[f64; 3]> = suspension.design.iter().map(|p| p.to_array()).collect();
     let with = |points: &[[f64; 3]]| Suspension {

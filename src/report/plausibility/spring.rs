@@ -1,4 +1,4 @@
-//! Doubt about a spring that turns round within the motion of its wheel.
+//! Warning about a spring that reverses its direction within the motion of its wheel.
 
 use crate::characteristics::Characteristic;
 use crate::curves::{Curves, curves};
@@ -8,10 +8,10 @@ use crate::report::figure::brief;
 use crate::solve::StationOrder;
 use crate::study::{AxleStudy, Outputs, Study, WheelStudy};
 
-/// Number of places in each direction of travel at which the motion ratio is read.
+/// Number of travels in each direction at which the motion ratio is computed.
 const PLACES: u32 = 64;
 
-/// Doubts about springs whose motion ratio changes its sign within the travel of these curves, one per line. Beyond that travel
+/// Warnings about springs whose motion ratio changes its sign within the travel of these curves, one per line. Beyond that travel
 /// a spring lengthens as the wheel rises, or shortens as it falls. Rigid axles and elastic wheels are left out.
 pub fn spring_doubts(study: &Study, found: &Curves) -> Vec<String> {
     let ends = |keys: &[&str]| {
@@ -38,7 +38,7 @@ pub fn spring_doubts(study: &Study, found: &Curves) -> Vec<String> {
     }
 }
 
-/// Doubts about the spring of a wheel between the design position and these travels.
+/// Warnings about the spring of a wheel between the design position and these travels.
 fn turns(suspension: &Suspension, ends: [f64; 2], wheel: &str) -> Vec<String> {
     let Some(spring) = suspension.mechanism.spring else {
         return Vec::new();
@@ -63,8 +63,8 @@ fn turns(suspension: &Suspension, ends: [f64; 2], wheel: &str) -> Vec<String> {
     away.filter_map(doubt).collect()
 }
 
-/// Travel on the way to `end` at which the motion ratio falls to 0, between neighbouring places in proportion. `None` if it
-/// stays above 0, or is not above 0 in the design position, which has its own doubt.
+/// Travel between 0 and `end` at which the motion ratio falls to 0, interpolated linearly. `None` if the motion ratio stays above
+/// 0. Also `None` if it is not above 0 in the design position, which has its own warning.
 fn turn(suspension: &Suspension, end: f64) -> Option<f64> {
     let mut own = WheelStudy::of(suspension.clone());
     own.outputs = Outputs::of(vec![Characteristic::MotionRatio]);

@@ -1,11 +1,11 @@
-//! Doubts about the targets of a tuning.
+//! Warnings about the targets of a tuning.
 
 use crate::report::figure::brief;
 use crate::study::{Limit, Study, Target, Wanted};
 
 /// Largest plausible span of a target's points, relative to that of its motion.
 const SPAN: f64 = 4.0;
-/// Doubts about targets whose points span much more than their motion, one per line. Only a small part of their curve counts.
+/// Warnings about targets whose points span much more than their motion, one per line. Only a small part of such a target counts.
 pub(super) fn target_doubts(study: &Study) -> Vec<String> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     targets

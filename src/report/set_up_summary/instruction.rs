@@ -21,8 +21,8 @@ pub(super) fn instruction(adjustment: &Adjustment, suspension: &Suspension, amou
         BuildParameter::Length(_) if amount > 0.0 => "lengthen".to_owned(),
         BuildParameter::Length(_) => "shorten".to_owned(),
         BuildParameter::Coordinate(id, axis) => {
-            // The adjustment knows the sign of its axis. The right wheel of an axle has amounts of its mirror image on the left, so
-            // its own frame has the wrong one.
+            // The adjustment knows the sign of its axis. The amounts of an axle's right wheel belong to its mirror image on the
+            // left. So the sign from the wheel's own frame would be wrong.
             let (_, per_unit) = adjustment.change;
             let amount = per_unit * amount;
             format!(
@@ -43,7 +43,8 @@ pub(super) fn instruction(adjustment: &Adjustment, suspension: &Suspension, amou
     }
 }
 
-/// Direction of a displacement along an axis of the kernel's frame. A point that exists only once on a solid axle has its actual y.
+/// Direction of a displacement along an axis of the kernel's frame. A point that exists only once on a solid axle keeps the
+/// actual sign of y.
 fn direction(axis: Axis, amount: f64, is_single: bool) -> &'static str {
     match (axis, amount > 0.0) {
         (Axis::Y, true) if is_single => "to the left",

@@ -180,7 +180,7 @@ impl SweepDirectory {
         Ok(Some(found))
     }
 
-    /// Checks that the files of a complete part have the bytes that the sweep wrote. This reads them as a whole.
+    /// Checks that the files of a complete part have the bytes that the sweep wrote. It reads the whole files.
     pub fn verify(&self, part: u64) -> Result<(), NotARun> {
         let Some(found) = self.part(part)? else {
             return Ok(());

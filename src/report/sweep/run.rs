@@ -28,8 +28,8 @@ pub struct SweepRun {
 }
 
 impl SweepRun {
-    /// Computes the sweep of a plan without files. It solves the designs for their statistics, and once more for the rows to be
-    /// shown. `drawn` makes the curves of some designs. `None` if `go_on` ended it early.
+    /// Computes the sweep of a plan without files. It solves the designs for their statistics, and once more for the rows on the
+    /// page. `drawn` computes the curves of some designs. `None` if `go_on` ended the sweep early.
     pub fn of<E>(
         plan: &SweepPlan<'_>,
         go_on: impl Fn() -> bool + Sync,
@@ -117,7 +117,7 @@ impl SweepRun {
         for name in ["pareto.csv", "summary.json", "sweep.json", "drawn.json"] {
             files.extend(path.join(name).is_file().then(|| name.to_owned()));
         }
-        // A file from another version or another sweep is not shown.
+        // Data from another version or another sweep are not shown.
         let drawn = std::fs::read(path.join("drawn.json")).ok();
         let drawn: Option<DrawnDesigns> = drawn.and_then(|text| serde_json::from_slice(&text).ok());
         let drawn = drawn.filter(|d| d.digest == record.digest && d.is_whole());

@@ -28,8 +28,8 @@ pub struct SweepSummary {
     /// Number of designs that were solved one by one, because they could not be solved in SIMD lanes.
     #[serde(default)]
     one_by_one: u64,
-    /// Number of designs used for mean, standard deviation, r2 and change. These are the designs with every output; with
-    /// Saltelli's method, only those of the two independent samples.
+    /// Number of designs used for mean, standard deviation, r2 and change. Only designs with every output count. With Saltelli's
+    /// method, only designs of the two independent samples count.
     statistics_designs: u64,
     pub(in crate::report) failures: Vec<FailureCount>,
     variables: Vec<String>,
@@ -80,7 +80,7 @@ struct EffectSummary {
 pub(in crate::report) struct DesignSummary {
     pub(in crate::report) design: u64,
     pub(in crate::report) misfit: f64,
-    /// RMS deviation from each target, in tolerances.
+    /// RMS deviation from each target, as a multiple of its tolerance.
     pub(in crate::report) rms: Vec<f64>,
     /// Values of the variables.
     pub(in crate::report) variables: Vec<f64>,
@@ -329,7 +329,7 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
     notes
 }
 
-/// Sentence about designs with a smaller misfit than the best one. They are not ranked because they are not solved everywhere.
+/// Sentence about designs with a smaller misfit than the best design. They are not ranked because they are not solved everywhere.
 fn unranked(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String> {
     let everywhere = if record.is_of_car() {
         "in every load case"

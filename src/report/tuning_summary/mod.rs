@@ -32,7 +32,7 @@ pub struct TuningSummary {
     version: String,
     study: String,
     topology: String,
-    /// Misfit of the design in tolerances. Absent if the design cannot be evaluated.
+    /// Misfit of the design, as a multiple of the tolerances. Absent if the design cannot be evaluated.
     misfit_before: Option<f64>,
     /// Reason why the design cannot be evaluated.
     design_failure: Option<String>,
@@ -50,7 +50,7 @@ pub struct TuningSummary {
     singular_values: Vec<f64>,
     /// Directions that leave all targets unchanged. Each has one offset per variable.
     unseen: Vec<Vec<f64>>,
-    /// For a fit: scatter of the measurements about the fit, in tolerances.
+    /// For a fit: scatter of the measurements about the fit, as a multiple of their tolerances.
     #[serde(default)]
     scatter: Option<f64>,
     /// For a fit: pairs of variables that the measurements hardly distinguish, with their correlation.
@@ -90,7 +90,7 @@ pub struct TuningSummary {
     /// Conditioning of the tuned design along the motion.
     #[serde(default)]
     condition: Option<ConditionSummary>,
-    /// Proofs for the tuned design, if the study requests them.
+    /// Certificates of the tuned design, if the study requests them.
     #[serde(default)]
     certificate: Option<CertificateSummary>,
 }
@@ -175,7 +175,7 @@ struct ConstraintSummary {
     /// Unit of `at`.
     #[serde(default)]
     at_unit: String,
-    /// Decrease of the misfit, in tolerances, if the limit moves outward by one unit.
+    /// Decrease of the misfit if the limit moves outward by one unit. The misfit is a multiple of the tolerances.
     price: Option<f64>,
     /// Status. Absent in summaries of older versions, whose units are millimetres and degrees.
     #[serde(default)]
@@ -228,7 +228,7 @@ struct AddedStations {
     unit: String,
 }
 
-/// Deviation from a target, in tolerances.
+/// Deviation from a target, as a multiple of its tolerance.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct DeviationSummary {
     rms: f64,
@@ -262,12 +262,12 @@ struct StartSummary {
 }
 
 impl TuningSummary {
-    /// Misfit before and after, in tolerances, for people.
+    /// Misfit before and after, as a multiple of the tolerances, for people.
     pub fn misfits(&self) -> [Option<String>; 2] {
         [self.misfit_before, self.misfit_after].map(|m| m.map(misfit_in_words))
     }
 
-    /// Words for the builds that the deviations and misfits belong to, after `before`: ` over 64 builds`. Empty for the nominal
+    /// Names the builds to which deviations and misfits belong, after the text `before`: ` over 64 builds`. Empty for the nominal
     /// design.
     pub fn over_builds(&self, before: &str) -> String {
         self.scatter_builds.map_or(String::new(), |builds| {
@@ -385,7 +385,7 @@ pub fn misfit_in_words(value: f64) -> String {
 mod tests {
     use super::*;
 
-    /// A band between curves is no range of allowed values: its cell says so.
+    /// The cell of a band between curves contains the word "curves", because the band is not a range of allowed values.
     #[test]
     fn a_band_between_curves_is_named() {
         let target = |between_curves| TargetSummary {

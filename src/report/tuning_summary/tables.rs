@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Table of the misfits before and after a tuning, in tolerances.
+/// Table of the misfits before and after a tuning, as multiples of the tolerances.
 pub fn misfit_table(before: Option<f64>, after: Option<f64>) -> Table {
     let mut table = Table::new(["before", "after"]);
     table.push([before, after]);
@@ -15,7 +15,7 @@ impl TuningSummary {
         (!self.prices.is_empty()).then(|| PriceRecord::table(&self.prices))
     }
 
-    /// Table of the misfit in tolerances, for programs.
+    /// Table of the misfits for programs.
     pub fn misfit_table(&self) -> Table {
         misfit_table(self.misfit_before, self.misfit_after)
     }

@@ -70,8 +70,8 @@ impl TuningSummary {
         remarks
     }
 
-    /// Reason why a start is kept although it violates constraints, with the violations. `None` if it violates none that a variable
-    /// affects.
+    /// Reason why a start is kept although it violates constraints, with the violations. `None` if no variable affects the
+    /// violated constraints.
     fn least_violation_in_words(&self) -> Option<String> {
         let violated = self
             .violated()
@@ -102,8 +102,8 @@ impl TuningSummary {
         )];
         if self.variables.iter().any(|v| v.at_bound.is_some()) {
             remarks.push(
-                "a variable at its bound is not known: its interval is one-sided, and the intervals of the others \
-                 allow for every value that it may have"
+                "a variable at its bound has a one-sided interval. The intervals of the other variables allow for all its \
+                 possible values"
                     .to_owned(),
             );
         }

@@ -106,7 +106,7 @@ fn doubts(study: &CarStudy) -> Result<Vec<String>, String> {
     Ok(found)
 }
 
-/// Index of the load case in which the car is drawn.
+/// Index of the load case that the drawing shows.
 fn shown_case(study: &CarStudy, at: &[f64]) -> Result<usize, String> {
     let found = match at {
         &[place] if place >= 0.0 => Some(place as usize),
@@ -201,7 +201,7 @@ fn placement(study: &CarStudy, drawing: &CarDrawing, side: usize) -> SidePlaceme
     }
 }
 
-/// Derivatives of every result by a coordinate, case by case, in the result's unit per length unit.
+/// Derivatives of every result with respect to a coordinate, case by case, in the result's unit per length unit.
 pub(super) fn influence(
     opened: &OpenedCar,
     request: &InfluenceRequest,

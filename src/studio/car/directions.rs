@@ -49,7 +49,7 @@ pub(super) fn directions(opened: &OpenedCar, of: &Designed) -> Result<Directions
     Ok(unseen(&goal, &shown, of.design.len()))
 }
 
-/// Rows of all targets. `None` if a load case or an axle by itself has no solution.
+/// Rows of all targets. `None` if a load case or a single axle has no solution.
 fn rows(study: &CarStudy, optimise: &CarOptimise) -> Result<Option<Vec<Row>>, String> {
     let Some(mut rows) = of_cases(study, optimise)? else {
         return Ok(None);
@@ -99,7 +99,7 @@ fn of_cases(study: &CarStudy, optimise: &CarOptimise) -> Result<Option<Vec<Row>>
     Ok(Some(rows))
 }
 
-/// Rows of an axle by itself, with derivatives with respect to all `variables` of the car.
+/// Rows of a single axle, with derivatives with respect to all `variables` of the car.
 fn of_axle(
     study: &CarStudy,
     end: usize,

@@ -1,7 +1,7 @@
 //! A car: its two axles in a load case, a table of all cases, and the car's own values.
 //!
-//! For the page, a car is like any other study. Its stations are the load cases. Its points are those of the left wheels of both
-//! axles, in the axes of the front study.
+//! For the page, a car is like any other study. Its stations are the load cases. Its points are the points of the left wheels of
+//! both axles, in the axes of the front study.
 
 mod answer;
 mod directions;
@@ -52,7 +52,7 @@ pub(in crate::studio) struct OpenedCar {
     study: CarStudy,
     /// A variable for every coordinate of each axle.
     every: [Vec<Variable>; 2],
-    /// Left side of this design in each load case, once it has been drawn. `None` without an equilibrium.
+    /// Left side of this design in each load case, computed when the page first needs it. `None` without an equilibrium.
     drawn: Vec<OnceLock<Option<SidePlacement>>>,
 }
 

@@ -117,7 +117,7 @@ fn misfit_of(opened: &OpenedCar, study: &CarStudy) -> Option<f64> {
     misfit(study, &mut solver, &results, rigs)?.value
 }
 
-/// Changes that write the tuned rates and figures of the car into the texts.
+/// Changes that write the tuned rates and other tuned values of the car into the texts.
 fn rates(study: &CarStudy, after: &CarStudy, x: &[f64]) -> TunedRates {
     let variables = study.optimise.iter().flat_map(|o| &o.variables).zip(x);
     let own = variables.filter(|(variable, value)| {

@@ -1,4 +1,5 @@
-// Load cases of a car: a row for each result, a column for each case, each value with its change against the file.
+// Load cases of a car. The table has a row for each result and a column for each case. Each value has its change relative to the
+// file.
 import { AXES, brief, byId, html, set, signed, write } from './draw.js';
 import { emit, isInGesture, on, onRest, state } from './design.js';
 import { askForTarget } from './targets.js';
@@ -23,10 +24,10 @@ const deviation = ({ points: [[, low, high]], tolerance }, value) => {
   return high !== null && value > high ? (value - high) / tolerance : 0;
 };
 
-// A value whose size is rounding alone, beside the others of its row, is nothing.
+// A value that is only rounding error, compared with the other values of its row, is shown as 0.
 const shown = (value, size) => (value !== null && Math.abs(value) < 1e-9 * size ? 0 : value);
 
-// Rows out of sight are renewed when they are scrolled into view, and when the page is at rest.
+// Invisible rows are updated when they are scrolled into view, and when the page is at rest.
 const PAUSE = 300;
 let late = null;
 const watch = new IntersectionObserver((found) => {
@@ -63,7 +64,7 @@ const build = () => {
 
 const of = (answer, column) => answer?.columns.find((c) => c.column === column)?.values;
 
-// The small words under a value: what a coordinate does to it, a proposal's value, or the change against the file.
+// Note under a value: the effect of a coordinate, the value of a proposal, or the change relative to the file.
 const noteOf = (column, k, value, size) => {
   const slope = state.influence?.columns.get(column)?.[k];
   if (state.influence) return slope === null || slope === undefined ? '' : signed(shown(slope, 1e-3), 3);

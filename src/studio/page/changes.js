@@ -3,7 +3,7 @@ import { html } from './draw.js';
 import { of, state } from './design.js';
 import { post } from './server.js';
 
-// Lines kept around a change.
+// Number of unchanged lines that are shown around a change.
 const AROUND = 2;
 
 // Longest common subsequence of two lists of lines, as pairs of kind and line.
@@ -42,7 +42,7 @@ export const writtenDiff = async () => {
   });
   return html('div', { class: 'diff', tabindex: 0, role: 'group', 'aria-label': 'Lines that change' }, ...(shown.length ? shown : [html('div', { text: 'No line changes.' })]));
 };
-// The lines of a file around its changes; none without any.
+// Lines of a file around its changes. Empty without changes.
 const changedLines = ({ before, after }) => {
   const lines = difference(before.split('\n'), after.split('\n'));
   const isNear = (at) => lines.slice(Math.max(0, at - AROUND), at + AROUND + 1).some(([kind]) => kind !== ' ');

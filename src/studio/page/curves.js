@@ -1,4 +1,4 @@
-// Curves over one of the sliders: now, as opened, wanted, and a proposal beside them.
+// Curves over one of the sliders: present design, opened design, targets, and a proposal.
 import { brief, byId, html, hundredth, measured, placed, refill, set, show, signed, svg, tenth, ticks, write } from './draw.js';
 import { ask, askGhost, chooseMotion, emit, here as placeNow, isInGesture, on, onRest, state } from './design.js';
 import { framed } from './frame.js';
@@ -12,11 +12,11 @@ import { labelsOf, spread, widest } from './labels.js';
 const MARGIN = { left: 46, right: 10, top: 15, bottom: 33 };
 // Distance of labels from the ends of their lines.
 const GAP = 8;
-// Letters of a range that fit into its box.
+// Largest number of letters of a range that fit into its box.
 const MOST_OF_RANGE = 17;
 // Width of a letter of an axis in pixels.
 const LETTER = 5.5;
-// Sizes of a value in pixels, large and small, and the width of the range beside it.
+// Font sizes of a value in pixels, large and small, and the width of the range beside it.
 const VALUE = { large: 13.12, small: 11.52 };
 const RANGE = 125;
 // Height of the strip of deviations.
@@ -32,11 +32,11 @@ const drawCurve = (element, pieces, path, frame) => {
 };
 const NONE = [];
 
-// Targets of columns over the slider that is chosen, for the rack that is shown.
+// Targets of columns over the chosen slider, for the shown rack displacement.
 const targetsOf = (columns, rack) => state.overview.targets.filter((target) => target.columns.some((c) => columns.includes(c))
   && target.motion === state.motion && target.over === state.over && (!target.racks.length || target.racks.includes(rack)));
 
-// Columns of both wheels belong into one chart.
+// The columns of both wheels share one chart.
 const SIDE = /^(left|right)_/;
 const partsOf = (columns) => {
   const byKey = new Map();
@@ -50,9 +50,9 @@ const partsOf = (columns) => {
   return [...byKey];
 };
 
-// Ticks of an axis with names, at least two: one alone says nothing about the scale.
+// Ticks of an axis. At least two have labels, because a single label does not show the scale.
 const several = (ends, count, isNamed) => [count, 2 * count, 4 * count].map((some) => ticks(...ends, Math.max(1, some))).find((found) => found.filter(isNamed).length > 1) ?? [];
-// The range of a curve, with digits that tell its ends apart, as far as they fit.
+// Range of a curve. It has enough digits to distinguish its ends, if they fit.
 const rangeOf = (low, high) => {
   const telling = high > low ? Math.ceil(Math.log10(Math.max(Math.abs(low), Math.abs(high)) / (high - low))) + 2 : 3;
   const most = Math.min(6, Math.max(3, telling));
@@ -66,7 +66,7 @@ const rangeOf = (low, high) => {
 
 const decimals = (text) => (text.includes('e') ? 0 : (text.split('.')[1] ?? '').length);
 
-// Ticks whose names do not touch, at even distances, and with the tick at zero.
+// Ticks at even distances whose labels do not touch. The tick at zero is one of them.
 const apart = (all, x) => {
   if (all.length < 2) return all;
   const widest = LETTER * (1 + Math.max(...all.map((tick) => brief(tick).length)));
@@ -87,7 +87,7 @@ class Chart {
     const id = `clip-${clips += 1}`;
     this.clip = svg('rect', { x: MARGIN.left, y: MARGIN.top });
     this.svg.append(svg('clipPath', { id }, this.clip));
-    // One clip for all curves: each clip is a layer of its own.
+    // All curves share one clip, because the browser makes a layer for each clip.
     const [axes, inside] = [svg('g', { class: 'axes' }), svg('g', { 'clip-path': `url(#${id})` })];
     this.svg.append(axes, inside);
     const groups = (parent, names) => names.map((name) => [name, parent.appendChild(svg('g', { class: name }))]);
@@ -133,8 +133,8 @@ class Chart {
       emit('place', event);
       announce(() => this.svg.getAttribute('aria-label'), 500);
     });
-    // Measured when it changes: to ask while drawing would lay the page out once for each chart.
-    // A chart that is scrolled out of sight waits until the drag ends.
+    // The size is measured when it changes. To read it while drawing would cause one layout of the page for each chart. An
+    // invisible chart is drawn after the drag ends.
     this.isSeen = true;
     new IntersectionObserver(([{ isIntersecting }]) => {
       this.isSeen = isIntersecting;
@@ -162,16 +162,16 @@ class Chart {
     // Printed in another size, the picture is scaled.
     set(this.svg, { viewBox: `0 0 ${width} ${height}` });
     const targets = targetsOf(this.series.map(({ column }) => column), answer.rack);
-    // Under curves with targets there is a strip of their deviation.
+    // A strip under curves with targets shows their deviations.
     this.bottom = MARGIN.bottom + (targets.length ? STRIP : 0);
     const group = answer.shown;
     const whole = wholeOf(answer);
     const family = familyOf(whole, group);
     const of = (other, column) => (other && knownOf(other).columns.has(column) ? curveOf(other, column, group) : NONE);
-    // By one unit of length, or by a tenth where that is much.
+    // The line shows the curve after a move of the coordinate by ten steps.
     const far = influence ? 10 * state.step : 0;
     const lines = found.map(({ column, values }, k) => {
-      // Slopes of all stations are of no use for some of them.
+      // Slopes of all stations do not fit an answer that has only some of the stations.
       const known = influence?.columns.get(column);
       const slopes = known?.length === values.length ? known : undefined;
       const bent = slopes ? runs(answer, values.map((v, i) => (v === null || slopes[i] === null ? null : v + slopes[i] * far)), group) : NONE;
@@ -220,7 +220,7 @@ class Chart {
       show(one.spot, here !== null && here >= this.ys[0] && here <= this.ys[1]);
       if (here !== null) set(one.spot, { cx: tenth(x(now)), cy: tenth(y(here)) });
     });
-    // One element for all lines of a family: many elements would take longer to lay out than the rest of the chart.
+    // All lines of a family share one element, because the layout of many elements would take longer than the rest of the chart.
     refill(this.parts.others, lines.map(({ side, family: some }) => ['path', { class: side, d: some.map((f) => path(f.pieces)).join('') }]));
     set(this.parts.others, { class: whole === answer ? 'others' : 'others stale' });
     refill(this.parts.pins, lines.flatMap(({ pins }) => pins.map(([letter, some]) => ['path', { class: `pin-${letter}`, d: path(some) }])));
@@ -253,7 +253,7 @@ class Chart {
       const rms = Math.sqrt(known.reduce((sum, s) => sum + s * s, 0) / Math.max(1, known.length));
       text = `${brief(rms, 3)} per ${state.overview.unit}`;
     }
-    // Long values take the place of the range, which the axis shows.
+    // A long value replaces the range, because the axis also shows the range.
     write(this.range, text);
     const { name: over, unit: own } = state.overview.sliders[state.over];
     const sign = positive && positive !== 'always' ? `positive: ${positive}` : '';
@@ -262,12 +262,13 @@ class Chart {
     set(this.adder, { 'aria-label': `+ target for ${this.title.textContent}` });
   }
 
-  // A value that rounding leaves of nothing is nothing.
+  // A value that is only rounding error is shown as 0.
   shown(value) {
     return value !== null && Math.abs(value) < 1e-9 * (this.ys[1] - this.ys[0]) ? 0 : value;
   }
 
-  // A value with its change against the file: with more and with fewer digits of the change. It has the digits of the value before.
+  // Texts of a value with its change relative to the file, with more and with fewer digits of the change. The value has as many
+  // digits as the former value.
   changesOf({ here, before }) {
     const is = this.shown(here);
     const text = brief(is, 4);
@@ -284,7 +285,7 @@ class Chart {
     const [lines, words] = [[], []];
     const word = (x, y, anchor, text, kind = null) => words.push(['text', { class: kind, ...placed(x, y), 'text-anchor': anchor, text }]);
     const bottom = height - this.bottom;
-    // Near the top stands the unit.
+    // The unit is near the top, so ticks there have no label.
     const isNamed = (tick) => y(tick) > MARGIN.top + 5;
     for (const tick of several(this.ys, this.inner[1] / 34, isNamed)) {
       const place = y(tick).toFixed(1);
@@ -312,7 +313,7 @@ class Chart {
 
   drawBands(targets, x, y) {
     const bands = [];
-    // A missing limit is drawn at the frame.
+    // A missing limit is drawn at the edge of the plot.
     const limit = (value, end, by) => (value === null ? this.ys[end] : value + by);
     for (const { points, tolerance, is_band: isBand } of targets) {
       if (!points.length) continue;
@@ -370,7 +371,7 @@ const arrange = () => {
   byId('charts').replaceChildren(...charts.map((chart) => chart.figure));
 };
 const drawAll = () => charts.forEach((chart) => chart.draw());
-// Charts out of sight are drawn when nothing else is to be done, and before they are exported or printed.
+// Invisible charts are drawn when the page is idle, and before they are exported or printed.
 const drawLate = () => charts.forEach((chart) => { if (chart.isLate) chart.draw(true); });
 const REST = 300;
 let timer = null;
@@ -379,7 +380,7 @@ const later = () => {
   timer = setTimeout(() => { if (!isInGesture()) drawLate(); }, REST);
 };
 
-// The menu is filled while it is open: after each answer, browsers look through all fields of a page.
+// The menu is filled only while it is open, because browsers search all fields of a page after each answer.
 const offer = () => {
   const choices = byId('choices');
   choices.replaceChildren();
@@ -399,7 +400,8 @@ const choose = () => {
   emit('chosen');
 };
 
-// The slider that curves are drawn over, and the one whose values have a line each. Only what the motion moves can be one.
+// Menus for the slider on the horizontal axis, and for the slider with one line per value. Only sliders that the motion moves are
+// offered.
 const offerAxes = () => {
   const { sliders, is_car: isCar } = state.overview;
   if (isCar) return;

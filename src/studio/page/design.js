@@ -1,4 +1,4 @@
-// The design being worked on: coordinates, what is locked, what was done. Everything else follows it.
+// The design in progress: coordinates, locked coordinates, and history. All other parts of the page follow it.
 import { signed } from './draw.js';
 import { post } from './server.js';
 
@@ -15,7 +15,7 @@ export const state = {
   motion: null,
   // A value for each slider.
   at: [],
-  // Number of the slider that curves are drawn over, and of the one whose values each have a line.
+  // Index of the slider on the horizontal axis, and of the slider with one line per value.
   over: 0,
   family: null,
   step: 0.1,
@@ -24,9 +24,9 @@ export const state = {
   chosen: [],
   // Answers for the design, for the design of the file, and for a proposal.
   answer: null,
-  // The last answer with all stations. While a point moves, an answer has only those of the shown curves.
+  // The last answer with all stations. While a point moves, an answer has only the stations of the shown curves.
   whole: null,
-  // Coordinates that the answer belongs to, and whether the answer for later ones is late.
+  // Coordinates of the answer, and a flag that is true if the answer for later coordinates is late.
   answered: null,
   isLate: false,
   ghost: null,
@@ -52,16 +52,16 @@ export const isSame = (a, b) => a.length === b.length && a.every((p, i) => p.eve
 export const placeAfter = (point, axis, by) => state.opened[point][axis] + by;
 export const isMoved = () => !isSame(state.design, state.opened);
 
-// A coordinate on the grid of the step; without the digits that arithmetic adds.
+// Rounds a coordinate to a multiple of the step, without digits from rounding errors.
 export const snapped = (value, step = state.step) => {
   const decimals = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
   return Number((Math.round(value / step) * step).toFixed(Math.min(decimals, 12)));
 };
 
-// A coordinate moved by a step: exactly by it, without the digits that arithmetic adds.
+// Moves a coordinate by exactly one step, without digits from rounding errors.
 export const stepped = (value, by) => Number((value + by).toPrecision(14));
 
-// Gives an overview the sliders of the chosen motion. If it has no such motion, the study's own is chosen.
+// Gives an overview the sliders of the chosen motion. If the study has no such motion, its own motion is chosen.
 export const takeMotion = (overview) => {
   // The first entry is the study's own motion.
   if (overview.motions[0]?.name !== null) overview.motions.unshift({ name: null, sliders: overview.sliders, main: overview.main });
@@ -71,12 +71,12 @@ export const takeMotion = (overview) => {
   if (state.at.length !== sliders.length) state.at = sliders.map(({ home }) => home);
 };
 
-// The history: every state that undo and redo lead to, with the deed that led there. A gesture (a drag, keys in a row)
-// is one deed.
+// History: every state that undo and redo can reach, with the action before it. A gesture, such as a drag or a sequence of keys,
+// is one action.
 let timeline = [];
 let present = 0;
 let gesture = null;
-// Keys on one point, each soon after the one before, are one deed.
+// Key presses on one point in quick succession are one action.
 const SOON = 1500;
 let keys = null;
 export const history = () => ({ timeline, present });
@@ -145,7 +145,7 @@ export const forget = () => {
   timeline = [{ label: 'As opened', design: copy(state.design), overview: state.overview }];
   present = 0;
 };
-// Takes up a history that the browser kept.
+// Restores a history that the browser has stored.
 export const resume = (deeds, at) => {
   timeline = deeds;
   present = at;
@@ -153,14 +153,14 @@ export const resume = (deeds, at) => {
   state.overview = timeline[at].overview;
   takeMotion(state.overview);
 };
-// The text of the file: `edits` lead from the text with the digest `from` to the text of an overview.
+// Marks an overview as the text of the file. `edits` lead from the text with the digest `from` to the text of an overview.
 export const isOfFile = (overview) => {
   overview.from = overview.digest;
   overview.edits = [];
   state.file = overview;
 };
-// Takes the overview of a study whose values were changed by these edits, in one deed. The design stays, or a new one is taken.
-// The label is a text, or a function of the design before.
+// Accepts the overview of a study whose values these edits have changed, as one action. Without `design`, the design stays. The
+// label is a text, or a function of the former design.
 export const takeOverview = (overview, label, edits, design = null) => {
   const before = state.design;
   if (design) state.design = copy(design);
@@ -176,7 +176,7 @@ export const takeOverview = (overview, label, edits, design = null) => {
 // True if the study's text was changed, apart from coordinates.
 export const isEdited = () => state.overview.digest !== state.overview.base;
 
-// Puts coordinates in one deed.
+// Sets all coordinates as one action.
 export const put = (design, name) => {
   begin(name);
   state.design = copy(design);
@@ -184,7 +184,7 @@ export const put = (design, name) => {
   finish();
 };
 
-// The other coordinates that move with one, each with its factor.
+// Other coordinates that move with this coordinate, each with its factor.
 const companions = (point, axis) => {
   if (!state.coupled) return [];
   for (const { moves } of state.overview.variables) {
@@ -199,7 +199,7 @@ const companions = (point, axis) => {
 // Coordinates a move starts from.
 export const grip = () => copy(state.design);
 
-// Moves a point from where a gesture began; what is locked stays, what is coupled follows.
+// Moves a point from its position at the start of a gesture. Locked coordinates stay, coupled coordinates follow.
 export const moveTo = (start, point, target) => {
   const design = copy(state.design);
   for (let axis = 0; axis < 3; axis += 1) {
@@ -215,7 +215,7 @@ export const moveTo = (start, point, target) => {
   emit('design');
 };
 
-// One coordinate, as a deed of its own.
+// Sets one coordinate as one action.
 export const setCoordinate = (point, axis, value) => {
   begin('coordinate');
   const target = [undefined, undefined, undefined];
@@ -224,7 +224,7 @@ export const setCoordinate = (point, axis, value) => {
   finish();
 };
 
-// The place on the number that curves are drawn over.
+// Present value on the horizontal axis of the curves.
 export const here = () => state.at[state.over];
 
 export const of = (design = state.design, digest = state.overview.digest) => ({ digest, design });
@@ -237,10 +237,9 @@ const request = (design, digest) => ({
   motion: state.motion,
 });
 
-// Asks for the latest design, one request at a time: what was wanted in between is never computed, and an
-// answer to an older text of the study is dropped. A request that takes longer than the patience is given up as soon as a
-// later design is wanted: the server then stops its search.
-// The least and the longest patience in milliseconds. Between them it is a multiple of the time of the last answer.
+// Asks for the latest design, one request at a time. Designs in between are never computed, and an answer to an older text of the
+// study is dropped. If a request takes longer than the patience and there is a later design, the page drops the request. The
+// server then stops its search. The patience is a multiple of the time of the last answer, between these limits in milliseconds.
 const PATIENCE = [150, 1000];
 const MULTIPLE = 3;
 let patience = PATIENCE[0];
@@ -254,14 +253,14 @@ export const ask = (event) => {
   cause ??= event?.timeStamp ?? null;
   if (!running || running.isSlow || running.isRest) run();
 };
-// An answer without the other curves of a family is followed by one with them, after a pause.
+// After a pause, the page asks again for an answer that contains all curves of a family.
 const PAUSE = 60;
 const isPartial = () => Boolean(state.answer?.is_partial) && !state.fault;
 export const isSettled = () => !running && answered === wanted && !isPartial();
 const askRest = () => setTimeout(() => { if (!running && answered === wanted && isPartial()) ask(); }, PAUSE);
-// A pinned design and the effect of a coordinate are compared at all stations.
+// Pinned designs and the effect of a coordinate need all stations.
 const isEnough = (own) => own.since !== null && !state.influence && !Object.keys(state.pins).length;
-// Draws after a deed. If an answer is on its way, it will draw the same.
+// Draws after an action. If an answer is expected, it causes the same drawing, so nothing is drawn now.
 export const onRest = (draw) => on('deed', () => { if (isSettled()) draw(); });
 const tellLate = (isLate) => {
   if (state.isLate === isLate) return;
@@ -276,7 +275,7 @@ const becomeSlow = (own) => {
 };
 const run = async () => {
   const own = { number: wanted, since: running?.since ?? cause, isSlow: false };
-  // What follows a partial answer gives way to the next move.
+  // The request after a partial answer stops if the user moves a point again.
   own.isRest = own.since === null && isPartial();
   running = own;
   cause = null;
@@ -295,7 +294,7 @@ const run = async () => {
   if (running !== own) return;
   running = null;
   state.isLate = false;
-  // A failed search says nothing about the time of the others.
+  // The time of a failed search does not predict the time of other searches.
   if (answer && !answer.failures.length) patience = Math.min(PATIENCE[1], Math.max(PATIENCE[0], MULTIPLE * (performance.now() - begun)));
   if (fault?.status === 0 || fault?.status === 403) {
     emit('unanswered');
@@ -308,13 +307,13 @@ const run = async () => {
     if (answer.is_partial) askRest();
     else state.whole = { answer, digest, over };
   }
-  // The next request goes out first: the server works while the page draws.
+  // The next request is sent first, so that the server works while the page draws.
   const isOfText = fault || (digest === state.overview.digest && motion === state.motion);
   if (answered < wanted) run();
   if (isOfText) emit('answer', own.since);
 };
 
-// The same for the file's design with the values of the file, to compare with. One request at a time.
+// Asks for the design and the values of the file, for comparison. It sends one request at a time.
 let isGhostAsked = false;
 let isGhostWanted = false;
 export const askGhost = async () => {
@@ -334,7 +333,7 @@ export const askGhost = async () => {
   }
   isGhostAsked = false;
 };
-// The answers of pinned designs. They follow what is asked of the present one.
+// Asks for the answers of pinned designs, with the same request as for the present design.
 export const askPins = async () => {
   for (const pin of Object.values(state.pins)) {
     pin.answer = await post('solve', request(pin.design)).catch(() => null);

@@ -4,7 +4,7 @@ import { refill } from './draw.js';
 const HALF = 11;
 const MOST = 2;
 
-// Deviation of a value from a wanted one or a band, in tolerances; 0 inside a band.
+// Deviation of a value from a target value or a band, divided by the tolerance. 0 inside a band.
 const deviation = (value, low, high, tolerance) => {
   if (low !== null && value < low) return (value - low) / tolerance;
   if (high !== null && value > high) return (value - high) / tolerance;

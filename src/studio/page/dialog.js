@@ -1,8 +1,8 @@
 // Questions and messages over the page.
 import { byId, html } from './draw.js';
 
-// A question with answers; the answer, or null. An answer is a value, a label and perhaps a check. The check does what the answer
-// asks for, and returns a text if it cannot: the dialog then stays with this text, and with what was typed.
+// Asks a question, and returns the chosen answer or null. An answer is a value, a label and optionally a check. The check carries
+// out the answer. If it fails, it returns a text, and the dialog stays open with this text and the user's input.
 const ask = (title, text, answers, ...fields) => new Promise((done) => {
   const dialog = byId('dialog');
   const form = dialog.querySelector('form');
@@ -27,13 +27,13 @@ const ask = (title, text, answers, ...fields) => new Promise((done) => {
   if (!inputs.some((one) => one.matches('input, label'))) buttons[0].focus();
   input?.select();
 });
-// A question waits for the end of the one before: the event of its end comes later than the end.
+// A question waits until the previous question has closed, because the close event comes later than the close itself.
 let last = Promise.resolve();
 export const question = (...what) => {
   last = last.then(() => ask(...what));
   return last;
 };
-// A message over the page, which moves nothing on it. The focus goes back to where it was when the message closes.
+// A message over the page. It does not move other elements. When the message closes, the focus returns to its former element.
 let before = null;
 export const hideMessage = () => {
   const banner = byId('banner');
@@ -46,12 +46,12 @@ export const say = (text, kind = 'good', ...actions) => {
   banner.className = kind;
   const close = html('button', { class: 'close', text: '✕', 'aria-label': 'Close the message', on: { click: hideMessage } });
   if (!banner.contains(document.activeElement)) before = document.activeElement;
-  // A region that is shown before it is filled is read aloud.
+  // Screen readers read a region only if it is visible before its text is set.
   banner.hidden = false;
   banner.replaceChildren(html('span', { text }), ...actions, close);
   if (kind === 'good' && !actions.length) setTimeout(() => { if (banner.firstChild?.textContent === text) hideMessage(); }, 5000);
 };
-// A refusal of a change. The next change that is taken removes it.
+// Message for a refused change. The next accepted change removes it.
 let refusal = null;
 export const refuse = (text) => {
   say(text, 'bad');

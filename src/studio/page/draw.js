@@ -2,15 +2,15 @@
 
 const NAMESPACE = 'http://www.w3.org/2000/svg';
 
-// Writes a text, if it changed: the same text again would be laid out and painted again. What was written is kept here,
-// because to ask the element takes longer. So no other code may change texts and attributes that these two set.
+// Writes a text if it has changed, because browsers lay out and paint even an equal text again. The written text is stored here,
+// because reading it from the element takes longer. So no other code may change texts and attributes that `write` and `set` set.
 export const write = (element, text) => {
   const wanted = String(text);
   if (element.written === wanted) return;
   element.written = wanted;
   element.textContent = wanted;
 };
-// Sets attributes that changed. Text becomes text, never markup: names come from the study.
+// Sets attributes that have changed. Text is never interpreted as markup, because names come from the study.
 export const set = (element, attributes) => {
   const sent = element.sent ??= {};
   for (const name in attributes) {
@@ -38,10 +38,10 @@ export const html = (tag, attributes = {}, ...children) => {
   element.append(...children);
   return element;
 };
-// A place on the screen, to a tenth and to a hundredth of a pixel.
+// Rounds a position on the screen to a tenth and to a hundredth of a pixel.
 export const tenth = (value) => Math.round(10 * value) / 10;
 export const hundredth = (value) => Math.round(100 * value) / 100;
-// A finger on this element drags it, and does not scroll the page.
+// Makes a finger drag this element instead of scrolling the page.
 export const heldByFinger = (element) => {
   element.addEventListener('touchstart', (event) => event.preventDefault(), { passive: false });
   return element;
@@ -52,12 +52,12 @@ export const show = (element, isShown) => {
   element.isHidden = !isShown;
   element.style.display = isShown ? '' : 'none';
 };
-// Attributes that put an element at a place. A transform would do it too, but browsers treat each transformed element as a layer
-// of its own, and order all layers anew when one of them moves.
+// Attributes that set the position of an element. A transform would be slower: browsers treat each transformed element as a
+// layer, and sort all layers again when one of them moves.
 export const placed = (x, y) => ({ x: tenth(x), y: tenth(y) });
 export const centred = (x, y) => ({ cx: tenth(x), cy: tenth(y) });
-// Fills a group of a drawing with elements: pairs of tag and attributes. Elements that it has are changed, not replaced. Those
-// of one tag in one group must name the same attributes.
+// Fills a group of a drawing with elements, given as pairs of tag and attributes. Existing elements are changed, not replaced. So
+// elements with the same tag in a group must have the same attributes.
 export const refill = (group, wanted) => {
   wanted.forEach(([tag, attributes], k) => {
     const present = group.children[k];
@@ -86,7 +86,7 @@ export const fitted = (input) => {
   return input;
 };
 export const byId = (id) => document.getElementById(id);
-// Replaces the content of an element. The focus stays at the control of the same name, else at the control in the same order.
+// Replaces the content of an element. The focus stays on the control of the same name, or else on the control at the same index.
 const CONTROLS = 'button, input, select, summary, a[href], [tabindex]';
 const controlName = (control) => control.id || control.getAttribute('aria-label') || control.textContent;
 export const renew = (element, ...children) => {
@@ -101,7 +101,7 @@ export const renew = (element, ...children) => {
   const next = nearest && isSame(nearest) ? nearest : after.find(isSame) ?? nearest;
   next?.focus({ preventScroll: true });
 };
-// A column by its quantity, with the unit in brackets.
+// Readable name of a column, with the unit in brackets.
 const UNIT = '(?:mm|m|in|deg|rad|N|lbf|kg|g|Hz|percent)';
 const UNIT_AT_END = new RegExp(`_(${UNIT}(?:_${UNIT})*(?:_per_${UNIT}(?:_${UNIT})*)?)$`);
 export const quantity = (column) => column.replace(UNIT_AT_END, (_, unit) => ` [${unit.replace('_per_', '/').replaceAll('_', ' ')}]`).replaceAll('_', ' ');

@@ -1,4 +1,4 @@
-// Save, save as, export; and what the browser keeps of moves that are not saved.
+// Save, save as, export, and the unsaved moves that the browser stores.
 import { byId, html, svg } from './draw.js';
 import { askGhost, copy, emit, forget, isEdited, isMoved, isOfFile, isSame, of, on, put, state, takeMotion, takeOverview } from './design.js';
 import { dropHistory, resumeHistory } from './history.js';
@@ -10,7 +10,7 @@ import { action, question, say } from './dialog.js';
 import { writtenDiff } from './changes.js';
 import { acceptProposal, hasProposal, isTuning } from './tuning.js';
 
-// The study as the file has it.
+// Reads the study from the file.
 export const readStudy = async (overview = null) => {
   overview ??= await post('study', null);
   isOfFile(overview);
@@ -52,12 +52,12 @@ const settleProposal = async () => {
   if (chosen?.answer === 'accept') await acceptProposal();
   return chosen !== null;
 };
-// Starts and ends of this page's own saves: odd during a save.
+// Counts the starts and ends of this page's saves. The number is odd during a save.
 let ownChanges = 0;
 const save = async (isSure = false) => {
   if (!isSure && !await settleProposal()) return;
   const design = copy(state.design);
-  // Changed values are shown as text before they are written, unless the file has other values by now.
+  // The page shows changed values as text before it writes them, unless the file has changed in the meantime.
   if (isEdited() && !isSure) {
     const { base, file } = state.overview;
     const now = await post('digest', null).catch(() => base);
@@ -82,13 +82,13 @@ const settleConflict = async (message) => {
   if (chosen?.answer === 'as') return saveAs();
   if (chosen?.answer === 'reload') return reload();
 };
-// The moves and edits of this page that are not saved. Moves are coordinates by the names of points.
+// Unsaved moves and edits of this page. Moves are coordinates by the names of points.
 const unsaved = () => {
   const { points, from, edits } = state.overview;
   const moves = points.flatMap(({ name }, p) => state.design[p].map((c, axis) => [name, axis, c, state.opened[p][axis]])).filter(([, , c, was]) => c !== was);
   return { moves, from, edits };
 };
-// The design of the file with moves on top of it, and the points that the file does not have.
+// Design of the file with these moves applied, and the points that are missing in the file.
 const withMoves = ({ points, design: opened }, moves) => {
   const design = copy(opened);
   const missing = [];
@@ -99,8 +99,8 @@ const withMoves = ({ points, design: opened }, moves) => {
   }
   return { design, missing };
 };
-// Reads the changed file, and puts the moves and edits of this page on top, in one deed. If the file cannot take them, the page
-// stays as it is. Returns true if the file was read.
+// Reads the changed file, and applies the moves and edits of this page as one action. If they do not fit the file, the page does
+// not change. Returns true if the file was read.
 const rebase = async () => {
   try {
     const { moves, from, edits } = unsaved();
@@ -118,7 +118,7 @@ const rebase = async () => {
     say(`${state.overview.file} read again. Your unsaved changes are kept.`);
     return true;
   } catch (refused) {
-    say(`Not read again: ${refused.message}. The page still shows the earlier text with your changes.`, 'bad');
+    say(`The file was not reloaded: ${refused.message}. The page still shows the earlier text with your changes.`, 'bad');
     return false;
   }
 };
@@ -145,7 +145,7 @@ const saveAs = async () => {
   }
 };
 
-// Looks now and then whether another program has changed the file.
+// Checks at intervals if another program has changed the file.
 const WATCH = 5000;
 let told = null;
 const watchFile = async () => {
@@ -153,7 +153,7 @@ const watchFile = async () => {
   const { digest, file } = state.overview;
   const own = ownChanges;
   const now = await post('digest', null).catch(() => null);
-  // While this page saves, the file differs from what the page knows.
+  // While this page saves, the file differs from the text that the page knows.
   if (own % 2 || own !== ownChanges) return;
   if (now === null || now === state.overview.base || now === told || digest !== state.overview.digest) return;
   told = now;
@@ -161,8 +161,8 @@ const watchFile = async () => {
     isMoved() || isEdited() ? action('Read it again, keep my changes', rebase) : action('Read it again', reload));
 };
 
-// The browser keeps unsaved moves by point and edits of the text, so that they outlive the tab and the server. Each tab has a
-// draft of its own: a tab that saves must not drop the work of another.
+// The browser stores unsaved moves by point and edits of the text, so that they survive the end of the tab or the server. Each
+// tab has its own draft, because a tab that saves must not drop the work of another tab.
 const stem = () => `hardpoint studio ${state.overview.place} `;
 const tabNumber = () => {
   let number = sessionStorage.getItem('hardpoint tab');
@@ -192,7 +192,7 @@ const latestDraft = () => {
     return drafts.sort(([, a], [, b]) => b.when - a.when)[0] ?? [null, null];
   } catch { return [null, null]; }
 };
-// Offers the work of another tab to a tab that has none.
+// Offers the draft of another tab, if this tab has no draft.
 let isOffered = false;
 const offerDraft = () => {
   if (isOffered) return;
@@ -201,7 +201,7 @@ const offerDraft = () => {
   const [name, draft] = latestDraft();
   if (draft === null) return;
   const edits = Array.isArray(draft.edits) ? draft.edits : [];
-  // Edits name places of the text by number, so they fit this text only.
+  // Edits refer to entries of the text by number, so they only fit this text.
   const hasEdits = edits.length > 0 && draft.from === state.overview.from;
   const { design } = withMoves(state.overview, draft.moves);
   if (isSame(design, state.design) && !hasEdits) return;
@@ -209,7 +209,7 @@ const offerDraft = () => {
   const restore = async () => {
     if (hasEdits) await edit(edits, 'Restored edits');
     put(design, 'draft');
-    // From now on the draft of this tab has them.
+    // From now on, the draft of this tab contains these changes.
     discard();
     if (edits.length && !hasEdits) say('The points are restored. Edits of targets and variables are not: the file has changed since.', 'bad');
   };
@@ -217,7 +217,7 @@ const offerDraft = () => {
   say(`Unsaved changes from ${when}.`, 'ask', action('Restore', restore), action('Discard', discard));
 };
 
-// Pictures: what is drawn, with the look it has on the screen.
+// Exports pictures of the drawings with their appearance on the screen.
 const LOOKS = ['stroke', 'stroke-width', 'stroke-dasharray', 'stroke-linecap', 'stroke-linejoin', 'fill', 'fill-opacity', 'stroke-opacity', 'opacity', 'font-size', 'font-family', 'font-weight', 'paint-order', 'display'];
 const still = (source) => {
   const image = source.cloneNode(true);

@@ -1,15 +1,15 @@
 // The range of a chart's vertical axis.
 
-// Time after which an axis that has become too wide shrinks while a point is still dragged.
+// Time in milliseconds after which a too wide axis shrinks during a drag.
 const REST = 300;
-// Largest ratio of an axis to its curves, and of its curves to most of their values.
+// Largest ratio of the axis range to the curves' range, and of the curves' range to the range of most values.
 const TOO_WIDE = 1.5;
 const FAR_OUT = 4;
 
 const ends = (values) => (values.length ? [Math.min(...values), Math.max(...values)] : [Infinity, -Infinity]);
 const span = ([low, high]) => high - low;
 
-// The ends of most values: a bad pose at one station does not flatten the rest.
+// Range of most values. So a bad pose at one station does not flatten the other stations.
 const robust = (values) => {
   const all = ends(values);
   if (values.length < 8) return all;
@@ -21,8 +21,8 @@ const robust = (values) => {
   return [Math.max(all[0], most[0] - by), Math.min(all[1], most[1] + by)];
 };
 
-// At rest the axis holds all values. While a point is dragged it leaves out what lies far from the rest, grows at
-// once and shrinks after a pause, so that curves move and not their axes.
+// At rest, the axis contains all values. During a drag it leaves out outliers. It grows at once and shrinks after a pause, so
+// that the curves move instead of their axes.
 export const framed = (chart, still, moving, isInGesture) => {
   const own = isInGesture ? robust(moving) : ends(moving);
   const fixed = ends(still);
@@ -36,7 +36,7 @@ export const framed = (chart, still, moving, isInGesture) => {
     chart.wideSince = null;
     return wanted;
   }
-  // An axis that holds all values stays as it is.
+  // An axis that contains all values does not change.
   const fits = low >= chart.ys[0] && high <= chart.ys[1];
   const grown = fits ? chart.ys : [Math.min(chart.ys[0], wanted[0]), Math.max(chart.ys[1], wanted[1])];
   if (span(grown) <= TOO_WIDE * span(wanted)) {

@@ -1,12 +1,12 @@
-// Handles on targets: points of wanted curves and edges of bands, dragged or moved by arrow keys.
+// Handles on targets: points of target curves and edges of bands. The user drags them or moves them by arrow keys.
 import { brief, centred, heldByFinger, niceStep, set, svg } from './draw.js';
 import { state } from './design.js';
 import { degreesPerDrive, setTarget, writtenTarget } from './targets.js';
 
-// Handles per target; longer curves are changed in the file.
+// Largest number of handles per target. Longer curves can only be changed in the file.
 const MOST = 16;
 
-// The numbers of a written target that have a handle: where they stand, and where they are drawn.
+// Numbers of a target that have a handle: their path in the study, and their position and value in the chart.
 const numbersOf = (target, k, [first, last]) => {
   const written = writtenTarget(k);
   if (!written) return [];
@@ -35,7 +35,7 @@ export class EdgeHandles {
     this.held = null;
   }
 
-  // Moves handles to their numbers; keeps the one that is held or has the focus.
+  // Moves handles to their numbers. A handle that is held or has the focus is kept.
   draw(targets, { x, y }, xs) {
     const seen = new Set();
     for (const target of targets) {
@@ -78,7 +78,7 @@ export class EdgeHandles {
     return niceStep(high - low, 100);
   }
 
-  // Shows the target with a value that is not set yet.
+  // Shows the target with a preliminary value.
   preview(handle, value) {
     handle.dragged = value;
     const { target, path, end } = handle;

@@ -1,4 +1,4 @@
-// The history that undo goes through, and designs that are pinned beside the present one.
+// History for undo and redo, and designs that are pinned beside the present design.
 import { brief, byId, html, renew, scroller } from './draw.js';
 import { askPins, copy, history, isEdited, isInGesture, isMoved, on, onRest, put, resume, state, travel } from './design.js';
 import { action, question, say } from './dialog.js';
@@ -14,7 +14,7 @@ const keep = (what, value) => { try { sessionStorage.setItem(key(what), JSON.str
 const kept = (what) => { try { return JSON.parse(sessionStorage.getItem(key(what))); } catch { return null; } };
 const byName = (design) => state.overview.points.map(({ name }, p) => [name, design[p]]);
 const isPlace = (place) => Array.isArray(place) && place.length === 3 && place.every(Number.isFinite);
-// The design of these coordinates; null if a point has none.
+// Design with these coordinates. Null if a point has no coordinates.
 const designOf = (places) => {
   const found = new Map(Array.isArray(places) ? places : []);
   const design = state.overview.points.map(({ name }) => found.get(name));
@@ -27,14 +27,14 @@ const keepHistory = () => {
   timer = setTimeout(() => {
     const { from } = state.overview;
     const { timeline, present } = history();
-    // Edits of deeds before a save start from a text that the file no longer has.
+    // Actions before a save start from a text that the file no longer has.
     const own = timeline.filter(({ overview }) => overview.from === from);
     const deeds = own.map(({ label, design, overview }) => ({ label, places: byName(design), edits: overview.edits }));
     keep('history', { from, present: own.indexOf(timeline[present]), deeds });
   }, 200);
 };
 export const dropHistory = () => { clearTimeout(timer); try { sessionStorage.removeItem(key('history')); } catch { /* no storage */ } };
-// Takes up the history of this tab, if the file still has the text that it starts from.
+// Restores the history of this tab, if the file still has the text from which the history starts.
 export const resumeHistory = async () => {
   const found = kept('history');
   const opened = state.overview;
@@ -86,7 +86,7 @@ const pinRow = (letter) => {
     html('td', {}, ...(own ? [button('Go to', () => put(own.design, 'pin')), button('Replace', () => pin(letter)), button('Remove', () => unpin(letter))] : [button('Pin', () => pin(letter))])));
 };
 
-// Ranges of the curves of every pinned design beside those of the present one.
+// Table with the ranges of the curves of every pinned design and of the present design.
 const comparison = () => {
   const pinned = LETTERS.filter((letter) => state.pins[letter]?.answer);
   if (!pinned.length || !state.answer) return [];

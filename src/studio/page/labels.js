@@ -2,7 +2,8 @@
 import { brief, measured } from './draw.js';
 import { state } from './design.js';
 
-// Number of lines of a family that have a label each; of more only the first, the last and the present one.
+// Largest number of lines of a family that all have labels. In a larger family, only the first, the last and the present line
+// have labels.
 const MOST = 5;
 // Size of a label, and the least distance between two, in pixels.
 const SIZE = 10;

@@ -26,7 +26,7 @@ const put = (name, value) => {
   tellSize(name, sizes[name]);
 };
 
-// A splitter: dragged, moved by arrow keys, and put back by a double click or Home.
+// A splitter. The user drags it or moves it by arrow keys. A double click or Home resets it.
 const splitter = (name, along, sign, keys) => {
   const bar = byId(`${name}-bar`);
   bar.addEventListener('pointerdown', (event) => {

@@ -1,4 +1,4 @@
-// The page: starts its parts, and holds what belongs to none of them.
+// Starts all parts of the page, and contains code that belongs to no single part.
 import { brief, byId, html } from './draw.js';
 import { ask, askGhost, canRedo, canUndo, emit, isEdited, isSettled, on, put, redo, state, undo } from './design.js';
 import { Refused, watchServer } from './server.js';
@@ -64,7 +64,7 @@ const startSliders = () => {
   };
   on('study', () => { state.step = null; build(); });
   on('edited', () => {
-    // A choice may have lost names.
+    // A list of names may have become shorter.
     state.overview.sliders.forEach(({ names, high }, k) => { if (names.length) state.at[k] = Math.min(state.at[k], high); });
     build();
   });
@@ -123,7 +123,7 @@ const startRegions = () => document.addEventListener('keydown', (event) => {
   [...controls].find((control) => control.checkVisibility() && control.tabIndex >= 0)?.focus();
 });
 
-// If the server does not answer, the page asks again. Moves go on and are kept.
+// If the server does not answer, the page asks again. The user can still move points, and the moves are stored.
 let retry = null;
 const startWatch = () => watchServer((there) => {
   clearInterval(retry);
@@ -141,7 +141,7 @@ const startWatch = () => watchServer((there) => {
   }
 });
 
-// While the answer for a moved design is late, what is shown of an earlier one is pale.
+// While the answer for a moved design is late, the results of the earlier design are pale.
 const startLate = () => {
   for (const event of ['late', 'answer', 'unanswered']) {
     on(event, () => {
@@ -151,14 +151,14 @@ const startLate = () => {
   }
 };
 
-// From the event that moved something to the picture that shows it.
+// Measures the time from an event that moves something until the page shows the result.
 const startClock = () => {
   const times = [];
   on('answer', (since) => {
     root.dataset.answers = Number(root.dataset.answers ?? 0) + 1;
     if (since === null || since === undefined) return;
     requestAnimationFrame(() => {
-      // After the picture: what is posted now runs when it is painted.
+      // A message posted now arrives after the browser has painted the picture.
       const { port1, port2 } = new MessageChannel();
       port1.onmessage = () => times.push([performance.now() - since, state.answer?.milliseconds ?? null]);
       port2.postMessage(null);
@@ -193,7 +193,7 @@ const start = async () => {
     ask();
   });
   on('design', () => ask(window.event));
-  // For tests and for the curious: what is shown, and how fast it was.
+  // Access for tests: the shown values, and the computing times.
   window.studio = { state, times, isSettled, drawnValues, drawnPlaces };
   try {
     await readStudy();

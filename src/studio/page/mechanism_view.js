@@ -1,4 +1,4 @@
-// A view of a mechanism, in the studio and in reports: the camera, the grid, bodies and wheels, and places for names.
+// View of a mechanism in the studio and in reports: camera, grid, bodies, wheels, and positions of names.
 import { along, AXES, brief, dot, html, minus, niceStep, norm, set, svg, tenth, ticks } from './draw.js';
 import { directions, flat, inSpace } from './space.js';
 
@@ -10,8 +10,8 @@ export const hueOf = (bodies) => {
   return bodies.map(({ kind }) => own[kind] ?? `hue${number++ % HUES}`);
 };
 
-// Places for names: each at the first free place around its point, the far ones with a line to it. A name is
-// { text, at, kind }; the answer has its box's left and base, and the ends of its line.
+// Positions of names: each name is at the first free position around its point. A distant name has a line to its point. A name is
+// { text, at, kind }. The result has the left end and the baseline of its box, and the ends of its line.
 const LETTER = 6.4;
 const LINE = 12;
 const DISTANCES = [9, 18, 30, 46, 66];
@@ -185,7 +185,7 @@ export class MechanismView {
         }
       }
     }
-    // Each name stands where its coordinate grows.
+    // Each axis name is at the end towards which its coordinate grows.
     const isRight = this.look.right[h] > 0;
     const isUp = this.look.up[v] > 0;
     grid.append(svg('text', { class: 'axis-name', x: isRight ? this.width - 6 : 6, y: this.height - 5, 'text-anchor': isRight ? 'end' : 'start', text: isRight ? `${AXES[h]} →` : `← ${AXES[h]}` }));
@@ -205,7 +205,7 @@ export class MechanismView {
     });
   }
 
-  // The picture itself: dragged, turned, zoomed. A page that scrolls zooms only while the picture has the focus.
+  // Handles drags, rotations and zooms of the picture. On a page that scrolls, zooming needs the focus.
   listen() {
     const fingers = new Map();
     this.svg.addEventListener('pointerdown', (event) => {
@@ -217,7 +217,7 @@ export class MechanismView {
       if (!last) return;
       const now = [event.clientX, event.clientY];
       if (fingers.size === 2) {
-        // The picture is zoomed by the distance of the fingers, and moved or turned with the point between them.
+        // The distance of the fingers zooms the picture. The point between them moves or turns it.
         const [other] = [...fingers].filter(([id]) => id !== event.pointerId).map(([, p]) => p);
         const spread = (p) => Math.hypot(p[0] - other[0], p[1] - other[1]) || 1;
         this.zoom(spread(now) / spread(last), [0, 1].map((k) => (now[k] + other[k]) / 2));
@@ -255,7 +255,7 @@ export class MechanismView {
     this.later();
   }
 
-  // By so many pixels: a flat view is moved, the one in space is turned.
+  // Moves a flat view, or turns the view in space, by this number of pixels.
   drag(right, down) {
     if (this.basis) {
       this.focus = minus(this.focus, this.unproject([right, down]));
@@ -273,7 +273,7 @@ export class MechanismView {
     this.focus = along(this.focus, minus(before, this.unproject(off)), 1);
   }
 
-  // Once for each picture of the screen.
+  // Draws once per frame of the screen.
   later() {
     if (this.planned) return;
     this.planned = true;

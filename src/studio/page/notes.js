@@ -13,7 +13,7 @@ const words = (column) => column.replaceAll('_', ' ');
 const panel = (title, ...children) => html('div', { class: 'panel', id: `panel-${title.toLowerCase().replaceAll(' ', '-')}` }, html('h2', { text: title }), ...children);
 const table = (head, body, isNumber = (k) => k > 0) => html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text, k) => html('th', { text, class: isNumber(k) ? 'number' : null })))), html('tbody', {}, ...body));
 
-// Chips in the header. They become wider, but never narrower, so that little moves while they change. Each leads to its panel.
+// Chips in the header. They become wider, but never narrower, so that the header stays calm. A click on a chip opens its panel.
 let chips = new Map();
 const buildChips = () => {
   const { tunes, builds, has_constraints: hasConstraints } = state.overview;
@@ -24,7 +24,7 @@ const buildChips = () => {
     const chip = html('button', { class: 'chip', 'data-chip': key, on: { click: () => lead(place) } }, html('span', { text: name }), html('span', { class: 'value' }, value, note));
     return [key, { chip, value, note, widest: {} }];
   }));
-  // After the first move the misfit is compared.
+  // After the first move, the chip also shows the former misfit.
   widen('misfit', { note: ' from 00.0' });
   byId('figures').replaceChildren(...[...chips.values()].map(({ chip }) => chip));
 };
@@ -42,9 +42,9 @@ const selectNamed = (text) => {
   const body = state.overview.scene.bodies.find(({ name }) => text.includes(name) || text.includes(name.replaceAll(' ', '_')));
   if (body) select(body.lines[0][0]);
 };
-// Chips that need all stations keep their values while a point moves, and are pale.
+// While a point moves, chips that need all stations keep their values and are pale.
 const markStale = (isStale) => { for (const key of ['solved', 'warnings']) chips.get(key)?.chip.classList.toggle('stale', isStale); };
-// Sizes of the texts of a chip in pixels, of a window with the usual size of letters.
+// Font sizes and weights of a chip, in pixels for the usual text size of the browser.
 const SIZES = { value: [15.2, 700], note: [12, 400] };
 const widen = (key, texts) => {
   const { chip, widest } = chips.get(key) ?? {};
@@ -73,7 +73,7 @@ const figures = () => {
   const isPartial = !state.fault && Boolean(state.answer?.is_partial);
   markStale(isPartial);
   if (state.fault) {
-    // Figures of an earlier design are not those of this one.
+    // Values of an earlier design do not apply to this design.
     for (const key of ['misfit', 'met', 'constraints', 'solved']) tell(key, '–', 'design not solved', true);
     tell('warnings', '1', '', true);
     return;

@@ -1,8 +1,8 @@
-// Curves of an answer: stations in order, runs without gaps, lines of a family, values between stations.
+// Curves of an answer: ordered stations, pieces without gaps, lines of a family, and values between stations.
 import { state } from './design.js';
 
-// Data that all charts of an answer share, computed once: the stations of each group in rising order, the range of the
-// places, and the curves of each column.
+// Data that all charts of an answer share, computed once: stations of each group in increasing order, range of their positions,
+// and curves of each column.
 const known = new WeakMap();
 export const knownOf = (answer) => {
   if (known.has(answer)) return known.get(answer);
@@ -40,7 +40,7 @@ export const runs = (answer, values, group) => {
 };
 const groupsOf = (answer) => [...knownOf(answer).order.keys()];
 
-// Groups that differ from the one that is shown in the family's slider alone.
+// Groups that differ from the shown group only in the slider of the family.
 export const familyOf = (answer, shown) => {
   const { family, over } = state;
   if (family === null || !answer?.group_places.length) return [];
@@ -49,14 +49,14 @@ export const familyOf = (answer, shown) => {
   const found = groupsOf(answer).filter((g) => g !== shown && isOfFamily(answer.group_places[g]));
   return found.sort((a, b) => answer.group_places[a][family] - answer.group_places[b][family]);
 };
-// The answer with the other curves of the family. While a point moves it is an earlier one, and they are drawn as stale.
+// Answer with the other curves of the family. While a point moves, this is an earlier answer, and its curves are drawn as stale.
 export const wholeOf = (answer) => {
   if (!answer.is_partial) return answer;
   const { whole, over, overview } = state;
   return whole?.digest === overview.digest && whole.over === over ? whole.answer : null;
 };
 
-// The value of a curve at a place, by straight lines between stations.
+// Value of a curve at a position, interpolated linearly between stations.
 export const at = (pieces, x) => {
   for (const piece of pieces) {
     for (let i = 1; i < piece.length; i += 1) {

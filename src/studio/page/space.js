@@ -4,7 +4,8 @@ import { along, cross, norm } from './draw.js';
 // Corners of a circle as it is drawn.
 const ROUND = 64;
 
-// Directions of the car in the study's axes. A product of the signs below zero is a right-hand wheel.
+// Directions of the car in the study's axes. A positive product of the signs means a left wheel, a negative product a right
+// wheel.
 export const directions = ({ signs: [forward, outboard, up] }) => {
   const left = forward * outboard * up > 0;
   const carLeft = left ? outboard : -outboard;
@@ -17,13 +18,13 @@ export const flat = {
   side: (scene) => { const d = directions(scene); return { right: d.left ? negative(d.forward) : d.forward, up: d.up }; },
   top: (scene) => { const d = directions(scene); return { right: negative(d.carLeft), up: d.forward }; },
 };
-// The eye goes round the car: `turn` from the front towards outboard, `lift` above the ground.
+// View direction around the car: angle `turn` from the front towards outboard, angle `lift` above the ground.
 export const inSpace = (scene, { turn, lift }) => {
   const d = directions(scene);
   const level = along([0, 0, 0].map((_, k) => d.forward[k] * Math.cos(turn)), d.outboard, Math.sin(turn));
   const eye = level.map((c, k) => c * Math.cos(lift) + d.up[k] * Math.sin(lift));
   const behind = negative(eye);
-  // In a left-handed mirror image the picture is mirrored too, as the car is.
+  // In left-handed axes the picture is mirrored, like the car.
   const right = cross(behind, d.up);
   const length = norm(right);
   const unit = right.map((c) => c / length);

@@ -1,4 +1,4 @@
-// Words for screen readers: the last deed and its result, said once when the page is at rest.
+// Text for screen readers: the last action and its result, announced once when the page is at rest.
 import { byId } from './draw.js';
 import { history, on, state } from './design.js';
 
@@ -9,7 +9,7 @@ export const announce = (text, wait = 0) => {
   timer = setTimeout(() => {
     const words = typeof text === 'function' ? text() : text;
     const said = byId('said');
-    // The same words again are said again.
+    // A repeated text must differ, otherwise it is not read again.
     said.textContent = said.textContent === words ? `${words}\u00a0` : words;
   }, wait);
 };

@@ -1,10 +1,10 @@
-// A new study: a kind of suspension with its picture, points of a sheet, and the name of the file.
+// Form for a new study: topology with a picture, points from a spreadsheet, and file name.
 import { byId, html, svg } from './draw.js';
 import { post } from './server.js';
 
 const SIZE = { width: 230, height: 150 };
 
-// The mechanism seen from the front: the wheel as a line, the links between their points.
+// Picture of the mechanism from the front: the wheel and the links are lines.
 const picture = ({ scene, design }) => {
   const { bodies, signs, wheel_centre: centre, wheel_radius: radius } = scene;
   const ends = (values) => [Math.min(...values), Math.max(...values)];

@@ -1,4 +1,4 @@
-// The coordinates: typed in, locked, each with its slope and what it does to the curves.
+// Table of coordinates. The user can type and lock them. Each has its slope and its effect on the curves.
 import { AXES, brief, byId, html, set, write } from './draw.js';
 import { askInfluence, emit, gradient, isInGesture, isMoved, on, onRest, placeAfter, put, setCoordinate, state, stepped } from './design.js';
 import { select } from './views.js';
@@ -10,7 +10,7 @@ let asked = null;
 let origin = null;
 let timer = null;
 
-// Pointing at a coordinate for a while shows what it does; leaving it takes that away.
+// Shows the effect of a coordinate after the pointer has rested on it, and hides the effect when the pointer leaves.
 const point = (p, axis, wait = 90) => {
   clearTimeout(timer);
   timer = setTimeout(() => {
@@ -19,7 +19,7 @@ const point = (p, axis, wait = 90) => {
   }, p === null ? 30 : wait);
 };
 
-// All digits where there is room for them; else as many as there is, marked. The field shows all when it has the focus.
+// Shows all digits if they fit. Otherwise it shows as many as fit, with a mark. A field with the focus shows all digits.
 const MOST_DIGITS = 9;
 const short = (value) => {
   const whole = String(value);
@@ -30,12 +30,12 @@ const short = (value) => {
 
 const putValue = (input, text) => { if (input.value !== text) input.value = text; };
 
-// True while a field has text that was typed and not yet taken. Such text stays as it is, whatever else is renewed.
+// True while a field has typed text that is not yet accepted. Updates of the table do not change such text.
 const hasOwnText = (input) => input.dataset.typed !== undefined;
 const take = (input) => { delete input.dataset.typed; };
 
 const typed = (input, p, axis) => {
-  // A decimal comma is one, too.
+  // A decimal comma is also accepted.
   const value = Number(input.value.trim().replace('−', '-').replace(',', '.'));
   const isNumber = input.value.trim() !== '' && Number.isFinite(value);
   if (isNumber) take(input);
@@ -114,7 +114,7 @@ const ends = (cell) => {
   return cell.known.ends;
 };
 
-// Rows out of sight are renewed when they are scrolled into view, and when the page is at rest.
+// Invisible rows are updated when they are scrolled into view, and when the page is at rest.
 const PAUSE = 300;
 let late = null;
 const watch = new IntersectionObserver((found) => {
@@ -126,7 +126,7 @@ const drawLate = () => { if (!isInGesture()) draw(true); };
 const draw = (isAll = false) => {
   byId('back').disabled = !isMoved();
   clearTimeout(late);
-  // Out of sight it is not renewed.
+  // A hidden table is not updated.
   if (!state.overview || byId('pane-points').hidden) return;
   const slopes = gradient();
   const steepest = slopes ? Math.max(...slopes.flat().map(Math.abs), 1e-300) : 1;
@@ -177,7 +177,7 @@ export const startTable = () => {
     origin = from;
   });
   addEventListener('beforeprint', () => draw(true));
-  // During a drag the table follows the curves: both are laid out and painted once.
+  // During a drag, the table is drawn after the curves, so that the browser lays out and paints only once.
   on('design', () => { if (!isInGesture()) draw(); });
   // The effect of a coordinate changes as points move.
   on('deed', () => { if (asked) askInfluence(...asked); });

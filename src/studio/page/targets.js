@@ -30,7 +30,7 @@ const tried = (edits, label) => {
   });
   return busy;
 };
-// The same with a message over the page. Returns true if the study has changed.
+// Sends edits like `tried`, and shows a refusal as a message over the page. Returns true if the study has changed.
 export const edit = async (edits, label) => {
   const refused = await tried(edits, label);
   if (refused !== null) refuse(`Not changed: ${refused}`);
@@ -38,7 +38,7 @@ export const edit = async (edits, label) => {
 };
 const at = (...path) => ['optimise', ...path];
 const nameOf = (k) => (state.overview.is_car ? goalName(writtenTarget(k) ?? {}) : quantity(state.overview.targets[k]?.column ?? `target ${k + 1}`));
-// A target or a constraint of a car, as it is written: the page lists those of cases before those of an axle by itself.
+// Name of a target or a constraint of a car in the study. The page lists targets of load cases before targets of a single axle.
 const goalName = (own) => words([own.characteristic ?? own.load ?? 'target', own.case ? `in ${[].concat(own.case).join(', ')}` : `of the ${own.axle} axle`].join(' '));
 // `between` has two ends.
 const endOf = ([key, end]) => (key === 'between' ? LIMITS.between[end] : words(key));
@@ -48,8 +48,8 @@ const parsed = (text) => {
   const value = Number(text.trim().replace('âˆ’', '-').replace(',', '.'));
   return text.trim() === '' || !Number.isFinite(value) ? null : value;
 };
-// A field for one number of the study. An optional number is null while the field is empty. `change` returns false if the study
-// refuses the number; the field then has the number of the study again.
+// Field for one number of the study. An optional number is null while the field is empty. `change` returns false if the study
+// refuses the number. Then the field shows the number of the study again.
 const field = (label, value, change, isOptional = false) => {
   const written = value === null ? '' : String(value);
   const input = fitted(html('input', { type: 'text', inputmode: 'decimal', value: written, 'aria-label': label, title: label, autocomplete: 'off' }));
@@ -68,7 +68,7 @@ const remover = (label, path, name) => html('button', { class: 'small', text: 'â
 const headed = (title, head, rows, ...more) => html('div', { class: head.length > 5 ? 'panel form wide' : 'panel form' }, html('h2', { text: title }), scroller(title,
   html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text) => html(text ? 'th' : 'td', { text })))), html('tbody', {}, ...rows))), ...more);
 
-// Fields of the numbers by which a table of the study limits or wants a value.
+// Fields for the numbers in a table of the study that are limits or target values.
 const LIMITS = { between: ['from', 'to'], at_least: 'at least', at_most: 'at most', clearance: 'clearance', value: 'value', at: 'at' };
 const limitFields = (entry, path, name) => Object.entries(LIMITS).flatMap(([key, label]) => {
   const value = entry[key];
@@ -88,7 +88,7 @@ const targetRow = (target, k) => {
     html('td', {}, remover(`Remove target ${name}`, at('targets', k), `target ${name}`)));
 };
 
-// Parts whose rate is not called a stiffness.
+// Parts with a `rate`. Other parts have a stiffness.
 const RATED = ['spring', 'anti_roll_bar', 'heave_spring', 't_bar', 'heave_bar', 'tyre'];
 // Name of a variable: its point and axis, or its part.
 const variableName = (variable) => {
@@ -196,7 +196,7 @@ const carForms = () => {
   const loads = cases.map((own, k) => row(own.name, ...used.map((key) => rateField(words(`${own.name} ${key}`), ['cases', k, key], own[key]))));
   return [headed('Car', ['value', ''], values), headed('Axles', ['value', 'front', 'rear'], rates), ...(loads.length ? [headed('Load cases', ['case', ...used.map((key) => words(key) + unitOf(key))], loads)] : [])];
 };
-// Keys that say of which part a constraint is.
+// Keys that name the subject of a constraint.
 const SUBJECTS = ['length', 'members', 'articulation', 'point', 'characteristic', 'plunge', 'angle', 'load'];
 const constraintName = (constraint) => {
   const kind = SUBJECTS.find((key) => constraint[key] !== undefined);
@@ -278,7 +278,7 @@ export const askForTarget = async (series, answer) => {
   const [low, high] = values.length ? [Math.min(...values), Math.max(...values)].map(rounded) : [0, 1];
   const wide = Math.max(high - low, 1e-2);
   const fields = { low: number(low), high: number(high), tolerance: number(Number((wide / 10).toPrecision(1))) };
-  // A new target of a case lies around its present value.
+  // The default band of a new target of a load case is around the present value.
   const around = (value) => [fields.low, fields.high].forEach((field, k) => { if (value !== null) field.value = String(rounded(value + (k - 0.5) * 0.1 * Math.max(Math.abs(value), 1e-2))); });
   const places = state.overview.is_car ? placesInCases(columns[0].values, around) : placesOnChart();
   const kind = html('select', {}, ...['band', 'value'].map((value, k) => html('option', { value, text: places.words[k] })));

@@ -1,4 +1,4 @@
-// Tune: progress, cancel, and the result as a proposal beside the present state.
+// Tuning on the page: progress, cancel, and the result as a proposal beside the present design.
 import { AXES, brief, byId, html, scroller, signed } from './draw.js';
 import { askMisfit, askProposal, copy, described, isSame, of, on, put, snapped, state, takeOverview } from './design.js';
 import { say } from './dialog.js';
@@ -12,7 +12,7 @@ let proposal = null;
 let exact = null;
 
 const box = () => byId('proposal');
-// The focus does not get lost when its control goes.
+// Keeps the focus in the box when its control disappears.
 const show = (...children) => {
   const held = box().contains(document.activeElement);
   box().replaceChildren(...children);
@@ -27,7 +27,7 @@ const close = () => {
   tellTab('proposal', '');
   askProposal(null);
 };
-// Steps that accepted coordinates are rounded to, by unit; the first is the usual one, 0 keeps all digits.
+// Steps to which accepted coordinates are rounded, by unit. The first step is the default. 0 keeps all digits.
 const ROUNDINGS = { mm: [0.01, 0.001, 0.1, 0.5, 1, 0], m: [0.00001, 0.000001, 0.0001, 0.0005, 0.001, 0], in: [0.001, 0.0001, 0.005, 0.01, 0.05, 0] };
 const rounded = (value, step) => (step ? snapped(value, step) : value);
 
@@ -43,17 +43,18 @@ export const acceptProposal = async () => {
   const label = (before) => (isSame(before, design) ? 'Accepted proposal: tuned values' : `${described('tune', before)}, tuned values`);
   takeOverview(tuned.overview, label, tuned.edits, design);
 };
-// The study with the tuned values, if there are any and they are taken.
+// Study with the tuned values, if there are such values and the user has selected them.
 const ratesTaken = () => (proposal.tuned?.overview && proposal.rates.checked ? proposal.tuned : null);
 const digestTaken = () => ratesTaken()?.overview.digest;
 
-// A value between the present and the tuned one. Each value of a list is mixed on its own.
+// Value between the present and the tuned value, by linear interpolation. Lists are interpolated value by value.
 const mixed = (from, to, share) => {
   if (share === 1) return to;
   if (Array.isArray(to)) return to.map((value, k) => mixed(from?.[k], value, share));
   return Number.isFinite(from) && Number.isFinite(to) ? Number((from + share * (to - from)).toPrecision(12)) : to;
 };
-// Asks for the study with the part of the tuned values that is applied; one request at a time, the latest part at the end.
+// Asks for the study with the selected percentage of the tuned values. It sends one request at a time, and the latest percentage
+// last.
 let retuning = null;
 const retune = () => {
   clearTimeout(pause);
@@ -66,7 +67,7 @@ const retune = () => {
       try {
         if (share > 0) overview = await post('edit', { digest: own.digest, edits });
       } catch (refused) {
-        say(`The tuned values cannot be applied in this part: ${refused.message}`, 'bad');
+        say(`The tuned values cannot be applied at ${Math.round(100 * share)} %: ${refused.message}`, 'bad');
       }
       own.tuned = { share, overview, edits };
     }
@@ -74,7 +75,7 @@ const retune = () => {
   };
   return retuning ??= follow();
 };
-// While the slider moves, the values wait: each asked part is a text that the server keeps.
+// While the slider moves, requests are delayed, because the server stores the text of every request.
 const PAUSE = 150;
 let pause = null;
 const retuneSoon = () => {
@@ -121,7 +122,7 @@ const tune = async () => {
   }
 };
 
-// The part of a proposal that is taken: what is ticked, by so much of the way.
+// Selected part of a proposal: the ticked changes, multiplied by the selected percentage.
 const taken = (step = proposal.step) => {
   const { base, found, changes, share } = proposal;
   const design = copy(state.design);
@@ -148,7 +149,7 @@ const preview = () => {
   askExact();
 };
 
-// The misfit of what is taken without rounding: the difference is the cost of rounding.
+// Asks for the misfit of the selected part without rounding. The difference is the cost of rounding.
 let asked = 0;
 const askExact = async () => {
   const number = asked += 1;

@@ -4,18 +4,18 @@ import { MechanismView } from './mechanism_view.js';
 import { flat, rims } from './space.js';
 import { begin, emit, finish, gradient, grip, isEdited, moveTo, on, snapped, state, stepped } from './design.js';
 
-// Points nearer to each other than this, in pixels, lie on each other.
+// Distance in pixels below which points count as overlapping.
 const STACKED = 9;
 
 const views = [];
 let others = false;
-// The only axle of a car that is drawn; none for both.
+// Axle of a car that is drawn. Empty for both axles.
 let part = '';
 const isDrawn = (p) => part === '' || state.overview.points[p].axle?.[0] === part;
 
 const mirrored = (p) => [p[0], -p[1], p[2]];
 const placement = (frame) => frame?.pose?.Ok ?? null;
-// The other wheel: of an axle where it is, else the mirror image.
+// Other wheel: the solved right wheel of an axle, or otherwise the mirror image.
 const otherWheel = (frame) => {
   if (state.overview.is_axle) return placement(state.answer?.right);
   const { points, spin_axis: axis, contact } = frame;
@@ -30,8 +30,9 @@ const circlesOf = (at, scene) => {
 // The rims of the wheels that are drawn.
 const rimsOf = (at, scene) => circlesOf(at, scene).filter((_, k) => !at.spin_axes || isDrawn(scene.wheels[k].centre));
 const contactsOf = (frame, other) => (frame?.contacts ? [...frame.contacts, ...(other?.contacts ?? [])] : [frame?.contact, frame?.contact && other?.contact].filter(Boolean));
-// A way in the drawing, along the axes of the body: a car is drawn over the ground, which its body rolls and pitches on.
-// In a flat view two coordinates move, and the point stays under the pointer; in space the way is turned.
+// Converts a displacement in the drawing to the axes of the body, because the body of a car rolls and pitches relative to the
+// drawing. In a flat view, two coordinates move, and the point stays under the pointer. In the view in space, the displacement is
+// rotated.
 const inBody = (way, { right, up }, isFlat) => {
   const { axes } = placement(state.answer?.frame) ?? {};
   if (!axes) return way;
@@ -49,8 +50,8 @@ const inDrawing = (way) => {
   const { axes } = placement(state.answer?.frame) ?? {};
   return axes ? axes.map((row) => dot(row, way)) : way;
 };
-// Place of a point. Without a pose it is the place in the design. While the answer is late, the point is as far from its
-// place in the last answer as it was moved since, so that it stays under the pointer.
+// Position of a point in the drawing, or without a pose in the design. While the answer is late, the moves since the last answer
+// are added to the position in that answer. So the point stays under the pointer.
 const placeIn = (frame, p) => {
   const at = frame?.points[p];
   if (!at) return along(state.design[p], state.overview.points[p].shift, 1);
@@ -74,7 +75,7 @@ const movableOf = (overview) => {
   return movable.get(overview);
 };
 
-// Puts the circles of a handle at a place.
+// Moves the circles of a handle to a position.
 const put = (handle, x, y) => { for (const circle of handle.children) set(circle, centred(x, y)); };
 
 class View extends MechanismView {
@@ -134,7 +135,7 @@ class View extends MechanismView {
       arrow.group.addEventListener('pointerenter', () => write(title, arrow.words()));
       return arrow;
     });
-    // The selected point, over all that lie on it.
+    // Circle of the selected point, above overlapping points.
     this.top = this.layers.words.appendChild(svg('circle', { class: 'top', r: 7 }));
     this.words = points.map(({ name }) => this.layers.words.appendChild(svg('text', { text: name })));
     const handle = (point, other) => {
@@ -167,7 +168,8 @@ class View extends MechanismView {
     const round = (path, at) => set(path, { d: at ? rimsOf(at, scene).map((own) => this.path(own, true)).join('') : '' });
     bodies(this.bodies, frame);
     round(this.wheel, frame);
-    // The server compares with the points of the file. After a change of values, the file's own mechanism is another one.
+    // The server's answer contains the mechanism with the points of the file. After a change of values, the mechanism of the file
+    // is different.
     const opened = placement(isEdited() ? state.ghost?.frame : state.answer?.opened);
     bodies(this.ghost, opened);
     round(this.ghost.at(-1), opened);
@@ -216,7 +218,7 @@ class View extends MechanismView {
     this.drawWords(frame);
   }
 
-  // Names, each on the first of four places that is free.
+  // Draws each name at the first free one of four positions.
   drawWords(frame) {
     const taken = [];
     const near = !this.places[this.hovered] ? [] : this.stack(this.places[this.hovered], this.places);
@@ -247,7 +249,7 @@ class View extends MechanismView {
     }
   }
 
-  // Downhill: the longer the steeper, by the square root, so that gentle slopes can be seen as well.
+  // Draws an arrow downhill. Its length grows with the square root of the slope, so that gentle slopes are visible, too.
   drawArrow(p, [x, y], slope, steepest) {
     const { group, line, hit } = this.arrows[p];
     const steep = slope ? norm(slope) : 0;
@@ -271,14 +273,14 @@ class View extends MechanismView {
     this.arrows[p].words = () => `${state.overview.points[p].name}: −${brief(steep, 3)} tolerances per ${state.overview.unit} in this direction (${slope.map((c, k) => `${AXES[k]} ${signed(-c, 2)}`).join(', ')})`;
   }
 
-  // Points that lie on each other at a place, the nearest first.
+  // Overlapping points at a position, the nearest first.
   stack(place, places) {
     const far = (p) => (places[p] ? Math.hypot(places[p][0] - place[0], places[p][1] - place[1]) : Infinity);
     return places.map((_, p) => p).filter((p) => far(p) <= STACKED).sort((a, b) => far(a) - far(b) || a - b);
   }
 
-  // A point is dragged in the plane of the picture. Of points that lie on each other it is the selected one, else the
-  // nearest; a click without a move goes on to the next.
+  // The user drags a point in the plane of the picture. Among overlapping points, the selected point moves, or else the nearest.
+  // A click without a move selects the next of these points.
   grab(event, hit, other) {
     if (event.button !== 0) return;
     event.preventDefault();
@@ -326,7 +328,7 @@ class View extends MechanismView {
     for (const [name, handler] of Object.entries(handlers)) target.addEventListener(name, handler);
   }
 
-  // The name of a point; while it is dragged, with its moved coordinates.
+  // Name of a point. While the point is dragged, its moved coordinates follow.
   wordOf(point) {
     const { name } = state.overview.points[point];
     const start = this.dragged?.point === point ? this.dragged.start[point] : [];
@@ -347,7 +349,7 @@ class View extends MechanismView {
     const way = ways[event.key];
     if (!way || event.ctrlKey || event.metaKey) return;
     event.preventDefault();
-    // In space keys go along the axes that lie nearest.
+    // In the view in space, keys move a point along the nearest axes.
     const nearest = (v) => { const k = v.map(Math.abs).indexOf(Math.max(...v.map(Math.abs))); return v.map((c, i) => (i === k ? Math.sign(c) : 0)); };
     const [right, up] = [nearest(this.look.right), nearest(this.look.up)];
     const through = cross(right, up);

@@ -121,7 +121,7 @@ fn changes_that_a_file_cannot_take_stay_on_the_page() {
     browser.run("window.dispatchEvent(new Event('focus'))");
     browser.wait("document.getElementById('banner').textContent.includes('another program')");
     browser.click("#banner button");
-    browser.wait("document.getElementById('banner').textContent.includes('Not read again')");
+    browser.wait("document.getElementById('banner').textContent.includes('was not reloaded')");
     let tolerance = "return studio.state.overview.written.optimise.targets[0].tolerance";
     assert_eq!(browser.run(tolerance), json!(0.0125));
     assert_eq!(browser.console(), Vec::<String>::new());

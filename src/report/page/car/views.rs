@@ -202,7 +202,8 @@ pub(super) fn side(record: &CarRecord, state: &CarStateRecord) -> String {
     svg + "</svg>"
 }
 
-/// Draws the roll axis between the axles, at these places along the car and heights, and the arm of the centre of gravity.
+/// Draws the roll axis between the axles, and the arm of the centre of gravity. The first pair of numbers has the positions of
+/// the axles along the car, the second pair the heights.
 fn roll_axis(
     svg: &mut String,
     scale: &Scale,

@@ -146,9 +146,7 @@ def optimise(
         study = study.replace({"optimise.front": list(front)})
     found = _hardpoint.optimise(study._study, front is not False, prices, threads, callback)
     summary: dict[str, Any] = json.loads(found["summary"])
-    constraints = [
-        {"margin" if key == "room" else key: value for key, value in record.items()} for record in summary["constraints"]
-    ]
+    constraints = summary["constraints"]
     misfit = summary["misfit_after"]
     files = {"summary.json": found["summary"].encode(), "history.csv": found["history"]}
     files |= {f"{name}.csv": found[name] for name in ("front", "side_effects") if found[name] is not None}

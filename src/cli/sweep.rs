@@ -143,7 +143,12 @@ pub(super) fn carry_out(
     let missing = directory.done().map_err(not_this)?.missing;
     if !missing.is_empty() {
         // These files would describe parts that are being replaced.
-        for name in ["summary.json", "pareto.csv", "drawn.json", "report.html"] {
+        for name in [
+            "summary.json",
+            "pareto.csv",
+            "shown_designs.json",
+            "report.html",
+        ] {
             claimed.remove(name).map_err(Stop::unwritten)?;
         }
     }
@@ -260,7 +265,7 @@ pub(super) fn draw(
     let summary = SweepSummary::of(&plan.record, statistics);
     let drawn = DrawnDesigns::of(study, own, plan, &summary);
     output.record(
-        "drawn.json",
+        "shown_designs.json",
         &drawn.map_err(|fault| design_fault(study, path, &fault).after_its_input())?,
     )
 }
@@ -418,9 +423,11 @@ pub(super) fn finish(
     };
     files.extend(summary.on_front().map(|_| "pareto.csv".to_owned()));
     files.extend(["summary.json", "sweep.json"].map(str::to_owned));
-    let drawn = output.directory().map(|d| d.path().join("drawn.json"));
+    let drawn = output
+        .directory()
+        .map(|d| d.path().join("shown_designs.json"));
     if drawn.is_some_and(|drawn| drawn.is_file()) {
-        files.push("drawn.json".to_owned());
+        files.push("shown_designs.json".to_owned());
     }
     if let Some(directory) = output
         .directory()

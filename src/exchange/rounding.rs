@@ -137,7 +137,7 @@ pub fn rounded(
     rounded.broken = violated
         .map(|(margin, missed_before)| Broken {
             name: margin.name,
-            missed: -margin.room,
+            missed: -margin.margin,
             missed_before,
             unit: margin.unit,
         })
@@ -343,7 +343,7 @@ impl Targets<'_> {
     fn missed(&self, design: &[Vector3<f64>]) -> Result<Vec<f64>, String> {
         let margins = self.margins(design)?;
         let missed = margins.iter().map(|margin| match margin.is_violated {
-            true => -margin.room,
+            true => -margin.margin,
             false => 0.0,
         });
         Ok(missed.collect())

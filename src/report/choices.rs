@@ -136,7 +136,7 @@ fn some_of(count: usize) -> Vec<usize> {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrontRecord {
     /// Goals of the front.
-    #[serde(rename = "wishes")]
+    #[serde(rename = "targets", alias = "wishes")]
     pub goals: Vec<String>,
     /// Variables, with the names of their columns.
     pub variables: Vec<String>,

@@ -5,17 +5,21 @@ use crate::mechanism::DesignFault;
 use crate::optimise::{TargetLayout, assessed};
 use crate::study::{Optimise, Study};
 use nalgebra::DVector;
+use serde::Serialize;
 
 /// Violation below which a constraint counts as satisfied, in visible units: 1 is a millimetre or a degree.
 pub(crate) const VIOLATED: f64 = 1e-6;
 
 /// Margin of a constraint in one design.
+#[derive(Serialize)]
 pub(crate) struct ConstraintMargin {
     /// Name, with the limits.
     pub name: String,
     /// Smallest margin to a limit in `unit`. Negative if the constraint is violated.
-    pub room: f64,
+    pub margin: f64,
+    /// Unit of the margin.
     pub unit: String,
+    /// True if the constraint is violated by more than rounding.
     pub is_violated: bool,
 }
 
@@ -26,7 +30,7 @@ pub(crate) fn constraint_margins(
     rows: &DVector<f64>,
 ) -> Vec<ConstraintMargin> {
     let constraints = optimise.constraints.iter().enumerate();
-    let room = |number: usize| {
+    let margin = |number: usize| {
         let labels = layout.labels().iter().enumerate();
         let own = labels.filter(|(_, label)| label.constraint == number);
         own.map(|(row, _)| layout.room(row, rows[row]))
@@ -34,12 +38,12 @@ pub(crate) fn constraint_margins(
     };
     constraints
         .map(|(number, constraint)| {
-            let (room, part) = (room(number), &constraint.parts[0]);
+            let (margin, part) = (margin(number), &constraint.parts[0]);
             ConstraintMargin {
                 name: constraint.name.clone(),
-                room: room + 0.0,
+                margin: margin + 0.0,
                 unit: part.unit.clone(),
-                is_violated: room < -VIOLATED * part.visible,
+                is_violated: margin < -VIOLATED * part.visible,
             }
         })
         .collect()
@@ -65,7 +69,7 @@ pub fn violated_constraints(study: &Study) -> Result<Vec<String>, DesignFault> {
         format!(
             "the design violates a constraint, and the tuning starts there: {}, missed by {} {}",
             own.name,
-            brief(-own.room),
+            brief(-own.margin),
             own.unit
         )
     });

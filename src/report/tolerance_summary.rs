@@ -223,7 +223,7 @@ impl ToleranceSummary {
         let head = head.chain(rack_moves.then_some("rack"));
         let head = head.chain(self.places.iter().map(String::as_str));
         let keys = head.clone().count();
-        let nominal = Column::named("nominal", "drawn");
+        let nominal = Column::from("nominal");
         let numbers = ["mean", "sigma", "linear", "p5", "p95", "linear holds"].map(Column::from);
         let header = head.map(Column::from).chain([nominal]).chain(numbers);
         let because = Column::for_programs("because");
@@ -246,7 +246,7 @@ impl ToleranceSummary {
                     Some(true) => "yes",
                     Some(false) if value.second_order.is_some_and(|s| s >= HOLDS) => "no: curved",
                     Some(false) => "no: builds differ",
-                    None if value.drawn.is_none() || value.builds == 0 => "",
+                    None if value.nominal.is_none() || value.builds == 0 => "",
                     None if !value.scatters => "does not scatter",
                     None => "not known",
                 };
@@ -266,7 +266,7 @@ impl ToleranceSummary {
                     None => figure(v),
                 };
                 let numbers = [
-                    figure(value.drawn),
+                    figure(value.nominal),
                     sampled(value.mean),
                     sampled(value.sigma),
                     sampled(value.sigma_linear),
@@ -364,7 +364,7 @@ impl ToleranceSummary {
         header.extend(
             [
                 "builds",
-                "drawn",
+                "nominal",
                 "mean",
                 "mean_error",
                 "sigma",
@@ -385,7 +385,7 @@ impl ToleranceSummary {
             let mut row = vec![v.output.clone()];
             row.extend(v.place());
             row.push(v.builds.to_string());
-            row.extend([v.drawn, v.mean, v.mean_error, v.sigma, v.sigma_error].map(optional));
+            row.extend([v.nominal, v.mean, v.mean_error, v.sigma, v.sigma_error].map(optional));
             row.extend([v.sigma_linear, v.second_order].map(optional));
             row.push(v.linear_holds.map_or_else(String::new, |h| h.to_string()));
             row.extend([v.remainder, v.remainder_error, v.remainder_second_order].map(optional));

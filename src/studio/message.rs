@@ -4,8 +4,8 @@
 use crate::SideEffect;
 use crate::curves::Frame;
 use crate::report::{
-    Cell, FailureRange, OutputRecord, Scene, Table, YieldRecord, counted, further_in_words,
-    shown_side_effects, side_effects_table,
+    Cell, ConstraintMargin, FailureRange, OutputRecord, Scene, Table, YieldRecord, counted,
+    further_in_words, shown_side_effects, side_effects_table,
 };
 use crate::study::ValueEdit;
 use serde::{Deserialize, Serialize};
@@ -363,7 +363,7 @@ pub(super) struct Misfit {
     pub reason: Option<String>,
     pub gradient: Coordinates,
     pub targets: Vec<TargetMisfit>,
-    pub constraints: Vec<ConstraintRoom>,
+    pub constraints: Vec<ConstraintMargin>,
 }
 
 #[derive(Serialize)]
@@ -376,15 +376,6 @@ pub(super) struct TargetMisfit {
     /// Unit of that position, or the load case.
     pub worst_at_unit: String,
     pub gradient: Coordinates,
-}
-
-#[derive(Serialize)]
-pub(super) struct ConstraintRoom {
-    pub name: String,
-    /// Margin to the nearest limit in `unit`. Negative if the constraint is violated.
-    pub room: f64,
-    pub unit: String,
-    pub is_violated: bool,
 }
 
 /// Influence of a coordinate on each column: derivatives at each station.

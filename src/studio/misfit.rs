@@ -16,7 +16,7 @@
 //!
 //! The page solves the nominal design. Its misfit describes this design, even if a tuning improves builds.
 
-use super::message::{ConstraintRoom, Coordinates, Misfit, TargetMisfit};
+use super::message::{Coordinates, Misfit, TargetMisfit};
 use super::study_file::Opened;
 use crate::mechanism::DesignFault;
 use crate::optimise::{Assessment, TargetLayout, assessed};
@@ -85,7 +85,7 @@ pub(super) fn of_assessment(
         reason: None,
         gradient: gradient(residuals, jacobian, &all, all.len() as f64 * value),
         targets: targets.collect(),
-        constraints: rooms(optimise, layout, &found.rows.residuals),
+        constraints: constraint_margins(optimise, layout, &found.rows.residuals),
     }
 }
 
@@ -108,18 +108,5 @@ fn gradient(
     let points = 0..jacobian.ncols() / 3;
     points
         .map(|point| std::array::from_fn(|axis| along(3 * point + axis)))
-        .collect()
-}
-
-/// Smallest margin of each constraint over all stations at which it is checked.
-fn rooms(optimise: &Optimise, layout: &TargetLayout, rows: &DVector<f64>) -> Vec<ConstraintRoom> {
-    let margins = constraint_margins(optimise, layout, rows).into_iter();
-    margins
-        .map(|own| ConstraintRoom {
-            name: own.name,
-            room: own.room,
-            unit: own.unit,
-            is_violated: own.is_violated,
-        })
         .collect()
 }

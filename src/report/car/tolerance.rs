@@ -32,7 +32,8 @@ struct CarValue {
     case: String,
     unit: String,
     builds: u64,
-    drawn: Option<f64>,
+    #[serde(alias = "drawn")]
+    nominal: Option<f64>,
     mean: Option<f64>,
     mean_error: Option<f64>,
     sigma: Option<f64>,
@@ -100,7 +101,7 @@ impl CarToleranceSummary {
                 case,
                 unit,
                 builds: spread.count,
-                drawn: finite(nominal[k]),
+                nominal: finite(nominal[k]),
                 mean: finite(spread.mean),
                 mean_error: finite(spread.sigma / (spread.count as f64).sqrt()),
                 sigma: finite(spread.sigma),
@@ -179,7 +180,7 @@ impl CarToleranceSummary {
         let head = [
             Column::from("output"),
             "case".into(),
-            Column::named("nominal", "drawn"),
+            Column::from("nominal"),
         ];
         let because = Column::for_programs("because");
         let columns = head.into_iter().chain(numbers).chain([because]);
@@ -195,7 +196,7 @@ impl CarToleranceSummary {
                 continue;
             }
             let numbers = [
-                value.drawn,
+                value.nominal,
                 value.mean,
                 value.sigma,
                 value.sigma_linear,
@@ -206,7 +207,7 @@ impl CarToleranceSummary {
                 Some(true) => "yes",
                 Some(false) if value.second_order.is_some_and(|s| s >= HOLDS) => "no: curved",
                 Some(false) => "no: builds differ",
-                None if value.drawn.is_none() || value.builds == 0 => "",
+                None if value.nominal.is_none() || value.builds == 0 => "",
                 None if !value.scatters => "does not scatter",
                 None => "not known",
             };
@@ -277,7 +278,7 @@ impl CarToleranceSummary {
             "output",
             "case",
             "builds",
-            "drawn",
+            "nominal",
             "mean",
             "mean_error",
             "sigma",
@@ -295,7 +296,7 @@ impl CarToleranceSummary {
         header.push("max".to_owned());
         let rows = self.values.iter().map(|v| {
             let mut row = vec![v.output.clone(), v.case.clone(), v.builds.to_string()];
-            row.extend([v.drawn, v.mean, v.mean_error, v.sigma, v.sigma_error].map(optional));
+            row.extend([v.nominal, v.mean, v.mean_error, v.sigma, v.sigma_error].map(optional));
             row.extend([v.sigma_linear, v.second_order].map(optional));
             row.push(v.linear_holds.map_or_else(String::new, |h| h.to_string()));
             row.extend([v.remainder, v.remainder_error, v.remainder_second_order].map(optional));

@@ -16,8 +16,8 @@ const sayPoint = () => {
   byId('front-point').value = String(picked);
   byId('front-study').textContent = studyOf(picked);
   const [first, second] = weights;
-  const rate = front.wishes.length === 2 && first > 0 && second > 0 ? `; an improvement of ${front.wishes[0]} by one tolerance worsens ${front.wishes[1]} by ${brief(first / second, 3)}` : '';
-  byId('front-said').textContent = (picked === run.kept_point ? 'kept: ' : '') + front.wishes.map((name, k) => `${name} ${brief(misfits[k], 3)}`).join(', ') + rate;
+  const rate = front.targets.length === 2 && first > 0 && second > 0 ? `; an improvement of ${front.targets[0]} by one tolerance worsens ${front.targets[1]} by ${brief(first / second, 3)}` : '';
+  byId('front-said').textContent = (picked === run.kept_point ? 'kept: ' : '') + front.targets.map((name, k) => `${name} ${brief(misfits[k], 3)}`).join(', ') + rate;
   byId('front-table').replaceChildren(...front.variables.map((name, k) => html('tr', {}, html('td', { text: name }), html('td', { class: 'number', text: brief(offsets[k]) }))));
   for (const chart of frontCharts) {
     const { x, y } = chart.layout;

@@ -61,7 +61,7 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
     let limits = [band.low, band.high];
     let all = limits
         .into_iter()
-        .chain([least, most, value.drawn])
+        .chain([least, most, value.nominal])
         .flatten();
     let (low, high) = all.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| {
         (low.min(v), high.max(v))
@@ -145,7 +145,7 @@ fn spread(svg: &mut String, middle: f64, value: &ValueRecord, x: impl Fn(f64) ->
             middle - 5.5
         );
     }
-    if let Some(nominal) = value.drawn {
+    if let Some(nominal) = value.nominal {
         let _ = write!(
             svg,
             "<circle class=\"nominal\" cx=\"{:.1}\" cy=\"{middle}\" r=\"3\"/>",

@@ -48,7 +48,7 @@ impl SweepDirectory {
     pub fn files(record: &SweepRecord) -> Vec<String> {
         let mut names = vec!["sweep.json".to_owned()];
         names.extend(SweepDirectory::part_files(record));
-        names.extend(["summary.json", "drawn.json"].map(str::to_owned));
+        names.extend(["summary.json", "shown_designs.json"].map(str::to_owned));
         names.extend((record.deviations().len() > 1).then(|| "pareto.csv".to_owned()));
         names
     }

@@ -1,4 +1,4 @@
-//! `drawn.json`: some designs of a sweep with their curves and their mechanism, for the page of the sweep.
+//! `shown_designs.json`: some designs of a sweep with their curves and their mechanism, for the page of the sweep.
 //!
 //! They are solved at the end of the sweep, because a merge of directories does not have the study.
 

@@ -10,7 +10,7 @@
 //! | `part-000000000.json` | statistics of a part |
 //! | `curves-000000000.csv` | all curves of a part, with `curves = true` |
 //! | `pareto.csv`, `summary.json` | Pareto front and [`SweepSummary`], from the statistics alone |
-//! | `drawn.json` | some designs with their curves ([`DrawnDesigns`]) |
+//! | `shown_designs.json` | some designs with their curves ([`DrawnDesigns`]) |
 //!
 //! A sweep with one part calls the part's files `designs.csv`, `designs.json` and `curves.csv`. With `format = "parquet"`, files
 //! of rows and curves end in `.parquet`. The bytes of a part do not depend on the process that computes it. A complete part is

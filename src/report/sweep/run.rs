@@ -114,11 +114,18 @@ impl SweepRun {
             }
         }
         let mut files = SweepDirectory::part_files(&record);
-        for name in ["pareto.csv", "summary.json", "sweep.json", "drawn.json"] {
+        for name in [
+            "pareto.csv",
+            "summary.json",
+            "sweep.json",
+            "shown_designs.json",
+        ] {
             files.extend(path.join(name).is_file().then(|| name.to_owned()));
         }
         // Data from another version or another sweep are not shown.
-        let drawn = std::fs::read(path.join("drawn.json")).ok();
+        // Versions before 0.2.0 wrote `drawn.json`.
+        let mut names = ["shown_designs.json", "drawn.json"].into_iter();
+        let drawn = names.find_map(|name| std::fs::read(path.join(name)).ok());
         let drawn: Option<DrawnDesigns> = drawn.and_then(|text| serde_json::from_slice(&text).ok());
         let drawn = drawn.filter(|d| d.digest == record.digest && d.is_whole());
         Ok(SweepRun {

@@ -24,7 +24,8 @@ pub struct ValueRecord {
     /// Number of builds that have the value.
     pub builds: u64,
     /// Value of the nominal design.
-    pub drawn: Option<f64>,
+    #[serde(alias = "drawn")]
+    pub nominal: Option<f64>,
     /// Mean over the builds.
     pub mean: Option<f64>,
     /// Standard error of the mean.
@@ -133,7 +134,7 @@ pub(super) fn values(
                     columns.values_anywhere(&problem.placements()[station])
                 }),
                 builds: spread.count,
-                drawn: scaled(drawn[cell]),
+                nominal: scaled(drawn[cell]),
                 mean: scaled(spread.mean),
                 mean_error: scaled(spread.sigma / (spread.count as f64).sqrt()),
                 sigma: scaled(spread.sigma),

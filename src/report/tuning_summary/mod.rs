@@ -168,7 +168,8 @@ struct TargetSummary {
 struct ConstraintSummary {
     name: String,
     /// Margin to the nearest limit in `unit`; negative if it is violated.
-    room: f64,
+    #[serde(alias = "room")]
+    margin: f64,
     unit: String,
     /// Drive value with the smallest margin.
     at: Option<f64>,
@@ -210,7 +211,7 @@ impl ConstraintStatus {
 impl ConstraintSummary {
     fn status(&self) -> ConstraintStatus {
         self.status
-            .unwrap_or_else(|| ConstraintStatus::of(self.room))
+            .unwrap_or_else(|| ConstraintStatus::of(self.margin))
     }
 
     /// Table cell: drive value with the smallest margin, and its unit.

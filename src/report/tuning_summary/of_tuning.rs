@@ -156,7 +156,7 @@ impl TunedStudy<'_> {
         let part = &constraint.parts[0];
         ConstraintSummary {
             name: constraint.name.clone(),
-            room: found.room + 0.0,
+            margin: found.room + 0.0,
             unit: part.unit.clone(),
             at: found.at.map(|at| drive.printed(at)),
             at_unit: drive.unit(self.study.wheel().length_unit).to_owned(),

@@ -186,7 +186,7 @@ impl TuningSummary {
         if self.constraints.is_empty() {
             return None;
         }
-        let columns = ["constraint", "room", "unit", "at", "kept", "price"].map(Column::from);
+        let columns = ["constraint", "margin", "unit", "at", "kept", "price"].map(Column::from);
         let programs = [Column::for_programs("at unit")];
         let mut table = Table::with_columns(columns.into_iter().chain(programs));
         for c in &self.constraints {
@@ -202,7 +202,7 @@ impl TuningSummary {
             };
             table.push([
                 Cell::from(c.name.as_str()),
-                Cell::by(c.room, brief),
+                Cell::by(c.margin, brief),
                 c.unit.as_str().into(),
                 c.place(),
                 kept.into(),

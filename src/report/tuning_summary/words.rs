@@ -79,7 +79,7 @@ impl TuningSummary {
             .map(|row| &self.constraints[row]);
         let violated: Vec<String> = violated
             .filter(|c| !self.unmoved_constraints.contains(&c.name))
-            .map(|c| format!("{} by {} {}", c.name, brief(-c.room), c.unit))
+            .map(|c| format!("{} by {} {}", c.name, brief(-c.margin), c.unit))
             .collect();
         let kept = self.best_start.filter(|_| !violated.is_empty())?;
         Some(format!(

@@ -15,9 +15,8 @@ use crate::car::{
     RigGoals,
 };
 use crate::optimise::{TargetLayout, assessed};
-use crate::report::VIOLATED;
-use crate::report::{CarResults, CarState};
-use crate::studio::message::{ConstraintRoom, Coordinates, Misfit, TargetMisfit};
+use crate::report::{CarResults, CarState, ConstraintMargin, VIOLATED};
+use crate::studio::message::{Coordinates, Misfit, TargetMisfit};
 use crate::studio::misfit::of_assessment;
 use crate::study::{CarOptimise, CarStudy};
 
@@ -28,7 +27,7 @@ pub(super) struct Weighed {
 }
 
 /// Targets and constraints.
-type Found = (Vec<Weighed>, Vec<ConstraintRoom>);
+type Found = (Vec<Weighed>, Vec<ConstraintMargin>);
 
 /// Targets and constraints of each single axle, if it has any.
 pub(super) type Rigs = [Option<Result<Found, String>>; 2];
@@ -70,7 +69,7 @@ pub(super) fn misfit<'s>(
 }
 
 /// Misfit of all targets: (1).
-fn summed(targets: Vec<Weighed>, constraints: Vec<ConstraintRoom>) -> Misfit {
+fn summed(targets: Vec<Weighed>, constraints: Vec<ConstraintMargin>) -> Misfit {
     let weights: f64 = targets.iter().map(|own| own.weight).sum();
     let squares = targets
         .iter()
@@ -147,12 +146,12 @@ fn of_cases<'s>(
         };
         let value = value.ok_or_else(|| format!("{} has no value in {}", own.name, case.name))?;
         let [low, high] = own.between;
-        let room = (value - low).min(high - value) + 0.0;
-        constraints.push(ConstraintRoom {
+        let margin = (value - low).min(high - value) + 0.0;
+        constraints.push(ConstraintMargin {
             name: format!("{} in {}", own.name, case.name),
-            room,
+            margin,
             unit: own.quantity.info().unit.suffix(study.car.length_unit),
-            is_violated: room < -VIOLATED * own.visible,
+            is_violated: margin < -VIOLATED * own.visible,
         });
     }
     Ok((targets.into_iter().flatten().collect(), constraints))
@@ -243,9 +242,9 @@ fn of_axle(
             },
         }
     });
-    let constraints = misfit.constraints.into_iter().map(|room| ConstraintRoom {
-        name: name_on_rig(&room.name, end),
-        ..room
+    let constraints = misfit.constraints.into_iter().map(|own| ConstraintMargin {
+        name: name_on_rig(&own.name, end),
+        ..own
     });
     Ok((targets.collect(), constraints.collect()))
 }

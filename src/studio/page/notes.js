@@ -119,7 +119,7 @@ const constraints = () => {
   if (!margins.length) return [panel('Constraints', html('p', { class: 'hint', text: 'The study has no constraints.' }))];
   const rows = margins.map((c) => html('tr', { class: c.is_violated ? 'violated' : null },
     html('th', { scope: 'row' }, html('button', { class: 'name', text: c.is_violated ? `${c.name}, violated` : c.name, title: 'Show it in the views', on: { click: () => selectNamed(c.name) } })),
-    html('td', { class: `number ${c.is_violated ? 'bad' : ''}`, text: `${brief(c.room, 3)} ${c.unit}` })));
+    html('td', { class: `number ${c.is_violated ? 'bad' : ''}`, text: `${brief(c.margin, 3)} ${c.unit}` })));
   return [panel('Constraints', table(['constraint', 'margin'], rows))];
 };
 

@@ -33,7 +33,7 @@ pub struct Motion {
     pub steering_wheel_angle: Option<Spanned<Values>>,
     /// `plane` or `pads`.
     pub ground: Option<Text>,
-    /// `mean_travel` or `load`.
+    /// `mean_travel` or `wheel_load`.
     pub hold: Option<Text>,
     /// `all` or `rows`.
     pub combine: Option<Text>,

@@ -145,7 +145,7 @@ fn gradients_follow_the_load() {
 fn a_load_is_held_where_the_motion_says_so() {
     let path = sample("macpherson_axle.toml");
     let path = path.to_str().unwrap();
-    let motion = "motion={ roll = [-2.0, 0.0, 2.0], hold = \"load\" }";
+    let motion = "motion={ roll = [-2.0, 0.0, 2.0], hold = \"wheel_load\" }";
     let outputs = "outputs.characteristics=[\"wheel_load\", \"camber\"]";
     let (csv, _) = run(
         &[
@@ -161,7 +161,11 @@ fn a_load_is_held_where_the_motion_says_so() {
     assert_eq!(heave(2), 0.0);
     assert!(heave(1).abs() > 1e-3 && (heave(1) - heave(3)).abs() < 1e-9);
     for (motion, more, wanted) in [
-        ("motion={ heave = 0.0, hold = \"load\" }", "", "has no roll"),
+        (
+            "motion={ heave = 0.0, hold = \"wheel_load\" }",
+            "",
+            "has no roll",
+        ),
         (motion, "outputs.certify=true", "certify does not work"),
         (motion, "outputs.certify=false", ""),
         ("motion={ roll = 1.0, hold = \"weight\" }", "", "expected"),

@@ -360,7 +360,7 @@ fn an_axle_is_tuned() {
     );
     // The page contains the Pareto front too, so that the user can pick a design.
     let record = fs::read_to_string(out.join("report.json")).unwrap();
-    assert!(record.contains("\"wishes\":[\"roll_steer\",\"force_roll_centre_height\"]"));
+    assert!(record.contains("\"targets\":[\"roll_steer\",\"force_roll_centre_height\"]"));
     for file in [
         "curves.csv",
         "front.csv",

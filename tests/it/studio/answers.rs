@@ -159,7 +159,7 @@ fn margins_have_the_unit_of_the_study() {
     };
     assert!(pairs().count() >= 5);
     for (mm, inches) in pairs() {
-        let margins = [&mm, &inches].map(|c| c["room"].as_f64().unwrap());
+        let margins = [&mm, &inches].map(|c| c["margin"].as_f64().unwrap());
         assert!((margins[0] - margins[1]).abs() < 1e-9, "{mm} {inches}");
         let is_angle = mm["name"].as_str().unwrap().contains("articulation");
         let units = if is_angle { ["deg"; 2] } else { ["mm", "in"] };

@@ -26,7 +26,7 @@ fn threads_and_shards_give_the_same_bytes() {
     bench.assert_same("one", "shards");
     bench.run(&["merge", "--out", "merged", "shards"]).success();
     bench.assert_same("one", "merged");
-    assert!(bench.path("merged/drawn.json").exists());
+    assert!(bench.path("merged/shown_designs.json").exists());
     // Results name the study, not its copy.
     fs::copy(bench.path("study.toml"), bench.path("strut.toml")).unwrap();
     let few = ["--set", "sweep.samples=20", "--out", "few"];

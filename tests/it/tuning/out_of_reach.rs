@@ -27,7 +27,7 @@ fn an_impossible_constraint_is_named_with_its_violation() {
         assert!(remarks.contains(phrase), "{phrase}: {remarks}");
     }
     let table = serde_json::to_value(&summary).unwrap();
-    let room = table["constraints"][0]["room"].as_f64().unwrap();
+    let room = table["constraints"][0]["margin"].as_f64().unwrap();
     assert!(
         room < -900.0 && remarks.contains(&format!("{:.0}", -room)),
         "{remarks}"

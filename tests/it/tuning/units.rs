@@ -125,7 +125,7 @@ fn margins_and_prices_are_in_the_study_s_unit() {
             let number = |value: &Value| value.as_f64();
             let near =
                 |a: f64, b: f64, scale: f64| (a - b).abs() <= 1e-5 * scale.abs().max(b.abs());
-            let margins = [own, mm].map(|c| number(&c["room"]).unwrap());
+            let margins = [own, mm].map(|c| number(&c["margin"]).unwrap());
             assert!(near(margins[0], margins[1] * factor, factor), "{own} {mm}");
             match [own, mm].map(|c| number(&c["price"])) {
                 [Some(own), Some(mm)] => assert!(near(own, mm / factor, 0.0), "{own} {mm}"),

@@ -22,17 +22,21 @@ fn at_load(
     let Some(text) = &section.hold else {
         return Some(false);
     };
-    let holds = [("mean_travel", false), ("load", true)];
-    let at_load = choose(text, "hold", &holds, problems)?;
+    let holds = [("mean_travel", false), ("wheel_load", true)];
+    // Studies before 0.2.0 say `load`.
+    let at_load = match text.get_ref().as_str() {
+        "load" => true,
+        _ => choose(text, "hold", &holds, problems)?,
+    };
     let certifies = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
     let message = if section.roll.is_none() {
         "hold applies to roll, and this motion has no roll"
     } else if at_load && !axle.setup.is_sprung() {
-        "hold = \"load\" needs [spring] for the wheel loads"
+        "hold = \"wheel_load\" needs [spring] for the wheel loads"
     } else if at_load && certifies.is_some_and(|c| *c.get_ref()) {
-        "certify does not work with hold = \"load\"; expected hold = \"mean_travel\", or no certify"
+        "certify does not work with hold = \"wheel_load\"; expected hold = \"mean_travel\", or no certify"
     } else if at_load && file.tolerance.is_some() {
-        "[tolerance] does not work with hold = \"load\"; expected hold = \"mean_travel\", or no [tolerance]"
+        "[tolerance] does not work with hold = \"wheel_load\"; expected hold = \"mean_travel\", or no [tolerance]"
     } else {
         return Some(at_load);
     };

@@ -214,8 +214,9 @@ fn the_level_axle_gives_the_load_of_every_station() {
         let (heave, roll) = (20.0 * generator.signed(), 3.0 * generator.signed());
         let level = sums(&format!("heave = [{heave:?}]\nroll = [0.0]"))[0];
         for racks in ["[40.0]", "[-40.0, 40.0]", "[0.0, 40.0]", "[40.0, 0.0]"] {
-            let rolled =
-                format!("heave = [{heave:?}]\nroll = [{roll:?}]\nrack = {racks}\nhold = \"load\"");
+            let rolled = format!(
+                "heave = [{heave:?}]\nroll = [{roll:?}]\nrack = {racks}\nhold = \"wheel_load\""
+            );
             for sum in sums(&rolled) {
                 assert!((sum - level).abs() < 1e-9 * level, "{racks}: {sum} {level}");
             }

@@ -176,6 +176,7 @@ fn front_lines(
             told: format!("point {}", point + 1),
             class: format!("hue5 strong front-point of-{point}"),
             is_main: false,
+            in_strip: false,
             has_dots: false,
             source: Source {
                 table,

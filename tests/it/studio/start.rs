@@ -92,6 +92,17 @@ fn pasted_points_become_a_study() {
     assert_eq!(written["wheel"]["radius"].as_float(), Some(305.0));
     let offered = served.overview()["characteristics"].to_string();
     assert!(offered.contains("roll_centre_height"), "{offered}");
+    // Numbers in front of the names are the numbers of the rows.
+    let served = empty();
+    let rows = pasted.lines().enumerate();
+    let numbered: String = rows.map(|(k, row)| format!("{}\t{row}\n", k + 1)).collect();
+    let started = served.post("start", &request("double_wishbone", "new.toml", &numbered));
+    assert_eq!(started.status, 200, "{}", started.text());
+    let again: toml::Table = fs::read_to_string(&served.study).unwrap().parse().unwrap();
+    assert_eq!(
+        again["suspension"]["hardpoints"],
+        written["suspension"]["hardpoints"]
+    );
     // A name that is not known: the form has no file of names, and says what to rename.
     let served = empty();
     let renamed = pasted.replace("wheel_centre", "hub point");
@@ -120,6 +131,15 @@ fn a_start_that_is_refused_writes_nothing() {
         let started = served.post("start", &request(topology, name, points));
         assert_eq!(started.status, 422, "{name} {}", started.text());
     }
+    let refused = served.post(
+        "start",
+        &request("double_wishbone", "new.toml", "no points"),
+    );
+    let said = refused.text();
+    assert!(
+        said.contains("the pasted text has no table of points"),
+        "{said}"
+    );
     assert_eq!(served.files(), ["mine.toml"]);
     let mine = fs::read_to_string(served.folder.path().join("mine.toml"));
     assert_eq!(mine.unwrap(), "mine");

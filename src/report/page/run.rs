@@ -3,7 +3,7 @@
 use super::charts::Charts;
 use super::escape::{html, prose};
 use super::motions::{controls, figures, of_motions};
-use super::opening::opening;
+use super::opening::{MOST_EFFECTS, opening};
 use super::scatter::{contributors, distributions};
 use super::table::table;
 use super::tuning_charts::{front_charts, history_chart, prices_chart};
@@ -90,7 +90,10 @@ pub fn page(run: &Run) -> String {
                 String::new(),
             )
         }
-        Summary::Tolerance(tolerance) => (String::new(), tolerance_sections(tolerance)),
+        Summary::Tolerance(tolerance) => (
+            String::new(),
+            tolerance_sections(tolerance, &record.motion.drive),
+        ),
         solve => {
             let ranges = solve.tables().map(|[ranges, ..]| ranges.html());
             (String::new(), ranges.unwrap_or_default())
@@ -419,8 +422,14 @@ fn side_effects(effects: &[SideEffect]) -> String {
     };
     let further = further_in_words(effects);
     let further = further.iter().map(|line| format!("<p>{}</p>", prose(line)));
+    // Paper has the same rows once.
+    let again = if shown.len() <= MOST_EFFECTS {
+        " class=\"again\""
+    } else {
+        ""
+    };
     format!(
-        r#"<p class="note">Side effects: changes that no target asks for; {}.</p>{rows}{}"#,
+        r#"<div{again}><p class="note">Side effects: changes that no target asks for; {}.</p>{rows}</div>{}"#,
         prose(&words),
         further.collect::<String>()
     )
@@ -453,8 +462,8 @@ fn prices_section(tuning: &TuningSummary, charts: &mut Charts) -> String {
 }
 
 /// Results of the scatter. They follow the fans around the curves.
-fn tolerance_sections(tolerance: &ToleranceSummary) -> String {
-    let mut sections = distributions(tolerance) + &contributors(tolerance);
+fn tolerance_sections(tolerance: &ToleranceSummary, drive: &str) -> String {
+    let mut sections = distributions(tolerance, drive) + &contributors(tolerance);
     sections += &tolerance.values_table().html();
     if !tolerance.bands.is_empty() {
         sections += &tolerance.bands_table().html();

@@ -2,6 +2,7 @@
 
 use super::charts::Charts;
 use super::escape::html;
+use super::table::stacked;
 use super::{Page, STAGE};
 use crate::report::chart::{AxisLayout, Charted, Layout, Quantity, chart_groups, charts_over};
 use crate::report::curve_table::CurveTable;
@@ -128,7 +129,7 @@ pub fn sweep_page(run: &SweepRun) -> String {
             not_drawn = not_drawn(run),
             best = best(run),
             effects = effects(record),
-            outputs = summary.outputs_table().html(),
+            outputs = stacked(&summary.outputs_table()),
         ),
         files: &run.files,
         data,

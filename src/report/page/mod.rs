@@ -23,7 +23,7 @@ mod tuning_charts;
 pub use car::car_page;
 pub use compare::comparison_page;
 pub use kc::kc_page;
-pub use run::page;
+pub use run::{PageDesign, page, page_of_design};
 pub use sheet::{LimitsSheet, limits_page, set_up_page};
 pub use sweep::sweep_page;
 

@@ -12,8 +12,10 @@ use crate::SideEffect;
 use crate::report::chart::{Charted, Layout, Line, Source, families, moving_beside};
 use crate::report::curve_table::CurveTable;
 use crate::report::failures::FailureRange;
+use crate::report::figure::brief;
 use crate::report::record::{DesignRecord, OutputRecord, Record};
 use crate::report::run::{Run, Summary};
+use crate::report::table::Table;
 use crate::report::{FrontPoint, ToleranceSummary, TuningSummary, YieldRecord};
 use crate::report::{
     further_in_words, side_effects_in_words, side_effects_table, visible_side_effects,
@@ -49,8 +51,48 @@ struct Data<'a> {
     missed: Vec<(&'a str, String)>,
 }
 
+/// A design of the live page, for the opening of its report.
+pub struct PageDesign {
+    /// Misfit in tolerances. `None` without targets, or if the design has no misfit.
+    pub misfit: Option<f64>,
+    /// Verdict on targets and constraints. `None` without targets.
+    pub verdict: Option<String>,
+    /// Deviations from the targets.
+    pub targets: Option<Table>,
+    /// Coordinates of the hardpoints.
+    pub hardpoints: Table,
+}
+
+impl PageDesign {
+    fn section(&self) -> String {
+        let verdict = self.verdict.as_ref().map_or_else(String::new, |verdict| {
+            format!("<p class=\"verdict\">{}</p>", prose(verdict))
+        });
+        let targets = self.targets.as_ref().map_or_else(String::new, |targets| {
+            format!(
+                "<div><h3>Deviations from targets in tolerances</h3>{}</div>",
+                targets.html()
+            )
+        });
+        format!(
+            "<section id=\"answer\" aria-labelledby=\"answer-title\"><h2 id=\"answer-title\">Design</h2>{verdict}\
+             <div class=\"answer tables\">{targets}<div><h3>Hardpoints</h3>{}</div></div></section>\n",
+            self.hardpoints.html()
+        )
+    }
+}
+
 /// Page of a run.
 pub fn page(run: &Run) -> String {
+    with_design(run, None)
+}
+
+/// Report page of a design of the live page. It opens with its misfit and its hardpoints.
+pub fn page_of_design(run: &Run, design: &PageDesign) -> String {
+    with_design(run, Some(design))
+}
+
+fn with_design(run: &Run, design: Option<&PageDesign>) -> String {
     let (mut curves, curves_note) = drawn(run);
     let front = run.record.front.as_ref().map_or(&[][..], |f| &f.points);
     let first_of_front = curves.len();
@@ -68,7 +110,20 @@ pub fn page(run: &Run) -> String {
         |tables, group, over| front_lines(record, tables, first_of_front, group, over),
     );
     let motions = of_motions(run, &misses, &mut charts);
-    let answer = tuning_of(run).map_or_else(String::new, |tuning| opening(tuning, &run.record));
+    let answer = match design {
+        Some(design) => design.section(),
+        None => tuning_of(run).map_or_else(String::new, |tuning| opening(tuning, record)),
+    };
+    let mut facts = facts(run);
+    let mut sections = sections(run);
+    if let Some(design) = design {
+        let misfit = design.misfit.map(|misfit| {
+            let misfit = format!("{} <small>tolerances</small>", html(&brief(misfit)));
+            ("Misfit", misfit)
+        });
+        facts.splice(0..0, misfit);
+        sections.insert(0, ("answer", "Design"));
+    }
     let (tuning, ranges) = match &run.summary {
         Summary::Optimise(tuning) => {
             let front = match &run.record.front {
@@ -126,9 +181,9 @@ pub fn page(run: &Run) -> String {
             run.record.command,
             run.record.version
         ),
-        facts: facts(run),
+        facts,
         remarks: interruption(run) + &failures(run) + &remarks(run),
-        sections: sections(run),
+        sections,
         controls: &controls(&run.record.motion, "curve-plots"),
         main,
         files: &run.files,

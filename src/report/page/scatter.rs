@@ -326,6 +326,24 @@ fn end_labels(now: f64, ends: [f64; 2], x: &impl Fn(f64) -> f64) -> [EndLabel; 2
 mod tests {
     use super::*;
 
+    /// A long name has two lines with all of its letters, and minus signs.
+    #[test]
+    fn a_long_name_has_two_lines() {
+        let words = |svg: &str| -> Vec<String> {
+            let parts = svg.split("</text>").filter_map(|part| part.split_once('>'));
+            parts.map(|(_, text)| text.to_owned()).collect()
+        };
+        let name = "bump_steer_deg_per_mm: -0.018 to -0.004";
+        let lines = words(&beside(name, 20.0));
+        assert_eq!(
+            lines,
+            ["bump_steer_deg_per_mm: \u{2212}0.018 to", "\u{2212}0.004"]
+        );
+        let jig = "jig lower_arm_front+lower_arm_rear+upper_arm_front+upper_arm_rear";
+        assert_eq!(words(&beside(jig, 20.0)).concat(), jig);
+        assert_eq!(words(&beside("tie_rod length", 20.0)), ["tie_rod length"]);
+    }
+
     /// Labels of yields on both sides of the present one stand at their bars. Labels on the same side stand above each other,
     /// outside both bars, at least a line of 10 px apart.
     #[test]

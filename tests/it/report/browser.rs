@@ -236,3 +236,30 @@ fn a_browser_draws_an_axle() {
     assert_eq!(shown.attribute("plots-expected"), plots.to_string());
     assert_eq!(shown.attribute("station"), "12");
 }
+
+/// On a phone the rows of wide tables are blocks within the window. In a usual window the table of effects is as wide as it needs
+/// to be, since there is space.
+#[test]
+fn tables_use_the_width_of_the_window() {
+    let Some(browser) = crate::studio::webdriver::Browser::start() else {
+        skipped();
+        return;
+    };
+    let run = sweep("plain", &["--set", "sweep.samples=60"]);
+    browser.size(390, 844);
+    browser.open(&format!(
+        "file://{}",
+        run.path().join("report.html").display()
+    ));
+    browser.wait("document.documentElement.dataset.ready");
+    let outside = browser.run(
+        "const all = [...document.querySelectorAll('.stacked td')].filter((e) => e.checkVisibility()); \
+         return all.length > 20 ? all.filter((e) => { const { left, right } = e.getBoundingClientRect(); return left < 0 || right > innerWidth || e.scrollWidth > e.clientWidth + 1; }).map((e) => e.textContent) : 'few'",
+    );
+    assert_eq!(outside, serde_json::json!([]));
+    browser.size(1440, 900);
+    let cut = browser.run(
+        "const e = document.getElementById('effects-map'); return e.scrollWidth - e.clientWidth",
+    );
+    assert!(cut.as_f64().unwrap() <= 1.0, "{cut}");
+}

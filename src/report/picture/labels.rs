@@ -19,11 +19,13 @@ pub(super) struct Label<'a> {
     /// Left end of its baseline.
     pub at: [f64; 2],
     /// Line from the point to the name. `None` if the name is beside the point.
-    pub leader: Option<[[f64; 2]; 2]>,
+    pub leader: Option<Segment>,
 }
 
 /// A rectangle: left, top, right, bottom.
 type Area = [f64; 4];
+/// Both ends of a line.
+type Segment = [[f64; 2]; 2];
 
 /// Places names one after the other. Each name takes the position of lowest cost. An overlap with other names has the highest
 /// cost, followed by overlaps with points and with lines, positions that are nearer to another point, and the distance from the
@@ -31,14 +33,14 @@ type Area = [f64; 4];
 pub(super) fn place_labels<'a>(
     names: &[(&'a str, [f64; 2])],
     dots: &[[f64; 2]],
-    segments: &[[[f64; 2]; 2]],
+    segments: &[Segment],
     size: [f64; 2],
 ) -> Vec<Label<'a>> {
     let mut taken: Vec<Area> = Vec::new();
     let mut labels = Vec::new();
     for (text, dot) in names {
         let width = LETTER[0] * text.chars().count() as f64;
-        let mut best: Option<(f64, Area, Option<[[f64; 2]; 2]>)> = None;
+        let mut best: Option<(f64, Area, Option<Segment>)> = None;
         for area in candidates(*dot, width) {
             let is_inside = area[0] >= 4.0
                 && area[2] <= size[0] - 4.0
@@ -47,7 +49,7 @@ pub(super) fn place_labels<'a>(
             let names = taken.iter().map(|other| overlap(&area, other)).sum::<f64>();
             let near = |d: &&[f64; 2]| overlap(&area, &around(**d)) > 0.0;
             let points = dots.iter().filter(near).count() as f64;
-            let crossed = |s: &&[[f64; 2]; 2]| crosses(&area, s);
+            let crossed = |s: &&Segment| crosses(&area, s);
             let lines = segments.iter().filter(crossed).count() as f64;
             let away = distance(&area, *dot);
             let outside = if is_inside { 0.0 } else { 1e6 };
@@ -83,7 +85,7 @@ pub(super) fn place_labels<'a>(
 }
 
 /// Line from a point to its name. `None` if the name is beside the point and clearly belongs to it.
-fn leader(area: &Area, dot: [f64; 2], dots: &[[f64; 2]]) -> Option<[[f64; 2]; 2]> {
+fn leader(area: &Area, dot: [f64; 2], dots: &[[f64; 2]]) -> Option<Segment> {
     let is_far = distance(area, dot) > FAR;
     let nearest = [
         dot[0].clamp(area[0], area[2]),
@@ -144,7 +146,7 @@ fn distance(area: &Area, dot: [f64; 2]) -> f64 {
 }
 
 /// True if the segment crosses the rectangle: clipping leaves a part of it.
-fn crosses(area: &Area, [from, to]: &[[f64; 2]; 2]) -> bool {
+fn crosses(area: &Area, [from, to]: &Segment) -> bool {
     let mut share = [0.0f64, 1.0f64];
     for k in 0..2 {
         let along = to[k] - from[k];

@@ -4,6 +4,7 @@ use super::bushings;
 use super::import::{Hardpoint, Imported, is_held_across};
 use super::seats::Seat;
 use crate::model::{AxlePosition, LengthUnit};
+use crate::report::Slip;
 use crate::solved::Solved;
 use crate::study::Study;
 use std::fmt::Write;
@@ -54,7 +55,9 @@ enum Part<'a> {
 }
 
 /// Travels to be tried, in millimetres, the largest first.
-const TRAVELS: [f64; 6] = [80.0, 60.0, 40.0, 30.0, 20.0, 10.0];
+const TRAVELS: [f64; 6] = [80.0, 60.0, 40.0, 30.0, 20.0, LEAST_TRAVEL];
+/// Smallest travel of a suspension that runs, in millimetres.
+const LEAST_TRAVEL: f64 = 10.0;
 
 impl Imported {
     /// Text of a study of the wheel, or of the axle if it is a solid axle. `name` is the study's name in messages; `origin` is
@@ -117,7 +120,11 @@ impl Imported {
         let read = |text: &str| Study::from_text(name, text, Path::new(""));
         let with = |travel: f64, outputs: &[&str]| self.text(origin, part, travel, outputs);
         // This first read reports a fault of the points only once, not once per output.
-        read(&with(TRAVELS[0], &[])).map_err(|errors| errors.render(false))?;
+        let explained = |reason: String| match self.slip(name, origin, part) {
+            None => reason,
+            Some(slip) => format!("{reason}\n{slip}"),
+        };
+        read(&with(TRAVELS[0], &[])).map_err(|errors| explained(errors.render(false)))?;
         let wanted: &[&str] = match part {
             Part::Wheel => &OUTPUTS,
             Part::Axle(_) => &AXLE_OUTPUTS,
@@ -138,11 +145,32 @@ impl Imported {
                 return Ok(text);
             }
         }
-        let least = TRAVELS[TRAVELS.len() - 1];
-        Err(format!(
-            "the suspension that these points make cannot move {least} mm up and down from the \
+        Err(explained(format!(
+            "the suspension that these points make cannot move {LEAST_TRAVEL} mm up and down from the \
              given position: is it {}, and are the names correct?",
             self.topology.name
+        )))
+    }
+
+    /// Describes the coordinate with a wrong sign or decimal place that keeps the suspension from moving. `None` if no single
+    /// coordinate does.
+    fn slip(&self, name: &str, origin: &str, part: Part<'_>) -> Option<String> {
+        let moves = |points: &[[f64; 3]]| {
+            let mut other = self.clone();
+            for (hardpoint, position) in other.hardpoints.iter_mut().zip(points) {
+                hardpoint.position = *position;
+            }
+            let text = other.text(origin, part, LEAST_TRAVEL, &[]);
+            let study = Study::from_text(name, &text, Path::new("")).ok()?;
+            Some(Solved::of(&study).ok()?.is_complete())
+        };
+        let points: Vec<[f64; 3]> = self.hardpoints.iter().map(|h| h.position).collect();
+        let slip = Slip::of(&points, |points| moves(points) == Some(true))?;
+        let point = &self.hardpoints[slip.point];
+        let words = slip.describe(point.position[slip.axis], slip.likely);
+        Some(format!(
+            "{:?} ({}), {}, seems to have {words}: with this value the suspension moves. Correct it in the file",
+            point.called, point.place, point.name
         ))
     }
 

@@ -63,6 +63,12 @@ const FIGURES: &[(FigureKind, &str)] = &[
 /// Finds a value by its name: its kind, its wheel, and the unit of length after the name.
 pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<FileUnit>)> {
     let mut cut = cut(name);
+    // Angles are those of one wheel anyway.
+    if let [.., per, "side" | "wheel"] = cut.iter().map(String::as_str).collect::<Vec<_>>()[..]
+        && per == "per"
+    {
+        cut.truncate(cut.len() - 2);
+    }
     let mut unit = None;
     // The end of "toe in" is not a unit, but the ends of "toe [in]" and "wheel_radius_in" are.
     let is_toe = cut.iter().any(|word| word == "toe");
@@ -143,6 +149,7 @@ mod tests {
             ("Half Track", FigureKind::HalfTrack),
             ("track width", FigureKind::Track),
             ("toe out", FigureKind::StaticToeOut),
+            ("static toe out per side", FigureKind::StaticToeOut),
             ("Toe-in", FigureKind::StaticToe),
             ("Tire Diameter", FigureKind::TyreDiameter),
             ("static_camber_rad", FigureKind::StaticCamber),

@@ -314,11 +314,25 @@ pub(super) fn unknown_beside_axes(sheet: &Sheet, row: u32) -> Option<String> {
     (beside("y")? == words && beside("z")? == words).then_some(words)
 }
 
-/// Columns of a table without a header, whose rows have a name followed by three numbers.
+/// True for the number of a row: a whole number that is not negative.
+fn is_index(cell: &Cell) -> bool {
+    match cell {
+        Cell::Number(number) => *number >= 0.0 && number.fract() == 0.0,
+        Cell::Text(text) => !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit()),
+        Cell::Unusable(_) => false,
+    }
+}
+
+/// Columns of a table without a header, whose rows have a name followed by three numbers. The number of the row may be in front of
+/// the name.
 pub(super) fn without_header(sheet: &Sheet, rows: &[u32]) -> Option<Columns> {
     let fits = |row: u32| {
-        let cells: Vec<(u32, &Cell)> = sheet.row(row).take(5).collect();
-        let [(name, Cell::Text(text)), (x, _), (y, _), (z, _)] = cells.as_slice() else {
+        let cells: Vec<(u32, &Cell)> = sheet.row(row).take(6).collect();
+        let cells = match cells.as_slice() {
+            [(_, number), rest @ ..] if rest.len() == 4 && is_index(number) => rest,
+            cells => cells,
+        };
+        let [(name, Cell::Text(text)), (x, _), (y, _), (z, _)] = cells else {
             return None;
         };
         let numbers = cells[1..].iter().all(|(_, cell)| match cell {

@@ -165,7 +165,14 @@ pub(super) fn for_axle(
     let mut figures = figures::read(table, corner, unit, options, is_optimum, &mut notes)?;
     let makes_wheel = is_optimum && figures.half_track().is_some() && figures.radius().is_some();
     let made: &[&str] = if makes_wheel { &["wheel_centre"] } else { &[] };
-    refuse_missing(table, options, &roles, &picked, made)?;
+    // All other points were there before, so only the wheel centre is missing.
+    refuse_missing(table, options, &roles, &picked, made).map_err(|reason| {
+        if is_optimum {
+            format!("{reason}\n--half-track and --radius give the wheel centre of this table")
+        } else {
+            reason
+        }
+    })?;
 
     let wanted = corner.side;
     // Tools with their own layout measure the half track at the contact point.

@@ -227,7 +227,7 @@ fn open_axes(reason: String, likely: Axes) -> Refusal {
         choices,
         free: Some((
             "--axes",
-            "X,Y,Z with each forward, rearward, left, right, up or down",
+            "with the directions of x, y and z, for example --axes forward,left,up",
         )),
     })
 }

@@ -64,8 +64,8 @@ pub(super) fn margin(
         return Ok("The mechanism can reach no station of the study's motion.".to_owned());
     }
     let mut text = format!(
-        "{stations} the wheel's links stay at least {} {unit} away from a dead centre or fold, by the conditioning of their \
-         equations. They are nearest at {} {}.",
+        "{stations} the wheel's links stay about {} {unit} or more away from a toggle or fold. This is an estimate from the \
+         conditioning of their equations. They are nearest at {} {}.",
         brief(distance),
         plan.drive.name(),
         as_written(plan.drive.printed(at))

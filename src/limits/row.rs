@@ -186,7 +186,7 @@ pub(super) fn because(limit: &Limit, study: &Study) -> String {
                 let event = cause.words();
                 format!("{event}: the {part} is at its dead centre, to 0.1 deg")
             } else {
-                format!("{cause} (nearest to one: the {part}, {angle:.1} deg away)")
+                format!("{cause}; nearest to its singularity: the {part}, {angle:.1} deg away")
             }
         }
         (cause, _) => cause.to_string(),

@@ -51,7 +51,7 @@ pub fn throughput_table(throughput: &Throughput) -> Table {
                 .into(),
         ]);
     }
-    table
+    table.keyed(3)
 }
 
 /// Table of the cost of each effect, alone and added to the pose.

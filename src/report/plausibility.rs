@@ -64,6 +64,7 @@ fn doubts(suspension: &Suspension) -> Result<Vec<String>, DesignFault> {
     remarks.wheel_at_the_centre_plane();
     remarks.distances();
     remarks.wheel_centre_off_its_carrier();
+    remarks.joints();
     remarks.rods();
     remarks.seats();
     remarks.front_and_rear();

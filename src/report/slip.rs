@@ -23,8 +23,11 @@ impl Slip {
         let mut found: Vec<(f64, Slip)> = Vec::new();
         for axis in 0..3 {
             let now = points[point][axis];
-            // A division keeps the digits; a factor of 0.1 would round.
-            for (likely, is_sign) in [(-now, true), (now / 10.0, false), (now * 10.0, false)] {
+            for (likely, is_sign) in [
+                (-now, true),
+                (shifted(now, -1), false),
+                (shifted(now, 1), false),
+            ] {
                 let mut changed = points.to_vec();
                 changed[point][axis] = likely;
                 let distance = away(&changed, point);
@@ -56,6 +59,16 @@ impl Slip {
     }
 }
 
+/// Number with its decimal point moved. It has the digits of the number, which a product with 10 may not have.
+fn shifted(number: f64, places: i32) -> f64 {
+    let text = format!("{number:e}");
+    let (digits, exponent) = text.split_once('e').expect("scientific notation");
+    let exponent: i32 = exponent.parse().expect("an integer");
+    format!("{digits}e{}", exponent + places)
+        .parse()
+        .expect("a number")
+}
+
 /// Distance of a point from the mean of the others.
 fn away(points: &[[f64; 3]], point: usize) -> f64 {
     let others = points.iter().enumerate().filter(|(k, _)| *k != point);
@@ -70,6 +83,20 @@ fn away(points: &[[f64; 3]], point: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A moved decimal point keeps the digits.
+    #[test]
+    fn a_moved_decimal_point_keeps_the_digits() {
+        for (number, places, expected) in [
+            (-0.4528, 1, -4.528),
+            (-0.748, 1, -7.48),
+            (-49.21, -1, -4.921),
+            (120.0, -1, 12.0),
+            (0.0, 1, 0.0),
+        ] {
+            assert_eq!(shifted(number, places), expected);
+        }
+    }
 
     /// Points of a box. One coordinate outside is found. Two points outside are not a slip.
     #[test]

@@ -315,7 +315,10 @@ impl ToleranceSummary {
 
     /// Table of the contributors: the tolerances to tighten, and those that can be relaxed.
     pub fn ranking_table(&self) -> Table {
-        let yields = ["yield halved", "yield doubled"].map(Column::from);
+        let yields = [
+            Column::named("yield at half tolerance", "yield_halved"),
+            Column::named("yield at double tolerance", "yield_doubled"),
+        ];
         let relaxed = Column::named("can be relaxed", "may be relaxed");
         let shares = [
             Column::for_readers("largest share"),

@@ -89,6 +89,22 @@ pub(super) fn of_assessment(
     }
 }
 
+impl Misfit {
+    /// Verdict in short sentences, for people. A target is met if its largest deviation is within its tolerance.
+    pub(super) fn verdict(&self) -> String {
+        if let Some(reason) = &self.reason {
+            return format!("The design has no misfit: {reason}.");
+        }
+        let all = self.targets.len();
+        let met = self.targets.iter().filter(|t| t.worst.abs() <= 1.0).count();
+        let mut words = format!("{met} of {all} targets are within their tolerance.");
+        for broken in self.constraints.iter().filter(|c| c.is_violated) {
+            words += &format!(" Violated: {}.", broken.name);
+        }
+        words
+    }
+}
+
 /// Product r . J over some rows, divided by a factor, for each point: (1), (2).
 fn gradient(
     residuals: &DVector<f64>,

@@ -131,6 +131,11 @@ fn in_form(refusal: &crate::exchange::Refusal) -> String {
     let words = fields
         .iter()
         .fold(words, |words, (flag, field)| words.replace(flag, field));
+    // The form has no file whose name could be the subject.
+    let words = match words.strip_prefix("it has no table") {
+        Some(rest) => format!("the pasted text has no table{rest}"),
+        None => words,
+    };
     // The form has no file of names. The user can rename points in the pasted text.
     match words.split_once("name them in a file for --map, as in") {
         Some((before, example)) => {

@@ -303,7 +303,7 @@ fn limits_are_sharp_and_have_a_cause() {
     let wishbones = studies().join("double_wishbone_solve.toml");
     let assert = hardpoint(&["limits", wishbones.to_str().unwrap(), "--format", "json"]).success();
     let other: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
-    let nearest = "(nearest to one: the upper arm, ";
+    let nearest = "; nearest to its singularity: the upper arm, ";
     assert!(
         other["limits"][0]["because"]
             .as_str()

@@ -7,7 +7,7 @@
 use super::comparison::{RequestedChanges, compare};
 use super::observed::{Grid, Observed, Series, Station};
 use super::{SideEffect, by_severity, over_all_motions};
-use crate::car::{AxleEnd, CarQuantity, CarSolver, Case};
+use crate::car::{AxleEnd, CarQuantity, CarSolver, Case, WholeResult};
 use crate::model::Side;
 use crate::number::Each;
 use crate::study::{AxleStudy, CarOptimise, CarStudy, Study, Vehicle};
@@ -76,6 +76,12 @@ fn quantities(study: &CarStudy) -> Vec<CarQuantity> {
     found
 }
 
+/// Result whose slope over the accelerations is the given result. A change of the slope that a target requests changes it, too.
+fn integral_of(slope: CarQuantity) -> Option<CarQuantity> {
+    (slope == CarQuantity::Whole(WholeResult::RollGradient))
+        .then_some(CarQuantity::Whole(WholeResult::Roll))
+}
+
 /// Values of a car in its load cases.
 fn observe(
     study: &CarStudy,
@@ -100,11 +106,12 @@ fn observe(
         let targets = optimise.targets.iter().map(|own| (own.quantity, own.case));
         let limits = optimise.constraints.iter();
         let wanted = targets.chain(limits.map(|own| (own.quantity, own.case)));
+        let counts = |of: CarQuantity| of == *quantity || integral_of(of) == Some(*quantity);
         let values = study.cases.iter().zip(&solved);
         Series {
             wheel,
             wanted: wanted
-                .filter_map(|(of, case)| (of == *quantity).then_some(case))
+                .filter_map(|(of, case)| counts(of).then_some(case))
                 .collect(),
             values: values
                 .map(|(case, solved)| quantity.printed(solved.as_ref()?, case))

@@ -109,7 +109,7 @@ pub fn lift_limits_table(limits: &[CarLimits], car: &Car) -> Table {
         "reason".into(),
         "status".into(),
     ];
-    let mut table = Table::with_columns(columns);
+    let mut table = Table::with_columns(columns).keyed(2);
     for limit in limits {
         let found = limit.found.as_ref().ok();
         let lift = found.and_then(|found| found.lift);

@@ -13,6 +13,8 @@ use serde::Serialize;
 pub(in crate::report) const SIZE: [f64; 2] = [420.0, 350.0];
 /// Left and top of the plot within the chart.
 const START: [f64; 2] = [68.0, 48.0];
+/// Height of a line of remarks. The first line needs no further space.
+const NOTE_LINE: f64 = 14.0;
 /// Height of the space below the plot for ticks and title.
 const BELOW: f64 = 44.0;
 /// Height of the strip of deviations, including the gap above it.
@@ -45,6 +47,12 @@ pub(in crate::report) struct Layout {
     pub wanted: Vec<Vec<Limit>>,
     #[serde(skip)]
     chart: Chart,
+    /// Lines of remarks below the name.
+    #[serde(skip)]
+    remarks: Vec<Vec<Remark>>,
+    /// Words before the name.
+    #[serde(skip)]
+    before: String,
     #[serde(skip)]
     scales: [Scale; 2],
     #[serde(skip)]
@@ -52,7 +60,25 @@ pub(in crate::report) struct Layout {
     #[serde(skip)]
     fans: Vec<[Vec<Option<[f64; 2]>>; 2]>,
     #[serde(skip)]
-    deviations: Vec<Vec<[f64; 2]>>,
+    deviations: Vec<Deviations>,
+}
+
+/// Deviations of a curve from a target, in tolerances.
+#[derive(Clone, Debug)]
+struct Deviations {
+    /// Index of the curve.
+    line: usize,
+    /// Position on the horizontal axis, and deviation.
+    points: Vec<[f64; 2]>,
+}
+
+/// A remark below the name of a chart.
+#[derive(Clone, Debug)]
+struct Remark {
+    class: &'static str,
+    text: String,
+    /// Left end.
+    at: f64,
 }
 
 /// Position on the horizontal axis, lower limit and upper limit of a target.
@@ -84,7 +110,7 @@ pub(in crate::report) struct LineLayout {
     pub told: String,
     /// Classes for colour and stroke.
     pub class: String,
-    /// True for the main curve. Its value comes first, and the chart shows its deviations.
+    /// True for the main curve. Its value comes first.
     pub is_main: bool,
     /// Index of the table.
     pub table: usize,
@@ -136,10 +162,12 @@ impl Chart {
         let labels = short_labels(&self.lines);
         let longest = labels.iter().flatten().map(|l| l.chars().count()).max();
         let right = SIZE[0] - longest.map_or(16.0, |n| 14.0 + LETTER * n as f64);
-        let has_strip = deviations.iter().any(|of| !of.is_empty());
+        let has_strip = deviations.iter().any(|of| !of.points.is_empty());
         let bottom = SIZE[1] - BELOW - if has_strip { STRIP } else { 0.0 };
-        let y_ticks = (bottom - START[1]) / 34.0;
-        let ends_y = [bottom, START[1]];
+        let remarks = remarks(&self);
+        let top = START[1] + NOTE_LINE * remarks.len().saturating_sub(1) as f64;
+        let y_ticks = (bottom - top) / 34.0;
+        let ends_y = [bottom, top];
         let values = own().map(|p| p[1]);
         let y = if self.y.is_log {
             Scale::logarithmic(values, ends_y)
@@ -153,7 +181,7 @@ impl Chart {
             .map(|(_, label)| label.chars().count())
             .max();
         let left = START[0] + LETTER * widest.unwrap_or(0).saturating_sub(5) as f64;
-        let plot = [left, START[1], right, bottom];
+        let plot = [left, top, right, bottom];
         // The axis also covers positions without a value, so that a curve with few values does not fill the whole chart.
         let places = self
             .lines
@@ -186,6 +214,8 @@ impl Chart {
             points,
             fans,
             deviations,
+            remarks,
+            before: String::new(),
             chart: self,
         }
     }
@@ -230,11 +260,11 @@ impl LineLayout {
     }
 }
 
-/// Deviations of the main curve from each target, in tolerances, at the positions of the target.
-fn deviations(chart: &Chart, points: &[Vec<Option<[f64; 2]>>]) -> Vec<Vec<[f64; 2]>> {
+/// Deviations of the curves in the strip from each target, at the positions of the target.
+fn deviations(chart: &Chart, points: &[Vec<Option<[f64; 2]>>]) -> Vec<Deviations> {
     let mut all = Vec::new();
-    for (line, points) in chart.lines.iter().zip(points) {
-        if !line.is_main {
+    for (number, (line, points)) in chart.lines.iter().zip(points).enumerate() {
+        if !line.in_strip {
             continue;
         }
         let wanted = chart.wanted.iter().filter_map(|wanted| match wanted {
@@ -249,10 +279,60 @@ fn deviations(chart: &Chart, points: &[Vec<Option<[f64; 2]>>]) -> Vec<Vec<[f64; 
                 let is = value_at(points, *place)?;
                 Some([*place, (is - value) / tolerance])
             });
-            all.push(of.collect());
+            all.push(Deviations {
+                line: number,
+                points: of.collect(),
+            });
         }
     }
     all
+}
+
+/// Remarks below the name of a chart, in lines. A remark that is longer than a line continues on the next one.
+fn remarks(chart: &Chart) -> Vec<Vec<Remark>> {
+    const LEFT: f64 = 10.0;
+    let own = chart
+        .wanted
+        .first()
+        .map(|wanted| ("wanted", wanted.in_words(&chart.y.unit)));
+    let missed = (!chart.missed.is_empty()).then(|| ("bad", "missed".to_owned()));
+    let failed = (!chart.failed.is_empty()).then(|| ("bad", "not solved".to_owned()));
+    let notes = chart.notes.iter().cloned();
+    let mut lines: Vec<Vec<Remark>> = vec![Vec::new()];
+    let mut at = LEFT;
+    for (class, text) in own.into_iter().chain(missed).chain(failed).chain(notes) {
+        let width = |text: &str| NOTE_LETTER * text.chars().count() as f64;
+        if at > LEFT && at + width(&text) > SIZE[0] - 8.0 {
+            lines.push(Vec::new());
+            at = LEFT;
+        }
+        let mut rest = text.as_str();
+        while !rest.is_empty() {
+            let part = beginning(rest, ((SIZE[0] - 8.0 - at) / NOTE_LETTER) as usize);
+            if let Some(line) = lines.last_mut() {
+                let text = part.to_owned();
+                line.push(Remark { class, text, at });
+            }
+            at += width(part) + 16.0;
+            rest = rest[part.len()..].trim_start();
+            if !rest.is_empty() {
+                lines.push(Vec::new());
+                at = LEFT;
+            }
+        }
+    }
+    lines
+}
+
+/// Beginning of a text: at most this many letters, in whole words if possible.
+fn beginning(text: &str, most: usize) -> &str {
+    match text.char_indices().nth(most.max(1)) {
+        None => text,
+        Some((end, _)) => match text[..end].rfind(' ') {
+            Some(space) if space > 0 => &text[..space],
+            _ => &text[..end],
+        },
+    }
 }
 
 /// Value of a curve at a position, by linear interpolation between its points.
@@ -271,9 +351,9 @@ fn value_at(points: &[Option<[f64; 2]>], place: f64) -> Option<f64> {
 }
 
 impl Layout {
-    /// Adds words before the name of the chart.
+    /// Adds words before the name of the chart. The vertical axis keeps its name.
     pub(in crate::report) fn named(mut self, before: &str) -> Self {
-        self.chart.y.name.insert_str(0, before);
+        before.clone_into(&mut self.before);
         self
     }
 

@@ -21,7 +21,7 @@ pub(super) use labels::{shortened, told_apart};
 pub(super) use layout::{AxisLayout, Layout, SIZE};
 pub(super) use lettering::Lettering;
 pub(super) use of_run::{
-    Charted, Family, chart_groups, charts_over, families, hue, in_words, moving_beside,
+    ChartGroup, Charted, Family, chart_groups, charts_over, families, hue, in_words, moving_beside,
 };
 pub(super) use scale::Scale;
 pub(super) use style::{PICTURE_STYLE, page_style};
@@ -117,8 +117,10 @@ pub(super) struct Line {
     pub told: String,
     /// Classes for colour and stroke.
     pub class: String,
-    /// True if the chart shows deviations of this curve.
+    /// True for the main curve. Its value comes first at the crosshair.
     pub is_main: bool,
+    /// True if the strip below the plot shows the curve's deviations from targets.
+    pub in_strip: bool,
     /// True if each point has a dot.
     pub has_dots: bool,
     /// Values of the curve.

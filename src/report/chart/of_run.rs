@@ -4,7 +4,7 @@ use super::style::{HUES, SHADES};
 use super::{Chart, Fan, Line, Quantity, Source, Wanted};
 use crate::curves::Status;
 use crate::report::curve_table::CurveTable;
-use crate::report::figure::brief;
+use crate::report::figure::{brief, with_minus_signs};
 use crate::report::record::{MotionRecord, OutputRecord, Record};
 
 /// Largest number of curves per design and wheel in one chart.
@@ -12,22 +12,46 @@ const MOST_FAMILIES: usize = 9;
 /// Largest number of curves of each wheel that all have labels.
 const MOST_OF_EACH_WHEEL: usize = 3;
 
-/// Groups outputs that share a chart: one output of a wheel, or the same output of both wheels.
-pub(in crate::report) fn chart_groups<'r>(
-    outputs: impl IntoIterator<Item = &'r OutputRecord>,
-) -> Vec<Vec<&'r OutputRecord>> {
-    let mut groups: Vec<Vec<&OutputRecord>> = Vec::new();
+/// Outputs that share a chart: one output, or the same output of both wheels.
+#[derive(Clone, Debug)]
+pub(in crate::report) struct ChartGroup<'r> {
+    /// Name of the chart, distinct from those of other groups.
+    pub key: String,
+    /// One output, or one of each wheel.
+    pub outputs: Vec<&'r OutputRecord>,
+}
+
+impl ChartGroup<'_> {
+    /// Column of the first output.
+    pub(in crate::report) fn column(&self) -> &str {
+        &self.outputs[0].column
+    }
+}
+
+/// Groups the outputs of a motion by chart.
+pub(in crate::report) fn chart_groups(outputs: &[OutputRecord]) -> Vec<ChartGroup<'_>> {
+    let mut groups: Vec<ChartGroup> = Vec::new();
     for output in outputs {
         let other = side_of(&output.column).and_then(|(side, name)| {
             groups.iter().position(|group| {
-                let known = side_of(&group[0].column);
-                group.len() == 1 && known.is_some_and(|(s, n)| s != side && n == name)
+                let known = side_of(group.column());
+                group.outputs.len() == 1 && known.is_some_and(|(s, n)| s != side && n == name)
             })
         });
         match other {
-            Some(group) => groups[group].push(output),
-            None => groups.push(vec![output]),
+            Some(group) => groups[group].outputs.push(output),
+            None => groups.push(ChartGroup {
+                key: output.column.clone(),
+                outputs: vec![output],
+            }),
         }
+    }
+    for group in groups.iter_mut().filter(|g| g.outputs.len() > 1) {
+        let name = side_of(&group.key).map_or("", |(_, name)| name);
+        // The axle may have an output of the same name, such as roll steer.
+        let is_of_axle = outputs.iter().any(|own| own.column == name);
+        let more = if is_of_axle { "_of_each_wheel" } else { "" };
+        group.key = format!("{name}{more}");
     }
     groups
 }
@@ -72,12 +96,11 @@ impl<'r> Charted<'r> {
 pub(in crate::report) fn charts_over(
     record: Charted<'_>,
     tables: &[CurveTable],
-    outputs: &[&OutputRecord],
+    group: &ChartGroup<'_>,
     abscissa: &str,
 ) -> Chart {
-    let [first, ..] = outputs else {
-        return Chart::default();
-    };
+    let outputs = &group.outputs;
+    let first = outputs[0];
     let tables = record.tables(tables);
     let is_pair = outputs.len() > 1;
     let mut title = title_of(first, is_pair).to_owned();
@@ -86,10 +109,7 @@ pub(in crate::report) fn charts_over(
         title.push_str(" of each wheel");
     }
     let mut chart = Chart {
-        key: match side_of(&first.column) {
-            Some((_, name)) if is_pair => name.to_owned(),
-            _ => first.column.clone(),
-        },
+        key: group.key.clone(),
         x: Quantity::of_column(abscissa),
         y: Quantity::new(&first.column, &title, &first.unit),
         ..Chart::default()
@@ -181,6 +201,14 @@ impl Chart {
                     .push(("", format!("{} of {all} values of {name}", families.len())));
             }
             let several = families.len() > 1;
+            // Short labels leave out a long name.
+            let unnamed = moving
+                .first()
+                .filter(|name| several && !has_short_name(name));
+            if let (true, [], Some(name)) = (is_last, &self.notes[..], unnamed) {
+                let note = format!("one line for each {}", Quantity::of_column(name).name);
+                self.notes.push(("", note));
+            }
             let is_few = families.len() <= MOST_OF_EACH_WHEEL;
             for family in families {
                 let apart = moving.first().map(|name| in_words(name, family.place));
@@ -210,8 +238,9 @@ impl Chart {
                 let alone = record.motion.designs.len() == 1;
                 let label = match (is_last, side, several) {
                     (true, Some(side), _) if family.is_present => Some(side.to_owned()),
-                    // The colour tells the wheel.
-                    (true, Some(_), _) if is_few => own_in_short(),
+                    (true, Some(side), _) if is_few => {
+                        own_in_short().map(|own| format!("{} {own}", &side[..1].to_uppercase()))
+                    }
                     (true, Some(_), _) => None,
                     (true, None, true) => own_in_short(),
                     (true, None, false) => (!alone).then(|| design.label.clone()),
@@ -229,6 +258,8 @@ impl Chart {
                     told,
                     class,
                     is_main: is_last && family.is_present,
+                    // The page of a sweep shows any design, so each has its deviations.
+                    in_strip: family.is_present && (is_last || record.command == "sweep"),
                     has_dots: false,
                     source,
                 });
@@ -287,26 +318,26 @@ fn split(column: &str) -> (&str, &str) {
     column.rsplit_once('_').unwrap_or((column, ""))
 }
 
-/// Value of a column in words: `rack -30 mm`.
+/// Value of a column in words: `rack −30 mm`.
 pub(in crate::report) fn in_words(column: &str, value: f64) -> String {
-    let quantity = Quantity::of_column(column);
-    format!(
-        "{} {} {}",
-        split(column).0.replace('_', " "),
-        brief(value),
-        quantity.unit
-    )
-    .trim_end()
-    .to_owned()
+    let unit = Quantity::of_column(column).unit;
+    let name = split(column).0.replace('_', " ");
+    let words = format!("{name} {} {unit}", brief(value));
+    with_minus_signs(words.trim_end())
 }
 
-/// Value of a column as a short label: `rack -30`, or `-270 °` if the name is long.
+/// Value of a column as a short label: `rack −30 mm`, or `−270 °` if the name is long.
 fn in_short(column: &str, value: f64) -> String {
-    let quantity = Quantity::of_column(column);
-    match split(column).0 {
-        short if short.len() <= 5 => format!("{} {}", short.replace('_', " "), brief(value)),
-        _ => format!("{} {}", brief(value), quantity.unit),
+    if has_short_name(column) {
+        return in_words(column, value);
     }
+    let unit = Quantity::of_column(column).unit;
+    with_minus_signs(format!("{} {unit}", brief(value)).trim_end())
+}
+
+/// True if labels contain the name of a column.
+fn has_short_name(column: &str) -> bool {
+    split(column).0.len() <= 5
 }
 
 /// Columns of the coordinates that move in addition to the coordinate on the horizontal axis: the rack for a wheel, all other

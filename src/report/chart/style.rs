@@ -26,7 +26,6 @@ const COLOURS: [(&str, &str, &str); 29] = [
         "#b45f06",
         "#f0a35e",
     ),
-    (".failed,.missed,.bad", "#b3261e", "#ff8a80"),
     (".hue0", "#0b63c5", "#6cb2ff"),
     (".hue1", "#b3500d", "#f0a35e"),
     (".hue2", "#0a7a7a", "#4fd1c5"),
@@ -46,6 +45,8 @@ const COLOURS: [(&str, &str, &str); 29] = [
     (".shade6", "#4b2a83", "#b582dc"),
     (".shade7", "#332a7e", "#9a88e5"),
     (".shade8", "#1b2a7a", "#7f8fee"),
+    // A missed value has this colour instead of that of its curve.
+    (".failed,.missed,.bad", "#b3261e", "#ff8a80"),
 ];
 
 /// Number of distinct colours for lines.

@@ -137,6 +137,7 @@ fn lines_of_design(
             told,
             class: format!("{} {stroke}", hue(design)),
             is_main: family.is_present,
+            in_strip: family.is_present,
             has_dots: false,
             source: Source::default(),
         };

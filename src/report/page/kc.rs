@@ -189,6 +189,7 @@ fn charts_of_load(
             told: results.test_name(&tests[k].test),
             class: format!("main hue{k} strong"),
             is_main: k == 0,
+            in_strip: k == 0,
             has_dots: false,
             source: Source {
                 table,

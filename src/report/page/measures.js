@@ -1,15 +1,24 @@
 // Tables in shades, and ranked bars.
+<<<<<<< HEAD
 // Table whose cells have a text and a strength from -1 to 1. A click on a column ranks the rows by this column.
+=======
+// Rows and columns with a text and a strength from -1 to 1 in each cell; a click on a column ranks the rows by it.
+// A text whose unit in brackets stays on one line.
+const unbroken = (text) => {
+  const at = text.lastIndexOf(' [');
+  return at < 0 ? [text] : [text.slice(0, at + 1), html('span', { class: 'unit', text: text.slice(at + 1) })];
+};
+>>>>>>> page
 const drawShades = (element, { rows, columns, cell, pick, picked }) => {
   const table = html('table', { class: 'shades' });
   const head = html('tr', {}, html('td'));
   columns.forEach((title, k) => head.append(html('th', { scope: 'col' }, html('button', {
-    type: 'button', text: title, title: 'Rank by this column', 'aria-pressed': picked === k ? 'true' : 'false', on: { click: () => pick(k) },
-  }))));
+    type: 'button', title: 'Rank by this column', 'aria-pressed': picked === k ? 'true' : 'false', on: { click: () => pick(k) },
+  }, ...unbroken(title)))));
   table.append(html('thead', {}, head));
   const body = html('tbody');
   rows.forEach((title, row) => {
-    const line = html('tr', {}, html('th', { scope: 'row', text: title }));
+    const line = html('tr', {}, html('th', { scope: 'row' }, ...unbroken(title)));
     columns.forEach((_, k) => {
       const { text, strength, title: more } = cell(row, k);
       const td = html('td', { text, title: more, class: strength < 0 ? 'less' : 'more' });

@@ -23,7 +23,7 @@ mod tuning_charts;
 pub use car::car_page;
 pub use compare::comparison_page;
 pub use kc::kc_page;
-pub use run::page;
+pub use run::{PageDesign, page, page_of_design};
 pub use sheet::{LimitsSheet, limits_page, set_up_page};
 pub use sweep::sweep_page;
 
@@ -60,7 +60,32 @@ struct Page<'a, Data> {
     scripts: &'a [&'a str],
 }
 
+/// Sections that are on the screen only.
+const ON_SCREEN: [(&str, &str); 4] = [
+    ("turn", "Steering geometry"),
+    ("convergence", "Convergence"),
+    ("prices", "Smallest misfit"),
+    ("sensitivities", "Sensitivities"),
+];
+
 impl<Data: Serialize> Page<'_, Data> {
+    /// Note on paper about the sections that it does not have. Sections without a link are on the page only if they have content.
+    fn omitted(&self) -> String {
+        let is_there = |id: &str| match id {
+            "prices" => self.main.contains("id=\"prices\""),
+            id => self.sections.iter().any(|(own, _)| *own == id),
+        };
+        let names = ON_SCREEN.into_iter().filter(|(id, _)| is_there(id));
+        let names: Vec<&str> = names.map(|(_, name)| name).collect();
+        match names.as_slice() {
+            [] => String::new(),
+            names => format!(
+                "<p class=\"printed\">Not printed: {}. The page on the screen has them.</p>",
+                names.join(", ")
+            ),
+        }
+    }
+
     fn html(&self) -> String {
         let script = script::script(self.scripts);
         let style = style();
@@ -79,6 +104,7 @@ impl<Data: Serialize> Page<'_, Data> {
             remarks = self.remarks,
             sections = self.sections.iter().map(link).collect::<String>(),
             controls = self.controls,
+            omitted = self.omitted(),
             main = self.main,
             source = if files.is_empty() {
                 "Made from results in memory, without files.".to_owned()

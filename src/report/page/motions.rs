@@ -39,10 +39,10 @@ pub(super) fn figures(
 ) -> String {
     let mut figures = String::new();
     for group in chart_groups(&of.motion.outputs) {
-        let usual = of.motion.usual_abscissa(&group[0].column);
+        let usual = of.motion.usual_abscissa(group.column());
         let remarks: String = missed
             .iter()
-            .filter(|(column, _)| group.iter().any(|o| o.column == *column))
+            .filter(|(column, _)| group.outputs.iter().any(|o| o.column == *column))
             .map(|(_, by)| {
                 format!(
                     "<small class=\"unmet\">target missed by up to {}</small>",
@@ -54,7 +54,7 @@ pub(super) fn figures(
             let mut chart = charts_over(of, &charts.tables, &group, over);
             chart
                 .lines
-                .splice(0..0, further(&charts.tables, &group, over));
+                .splice(0..0, further(&charts.tables, &group.outputs, over));
             let mut attributes = attribute("data-over", over);
             attributes += if over == usual {
                 " data-usual"

@@ -11,7 +11,7 @@ use crate::report::{Scene, TuningSummary, counted, side_effects_table, visible_s
 use std::fmt::Write;
 
 /// Largest number of side effects on the opening screen.
-const MOST_EFFECTS: usize = 6;
+pub(super) const MOST_EFFECTS: usize = 6;
 
 /// Opening screen: verdict, moved points next to a picture, targets, side effects, bounds and margins.
 pub(super) fn opening(tuning: &TuningSummary, record: &Record) -> String {

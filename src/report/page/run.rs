@@ -3,7 +3,7 @@
 use super::charts::Charts;
 use super::escape::{html, prose};
 use super::motions::{controls, figures, of_motions};
-use super::opening::opening;
+use super::opening::{MOST_EFFECTS, opening};
 use super::scatter::{contributors, distributions};
 use super::table::table;
 use super::tuning_charts::{front_charts, history_chart, prices_chart};
@@ -12,8 +12,10 @@ use crate::SideEffect;
 use crate::report::chart::{Charted, Layout, Line, Source, families, moving_beside};
 use crate::report::curve_table::CurveTable;
 use crate::report::failures::FailureRange;
+use crate::report::figure::brief;
 use crate::report::record::{DesignRecord, OutputRecord, Record};
 use crate::report::run::{Run, Summary};
+use crate::report::table::Table;
 use crate::report::{FrontPoint, ToleranceSummary, TuningSummary, YieldRecord};
 use crate::report::{
     further_in_words, side_effects_in_words, side_effects_table, visible_side_effects,
@@ -50,8 +52,48 @@ struct Data<'a> {
     missed: Vec<(&'a str, String)>,
 }
 
+/// A design of the live page, for the opening of its report.
+pub struct PageDesign {
+    /// Misfit in tolerances. `None` without targets, or if the design has no misfit.
+    pub misfit: Option<f64>,
+    /// Verdict on targets and constraints. `None` without targets.
+    pub verdict: Option<String>,
+    /// Deviations from the targets.
+    pub targets: Option<Table>,
+    /// Coordinates of the hardpoints.
+    pub hardpoints: Table,
+}
+
+impl PageDesign {
+    fn section(&self) -> String {
+        let verdict = self.verdict.as_ref().map_or_else(String::new, |verdict| {
+            format!("<p class=\"verdict\">{}</p>", prose(verdict))
+        });
+        let targets = self.targets.as_ref().map_or_else(String::new, |targets| {
+            format!(
+                "<div><h3>Deviations from targets in tolerances</h3>{}</div>",
+                targets.html()
+            )
+        });
+        format!(
+            "<section id=\"answer\" aria-labelledby=\"answer-title\"><h2 id=\"answer-title\">Design</h2>{verdict}\
+             <div class=\"answer tables\">{targets}<div><h3>Hardpoints</h3>{}</div></div></section>\n",
+            self.hardpoints.html()
+        )
+    }
+}
+
 /// Page of a run.
 pub fn page(run: &Run) -> String {
+    with_design(run, None)
+}
+
+/// Report page of a design of the live page. It opens with its misfit and its hardpoints.
+pub fn page_of_design(run: &Run, design: &PageDesign) -> String {
+    with_design(run, Some(design))
+}
+
+fn with_design(run: &Run, design: Option<&PageDesign>) -> String {
     let (mut curves, curves_note) = drawn(run);
     let front = run.record.front.as_ref().map_or(&[][..], |f| &f.points);
     let first_of_front = curves.len();
@@ -69,7 +111,20 @@ pub fn page(run: &Run) -> String {
         |tables, group, over| front_lines(record, tables, first_of_front, group, over),
     );
     let motions = of_motions(run, &misses, &mut charts);
-    let answer = tuning_of(run).map_or_else(String::new, |tuning| opening(tuning, &run.record));
+    let answer = match design {
+        Some(design) => design.section(),
+        None => tuning_of(run).map_or_else(String::new, |tuning| opening(tuning, record)),
+    };
+    let mut facts = facts(run);
+    let mut sections = sections(run);
+    if let Some(design) = design {
+        let misfit = design.misfit.map(|misfit| {
+            let misfit = format!("{} <small>tolerances</small>", html(&brief(misfit)));
+            ("Misfit", misfit)
+        });
+        facts.splice(0..0, misfit);
+        sections.insert(0, ("answer", "Design"));
+    }
     let (tuning, ranges) = match &run.summary {
         Summary::Optimise(tuning) => {
             let front = match &run.record.front {
@@ -91,7 +146,10 @@ pub fn page(run: &Run) -> String {
                 String::new(),
             )
         }
-        Summary::Tolerance(tolerance) => (String::new(), tolerance_sections(tolerance)),
+        Summary::Tolerance(tolerance) => (
+            String::new(),
+            tolerance_sections(tolerance, &record.motion.drive),
+        ),
         solve => {
             let ranges = solve.tables().map(|[ranges, ..]| ranges.html());
             (String::new(), ranges.unwrap_or_default())
@@ -124,9 +182,9 @@ pub fn page(run: &Run) -> String {
             run.record.command,
             run.record.version
         ),
-        facts: facts(run),
+        facts,
         remarks: interruption(run) + &failures(run) + &remarks(run),
-        sections: sections(run),
+        sections,
         controls: &controls(&run.record.motion, "curve-plots"),
         main,
         files: &run.files,
@@ -177,6 +235,7 @@ fn front_lines(
             told: format!("point {}", point + 1),
             class: format!("hue5 strong front-point of-{point}"),
             is_main: false,
+            in_strip: false,
             has_dots: false,
             source: Source {
                 table,
@@ -419,8 +478,14 @@ fn side_effects(effects: &[SideEffect]) -> String {
     };
     let further = further_in_words(effects);
     let further = further.iter().map(|line| format!("<p>{}</p>", prose(line)));
+    // Paper has the same rows once.
+    let again = if shown.len() <= MOST_EFFECTS {
+        " class=\"again\""
+    } else {
+        ""
+    };
     format!(
-        r#"<p class="note">Side effects: changes that no target asks for; {}.</p>{rows}{}"#,
+        r#"<div{again}><p class="note">Side effects: changes that no target asks for; {}.</p>{rows}</div>{}"#,
         prose(&words),
         further.collect::<String>()
     )
@@ -453,8 +518,8 @@ fn prices_section(tuning: &TuningSummary, charts: &mut Charts) -> String {
 }
 
 /// Results of the scatter. They follow the fans around the curves.
-fn tolerance_sections(tolerance: &ToleranceSummary) -> String {
-    let mut sections = distributions(tolerance) + &contributors(tolerance);
+fn tolerance_sections(tolerance: &ToleranceSummary, drive: &str) -> String {
+    let mut sections = distributions(tolerance, drive) + &contributors(tolerance);
     sections += &tolerance.values_table().html();
     if !tolerance.bands.is_empty() {
         sections += &tolerance.bands_table().html();

@@ -3,7 +3,7 @@
 
 use super::escape::html;
 use crate::report::bands::BandRecord;
-use crate::report::chart::shortened;
+use crate::report::chart::{in_words, shortened};
 use crate::report::figure::{brief, with_minus_signs};
 use crate::report::tolerance_summary::{
     HistogramRecord, RankingRecord, ToleranceSummary, ValueRecord,
@@ -31,7 +31,8 @@ const P95: usize = 4;
 const P99: usize = 5;
 
 /// Picture of the distribution of every value with a band.
-pub(super) fn distributions(summary: &ToleranceSummary) -> String {
+/// `drive` is the column of the motion.
+pub(super) fn distributions(summary: &ToleranceSummary, drive: &str) -> String {
     let bands = summary.bands.iter();
     let drawn: Vec<(&BandRecord, &ValueRecord)> = bands
         .filter_map(|band| Some((band, band.worst_value(&summary.values)?)))
@@ -42,7 +43,8 @@ pub(super) fn distributions(summary: &ToleranceSummary) -> String {
     let height = ROW * drawn.len() as f64;
     let mut svg = opening(height, "Distribution of each banded value with its band");
     for (number, (band, value)) in drawn.iter().enumerate() {
-        row(&mut svg, ROW * number as f64, band, value);
+        let name = name_of(band, drive);
+        row(&mut svg, ROW * number as f64, &name, band, value);
     }
     format!(
         "<h3>Distributions in the bands</h3><p class=\"note\">Bars: number of builds by value. Line: least to greatest of the builds. \
@@ -56,7 +58,17 @@ fn opening(height: f64, title: &str) -> String {
     format!("<svg viewBox=\"0 0 {WIDTH} {height}\" role=\"img\" aria-label=\"{title}\">")
 }
 
-fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
+/// Band in words, with the unit of its position.
+fn name_of(band: &BandRecord, drive: &str) -> String {
+    match (band.at, &band.over, band.band.split_once(": ")) {
+        (Some(at), None, Some((_, limits))) => {
+            format!("{} at {}: {limits}", band.output, in_words(drive, at))
+        }
+        _ => band.band.clone(),
+    }
+}
+
+fn row(svg: &mut String, top: f64, title: &str, band: &BandRecord, value: &ValueRecord) {
     let [least, most] = value.range;
     let limits = [band.low, band.high];
     let all = limits
@@ -74,9 +86,8 @@ fn row(svg: &mut String, top: f64, band: &BandRecord, value: &ValueRecord) {
     let (from, to) = (band.low.map_or(left, x), band.high.map_or(right, x));
     let _ = write!(
         svg,
-        "<text x=\"0\" y=\"{:.1}\">{}</text><rect class=\"band\" x=\"{from:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{BAND}\"/>",
-        name,
-        fitting(&band.band),
+        "{}<rect class=\"band\" x=\"{from:.1}\" y=\"{top:.1}\" width=\"{:.1}\" height=\"{BAND}\"/>",
+        beside(title, name),
         to - from
     );
     for (limit, anchor) in [(band.low, "start"), (band.high, "end")] {
@@ -157,13 +168,31 @@ fn spread(svg: &mut String, middle: f64, value: &ValueRecord, x: impl Fn(f64) ->
 /// Largest number of letters of a name next to a picture.
 const LETTERS: usize = 36;
 
-/// Name that fits beside a picture. A longer name is shortened; its tooltip has the full name.
-fn fitting(name: &str) -> String {
+/// Name beside a picture, at half of its height `y`. A longer name has two lines. If it is longer still, its tooltip has the full
+/// name.
+fn beside(name: &str, y: f64) -> String {
+    const HALF_LINE: f64 = 6.5;
+    let name = with_minus_signs(name);
+    let line = |text: &str, y: f64| format!("<text x=\"0\" y=\"{y:.1}\">{text}</text>");
     if name.chars().count() <= LETTERS {
-        return html(name);
+        return line(&html(&name), y);
     }
-    let start = shortened(name, LETTERS);
-    format!("{}<title>{}</title>", html(&start), html(name))
+    let end = name
+        .char_indices()
+        .nth(LETTERS)
+        .map_or(name.len(), |(end, _)| end);
+    let at = name[..end].rfind([' ', '+']).map_or(end, |at| at + 1);
+    let (first, rest) = name.split_at(at);
+    let last = if rest.chars().count() <= LETTERS {
+        html(rest)
+    } else {
+        format!(
+            "{}<title>{}</title>",
+            html(&shortened(rest, LETTERS)),
+            html(&name)
+        )
+    };
+    line(&html(first.trim_end()), y - HALF_LINE) + &line(&last, y + HALF_LINE)
 }
 
 /// Draws the bars of a histogram on the line `base`. The largest bar uses the full height.
@@ -224,12 +253,7 @@ pub(super) fn contributors(summary: &ToleranceSummary) -> String {
     ) in ranking.iter().enumerate()
     {
         let middle = BAR * number as f64 + 36.0;
-        let _ = write!(
-            svg,
-            "<text x=\"0\" y=\"{:.1}\">{}</text>",
-            middle + 4.0,
-            fitting(contributor)
-        );
+        let _ = write!(svg, "{}", beside(contributor, middle + 4.0));
         let ends = [*yield_halved, *yield_doubled];
         for ((class, end), label) in ["better", "worse"]
             .into_iter()
@@ -302,8 +326,31 @@ fn end_labels(now: f64, ends: [f64; 2], x: &impl Fn(f64) -> f64) -> [EndLabel; 2
 mod tests {
     use super::*;
 
+<<<<<<< HEAD
     /// If the yields are on both sides of the present yield, each label is at its bar. If they are on the same side, one label is
     /// above the other, outside both bars, at least a line of 10 px apart.
+=======
+    /// A long name has two lines with all of its letters, and minus signs.
+    #[test]
+    fn a_long_name_has_two_lines() {
+        let words = |svg: &str| -> Vec<String> {
+            let parts = svg.split("</text>").filter_map(|part| part.split_once('>'));
+            parts.map(|(_, text)| text.to_owned()).collect()
+        };
+        let name = "bump_steer_deg_per_mm: -0.018 to -0.004";
+        let lines = words(&beside(name, 20.0));
+        assert_eq!(
+            lines,
+            ["bump_steer_deg_per_mm: \u{2212}0.018 to", "\u{2212}0.004"]
+        );
+        let jig = "jig lower_arm_front+lower_arm_rear+upper_arm_front+upper_arm_rear";
+        assert_eq!(words(&beside(jig, 20.0)).concat(), jig);
+        assert_eq!(words(&beside("tie_rod length", 20.0)), ["tie_rod length"]);
+    }
+
+    /// Labels of yields on both sides of the present one stand at their bars. Labels on the same side stand above each other,
+    /// outside both bars, at least a line of 10 px apart.
+>>>>>>> page
     #[test]
     fn labels_at_bars_do_not_overlap() {
         let x = |share: f64| 1000.0 * share;

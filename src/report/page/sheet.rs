@@ -3,7 +3,7 @@
 use super::escape::{html, prose};
 use super::policy::policy;
 use super::strips::{Strip, strips};
-use super::table::{breakable, table};
+use super::table::{breakable, stacked};
 use crate::report::{Cell, SetUpSummary, Table, brief};
 
 /// A section of a page: title, note and table.
@@ -134,7 +134,7 @@ pub fn limits_page(of: &LimitsSheet<'_>) -> String {
         ),
         table: format!(
             "{drawn}<div class=\"causes\">{}</div>{notes}{failures}",
-            table(of.limits, |_| None)
+            stacked(of.limits)
         ),
     };
     let verdict = if of.failures.is_empty() {

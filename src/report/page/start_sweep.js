@@ -14,7 +14,7 @@ const drawPicked = () => {
     if (!('byDesign' in figure.dataset)) continue;
     figure.classList.forEach((name) => { if (name.startsWith('shows-')) figure.classList.remove(name); });
     figure.classList.add('shows-of-0', `shows-of-${place}`);
-    for (const part of figure.querySelectorAll('.inner path[class*="of-"]')) {
+    for (const part of figure.querySelectorAll(':is(.inner, .strip) path[class*="of-"]')) {
       const [of] = /of-\d+/.exec(part.getAttribute('class'));
       part.style.display = figure.classList.contains(`shows-${of}`) ? '' : 'none';
     }

@@ -2,6 +2,7 @@
 
 use super::charts::Charts;
 use super::escape::html;
+use super::table::stacked;
 use super::{Page, STAGE};
 use crate::report::chart::{AxisLayout, Charted, Layout, Quantity, chart_groups, charts_over};
 use crate::report::curve_table::CurveTable;
@@ -128,7 +129,7 @@ pub fn sweep_page(run: &SweepRun) -> String {
             not_drawn = not_drawn(run),
             best = best(run),
             effects = effects(record),
-            outputs = summary.outputs_table().html(),
+            outputs = stacked(&summary.outputs_table()),
         ),
         files: &run.files,
         data,
@@ -141,17 +142,14 @@ pub fn sweep_page(run: &SweepRun) -> String {
 fn figures(record: &Record, charts: &mut Charts) -> String {
     let mut figures = String::new();
     for group in chart_groups(&record.motion.outputs) {
-        let over = record.motion.natural_abscissa(&group[0].column);
+        let over = record.motion.natural_abscissa(group.column());
         let mut chart = charts_over(Charted::of(record), &charts.tables, &group, over);
         chart.notes.clear();
         for line in &mut chart.lines {
             line.label = None;
-            line.is_main = line.source.table != 0;
-            let colour = if line.is_main {
-                "chosen strong"
-            } else {
-                "given"
-            };
+            let is_given = line.source.table == 0;
+            line.is_main = line.in_strip && !is_given;
+            let colour = if !is_given { "chosen strong" } else { "given" };
             line.class = format!("{colour} of-{}", line.source.table);
         }
         figures += &charts.figure(chart, " data-by-design", "");

@@ -1,12 +1,27 @@
 //! Tables in a page.
 
+use super::charts::attribute;
 use super::escape::html;
 use crate::report::table::{Cell, Table};
 use crate::report::with_minus_signs;
 
 /// Table as HTML. Each row gets the class that `class` returns for it.
 pub(super) fn table(table: &Table, class: impl Fn(usize) -> Option<&'static str>) -> String {
-    let heads: String = table.header().into_iter().map(head).collect();
+    written(table, class, "table")
+}
+
+/// Table for many columns or long texts. On a narrow page each row is a block, with the names of the columns.
+pub(super) fn stacked(table: &Table) -> String {
+    written(table, |_| None, "table stacked")
+}
+
+fn written(table: &Table, class: impl Fn(usize) -> Option<&'static str>, kind: &str) -> String {
+    let header = table.header();
+    let names = |k: usize| match kind {
+        "table" => None,
+        _ => header.get(k).copied(),
+    };
+    let heads: String = header.iter().map(|title| head(title)).collect();
     let body: String = table
         .rows()
         .enumerate()
@@ -15,12 +30,13 @@ pub(super) fn table(table: &Table, class: impl Fn(usize) -> Option<&'static str>
                 return title;
             }
             let class = class(number).map_or_else(String::new, |c| format!(" class=\"{c}\""));
-            let cells: String = cells.into_iter().map(cell).collect();
+            let cells = cells.into_iter().enumerate();
+            let cells: String = cells.map(|(k, own)| cell(own, names(k))).collect();
             format!("<tr{class}>{cells}</tr>")
         })
         .collect();
     format!(
-        r#"<div class="table" tabindex="0" role="group"><table><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table></div>"#
+        r#"<div class="{kind}" tabindex="0" role="group"><table><thead><tr>{heads}</tr></thead><tbody>{body}</tbody></table></div>"#
     )
 }
 
@@ -52,14 +68,16 @@ fn head(title: &str) -> String {
     format!(r#"<th scope="col">{}</th>"#, breakable(title))
 }
 
-fn cell(cell: &Cell) -> String {
+/// A cell. On a narrow page its column's name stands beside it.
+fn cell(cell: &Cell, column: Option<&str>) -> String {
+    let column = column.map_or_else(String::new, |name| attribute("data-head", name));
     let class = if cell.is_number() {
         " class=\"number\""
     } else {
         ""
     };
     format!(
-        "<td{class}>{}</td>",
+        "<td{class}{column}>{}</td>",
         breakable(&with_minus_signs(cell.text()))
     )
 }

@@ -12,6 +12,7 @@ fn line(table: usize, columns: [&str; 2], rows: Vec<usize>, class: &str) -> Line
         told: String::new(),
         class: class.to_owned(),
         is_main: false,
+        in_strip: false,
         has_dots: false,
         source: Source {
             table,

@@ -6,6 +6,10 @@ const LETTER: [f64; 2] = [6.6, 13.0];
 const DISTANCES: [f64; 6] = [9.0, 18.0, 30.0, 46.0, 66.0, 90.0];
 /// Number of directions to try at each distance.
 const DIRECTIONS: usize = 16;
+/// Distance beyond which a name needs a line to its point.
+const FAR: f64 = 12.0;
+/// A name without a line is nearer to its own point than to others by at least this distance.
+const CLEARLY: f64 = 3.0;
 
 /// A name with its position.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,25 +19,28 @@ pub(super) struct Label<'a> {
     /// Left end of its baseline.
     pub at: [f64; 2],
     /// Line from the point to the name. `None` if the name is beside the point.
-    pub leader: Option<[[f64; 2]; 2]>,
+    pub leader: Option<Segment>,
 }
 
 /// A rectangle: left, top, right, bottom.
 type Area = [f64; 4];
+/// Both ends of a line.
+type Segment = [[f64; 2]; 2];
 
 /// Places names one after the other. Each name takes the position of lowest cost. An overlap with other names has the highest
-/// cost, followed by overlaps with points and with lines, and by the distance from the name's own point.
+/// cost, followed by overlaps with points and with lines, positions that are nearer to another point, and the distance from the
+/// name's own point. A line leads to a name that is far from its point, or nearer to another point.
 pub(super) fn place_labels<'a>(
     names: &[(&'a str, [f64; 2])],
     dots: &[[f64; 2]],
-    segments: &[[[f64; 2]; 2]],
+    segments: &[Segment],
     size: [f64; 2],
 ) -> Vec<Label<'a>> {
     let mut taken: Vec<Area> = Vec::new();
     let mut labels = Vec::new();
     for (text, dot) in names {
         let width = LETTER[0] * text.chars().count() as f64;
-        let mut best: Option<(f64, Area)> = None;
+        let mut best: Option<(f64, Area, Option<Segment>)> = None;
         for area in candidates(*dot, width) {
             let is_inside = area[0] >= 4.0
                 && area[2] <= size[0] - 4.0
@@ -42,28 +49,61 @@ pub(super) fn place_labels<'a>(
             let names = taken.iter().map(|other| overlap(&area, other)).sum::<f64>();
             let near = |d: &&[f64; 2]| overlap(&area, &around(**d)) > 0.0;
             let points = dots.iter().filter(near).count() as f64;
-            let crossed = |s: &&[[f64; 2]; 2]| crosses(&area, s);
+            let crossed = |s: &&Segment| crosses(&area, s);
             let lines = segments.iter().filter(crossed).count() as f64;
             let away = distance(&area, *dot);
             let outside = if is_inside { 0.0 } else { 1e6 };
-            let cost = outside + 40.0 * names + 60.0 * points + 12.0 * lines + 0.5 * away;
-            if best.is_none_or(|(least, _)| cost < least) {
-                best = Some((cost, area));
+            let leader = leader(&area, *dot, dots);
+            // A leader through another point seems to come from that point.
+            let through = |d: &&[f64; 2]| {
+                apart(**d, *dot) && leader.is_some_and(|ends| crosses(&around(**d), &ends))
+            };
+            let through = dots.iter().filter(through).count() as f64;
+            let ambiguous = f64::from(is_nearer_to_another(&area, *dot, dots));
+            let cost = outside
+                + 40.0 * names
+                + 60.0 * points
+                + 30.0 * through
+                + 15.0 * ambiguous
+                + 12.0 * lines
+                + 0.5 * away;
+            if best.is_none_or(|(least, ..)| cost < least) {
+                best = Some((cost, area, leader));
             }
         }
-        let Some((_, area)) = best else { continue };
+        let Some((_, area, leader)) = best else {
+            continue;
+        };
         taken.push(area);
-        let nearest = [
-            dot[0].clamp(area[0], area[2]),
-            dot[1].clamp(area[1], area[3]),
-        ];
         labels.push(Label {
             text,
             at: [area[0], area[3] - 3.0],
-            leader: (distance(&area, *dot) > 12.0).then_some([*dot, nearest]),
+            leader,
         });
     }
     labels
+}
+
+/// Line from a point to its name. `None` if the name is beside the point and clearly belongs to it.
+fn leader(area: &Area, dot: [f64; 2], dots: &[[f64; 2]]) -> Option<Segment> {
+    let is_far = distance(area, dot) > FAR;
+    let nearest = [
+        dot[0].clamp(area[0], area[2]),
+        dot[1].clamp(area[1], area[3]),
+    ];
+    (is_far || is_nearer_to_another(area, dot, dots)).then_some([dot, nearest])
+}
+
+/// True if another point is as near to the name as the name's own point.
+fn is_nearer_to_another(area: &Area, dot: [f64; 2], dots: &[[f64; 2]]) -> bool {
+    let own = distance(area, dot);
+    let mut others = dots.iter().filter(|d| apart(**d, dot));
+    others.any(|other| distance(area, *other) < own + CLEARLY)
+}
+
+/// True if two points are not drawn on each other.
+fn apart(a: [f64; 2], b: [f64; 2]) -> bool {
+    (a[0] - b[0]).hypot(a[1] - b[1]) > 1.0
 }
 
 fn candidates(dot: [f64; 2], width: f64) -> impl Iterator<Item = Area> {
@@ -106,7 +146,7 @@ fn distance(area: &Area, dot: [f64; 2]) -> f64 {
 }
 
 /// True if the segment crosses the rectangle: clipping leaves a part of it.
-fn crosses(area: &Area, [from, to]: &[[f64; 2]; 2]) -> bool {
+fn crosses(area: &Area, [from, to]: &Segment) -> bool {
     let mut share = [0.0f64, 1.0f64];
     for k in 0..2 {
         let along = to[k] - from[k];
@@ -162,5 +202,32 @@ mod tests {
         assert!(crosses(&area, &[[5.0, 1.0], [6.0, 3.0]]));
         assert!(!crosses(&area, &[[-5.0, 5.0], [15.0, 5.0]]));
         assert!(!crosses(&area, &[[11.0, -5.0], [20.0, 9.0]]));
+    }
+
+    /// Between points so close that every position beside one is near the other, a line shows the name's own point.
+    #[test]
+    fn a_name_near_another_point_has_a_line() {
+        let dots = [
+            [280.0, 280.0],
+            [286.0, 286.0],
+            [274.0, 286.0],
+            [280.0, 292.0],
+        ];
+        let names: Vec<(&str, [f64; 2])> = dots.iter().map(|d| ("tie_rod_outer", *d)).collect();
+        let labels = place_labels(&names, &dots, &[], [560.0, 560.0]);
+        for (label, (_, dot)) in labels.iter().zip(&names) {
+            let width = LETTER[0] * label.text.len() as f64;
+            let [left, base] = label.at;
+            let area = [left, base + 3.0 - LETTER[1], left + width, base + 3.0];
+            let nearer = dots.iter().any(|other| {
+                apart(*other, *dot) && distance(&area, *other) < distance(&area, *dot)
+            });
+            assert!(!nearer || label.leader.is_some_and(|[from, _]| from == *dot));
+        }
+        // A lone point has its name beside it.
+        assert_eq!(
+            place_labels(&names[..1], &dots[..1], &[], [560.0, 560.0])[0].leader,
+            None
+        );
     }
 }

@@ -5,12 +5,15 @@ mod labels;
 mod raster;
 mod view;
 
-use super::chart::{Charted, Layout, Lettering, PICTURE_STYLE, SIZE, chart_groups, charts_over};
-use super::record::{OutputRecord, Record};
+use super::chart::{
+    ChartGroup, Charted, Layout, Lettering, PICTURE_STYLE, SIZE, chart_groups, charts_over,
+};
+use super::record::Record;
 use super::run::{Run, Summary};
 use super::scene::Sight;
 use crate::SideEffect;
 use serde::Serialize;
+use std::iter;
 use view::View;
 
 /// A file with a picture.
@@ -33,10 +36,6 @@ const TUNING: &str = "tuning";
 const COLUMNS: usize = 3;
 /// Largest number of panels of the overview.
 const MOST_PANELS: usize = 15;
-/// Largest number of targets in the picture of a tuning.
-const MOST_TARGETS: usize = 3;
-/// Number of panels of the picture of a tuning.
-const TUNING_PANELS: usize = 6;
 /// Width and height of a view with names.
 const NAMED_VIEW: [f64; 2] = [560.0, 560.0];
 
@@ -53,8 +52,7 @@ const LETTERS: &str = ".letters{fill:#3d454d}.letters.label{fill:#1b1f24}.axis-t
 /// Names of the pictures of a run with this record.
 pub fn picture_names(record: &Record) -> Vec<String> {
     let groups = chart_groups(&record.motion.outputs);
-    let keys = groups.iter().map(|group| file_name(&key(group)));
-    let mut names: Vec<String> = keys.collect();
+    let mut names = file_names(&groups);
     names.extend((!names.is_empty()).then(|| OVERVIEW.to_owned()));
     names.push(MECHANISM.to_owned());
     names.extend((record.command == "optimise").then(|| TUNING.to_owned()));
@@ -102,7 +100,7 @@ impl<'r> Sheet<'r> {
         }
     }
 
-    /// Picture of a tuning with mechanism, targets and side effects.
+    /// Picture of a tuning with mechanism, all targets, and all side effects beyond their tolerances.
     fn tuning(run: &'r Run) -> Self {
         let record = &run.record;
         let flagged: Vec<String> = match &run.summary {
@@ -113,20 +111,17 @@ impl<'r> Sheet<'r> {
             Summary::Solve(_) | Summary::Tolerance(_) => Vec::new(),
         };
         let groups = chart_groups(&record.motion.outputs);
-        let wanted = |group: &&Vec<&OutputRecord>| group.iter().any(|o| has_target(record, o));
+        let wanted = |group: &&ChartGroup| has_target(record, group);
         // The columns of an axle also contain the name of the wheel.
-        let is_flagged = |group: &&Vec<&OutputRecord>| {
-            let column = group[0].column.trim_start_matches("left_");
+        let is_flagged = |group: &&ChartGroup| {
+            let column = group.column().trim_start_matches("left_");
             let column = column.trim_start_matches("right_");
             !wanted(group) && flagged.iter().any(|name| name == column)
         };
-        let targets = groups.iter().filter(wanted).take(MOST_TARGETS);
-        let mut charts: Vec<Layout> = targets.map(|group| chart(run, group)).collect();
-        for group in groups.iter().filter(is_flagged) {
-            if charts.len() + 1 < TUNING_PANELS {
-                charts.push(chart(run, group).named("side effect: "));
-            }
-        }
+        let targets = groups.iter().filter(wanted).map(|group| chart(run, group));
+        let effects = groups.iter().filter(is_flagged);
+        let effects = effects.map(|group| chart(run, group).named("side effect: "));
+        let charts: Vec<Layout> = targets.chain(effects).collect();
         let rest = COLUMNS - charts.len() % COLUMNS;
         let views = Sight::ALL.into_iter().take(rest);
         let views = views.filter_map(|sight| View::of(record, sight, false, SIZE));
@@ -185,22 +180,10 @@ impl<'r> Sheet<'r> {
     }
 }
 
-fn has_target(record: &Record, output: &OutputRecord) -> bool {
+fn has_target(record: &Record, group: &ChartGroup<'_>) -> bool {
     let targets = record.motion.targets.iter().map(|t| &t.column);
-    let bands = record.motion.bands.iter().map(|b| &b.column);
-    targets.chain(bands).any(|column| *column == output.column)
-}
-
-/// Name of the chart for a group of outputs.
-fn key(group: &[&OutputRecord]) -> String {
-    let column = group[0].column.as_str();
-    match group.len() {
-        1 => column.to_owned(),
-        _ => column
-            .trim_start_matches("left_")
-            .trim_start_matches("right_")
-            .to_owned(),
-    }
+    let mut columns = targets.chain(record.motion.bands.iter().map(|b| &b.column));
+    columns.any(|column| group.outputs.iter().any(|o| o.column == *column))
 }
 
 /// Content of `charts.json`.
@@ -223,11 +206,11 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
     let record = &run.record;
     let groups = chart_groups(&record.motion.outputs);
     let layouts: Vec<Layout> = groups.iter().map(|group| chart(run, group)).collect();
-    let alone = |layout: &Layout| Sheet::of_charts(file_name(&layout.key), [layout.clone()]);
-    let mut sheets: Vec<Sheet> = layouts.iter().map(alone).collect();
-    let wanted = |group: &[&OutputRecord]| group.iter().any(|o| has_target(record, o));
+    let alone = |(name, layout): (String, &Layout)| Sheet::of_charts(name, [layout.clone()]);
+    let named = file_names(&groups).into_iter().zip(&layouts);
+    let mut sheets: Vec<Sheet> = named.map(alone).collect();
     let numbered = groups.iter().zip(&layouts);
-    let chosen = numbered.filter(|(group, _)| wanted(group));
+    let chosen = numbered.filter(|(group, _)| has_target(record, group));
     let mut chosen: Vec<&Layout> = chosen.map(|(_, layout)| layout).collect();
     if chosen.is_empty() {
         chosen = layouts.iter().collect();
@@ -259,11 +242,25 @@ pub fn pictures(run: &Run) -> Vec<Picture> {
 }
 
 /// Chart of a group of outputs over its usual horizontal axis.
-fn chart(run: &Run, group: &[&OutputRecord]) -> Layout {
+fn chart(run: &Run, group: &ChartGroup<'_>) -> Layout {
     let record = &run.record;
-    let abscissa = record.motion.usual_abscissa(&group[0].column);
+    let abscissa = record.motion.usual_abscissa(group.column());
     let chart = charts_over(Charted::of(record), &run.curves, group, abscissa);
     chart.layout(&run.curves)
+}
+
+/// Distinct file names of charts. Letter case does not distinguish files.
+fn file_names(groups: &[ChartGroup<'_>]) -> Vec<String> {
+    let mut taken: Vec<String> = Vec::new();
+    let mut free = |name: String| {
+        let numbered = (2..).map(|number| format!("{name}_{number}"));
+        let mut all = iter::once(name.clone()).chain(numbered);
+        let name = all.find(|name| !taken.contains(&name.to_lowercase()));
+        let name = name.expect("there is always another number");
+        taken.push(name.to_lowercase());
+        name
+    };
+    groups.iter().map(|g| free(file_name(&g.key))).collect()
 }
 
 /// File name for a column. Names of points may contain any characters.

@@ -19,7 +19,7 @@ pub(super) const STYLE: &str = ".arm{stroke:#0b63c5;stroke-width:3}.link{stroke:
 .wheel{stroke:#3d454d;stroke-width:1.6}.steering{stroke:#c2570c;stroke-width:1.2;stroke-dasharray:8 3 2 3}\
 .ground{stroke:#8a929b;stroke-width:1}.was{stroke:#8a929b;stroke-width:1.6;stroke-dasharray:6 4}\
 .point{fill:#ffffff;stroke:#1b1f24;stroke-width:1.3}.moved{stroke:#b3261e;stroke-width:2}\
-.leader{stroke:#b0b7be;stroke-width:0.8}.axis{stroke:#1b1f24;stroke-width:1.4}";
+.leader{stroke:#66707a;stroke-width:0.9}.axis{stroke:#1b1f24;stroke-width:1.4}";
 
 /// Smallest move that is drawn as an arrow, relative to the size of the drawing.
 const LEAST_ARROW: f64 = 0.004;

@@ -1,14 +1,81 @@
-//! Warning about the position of the wheel centre on its carrier.
+//! Warnings about the positions of the carrier's joints and of the arms' pivots.
 
-use super::PlausibilityRemarks;
-use crate::model::{Constraint, PointId, Suspension};
+use super::{FAR, PlausibilityRemarks};
+use crate::model::{Body, Constraint, PointId, Suspension};
 use crate::number::Vector3;
 use crate::report::figure::brief;
 
 /// Largest plausible distance of the wheel centre beyond the points of its carrier, in wheel radii: in height and along x.
 const OFF_CARRIER: [f64; 2] = [0.25, 1.0];
 
+/// Largest plausible distance of an outer joint from the wheel centre, in wheel radii. Outer joints are inside the rim or a
+/// little above the tyre.
+const JOINT: f64 = 2.0;
+/// Largest plausible distance between the front and the rear pivot of an arm, in wheel radii.
+const PIVOTS_APART: f64 = 3.0;
+/// Largest plausible distance of an inner joint beyond the centre plane, relative to the wheel's distance from it.
+const BEYOND_CENTRE: f64 = 0.1;
+
 impl PlausibilityRemarks<'_> {
+    /// Warnings about joints of arms and links, one coordinate of which may have a wrong sign or decimal place: outer joints far
+    /// from the wheel centre, inner joints on the other side of the car, and pivots of one arm that are far apart. Solid axles
+    /// are left out.
+    pub(super) fn joints(&mut self) {
+        let Suspension {
+            mechanism,
+            length_unit,
+            wheel_radius,
+            ..
+        } = self.suspension;
+        if mechanism.rigid_axle.is_some() {
+            return;
+        }
+        let unit = length_unit.symbol();
+        let centre = self.at(mechanism.wheel_centre);
+        let outer = |constraint: &Constraint| match *constraint {
+            Constraint::Link { outer, .. } => Some(outer),
+            Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => Some(at),
+            _ => None,
+        };
+        let outer = mechanism.constraints.iter().filter_map(outer);
+        let outer = outer.filter(|id| mechanism.body(*id) == Body::Knuckle);
+        for id in without_repetition(outer) {
+            let away = (self.at(id) - centre).norm();
+            // Another warning names points that are even farther away.
+            if wheel_radius.is_some_and(|radius| away > JOINT * radius && away <= FAR * radius) {
+                self.say(format!(
+                    "{} is {} {unit} away from wheel_centre. Is one of its coordinates wrong?",
+                    self.name(id),
+                    brief(away)
+                ));
+            }
+        }
+        let links = mechanism.constraints.iter().filter_map(Constraint::link);
+        let pivots = mechanism.arms.iter().flat_map(|arm| [arm.front, arm.rear]);
+        let inner = links.map(|(inner, _)| inner).chain(pivots);
+        let inner = inner.filter(|id| matches!(mechanism.body(*id), Body::Chassis | Body::Rack));
+        for id in without_repetition(inner) {
+            let y = self.at(id).y;
+            if y < -BEYOND_CENTRE * centre.y {
+                self.say(format!(
+                    "{} is {} {unit} beyond the centre plane, on the other side of the car. Does y have the wrong sign?",
+                    self.name(id),
+                    brief(-y)
+                ));
+            }
+        }
+        for arm in &mechanism.arms {
+            let apart = (self.at(arm.front) - self.at(arm.rear)).norm();
+            if wheel_radius.is_some_and(|radius| apart > PIVOTS_APART * radius) {
+                let [front, rear] = [arm.front, arm.rear].map(|id| self.name(id));
+                self.say(format!(
+                    "{front} and {rear} are {} {unit} apart. Is one of their coordinates wrong?",
+                    brief(apart)
+                ));
+            }
+        }
+    }
+
     /// Warning about a wheel centre well above, below, ahead of or behind all points of its carrier. Probably its coordinates
     /// have another unit or origin. Axles are left out: their points may all be high above the wheel centres.
     pub(super) fn wheel_centre_off_its_carrier(&mut self) {
@@ -60,4 +127,15 @@ impl PlausibilityRemarks<'_> {
             }
         }
     }
+}
+
+/// The points, each once, in the order of their first occurrence.
+fn without_repetition(points: impl Iterator<Item = PointId>) -> Vec<PointId> {
+    let mut once = Vec::new();
+    for id in points {
+        if !once.contains(&id) {
+            once.push(id);
+        }
+    }
+    once
 }

@@ -36,7 +36,14 @@ const NONE = [];
 const targetsOf = (columns, rack) => state.overview.targets.filter((target) => target.columns.some((c) => columns.includes(c))
   && target.motion === state.motion && target.over === state.over && (!target.racks.length || target.racks.includes(rack)));
 
+<<<<<<< HEAD
 // The columns of both wheels share one chart.
+=======
+// Width of the band beyond the limits of a target: a wanted value has its tolerance.
+const bandOf = ({ tolerance, is_band: isBand }) => (isBand ? 0 : tolerance);
+
+// Columns of both wheels belong into one chart.
+>>>>>>> page
 const SIDE = /^(left|right)_/;
 const partsOf = (columns) => {
   const byKey = new Map();
@@ -190,7 +197,8 @@ class Chart {
     const wantedAt = targets.flatMap((t) => t.points.map((p) => p[0]));
     this.xs = endsOf([...knownOf(answer).ends, ...state.overview.sliders[state.over].values, ...wantedAt]);
     if (this.xs[0] === this.xs[1]) this.xs = [this.xs[0] - 1, this.xs[1] + 1];
-    const bands = targets.flatMap((t) => t.points.flatMap(([, low, high]) => [low, high].filter((v) => v !== null)));
+    // The axis shows wanted values with their tolerances, as the bands are drawn.
+    const bands = targets.flatMap((t) => t.points.flatMap(([, low, high]) => [[low, -1], [high, 1]].filter(([v]) => v !== null).map(([v, sign]) => v + sign * bandOf(t))));
     const still = [...lines.flatMap(({ old, next, pins }) => [...heights(old), ...heights(next), ...pins.flatMap(([, some]) => heights(some))]), ...bands];
     const moving = lines.flatMap(({ pieces, family: some }) => [...heights(pieces), ...some.flatMap((f) => heights(f.pieces))]);
     this.ys = framed(this, still, moving, isInGesture());
@@ -225,7 +233,7 @@ class Chart {
     set(this.parts.others, { class: whole === answer ? 'others' : 'others stale' });
     refill(this.parts.pins, lines.flatMap(({ pins }) => pins.map(([letter, some]) => ['path', { class: `pin-${letter}`, d: path(some) }])));
     this.drawLabels(labels, x, y);
-    this.edges.draw(targets, this.scales, this.xs);
+    this.edges.draw(targets, this.scales, this.xs, found[0].unit);
     this.deviation.draw(targets, lines, { x, base: height - STRIP / 2, low: this.inner[0] + MARGIN.left, at, answer });
     this.drawGaps(answer, group, x, height);
     set(this.line, { d: `M${x(now).toFixed(1)} ${MARGIN.top}V${height - this.bottom}` });
@@ -317,7 +325,7 @@ class Chart {
     const limit = (value, end, by) => (value === null ? this.ys[end] : value + by);
     for (const { points, tolerance, is_band: isBand } of targets) {
       if (!points.length) continue;
-      const by = isBand ? 0 : tolerance;
+      const by = bandOf({ tolerance, is_band: isBand });
       if (points.length === 1) {
         const [[place, low, high]] = points;
         const [a, b] = [y(limit(low, 0, -by)), y(limit(high, 1, by))];

@@ -1,8 +1,13 @@
 // Questions and messages over the page.
-import { byId, html } from './draw.js';
+import { byId, html, notANumber, set } from './draw.js';
 
+<<<<<<< HEAD
 // Asks a question, and returns the chosen answer or null. An answer is a value, a label and optionally a check. The check carries
 // out the answer. If it fails, it returns a text, and the dialog stays open with this text and the user's input.
+=======
+// A question with answers; the answer, or null. An answer is a value, a label and perhaps a check. The check gets the text of the field, does what the answer
+// asks for, and returns a text if it cannot: the dialog then stays with this text, and with what was typed.
+>>>>>>> page
 const ask = (title, text, answers, ...fields) => new Promise((done) => {
   const dialog = byId('dialog');
   const form = dialog.querySelector('form');
@@ -13,7 +18,7 @@ const ask = (title, text, answers, ...fields) => new Promise((done) => {
     event.preventDefault();
     const button = event.currentTarget;
     button.disabled = true;
-    const refused = await check();
+    const refused = await check(input?.value ?? '');
     button.disabled = false;
     why.textContent = refused ?? '';
     why.hidden = refused === null;
@@ -58,4 +63,14 @@ export const refuse = (text) => {
   refusal = byId('banner').firstChild;
 };
 export const retract = () => { if (refusal?.isConnected) hideMessage(); };
+// Marks a field whose text is not a number, and says why; or removes the mark. `label` names the field.
+export const markNumber = (input, isWrong, label) => {
+  const was = input.classList.contains('wrong');
+  input.classList.toggle('wrong', isWrong);
+  const why = isWrong ? `${label}: ${notANumber(input.value)}.` : null;
+  input.why = why;
+  set(input, { 'aria-invalid': isWrong ? 'true' : null, title: why ?? label });
+  if (isWrong) refuse(why);
+  else if (was) retract();
+};
 export const action = (text, handler) => html('button', { text, on: { click: () => { hideMessage(); handler(); } } });

@@ -85,6 +85,16 @@ export const fitted = (input) => {
   fill(input, input.value);
   return input;
 };
+// The number of a typed text, with a decimal point or comma; null if the text is none. Other notations of programs, such as
+// hexadecimal digits, are none.
+const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
+export const parsed = (text) => {
+  const plain = text.trim().replace('−', '-').replace(',', '.');
+  const value = NUMBER.test(plain) ? Number(plain) : NaN;
+  return Number.isFinite(value) ? value : null;
+};
+// Reason why a typed text is no number.
+export const notANumber = (text) => `${text.trim() === '' ? 'the field is empty' : `“${text.trim()}” is not a number`}. Write a number such as 152.5 or -0.02`;
 export const byId = (id) => document.getElementById(id);
 // Replaces the content of an element. The focus stays on the control of the same name, or else on the control at the same index.
 const CONTROLS = 'button, input, select, summary, a[href], [tabindex]';
@@ -104,7 +114,9 @@ export const renew = (element, ...children) => {
 // Readable name of a column, with the unit in brackets.
 const UNIT = '(?:mm|m|in|deg|rad|N|lbf|kg|g|Hz|percent)';
 const UNIT_AT_END = new RegExp(`_(${UNIT}(?:_${UNIT})*(?:_per_${UNIT}(?:_${UNIT})*)?)$`);
-export const quantity = (column) => column.replace(UNIT_AT_END, (_, unit) => ` [${unit.replace('_per_', '/').replaceAll('_', ' ')}]`).replaceAll('_', ' ');
+export const quantity = (column) => column.replace(UNIT_AT_END, (_, unit) => ` [${inDegrees(unit.replace('_per_', '/').replaceAll('_', ' '))}]`).replaceAll('_', ' ');
+// A text with the sign of degrees, as at the curves.
+export const inDegrees = (text) => text.replace(/\bdeg\b/g, '°');
 // A table that scrolls sideways. The keyboard reaches it.
 export const scroller = (label, ...children) => html('div', { class: 'scroll', tabindex: 0, role: 'group', 'aria-label': label }, ...children);
 

@@ -1,5 +1,10 @@
+<<<<<<< HEAD
 // Save, save as, export, and the unsaved moves that the browser stores.
 import { byId, html, svg } from './draw.js';
+=======
+// Save, save as, export; and what the browser keeps of moves that are not saved.
+import { brief, byId, html, measured, svg, write } from './draw.js';
+>>>>>>> page
 import { askGhost, copy, emit, forget, isEdited, isMoved, isOfFile, isSame, of, on, put, state, takeMotion, takeOverview } from './design.js';
 import { dropHistory, resumeHistory } from './history.js';
 import { edit } from './targets.js';
@@ -23,6 +28,7 @@ export const readStudy = async (overview = null) => {
   state.at = overview.sliders.map((slider) => slider.home);
   state.arrows = null;
   state.selected = null;
+  tellCompared('as opened');
   forget();
   await resumeHistory();
   emit('study');
@@ -31,7 +37,10 @@ export const readStudy = async (overview = null) => {
   askGhost();
 };
 
+// Words for the state with which the page compares.
+const tellCompared = (words) => write(byId('key-ghost'), words);
 const saved = ({ digest, file }, design) => {
+  tellCompared('saved');
   state.overview.digest = digest;
   state.overview.base = digest;
   isOfFile(state.overview);
@@ -130,19 +139,29 @@ const reload = async () => {
     say(`${state.overview.file} read again`);
   } catch (refused) { say(refused.message, 'bad'); }
 };
+// Asks for a name and writes the study under it. A refusal of the name leaves the dialog open, with the name.
 const saveAs = async () => {
-  if (!await settleProposal()) return;
-  const chosen = await question('Save as', state.overview.is_car ? 'A new car beside this one, with its axles NAME_front.toml and NAME_rear.toml.' : 'A new study beside this one, with its comments.', [['ok', 'Save'], ['', 'Cancel']], state.overview.file.replace(/\.toml$/, '_2.toml'));
-  if (!chosen) return;
-  const name = chosen.text.trim();
-  const write = async (anyway) => say(`${(await post('save', { of: of(), name, anyway })).file} written. This page still shows ${state.overview.file}.`);
-  try {
-    await write(false);
-  } catch (refused) {
-    if (refused.status !== 409) return say(refused.message, 'bad');
-    const sure = await question('Replace it?', `${refused.message}.`, [['yes', 'Replace'], ['', 'Cancel']]);
-    if (sure) await write(true).catch((again) => say(again.message, 'bad'));
-  }
+  if (await settleProposal()) await askForName(state.overview.file.replace(/\.toml$/, '_2.toml'));
+};
+const askForName = async (wanted) => {
+  const writeAs = async (text, anyway) => {
+    const { file } = await post('save', { of: of(), name: text.trim(), anyway });
+    say(`${file} written. This page still shows ${state.overview.file}.`);
+  };
+  let taken = null;
+  const check = async (text) => {
+    try {
+      await writeAs(text, false);
+    } catch (refused) {
+      if (refused.status !== 409) return refused.message;
+      taken = refused.message;
+    }
+    return null;
+  };
+  const chosen = await question('Save as', state.overview.is_car ? 'A new car beside this one, with its axles NAME_front.toml and NAME_rear.toml.' : 'A new study beside this one, with its comments.', [['ok', 'Save', check], ['', 'Cancel']], wanted);
+  if (!chosen || taken === null) return;
+  const sure = await question('Replace it?', `${taken}.`, [['yes', 'Replace', () => writeAs(chosen.text, true).then(() => null, ({ message }) => message)], ['', 'Another name']]);
+  if (!sure) await askForName(chosen.text);
 };
 
 // Checks at intervals if another program has changed the file.
@@ -227,27 +246,68 @@ const still = (source) => {
     for (const name of LOOKS) to[i].setAttribute(name, look.getPropertyValue(name));
     for (const name of ['class', 'style', 'tabindex', 'role', 'aria-label']) to[i].removeAttribute(name);
   });
+  // Marks of a handle that has the focus are no part of the picture.
+  from.forEach((element, i) => { if (element.matches('.edge text, .edge .hit')) to[i].remove(); });
   return image;
 };
-const sheet = (pictures, across) => {
+// Marks of lines in a legend: name of the colour, and further attributes.
+const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+const PIN_COLOURS = { A: '--hue2', B: '--hue1', C: '--hue5' };
+const COMPARED = (dashes) => [byId('key-ghost').textContent, '--ghost', { 'stroke-width': 2, 'stroke-dasharray': dashes }];
+const others = () => [...(state.proposed ? [['proposal', '--proposal', { 'stroke-width': 2 }]] : []),
+  ...Object.keys(state.pins).map((letter) => [`pinned ${letter}`, PIN_COLOURS[letter], { 'stroke-width': 1.75, 'stroke-dasharray': '9 3' }])];
+const curvesKey = () => [['now', '--accent', { 'stroke-width': 2.25 }], COMPARED('5 4'), ...others(),
+  ...(state.overview.targets.length ? [['wanted', '--want', { 'stroke-width': 8, 'stroke-opacity': 0.35 }], ['strip below: deviation in tolerances, band ±1', '--want', { 'stroke-width': 1.25 }]] : [])];
+const viewsKey = () => {
+  const aim = state.arrows === null ? 'the misfit' : state.overview.targets[state.arrows]?.column.replaceAll('_', ' ');
+  return [COMPARED('3 3'), ...others(), ...(document.querySelector('.arrows .arrow') && state.arrows !== 'none' && state.answer?.misfit ? [[`direction that lowers ${aim}`, '--arrow', { 'stroke-width': 2 }]] : []),
+    [state.overview.is_car ? 'cross: centre of gravity of the sprung mass' : 'cross: roll centre', '--proposal', { 'stroke-width': 1.75 }]];
+};
+// Places of the entries of a legend, in rows of this width.
+const KEY = { size: 12, line: 26, gap: 20, row: 18 };
+const rowsOf = (entries, width) => {
+  let [x, row] = [0, 0];
+  const placed = entries.map((entry) => {
+    const own = KEY.line + 6 + measured(entry[0], KEY.size, 400);
+    if (x > 0 && x + own > width) [x, row] = [0, row + 1];
+    const found = { entry, x, row };
+    x += own + KEY.gap;
+    return found;
+  });
+  return [placed, row + 1];
+};
+// A picture of drawings with their titles, below a line with the study's name and a legend.
+const sheet = (pictures, across, heading, entries) => {
   const boxes = pictures.map(([, , source]) => source.getBoundingClientRect());
   const [width, height] = [Math.max(...boxes.map((b) => b.width)), Math.max(...boxes.map((b) => b.height))];
   const rows = Math.ceil(pictures.length / across);
-  const [all, tall] = [across * (width + 16) + 16, rows * (height + 36) + 16];
+  const all = across * (width + 16) + 16;
+  const [key, keyRows] = rowsOf(entries, all - 40);
+  const head = 36 + KEY.row * keyRows;
+  const tall = head + rows * (height + 36) + 16;
   const look = getComputedStyle(document.body);
+  const words = (x, y, size, weight, text) => svg('text', { x, y, fill: look.color, 'font-family': look.fontFamily, 'font-size': size, 'font-weight': weight, text });
   const page = svg('svg', { xmlns: 'http://www.w3.org/2000/svg', width: all, height: tall, viewBox: `0 0 ${all} ${tall}` },
-    svg('rect', { width: all, height: tall, fill: look.backgroundColor }));
+    svg('rect', { width: all, height: tall, fill: look.backgroundColor }), words(20, 26, 15, 650, heading));
+  for (const { entry: [text, name, stroke], x, row } of key) {
+    const y = 44 + KEY.row * row;
+    page.append(svg('path', { d: `M${20 + x} ${y}h${KEY.line}`, fill: 'none', stroke: colour(name), ...stroke }), words(20 + x + KEY.line + 6, y + 4, KEY.size, 400, text));
+  }
   pictures.forEach(([, title, source], k) => {
-    const [x, y] = [16 + (k % across) * (width + 16), 8 + Math.floor(k / across) * (height + 36)];
+    const [x, y] = [16 + (k % across) * (width + 16), head + Math.floor(k / across) * (height + 36)];
     const image = still(source);
     image.setAttribute('x', x);
     image.setAttribute('y', y + 24);
     image.setAttribute('width', boxes[k].width);
     image.setAttribute('height', boxes[k].height);
-    page.append(svg('text', { x: x + 4, y: y + 18, fill: look.color, 'font-family': look.fontFamily, 'font-size': 13, 'font-weight': 600, text: title }), image);
+    page.append(words(x + 4, y + 18, 13, 600, title), image);
   });
   return new XMLSerializer().serializeToString(page);
 };
+// Name of the study and what else the drawings depend on.
+const headingOf = (...more) => [state.overview.name, ...more].join(' · ');
+// Positions of the sliders that move: rack 0 mm.
+const positions = () => state.overview.sliders.flatMap(({ name, unit, low, high, names }, k) => (names.length ? [names[state.at[k]].replaceAll('_', ' ')] : low === high ? [] : [`${name} ${brief(state.at[k], 4)} ${unit}`]));
 const download = (name, blob) => {
   const link = html('a', { href: URL.createObjectURL(blob), download: name });
   link.click();
@@ -265,8 +325,8 @@ const asPng = (text) => new Promise((done, failed) => {
   image.src = `data:image/svg+xml;charset=utf-8,${encodeURIComponent(text)}`;
 });
 const sheets = {
-  curves: () => sheet(chartSvgs(), 2),
-  views: () => sheet(viewSvgs().map(([name, picture]) => [name, name, picture]), 2),
+  curves: () => sheet(chartSvgs(), 2, headingOf(...(state.motion === null ? [] : [state.motion]), ...positions()), curvesKey()),
+  views: () => sheet(viewSvgs(), 2, headingOf(`lengths in ${state.overview.unit}`, ...positions()), viewsKey()),
 };
 const exported = async (what) => {
   const { name } = state.overview;

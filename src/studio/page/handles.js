@@ -1,5 +1,10 @@
+<<<<<<< HEAD
 // Handles on targets: points of target curves and edges of bands. The user drags them or moves them by arrow keys.
 import { brief, centred, heldByFinger, niceStep, set, svg } from './draw.js';
+=======
+// Handles on targets: points of wanted curves and edges of bands, dragged or moved by arrow keys.
+import { brief, centred, heldByFinger, niceStep, placed, set, svg } from './draw.js';
+>>>>>>> page
 import { state } from './design.js';
 import { degreesPerDrive, setTarget, writtenTarget } from './targets.js';
 
@@ -35,8 +40,13 @@ export class EdgeHandles {
     this.held = null;
   }
 
+<<<<<<< HEAD
   // Moves handles to their numbers. A handle that is held or has the focus is kept.
   draw(targets, { x, y }, xs) {
+=======
+  // Moves handles to their numbers; keeps the one that is held or has the focus.
+  draw(targets, { x, y }, xs, unit) {
+>>>>>>> page
     const seen = new Set();
     for (const target of targets) {
       const k = state.overview.targets.indexOf(target);
@@ -48,10 +58,15 @@ export class EdgeHandles {
         const value = this.held === key ? handle.dragged : number.value;
         const height = y(value);
         handle.group.style.display = Number.isFinite(height) && height > 8 && height < this.chart.inner[1] + 22 ? '' : 'none';
-        for (const circle of handle.group.children) set(circle, centred(x(number.place), height));
+        const across = x(number.place);
+        for (const circle of handle.circles) set(circle, centred(across, height));
+        // The value is beside the handle, towards the middle of the chart.
+        const isRight = across > (x(xs[0]) + x(xs[1])) / 2;
+        set(handle.words, { ...placed(across + (isRight ? -9 : 9), height < 24 ? height + 13 : height - 6), 'text-anchor': isRight ? 'end' : 'start', text: `${brief(value)}${unit ? ` ${unit}` : ''}` });
+        set(handle.group, { class: this.held === key ? 'edge held' : 'edge' });
         set(handle.group, {
           'aria-valuenow': value,
-          'aria-label': `${target.column.replaceAll('_', ' ')}: ${number.name}`, 'aria-valuetext': brief(value),
+          'aria-label': `${target.column.replaceAll('_', ' ')}: ${number.name}`, 'aria-valuetext': `${brief(value)} ${unit}`.trim(),
         });
       }
     }
@@ -63,11 +78,11 @@ export class EdgeHandles {
   }
 
   build(key) {
-    const handle = {};
+    const handle = { circles: [svg('circle', { class: 'hit', r: 12 }), svg('circle', { r: 4.5 })], words: svg('text') };
     handle.group = svg('g', {
       class: 'edge', tabindex: 0, role: 'slider', 'aria-orientation': 'vertical',
       on: { pointerdown: (event) => this.grab(event, key), keydown: (event) => this.key(event, handle) },
-    }, svg('circle', { class: 'hit', r: 12 }), svg('circle', { r: 4.5 }));
+    }, ...handle.circles, handle.words);
     this.layer.append(heldByFinger(handle.group));
     this.shown.set(key, handle);
     return handle;

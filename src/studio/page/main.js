@@ -1,5 +1,10 @@
+<<<<<<< HEAD
 // Starts all parts of the page, and contains code that belongs to no single part.
 import { brief, byId, html } from './draw.js';
+=======
+// The page: starts its parts, and holds what belongs to none of them.
+import { brief, byId, html, set } from './draw.js';
+>>>>>>> page
 import { ask, askGhost, canRedo, canUndo, emit, isEdited, isSettled, on, put, redo, state, undo } from './design.js';
 import { Refused, watchServer } from './server.js';
 import { startViews } from './views.js';
@@ -19,12 +24,12 @@ const root = document.documentElement;
 // Light or dark; at first what the system has.
 const prefersDark = matchMedia('(prefers-color-scheme: dark)');
 const startTheme = () => {
-  const set = (theme) => { if (theme) root.dataset.theme = theme; else delete root.dataset.theme; };
-  try { set(localStorage.getItem('hardpoint theme') ?? ''); } catch { /* no storage */ }
+  const put = (theme) => { if (theme) root.dataset.theme = theme; else delete root.dataset.theme; };
+  try { put(localStorage.getItem('hardpoint theme') ?? ''); } catch { /* no storage */ }
   byId('theme').addEventListener('click', () => {
     const isDark = root.dataset.theme ? root.dataset.theme === 'dark' : prefersDark.matches;
     const theme = isDark ? 'light' : 'dark';
-    set(theme);
+    put(theme);
     try { localStorage.setItem('hardpoint theme', theme); } catch { /* no storage */ }
     emit('answer', null);
   });
@@ -188,7 +193,8 @@ const start = async () => {
   const times = startClock();
   on('study', () => {
     const { name, topology, files, points } = state.overview;
-    byId('study-name').textContent = name;
+    // A long name may break after its underscores.
+    set(byId('study-name'), { title: name }).replaceChildren(...name.split(/(?<=_)/).flatMap((part) => [part, html('wbr')]));
     byId('study-about').textContent = `${topology} · ${points.filter(({ follows }) => !follows).length} points · ${files.join(', ')}`;
     ask();
   });

@@ -1,5 +1,5 @@
 // Panels beside the curves: targets, constraints, limits, free directions, warnings.
-import { brief, byId, html, measured, quantity, renew, scroller, set, write } from './draw.js';
+import { brief, byId, html, inDegrees, measured, quantity, renew, scroller, set, write } from './draw.js';
 import { of, begin, copy, emit, finish, isInGesture, isSame, on, onRest, snapped, state } from './design.js';
 import { openTab, tellTab } from './layout.js';
 import { post } from './server.js';
@@ -108,7 +108,7 @@ const targets = () => {
   const body = misfit.targets.map((t, k) => html('tr', { class: state.arrows === k ? 'selected' : null },
     html('th', { scope: 'row' }, html('button', { class: 'name', text: quantity(t.column), title: 'Arrows for this target', 'aria-pressed': String(state.arrows === k), on: { click: () => { state.arrows = state.arrows === k ? null : k; emit('options'); } } })),
     html('td', { class: 'number', text: brief(t.rms, 3) }),
-    html('td', { class: `number ${isMet(t) ? '' : 'bad'}`, text: brief(t.worst, 3) }), html('td', { class: 'number', text: t.worst_at === null ? words(t.worst_at_unit) : `${brief(t.worst_at, 4)} ${t.worst_at_unit}` })));
+    html('td', { class: `number ${isMet(t) ? '' : 'bad'}`, text: brief(t.worst, 3) }), html('td', { class: 'number', text: t.worst_at === null ? words(t.worst_at_unit) : `${brief(t.worst_at, 4)} ${inDegrees(t.worst_at_unit)}` })));
   const { builds } = state.overview;
   const about = builds ? [html('p', { class: 'hint', text: `The page shows the misfit of the nominal design. Tune lowers the root mean square misfit of ${builds} builds.` })] : [];
   return [panel(builds ? 'Nominal deviations in tolerances' : 'Deviations in tolerances', table(['target', 'rms', 'largest', 'at'], body), ...about)];
@@ -116,10 +116,15 @@ const targets = () => {
 
 const constraints = () => {
   const margins = state.answer?.misfit?.constraints ?? [];
-  if (!margins.length) return [panel('Constraints', html('p', { class: 'hint', text: 'The study has no constraints.' }))];
+  if (!margins.length) return [panel('Constraints', html('p', { class: 'hint', text: state.overview.is_car ? 'The study has no constraints. Write [[optimise.constraints]] into the file to add one.' : 'The study has no constraints. Write [[optimise.constraints]] into the file to add one: a clearance between members, a length, an articulation. The page then shows its margin, and its limits can be changed here.' }))];
   const rows = margins.map((c) => html('tr', { class: c.is_violated ? 'violated' : null },
+<<<<<<< HEAD
     html('th', { scope: 'row' }, html('button', { class: 'name', text: c.is_violated ? `${c.name}, violated` : c.name, title: 'Show it in the views', on: { click: () => selectNamed(c.name) } })),
     html('td', { class: `number ${c.is_violated ? 'bad' : ''}`, text: `${brief(c.margin, 3)} ${c.unit}` })));
+=======
+    html('th', { scope: 'row' }, html('button', { class: 'name', text: inDegrees(c.is_violated ? `${c.name}, violated` : c.name), title: 'Show it in the views', on: { click: () => selectNamed(c.name) } })),
+    html('td', { class: `number ${c.is_violated ? 'bad' : ''}`, text: `${brief(c.room, 3)} ${inDegrees(c.unit)}` })));
+>>>>>>> page
   return [panel('Constraints', table(['constraint', 'margin'], rows))];
 };
 

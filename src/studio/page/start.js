@@ -1,5 +1,10 @@
+<<<<<<< HEAD
 // Form for a new study: topology with a picture, points from a spreadsheet, and file name.
 import { byId, html, svg } from './draw.js';
+=======
+// A new study: a kind of suspension with its picture, points of a sheet, and the name of the file.
+import { byId, html, notANumber, parsed, svg } from './draw.js';
+>>>>>>> page
 import { post } from './server.js';
 
 const SIZE = { width: 230, height: 150 };
@@ -40,11 +45,17 @@ const build = (choices) => {
 
 const start = async (event) => {
   event.preventDefault();
-  const length = (id) => {
-    const text = byId(id).value.trim();
-    return text === '' ? null : Number(text.replace(',', '.'));
-  };
+  const length = (id) => (byId(id).value.trim() === '' ? null : parsed(byId(id).value));
   byId('refused').textContent = '';
+  for (const [id, name] of [['half-track', 'Half track'], ['wheel-radius', 'Wheel radius']]) {
+    const field = byId(id);
+    const isWrong = field.value.trim() !== '' && length(id) === null;
+    field.setAttribute('aria-invalid', String(isWrong));
+    if (!isWrong) continue;
+    byId('refused').textContent = `${name}: ${notANumber(field.value)}.`;
+    field.focus();
+    return;
+  }
   byId('start').disabled = true;
   try {
     const name = byId('name').value.trim();

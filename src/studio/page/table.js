@@ -1,8 +1,14 @@
+<<<<<<< HEAD
 // Table of coordinates. The user can type and lock them. Each has its slope and its effect on the curves.
 import { AXES, brief, byId, html, set, write } from './draw.js';
+=======
+// The coordinates: typed in, locked, each with its slope and what it does to the curves.
+import { AXES, brief, byId, html, parsed, set, write } from './draw.js';
+>>>>>>> page
 import { askInfluence, emit, gradient, isInGesture, isMoved, on, onRest, placeAfter, put, setCoordinate, state, stepped } from './design.js';
 import { select } from './views.js';
 import { openTab } from './layout.js';
+import { markNumber } from './dialog.js';
 
 let rows = [];
 let asked = null;
@@ -33,14 +39,23 @@ const putValue = (input, text) => { if (input.value !== text) input.value = text
 // True while a field has typed text that is not yet accepted. Updates of the table do not change such text.
 const hasOwnText = (input) => input.dataset.typed !== undefined;
 const take = (input) => { delete input.dataset.typed; };
+const unmark = (input) => {
+  input.classList.remove('wrong');
+  input.why = null;
+  set(input, { 'aria-invalid': null });
+};
 
 const typed = (input, p, axis) => {
+<<<<<<< HEAD
   // A decimal comma is also accepted.
   const value = Number(input.value.trim().replace('−', '-').replace(',', '.'));
   const isNumber = input.value.trim() !== '' && Number.isFinite(value);
+=======
+  const value = parsed(input.value);
+  const isNumber = value !== null;
+>>>>>>> page
   if (isNumber) take(input);
-  input.classList.toggle('wrong', !isNumber);
-  input.setAttribute('aria-invalid', String(!isNumber));
+  markNumber(input, !isNumber, input.getAttribute('aria-label'));
   if (isNumber && value !== state.design[p][axis]) setCoordinate(p, axis, value);
 };
 
@@ -60,11 +75,13 @@ const cell = (p, axis) => {
       input: () => { input.dataset.typed = ''; },
       change: () => typed(input, p, axis),
       focus: () => { take(input); input.value = String(state.design[p][axis]); select(p); point(p, axis); },
-      blur: () => { take(input); point(null); draw(); },
+      // A text that is no number gives way to the coordinate; its message stays.
+      blur: () => { take(input); unmark(input); point(null); draw(); },
       keydown: (event) => {
         const by = { ArrowUp: 1, ArrowDown: -1 }[event.key];
         if (event.key === 'Escape') {
           take(input);
+          unmark(input);
           input.value = String(state.design[p][axis]);
           if (origin?.isConnected) origin.focus();
           else input.blur();
@@ -148,7 +165,7 @@ const draw = (isAll = false) => {
       const reach = ends(one);
       const outside = reach && (value < reach[0] || value > reach[1]);
       input.classList.toggle('outside', Boolean(outside));
-      set(input, { title: [input.value.endsWith('…') ? String(value) : '', changed ? `file: ${state.opened[p][axis]}` : '', reach ? `range for Tune: ${brief(reach[0], 6)} … ${brief(reach[1], 6)}${outside ? ', outside' : ''}` : ''].filter(Boolean).join('; ') || null });
+      set(input, { title: input.why || [input.value.endsWith('…') ? String(value) : '', changed ? `file: ${state.opened[p][axis]}` : '', reach ? `range for Tune: ${brief(reach[0], 6)} … ${brief(reach[1], 6)}${outside ? ', outside' : ''}` : ''].filter(Boolean).join('; ') || null });
       set(lock, { 'aria-pressed': String(state.locked[p][axis]), text: state.locked[p][axis] ? '●' : '○' });
       input.readOnly = state.locked[p][axis];
       const g = slopes?.[p][axis] ?? 0;

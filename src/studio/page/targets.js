@@ -1,8 +1,8 @@
 // Targets, variables and constraints of the study, changed on the page. An edit is a value and a path; the server writes
 // it into the study's text and keeps the comments.
-import { AXES, brief, fill, fitted, html, quantity, scroller } from './draw.js';
+import { AXES, brief, fill, fitted, html, parsed, quantity, scroller } from './draw.js';
 import { placeAfter, state, takeOverview } from './design.js';
-import { question, refuse, retract } from './dialog.js';
+import { markNumber, question, refuse, retract } from './dialog.js';
 import { post } from './server.js';
 
 const words = (text) => text.replaceAll(/[_.]/g, ' ');
@@ -44,24 +44,29 @@ const goalName = (own) => words([own.characteristic ?? own.load ?? 'target', own
 const endOf = ([key, end]) => (key === 'between' ? LIMITS.between[end] : words(key));
 export const setTarget = (k, path, value) => edit([{ path: at('targets', k, ...path), value }], `Target ${nameOf(k)}: ${endOf(path)} ${brief(value)}`);
 
+<<<<<<< HEAD
 const parsed = (text) => {
   const value = Number(text.trim().replace('−', '-').replace(',', '.'));
   return text.trim() === '' || !Number.isFinite(value) ? null : value;
 };
 // Field for one number of the study. An optional number is null while the field is empty. `change` returns false if the study
 // refuses the number. Then the field shows the number of the study again.
+=======
+// A field for one number of the study. An optional number is null while the field is empty. `change` returns false if the study
+// refuses the number; the field then has the number of the study again.
+>>>>>>> page
 const field = (label, value, change, isOptional = false) => {
   const written = value === null ? '' : String(value);
   const input = fitted(html('input', { type: 'text', inputmode: 'decimal', value: written, 'aria-label': label, title: label, autocomplete: 'off' }));
   input.addEventListener('change', () => {
     const number = parsed(input.value);
     const isWrong = number === null && !(isOptional && input.value.trim() === '');
-    input.classList.toggle('wrong', isWrong);
+    markNumber(input, isWrong, label);
     if (isWrong || number === value) return;
     input.blur();
     Promise.resolve(change(number)).then((isTaken) => { if (isTaken === false) fill(input, written); });
   });
-  input.addEventListener('keydown', (event) => { if (event.key === 'Escape') { fill(input, written); input.blur(); } });
+  input.addEventListener('keydown', (event) => { if (event.key === 'Escape') { fill(input, written); markNumber(input, false, label); input.blur(); } });
   return input;
 };
 const remover = (label, path, name) => html('button', { class: 'small', text: '✕', title: label, 'aria-label': label, on: { click: () => edit([{ path, value: null }], `Removed ${name}`) } });
@@ -121,7 +126,7 @@ const variableAdder = () => {
   const range = fitted(html('input', { type: 'text', value: unit === 'mm' ? '10' : unit === 'm' ? '0.01' : '0.4', 'aria-label': 'range of the new variable, either way' }));
   const add = () => {
     const by = parsed(range.value);
-    range.classList.toggle('wrong', by === null);
+    markNumber(range, by === null, range.getAttribute('aria-label'));
     if (by === null) return;
     edit([{ path: at('variables', optimise().variables.length), value: newVariable(point.value, axis.value, by) }], `Added variable ${words(point.value)} ${axis.value}`);
   };

@@ -165,7 +165,7 @@ const tellMisfit = () => {
   const words = byId('proposal-misfit');
   if (!words) return;
   const isKnown = value !== undefined && value !== null;
-  const cost = isKnown && exact !== null ? ` (rounding adds ${signed(value - exact, 2)})` : '';
+  const cost = isKnown && exact !== null ? ` (rounding ${value < exact ? 'lowers' : 'raises'} it by ${brief(Math.abs(value - exact), 2)})` : '';
   words.textContent = isKnown ? `${state.overview.builds ? 'nominal misfit' : 'misfit'} with these coordinates: ${brief(value, 4)}${cost}` : '';
 };
 

@@ -2,6 +2,7 @@
 import { along, AXES, brief, byId, centred, cross, dot, heldByFinger, html, minus, norm, placed, set, show, signed, svg, tenth, write } from './draw.js';
 import { MechanismView } from './mechanism_view.js';
 import { flat, rims } from './space.js';
+import { announce } from './speech.js';
 import { begin, emit, finish, gradient, grip, isEdited, moveTo, on, snapped, state, stepped } from './design.js';
 
 // Distance in pixels below which points count as overlapping.
@@ -75,7 +76,17 @@ const movableOf = (overview) => {
   return movable.get(overview);
 };
 
+<<<<<<< HEAD
 // Moves the circles of a handle to a position.
+=======
+// The locked axes of a point in words.
+const lockedWords = (p) => {
+  const axes = AXES.filter((_, k) => state.locked[p][k]);
+  return axes.length === 3 ? ['locked (tab Points)'] : axes.length ? [`${axes.join(', ')} locked`] : [];
+};
+
+// Puts the circles of a handle at a place.
+>>>>>>> page
 const put = (handle, x, y) => { for (const circle of handle.children) set(circle, centred(x, y)); };
 
 class View extends MechanismView {
@@ -85,6 +96,7 @@ class View extends MechanismView {
       title: `${title}. Arrow keys ${basis ? 'move' : 'turn'} the picture, plus and minus zoom, Home fits. The points follow.`, scene: () => state.overview?.scene,
       layers: ['grid', 'ghost', 'pins', 'proposal', 'other', 'bodies', 'marks', 'arrows', 'handles', 'words'],
     });
+    this.title = title;
     set(this.svg, { tabindex: 0 });
     this.svg.addEventListener('keydown', (event) => { if (event.target === this.svg) this.keyOfPicture(event); });
     const zoom = this.zoomButton = html('button', { class: 'zoom', 'aria-pressed': 'false', title: `${title} alone`, 'aria-label': `${title} alone`, text: '⤢', on: { click: () => this.enlarge() } });
@@ -196,7 +208,7 @@ class View extends MechanismView {
       const handle = this.handles[p];
       const kinds = [['locked', state.locked[p].every(Boolean)], ['moved', state.design[p].some((c, k) => c !== state.opened[p][k])], ['selected', state.selected === p], ['free', free.has(p)]];
       put(handle, x, y);
-      set(handle, { 'aria-label': labelOf(p), class: ['handle', ...kinds.flatMap(([kind, is]) => (is ? [kind] : []))].join(' ') });
+      set(handle, { 'aria-label': [labelOf(p), ...lockedWords(p)].join(', '), class: ['handle', ...kinds.flatMap(([kind, is]) => (is ? [kind] : []))].join(' ') });
       // Points of the right half of a solid axle are moved by the handles of the other side.
       const isHere = isDrawn(p) && !points[p].follows;
       show(handle, isHere);
@@ -298,6 +310,7 @@ class View extends MechanismView {
     const target = event.currentTarget;
     target.setPointerCapture(event.pointerId);
     this.svg.classList.add('dragging');
+    this.drawWords(placement(state.answer?.frame));
     const move = (now) => {
       const way = inBody(this.unproject([now.clientX - from[0], now.clientY - from[1]]), this.look, this.basis !== null);
       if (other) way[1] = -way[1];
@@ -328,7 +341,11 @@ class View extends MechanismView {
     for (const [name, handler] of Object.entries(handlers)) target.addEventListener(name, handler);
   }
 
+<<<<<<< HEAD
   // Name of a point. While the point is dragged, its moved coordinates follow.
+=======
+  // The name of a point; while it is dragged, with its locked axes and its moved coordinates.
+>>>>>>> page
   wordOf(point) {
     const { name } = state.overview.points[point];
     const start = this.dragged?.point === point ? this.dragged.start[point] : [];
@@ -336,7 +353,8 @@ class View extends MechanismView {
       const is = state.design[point][k];
       return is === was ? [] : [`${AXES[k]} ${brief(is)} (${signed(is - was)})`];
     });
-    return [name, ...moved].join('  ');
+    const isDragged = this.dragged?.point === point;
+    return [name, ...(isDragged ? lockedWords(point) : []), ...moved].join('  ');
   }
 
   keyOfPoint(event, point) {
@@ -355,6 +373,7 @@ class View extends MechanismView {
     const through = cross(right, up);
     const length = state.step * (event.shiftKey ? 10 : 1) / (event.altKey ? 10 : 1);
     const by = [0, 1, 2].map((k) => length * (way[0] * right[k] + way[1] * up[k] + way[2] * through[k]));
+    if (by.some((c, k) => c !== 0 && state.locked[point][k])) announce(`${state.overview.points[point].name}: ${lockedWords(point)}`);
     const start = grip();
     begin('key', point);
     moveTo(start, point, start[point].map((c, k) => (by[k] === 0 ? undefined : stepped(c, by[k]))));
@@ -374,7 +393,7 @@ const hover = (view, point) => {
 };
 const drawAll = () => views.forEach((view) => view.draw());
 
-export const viewSvgs = () => views.map((view) => [view.name, view.svg]);
+export const viewSvgs = () => views.map((view) => [view.name, view.title, view.svg]);
 
 export const startViews = () => {
   for (const [name, title, basis] of [['front', 'Front', flat.front], ['side', 'Side', flat.side], ['top', 'Top', flat.top], ['space', 'In space', null]]) {

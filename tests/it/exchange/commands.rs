@@ -371,6 +371,48 @@ fn check_doubts_axes_and_a_wheel_at_the_centre_plane() {
     );
 }
 
+/// `check` names each outer joint with a shifted decimal point in z, and each pivot with a wrong sign in y. It doubts no joint of the
+/// templates and the sample studies.
+#[test]
+fn joints_in_impossible_positions_are_named() {
+    use hardpoint::study::Study;
+    let doubts = |text: &str| -> Vec<String> {
+        let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+        let study = Study::from_text("study", text, &directory).unwrap();
+        hardpoint::report::study_doubts(&study).unwrap_or_default()
+    };
+    for name in ["double_wishbone", "five_link", "macpherson"] {
+        let template = Topology::named(name).unwrap().template;
+        assert_eq!(doubts(template), Vec::<String>::new(), "{name}");
+        for line in template.lines().filter(|line| line.contains(" = [")) {
+            let (point, rest) = line.split_once('=').unwrap();
+            let numbers = rest.split(['[', ']']).nth(1).unwrap().split(',');
+            let numbers: Result<Vec<f64>, _> = numbers.map(|n| n.trim().parse()).collect();
+            let Ok([x, y, z]) = numbers.map(|n| <[f64; 3]>::try_from(n).unwrap_or_default()) else {
+                continue;
+            };
+            let point = point.trim();
+            let wrong = match () {
+                () if point.ends_with("ball_joint") || point.ends_with("_outer") => {
+                    [x, y, 10.0 * z]
+                }
+                () if point.ends_with("arm_front") || point.ends_with("arm_rear") => [x, -y, z],
+                () => continue,
+            };
+            if point.starts_with("pushrod") || point.starts_with("drop_link") {
+                continue;
+            }
+            let found = doubts(&template.replace(line, &format!("{point} = {wrong:?}")));
+            assert!(
+                found
+                    .iter()
+                    .any(|doubt| doubt.contains(&format!("{point} seems to have"))),
+                "{name} {point}: {found:?}"
+            );
+        }
+    }
+}
+
 /// Printed commands can be pasted into a shell, even if a path contains a space. The output names the written files.
 #[test]
 fn printed_commands_quote_their_paths() {

@@ -550,6 +550,29 @@ fn a_slip_in_one_coordinate_is_named() {
     }
 }
 
+/// Points that make a suspension without travel because of one wrong coordinate are refused with this coordinate.
+#[test]
+fn a_slip_that_stops_the_suspension_is_named() {
+    let mut points = FRONT;
+    let (name, point) = &mut points[0];
+    let (name, right) = (*name, point[2]);
+    point[2] *= 10.0;
+    let sheet = format!(
+        "iso 8855 axes mm\nname,x,y,z\n{}",
+        rows(&points, str::to_owned)
+    );
+    let imported = of("points.csv", &sheet, &Said::default());
+    let refused = match imported {
+        Err(refused) => refused,
+        Ok(imported) => imported.study("points", "points.csv").unwrap_err(),
+    };
+    assert!(
+        refused.contains(&format!("{name:?}"))
+            && refused.contains(&format!("z = {right} instead of")),
+        "{refused}"
+    );
+}
+
 /// A sheet of the right wheel without a side gives the left wheel as its mirror image.
 #[test]
 fn the_other_wheel_is_the_mirror_image() {

@@ -29,6 +29,20 @@ struct Shown {
 
 impl Shown {
     fn of(browser: &Path, run: &Run, hash: &str) -> Shown {
+        let (dom, log) = Shown::dom(browser, run, hash);
+        let start = dom
+            .find("<html")
+            .unwrap_or_else(|| panic!("no page:\n{log}"));
+        let end = start + dom[start..].find('>').unwrap();
+        let said = log.lines().filter(|l| l.contains(":CONSOLE"));
+        Shown {
+            root: dom[start..end].to_owned(),
+            console: said.map(str::to_owned).collect(),
+        }
+    }
+
+    /// The document after its scripts, and the browser's log.
+    fn dom(browser: &Path, run: &Run, hash: &str) -> (String, String) {
         let scratch = tempfile::tempdir().unwrap();
         let [dom, log] = ["dom", "log"].map(|name| scratch.path().join(name));
         let child = std::process::Command::new(browser)
@@ -60,15 +74,7 @@ impl Shown {
         wait(child);
         let dom = String::from_utf8_lossy(&fs::read(&dom).unwrap()).into_owned();
         let log = String::from_utf8_lossy(&fs::read(&log).unwrap()).into_owned();
-        let start = dom
-            .find("<html")
-            .unwrap_or_else(|| panic!("no page:\n{log}"));
-        let end = start + dom[start..].find('>').unwrap();
-        let said = log.lines().filter(|l| l.contains(":CONSOLE"));
-        Shown {
-            root: dom[start..end].to_owned(),
-            console: said.map(str::to_owned).collect(),
-        }
+        (dom, log)
     }
 
     fn attribute(&self, name: &str) -> &str {
@@ -117,6 +123,38 @@ fn a_browser_draws_a_sweep_and_shows_a_design() {
             let cell = &column[design];
             assert_eq!(value.parse::<f64>().ok(), cell.parse().ok(), "{cell}");
         }
+    }
+}
+
+/// Below each curve that the page shows of a design, and only of those, are its deviations from the target.
+#[test]
+fn the_strip_of_a_chart_is_of_the_shown_design() {
+    let Some(browser) = browser() else {
+        skipped();
+        return;
+    };
+    let run = sweep("plain", &["--set", "sweep.samples=60"]);
+    let data = run.data();
+    let drawn = data["drawn"].as_array().unwrap();
+    assert!(drawn.len() > 3);
+    for place in [1, drawn.len() - 1] {
+        let dom = Shown::dom(&browser, &run, &format!("#design={}", drawn[place])).0;
+        let strips: Vec<&str> = dom.split("<g class=\"strip\">").skip(1).collect();
+        assert!(!strips.is_empty());
+        let mut seen = 0;
+        for strip in strips {
+            let strip = &strip[..strip.find("</g>").unwrap()];
+            for (k, _) in drawn.iter().enumerate() {
+                let own = format!("of-{k}\"");
+                let paths = strip.split("<path").filter(|path| path.contains(&own));
+                for path in paths {
+                    let is_shown = !path.contains("display: none");
+                    assert_eq!(is_shown, k == 0 || k == place, "design {k}: {path}");
+                    seen += usize::from(is_shown);
+                }
+            }
+        }
+        assert!(seen >= 2);
     }
 }
 
@@ -198,4 +236,31 @@ fn a_browser_draws_an_axle() {
     assert_eq!(shown.attribute("plots-drawn"), plots.to_string());
     assert_eq!(shown.attribute("plots-expected"), plots.to_string());
     assert_eq!(shown.attribute("station"), "12");
+}
+
+/// On a phone the rows of wide tables are blocks within the window. In a usual window the table of effects is as wide as it needs
+/// to be, since there is space.
+#[test]
+fn tables_use_the_width_of_the_window() {
+    let Some(browser) = crate::studio::webdriver::Browser::start() else {
+        skipped();
+        return;
+    };
+    let run = sweep("plain", &["--set", "sweep.samples=60"]);
+    browser.size(390, 844);
+    browser.open(&format!(
+        "file://{}",
+        run.path().join("report.html").display()
+    ));
+    browser.wait("document.documentElement.dataset.ready");
+    let outside = browser.run(
+        "const all = [...document.querySelectorAll('.stacked td')].filter((e) => e.checkVisibility()); \
+         return all.length > 20 ? all.filter((e) => { const { left, right } = e.getBoundingClientRect(); return left < 0 || right > innerWidth || e.scrollWidth > e.clientWidth + 1; }).map((e) => e.textContent) : 'few'",
+    );
+    assert_eq!(outside, serde_json::json!([]));
+    browser.size(1440, 900);
+    let cut = browser.run(
+        "const e = document.getElementById('effects-map'); return e.scrollWidth - e.clientWidth",
+    );
+    assert!(cut.as_f64().unwrap() <= 1.0, "{cut}");
 }

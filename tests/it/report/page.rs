@@ -342,3 +342,21 @@ fn missed_targets_are_marked() {
     let good = fs::read_to_string(run.plots().join("toe_deg.svg")).unwrap();
     assert!(!good.contains("class=\"missed\""));
 }
+
+/// Paper omits sections, and names them. It has the table of the side effects once.
+#[test]
+fn paper_names_the_sections_that_it_omits() {
+    let tuned = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]).page();
+    let note = "<p class=\"printed\">Not printed: ";
+    let omitted = |page: &str| {
+        let (_, rest) = page.split_once(note).expect("a note");
+        rest.split('.').next().unwrap().to_owned()
+    };
+    assert_eq!(
+        omitted(&tuned),
+        "Convergence, Smallest misfit, Sensitivities"
+    );
+    assert!(tuned.contains("<div class=\"again\"><p class=\"note\">Side effects"));
+    let solved = Run::of("solve", "plain", &study("macpherson_solve.toml"), &[]).page();
+    assert_eq!(omitted(&solved), "Sensitivities");
+}

@@ -164,8 +164,9 @@ fn a_tuning_is_shown_with_its_mechanism_and_side_effects() {
         "camber [°]",
         "toe [°]",
         "kingpin inclination [°]",
-        "side effect: scrub radius [mm]",
-        "side effect: half track change [mm]",
+        ">Side effect: scrub radius<",
+        ">Side effect: half track change<",
+        ">scrub radius [mm]<",
         "class=\"was\"",
         "class=\"moved\"",
     ] {
@@ -236,7 +237,11 @@ fn racks_are_told_apart() {
     let more = ["--set", "motion.rack={from=-30.0,to=30.0,steps=3}"];
     let run = Run::of("solve", "plain", &study("macpherson_solve.toml"), &more);
     let picture = fs::read_to_string(run.plots().join("camber_deg.svg")).unwrap();
-    for (shade, name) in [(0, "rack -30"), (4, "rack 0"), (8, "rack 30")] {
+    for (shade, name) in [
+        (0, "rack \u{2212}30 mm"),
+        (4, "rack 0 mm"),
+        (8, "rack 30 mm"),
+    ] {
         assert!(picture.contains(&format!(">{name}</text>")), "{name}");
         assert!(picture.contains(&format!("<path class=\"line shade{shade}")));
     }
@@ -291,4 +296,125 @@ fn bands_are_drawn_and_what_is_outside_is_marked() {
     let overview = picture("overview.svg");
     assert!(overview.contains("toe [°]") && overview.contains("kingpin inclination [°]"));
     assert!(!overview.contains("camber [°]"));
+}
+
+/// Place of a text: its left end, its width and its baseline.
+struct Word {
+    text: String,
+    at: [f64; 2],
+}
+
+impl Word {
+    /// Distance from a point to the text.
+    fn distance(&self, [x, y]: [f64; 2]) -> f64 {
+        let [left, base] = self.at;
+        let right = left + 6.6 * self.text.chars().count() as f64;
+        let across = x - x.clamp(left, right);
+        across.hypot(y - y.clamp(base - 10.0, base + 3.0))
+    }
+}
+
+fn attribute(line: &str, name: &str) -> f64 {
+    let value = line.split_once(&format!(" {name}=\"")).unwrap().1;
+    value.split('"').next().unwrap().parse().unwrap()
+}
+
+/// Every sample study has a picture for each of its charts, and no two charts share a file. In the drawings of the mechanism a
+/// name is nearest to its own point, or a line leads to it.
+#[test]
+fn every_sample_has_all_pictures_and_its_names_are_at_their_points() {
+    let mut studies: Vec<String> = fs::read_dir(studies())
+        .unwrap()
+        .map(|file| file.unwrap().file_name().into_string().unwrap())
+        .filter(|name| name.ends_with(".toml"))
+        .collect();
+    studies.sort();
+    let mut names = 0;
+    for name in studies {
+        let text = study(&name);
+        // A car has no curves.
+        if text.contains("[car]") {
+            continue;
+        }
+        let directory = tempfile::tempdir().unwrap();
+        let path = super::studies().join(&name);
+        let mut solve = hardpoint(&["solve"]);
+        solve.arg(&path).arg("--plots").arg(directory.path());
+        let ended = solve.output().unwrap();
+        let said = String::from_utf8_lossy(&ended.stderr);
+        assert!(matches!(ended.status.code(), Some(0 | 1)), "{name}: {said}");
+        let data = fs::read(directory.path().join("charts.json")).unwrap();
+        let data: Value = serde_json::from_slice(&data).unwrap();
+        let charts = data["charts"].as_array().unwrap();
+        let keys: std::collections::BTreeSet<&str> =
+            charts.iter().map(|c| c["key"].as_str().unwrap()).collect();
+        assert_eq!(keys.len(), charts.len(), "{name}: {keys:?}");
+        for kind in ["svg", "png"] {
+            let files = fs::read_dir(directory.path()).unwrap();
+            let files = files.filter(|f| f.as_ref().unwrap().path().extension().unwrap() == kind);
+            // The others are the overview and the mechanism.
+            let others = 1 + usize::from(!charts.is_empty());
+            assert_eq!(files.count(), charts.len() + others, "{name}, {kind}");
+        }
+        let mechanism = fs::read_to_string(directory.path().join("mechanism.svg")).unwrap();
+        // The last part is the legend.
+        let views: Vec<&str> = mechanism.split("<g transform").skip(1).collect();
+        for view in &views[..views.len() - 1] {
+            names += names_at_their_points(view, &name);
+        }
+    }
+    assert!(names > 500, "{names}");
+}
+
+/// Checks the names of a view. Returns their number.
+fn names_at_their_points(view: &str, study: &str) -> usize {
+    let lines: Vec<&str> = view.lines().collect();
+    let dots: Vec<[f64; 2]> = lines
+        .iter()
+        .filter(|line| line.starts_with("<circle class=\"point\""))
+        .map(|line| ["cx", "cy"].map(|name| attribute(line, name)))
+        .collect();
+    // A line to a name is written before the name.
+    let mut leader: Option<[f64; 2]> = None;
+    let mut count = 0;
+    for line in lines {
+        if let Some(path) = line.strip_prefix("<path class=\"leader\" d=\"M") {
+            let start = path.split('L').next().unwrap().split(' ');
+            let start: Vec<f64> = start.map(|n| n.parse().unwrap()).collect();
+            leader = Some([start[0], start[1]]);
+            continue;
+        }
+        let is_name = line.starts_with("<text") && line.contains('_');
+        if is_name {
+            let word = Word {
+                text: line.split(['>', '<']).nth(2).unwrap().to_owned(),
+                at: ["x", "y"].map(|name| attribute(line, name)),
+            };
+            let nearest = dots.iter().map(|dot| word.distance(*dot));
+            let nearest = nearest.fold(f64::INFINITY, f64::min);
+            match leader {
+                // The line begins at a point.
+                Some(start) => assert!(
+                    dots.iter()
+                        .any(|d| (d[0] - start[0]).hypot(d[1] - start[1]) < 0.2),
+                    "{study}: {}",
+                    word.text
+                ),
+                None => {
+                    assert!(nearest <= 12.5, "{study}: {} is alone", word.text);
+                    let near = dots
+                        .iter()
+                        .filter(|dot| word.distance(**dot) < nearest + 2.0);
+                    let near: Vec<_> = near.collect();
+                    let is_one = near
+                        .iter()
+                        .all(|d| (d[0] - near[0][0]).hypot(d[1] - near[0][1]) <= 1.1);
+                    assert!(is_one, "{study}: {} is near {near:?}", word.text);
+                }
+            }
+            count += 1;
+        }
+        leader = None;
+    }
+    count
 }

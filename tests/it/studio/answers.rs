@@ -207,13 +207,37 @@ fn influences_are_slopes_of_the_curves() {
 
 #[test]
 fn the_report_of_a_design_is_served() {
-    for name in ["macpherson_solve.toml", "five_link_axle.toml"] {
+    for name in [
+        "macpherson_solve.toml",
+        "macpherson_front.toml",
+        "five_link_axle.toml",
+    ] {
         let served = Served::of(&of_few_stations(&sample(name)));
         let of = served.moved("wheel_centre", 2, 2.5);
         let place = served.post("report", &of).json();
         let page = served.get(place.as_str().unwrap());
         assert_eq!(page.status, 200, "{name}");
-        assert!(page.text().contains("Content-Security-Policy"), "{name}");
+        let text = page.text();
+        assert!(text.contains("Content-Security-Policy"), "{name}");
+        // It has the moved coordinate, and a verdict if there are targets.
+        let points = served.overview()["points"].clone();
+        let points = points.as_array().unwrap();
+        let centre = points.iter().position(|p| p["name"] == "wheel_centre");
+        let height = of["design"][centre.unwrap()][2].as_f64().unwrap();
+        let row = text.split("wheel_<wbr>centre</td>").nth(1).unwrap();
+        assert!(
+            row.split("</tr>")
+                .next()
+                .unwrap()
+                .contains(&format!(">{height:?}<")),
+            "{name}"
+        );
+        let has_targets = name == "macpherson_front.toml";
+        assert_eq!(
+            text.contains("of 3 targets are within their tolerance"),
+            has_targets
+        );
+        assert_eq!(text.contains("<dt>Misfit</dt>"), has_targets, "{name}");
         assert_eq!(served.files(), ["study.toml"], "{name}");
     }
 }

@@ -163,3 +163,138 @@ fn fields_are_as_wide_as_their_numbers() {
         browser.open("about:blank");
     }
 }
+
+/// A text that is no decimal number is refused in every field for a number, with the reason in words.
+#[test]
+fn a_text_that_is_no_number_is_refused_in_words() {
+    let Some((browser, served)) = opened("macpherson_front.toml") else {
+        return;
+    };
+    let before = design(&browser, "strut_lower");
+    let banner = "document.getElementById('banner')";
+    browser.click("#tab-points");
+    let field = "document.querySelector('input[aria-label=\"strut_lower y\"]')";
+    for text in ["0x64", "0b11", "1e999", "Infinity", "12 mm", ""] {
+        browser.run(&format!("{field}.focus(); {field}.select()"));
+        browser.keys(&["\u{e017}"]);
+        let letters: Vec<String> = text.chars().map(String::from).collect();
+        browser.keys(&letters.iter().map(String::as_str).collect::<Vec<_>>());
+        browser.keys(&["\u{e007}"]);
+        assert_eq!(design(&browser, "strut_lower"), before, "{text}");
+        let said = browser.run(&format!(
+            "return [{field}.getAttribute('aria-invalid'), {field}.title, {banner}.textContent, {banner}.hidden]"
+        ));
+        assert_eq!(said[0], json!("true"), "{text}");
+        let reason = if text.is_empty() { "is empty" } else { text };
+        for place in [1, 2] {
+            let words = said[place].as_str().unwrap();
+            assert!(
+                words.contains("strut_lower y") && words.contains(reason),
+                "{words}"
+            );
+        }
+        assert_eq!(said[3], json!(false));
+        // In the next field, the coordinate is back. The message stays.
+        browser.keys(&["\u{e004}"]);
+        let shown = browser.run(&format!(
+            "return [{field}.value, {field}.classList.contains('wrong'), {banner}.hidden]"
+        ));
+        assert_eq!(
+            shown,
+            json!([before[1].to_string(), false, false]),
+            "{text}"
+        );
+    }
+    // A comma and a minus sign are parts of a number.
+    browser.run(
+        "const f = document.querySelector('input[aria-label=\"strut_lower x\"]'); f.focus(); f.value = '\u{2212}3,5e0'; \
+         f.dispatchEvent(new Event('input')); f.dispatchEvent(new Event('change'))",
+    );
+    assert_eq!(design(&browser, "strut_lower")[0], -3.5);
+    assert_eq!(
+        browser.run(&format!("return {banner}.hidden")),
+        json!(false)
+    );
+    browser.click("#tab-targets");
+    let tolerance =
+        "const f = document.querySelector('[data-target] input[aria-label$=tolerance]');";
+    browser.run(&format!(
+        "{tolerance} f.value = '0x2'; f.dispatchEvent(new Event('change'))"
+    ));
+    let said = browser.run(&format!(
+        "{tolerance} return [f.getAttribute('aria-invalid'), f.title]"
+    ));
+    assert_eq!(said[0], json!("true"));
+    assert!(said[1].as_str().unwrap().contains("0x2"), "{said}");
+    let text = std::fs::read_to_string(&served.study).unwrap();
+    assert_eq!(text, sample("macpherson_front.toml"));
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// The legend names the state with which the page compares: as opened, and saved after a save. A refused name leaves the dialog
+/// open with what was typed.
+#[test]
+fn words_follow_a_save() {
+    let Some((browser, served)) = opened("macpherson_front.toml") else {
+        return;
+    };
+    let legend = || browser.run("return document.getElementById('key-ghost').textContent");
+    assert_eq!(legend(), json!("as opened"));
+    browser.drag(&handle("front", "lower_ball_joint"), [10, -9], 4);
+    browser.wait(SETTLED);
+    browser.click("#save");
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+    assert_eq!(legend(), json!("saved"));
+    browser.click("#save-as");
+    let field = "document.querySelector('#dialog input')";
+    browser.run(&format!("{field}.value = 'a/b.toml'"));
+    browser.click("#dialog button[value=ok]");
+    browser.wait("!document.querySelector('#dialog .bad').hidden");
+    assert_eq!(
+        browser.run(&format!("return {field}.value")),
+        json!("a/b.toml")
+    );
+    browser.run(&format!("{field}.value = 'other.toml'"));
+    browser.click("#dialog button[value=ok]");
+    browser.wait("document.getElementById('banner').textContent.includes('other.toml written')");
+    assert!(served.files().contains(&"other.toml".to_owned()));
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// While an edge of a band is dragged, its value stands beside it. A locked point that is dragged says so and stays. The axis
+/// of a chart shows the bands of its targets.
+#[test]
+fn a_drag_says_what_it_does() {
+    let Some((browser, _served)) = opened("macpherson_sweep.toml") else {
+        return;
+    };
+    // The band of a target reaches beyond its curve, and lies within the picture.
+    let outside = browser.run(
+        "return [...document.querySelectorAll('.chart .bands path')].flatMap((path) => { const [a, b] = [path, path.closest('svg').querySelector('clipPath rect')].map((e) => e.getBBox()); \
+         return a.height && (a.y < b.y - 0.5 || a.y + a.height > b.y + b.height + 0.5) ? [[a.y, a.height, b.y, b.height]] : [] })",
+    );
+    assert_eq!(outside, json!([]));
+    browser.run("studio.state.locked[studio.state.overview.points.findIndex(({ name }) => name === 'tie_rod_outer')] = [true, true, true]");
+    let before = design(&browser, "tie_rod_outer");
+    let word = |browser: &Browser| {
+        browser.run("return [...document.querySelectorAll('[data-view=front] .words text')].map((t) => t.textContent).find((t) => t.startsWith('tie_rod_outer'))")
+    };
+    browser.press(&handle("front", "tie_rod_outer"), [12, 5]);
+    let said = word(&browser);
+    assert!(said.as_str().unwrap().contains("locked"), "{said}");
+    browser.release();
+    assert_eq!(design(&browser, "tie_rod_outer"), before);
+    let edge = ".chart .edge";
+    browser.run(&format!(
+        "document.querySelector({edge:?}).scrollIntoView()"
+    ));
+    browser.press(edge, [0, -8]);
+    let shown = browser.run("const g = document.querySelector('.edge.held'); const t = g.querySelector('text'); return [getComputedStyle(t).display, t.textContent]");
+    assert_ne!(shown[0], json!("none"));
+    assert!(
+        shown[1].as_str().unwrap().contains(['0', '1', '2', '5']),
+        "{shown}"
+    );
+    browser.release();
+    assert_eq!(browser.console(), Vec::<String>::new());
+}

@@ -18,7 +18,7 @@ mod reference;
 mod saving;
 mod start;
 mod tuning;
-mod webdriver;
+pub(super) mod webdriver;
 
 use std::fs;
 use std::io::{BufRead, BufReader};

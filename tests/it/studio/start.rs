@@ -93,7 +93,22 @@ fn pasted_points_become_a_study() {
     assert_eq!(written["wheel"]["radius"].as_float(), Some(305.0));
     let offered = served.overview()["characteristics"].to_string();
     assert!(offered.contains("roll_centre_height"), "{offered}");
+<<<<<<< HEAD
     // For an unknown name, the message says which points to rename, because the form accepts no file of names.
+=======
+    // Numbers in front of the names are the numbers of the rows.
+    let served = empty();
+    let rows = pasted.lines().enumerate();
+    let numbered: String = rows.map(|(k, row)| format!("{}\t{row}\n", k + 1)).collect();
+    let started = served.post("start", &request("double_wishbone", "new.toml", &numbered));
+    assert_eq!(started.status, 200, "{}", started.text());
+    let again: toml::Table = fs::read_to_string(&served.study).unwrap().parse().unwrap();
+    assert_eq!(
+        again["suspension"]["hardpoints"],
+        written["suspension"]["hardpoints"]
+    );
+    // A name that is not known: the form has no file of names, and says what to rename.
+>>>>>>> page
     let served = empty();
     let renamed = pasted.replace("wheel_centre", "hub point");
     let refused = served.post("start", &request("double_wishbone", "new.toml", &renamed));
@@ -121,9 +136,49 @@ fn a_start_that_is_refused_writes_nothing() {
         let started = served.post("start", &request(topology, name, points));
         assert_eq!(started.status, 422, "{name} {}", started.text());
     }
+    let refused = served.post(
+        "start",
+        &request("double_wishbone", "new.toml", "no points"),
+    );
+    let said = refused.text();
+    assert!(
+        said.contains("the pasted text has no table of points"),
+        "{said}"
+    );
     assert_eq!(served.files(), ["mine.toml"]);
     let mine = fs::read_to_string(served.folder.path().join("mine.toml"));
     assert_eq!(mine.unwrap(), "mine");
     // Without a study the server has nothing to answer.
     assert_eq!(served.post("study", &Value::Null).status, 409);
+}
+
+/// A table of OptimumKinematics has no wheel centre. The refusal names the fields that give it, and with them a study is made.
+#[test]
+fn half_track_and_radius_give_the_wheel_centre() {
+    let points = "CHAS_LowFor\t150\t205\t118\nCHAS_LowAft\t-150\t205\t130\nCHAS_UppFor\t140\t250\t300\n\
+                  CHAS_UppAft\t-140\t250\t290\nUPRI_LowPnt\t5\t560\t125\nUPRI_UppPnt\t-10\t535\t325\n\
+                  CHAS_TiePnt\t60\t220\t150\nUPRI_TiePnt\t70\t560\t160\n";
+    let served = empty();
+    let mut request = request("double_wishbone", "new.toml", points);
+    request["unit"] = json!("mm");
+    let refused = served.post("start", &request);
+    assert_eq!(refused.status, 422);
+    let said = refused.text();
+    assert!(
+        said.contains("half track and wheel radius give the wheel centre"),
+        "{said}"
+    );
+    request["half_track"] = json!(600.0);
+    request["wheel_radius"] = json!(230.0);
+    let started = served.post("start", &request);
+    assert_eq!(started.status, 200, "{}", started.text());
+    let written: toml::Table = fs::read_to_string(&served.study).unwrap().parse().unwrap();
+    let centre = &written["suspension"]["hardpoints"]["wheel_centre"];
+    let numbers: Vec<f64> = centre
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|c| c.as_float().unwrap())
+        .collect();
+    assert_eq!(numbers, [0.0, 600.0, 230.0]);
 }

@@ -176,11 +176,32 @@ impl Browser {
     /// Drags an element with the mouse, by pixels, in some steps.
     pub fn drag(&self, selector: &str, by: [i64; 2], steps: i64) {
         self.drag_by("mouse", selector, by, steps);
+        self.let_go("mouse");
+    }
+
+    /// Drags an element with the mouse, and holds it. [`Self::release`] ends the drag.
+    pub fn press(&self, selector: &str, by: [i64; 2]) {
+        self.drag_by("mouse", selector, by, 4);
+    }
+
+    /// Releases the mouse.
+    pub fn release(&self) {
+        self.let_go("mouse");
     }
 
     /// Drags an element with one finger, by pixels, in some steps.
     pub fn touch(&self, selector: &str, by: [i64; 2], steps: i64) {
         self.drag_by("touch", selector, by, steps);
+        self.let_go("touch");
+    }
+
+    fn let_go(&self, kind: &str) {
+        self.point(kind, json!([{"type": "pointerUp", "button": 0}]));
+    }
+
+    fn point(&self, kind: &str, actions: Value) {
+        let pointer = json!({"type": "pointer", "id": kind, "parameters": {"pointerType": kind}, "actions": actions});
+        self.command("actions", &json!({"actions": [pointer]}));
     }
 
     fn drag_by(&self, kind: &str, selector: &str, by: [i64; 2], steps: i64) {
@@ -197,9 +218,7 @@ impl Browser {
             let (x, y) = (x + by[0] * step / steps, y + by[1] * step / steps);
             actions.push(json!({"type": "pointerMove", "duration": 20, "x": x, "y": y}));
         }
-        actions.push(json!({"type": "pointerUp", "button": 0}));
-        let pointer = json!({"type": "pointer", "id": kind, "parameters": {"pointerType": kind}, "actions": actions});
-        self.command("actions", &json!({"actions": [pointer]}));
+        self.point(kind, Value::from(actions));
     }
 
     /// Presses keys one after the other; special ones by their WebDriver code points.

@@ -2,12 +2,14 @@
 
 use super::super::lettering::{Anchor, Lettering, Words, text};
 use super::super::mark::{number, path};
-use super::{EndLabel, Layout, NOTE_LETTER, SIZE};
+use super::{Deviations, EndLabel, Layout, NOTE_LINE, Remark};
 use crate::report::figure::power_of_ten;
 use std::fmt::Write;
 
 /// Largest deviation that the strip shows, in tolerances.
 const MOST_DEVIATION: f64 = 2.0;
+/// Baseline of the first line of remarks.
+const FIRST_NOTE: f64 = 37.0;
 /// Width of a letter in the title beside the plot.
 const TITLE_LETTER: f64 = 7.0;
 
@@ -79,7 +81,7 @@ impl Layout {
                 let ends = [[end[0] + 2.0, end[1]], [at[0] - 2.0, at[1]]];
                 path(&mut svg, "leader", ends.into_iter(), false);
             }
-            let class = format!("end {}", colour_of(class));
+            let class = format!("end {}", without_stroke(class));
             let place = [at[0], at[1] + 4.0];
             lettering.write(
                 &mut svg,
@@ -92,7 +94,8 @@ impl Layout {
 
     /// Writes the name on its own line, with remarks below it.
     fn heading(&self, svg: &mut String, lettering: &Lettering) {
-        let mut name = self.chart.y.name.chars();
+        let name = format!("{}{}", self.before, self.chart.y.name);
+        let mut name = name.chars();
         let name: String = name
             .next()
             .into_iter()
@@ -106,34 +109,14 @@ impl Layout {
                 .class("name"),
         );
         svg.push('\n');
-        let mut at = 10.0;
-        let own = self
-            .chart
-            .wanted
-            .first()
-            .map(|wanted| ("wanted", wanted.in_words(&self.chart.y.unit)));
-        let missed = (!self.chart.missed.is_empty()).then(|| ("bad", "missed".to_owned()));
-        let failed = (!self.chart.failed.is_empty()).then(|| ("bad", "not solved".to_owned()));
-        let notes = self.chart.notes.iter().cloned();
-        for (class, text) in own.into_iter().chain(missed).chain(failed).chain(notes) {
-            let room = ((SIZE[0] - 8.0 - at) / NOTE_LETTER) as usize;
-            let text = match text.chars().count() > room {
-                true if at > 10.0 => break,
-                true => text
-                    .chars()
-                    .take(room.saturating_sub(1))
-                    .chain(['…'])
-                    .collect(),
-                false => text,
-            };
-            let width = NOTE_LETTER * text.chars().count() as f64;
-            let class = format!("note {class}");
-            lettering.write(
-                svg,
-                &Words::new(&text, [at, 37.0], Anchor::Start).class(&class),
-            );
-            svg.push('\n');
-            at += width + 16.0;
+        for (row, line) in self.remarks.iter().enumerate() {
+            let y = FIRST_NOTE + NOTE_LINE * row as f64;
+            for Remark { class, text, at } in line {
+                let class = format!("note {class}");
+                let words = Words::new(text, [*at, y], Anchor::Start).class(&class);
+                lettering.write(svg, &words);
+                svg.push('\n');
+            }
         }
     }
 
@@ -241,21 +224,20 @@ impl Layout {
                 .upward(),
         );
         svg.push('\n');
-        for deviations in &self.deviations {
+        for Deviations { line, points } in &self.deviations {
+            let line = &self.chart.lines[*line];
             let place = |[at, deviation]: [f64; 2]| [self.scales[0].place(at), y(deviation)];
-            if deviations.len() > 1 {
-                path(
-                    svg,
-                    "line main",
-                    deviations.iter().map(|d| place(*d)),
-                    false,
-                );
+            let class = without_stroke(&line.class);
+            if points.len() > 1 {
+                let places = points.iter().map(|d| place(*d));
+                path(svg, &format!("line {class}"), places, false);
             }
-            for deviation in deviations {
+            for deviation in points {
                 let outside = deviation[1].abs() > 1.0;
-                if outside || deviations.len() == 1 {
-                    let class = if outside { "dot bad" } else { "dot main" };
-                    path(svg, class, [place(*deviation)].into_iter(), false);
+                if outside || points.len() == 1 {
+                    let missed = if outside && line.is_main { " bad" } else { "" };
+                    let class = format!("dot {class}{missed}");
+                    path(svg, &class, [place(*deviation)].into_iter(), false);
                 }
             }
         }
@@ -263,8 +245,8 @@ impl Layout {
     }
 }
 
-/// Class of a curve's colour, without its stroke.
-fn colour_of(class: &str) -> String {
+/// Classes of a curve without those of its stroke.
+fn without_stroke(class: &str) -> String {
     let strokes = ["strong", "faint", "fine", "inner"];
     let kept: Vec<&str> = class.split(' ').filter(|c| !strokes.contains(c)).collect();
     kept.join(" ")

@@ -26,6 +26,7 @@ fn line(number: usize, rows: std::ops::Range<usize>) -> Line {
         told: String::new(),
         class: "main strong".to_owned(),
         is_main: true,
+        in_strip: true,
         has_dots: false,
         source: Source {
             table: 0,
@@ -80,14 +81,14 @@ fn deviations_are_in_tolerances() {
     };
     let layout = chart(vec![line(0, 0..9)], vec![wanted]).layout(&[table(&[[1.0, 0.01]])]);
     let expected = [[-40.0, -1.6], [5.0, 0.2], [40.0, 1.6]];
-    for (found, expected) in layout.deviations[0].iter().zip(expected) {
+    for (found, expected) in layout.deviations[0].points.iter().zip(expected) {
         assert!(
             (found[0] - expected[0]).abs() + (found[1] - expected[1]).abs() < 1e-12,
             "{found:?}"
         );
     }
     let svg = layout.element();
-    assert_eq!(svg.matches("class=\"dot bad\"").count(), 2);
+    assert_eq!(svg.matches("class=\"dot main bad\"").count(), 2);
     assert!(layout.strip.is_some());
     assert!(svg.contains("target ± 0.25 °"));
 }

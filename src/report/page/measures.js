@@ -1,14 +1,10 @@
 // Tables in shades, and ranked bars.
-<<<<<<< HEAD
-// Table whose cells have a text and a strength from -1 to 1. A click on a column ranks the rows by this column.
-=======
-// Rows and columns with a text and a strength from -1 to 1 in each cell; a click on a column ranks the rows by it.
 // A text whose unit in brackets stays on one line.
 const unbroken = (text) => {
   const at = text.lastIndexOf(' [');
   return at < 0 ? [text] : [text.slice(0, at + 1), html('span', { class: 'unit', text: text.slice(at + 1) })];
 };
->>>>>>> page
+// Table whose cells have a text and a strength from -1 to 1. A click on a column ranks the rows by this column.
 const drawShades = (element, { rows, columns, cell, pick, picked }) => {
   const table = html('table', { class: 'shades' });
   const head = html('tr', {}, html('td'));

@@ -326,10 +326,6 @@ fn end_labels(now: f64, ends: [f64; 2], x: &impl Fn(f64) -> f64) -> [EndLabel; 2
 mod tests {
     use super::*;
 
-<<<<<<< HEAD
-    /// If the yields are on both sides of the present yield, each label is at its bar. If they are on the same side, one label is
-    /// above the other, outside both bars, at least a line of 10 px apart.
-=======
     /// A long name has two lines with all of its letters, and minus signs.
     #[test]
     fn a_long_name_has_two_lines() {
@@ -350,7 +346,6 @@ mod tests {
 
     /// Labels of yields on both sides of the present one stand at their bars. Labels on the same side stand above each other,
     /// outside both bars, at least a line of 10 px apart.
->>>>>>> page
     #[test]
     fn labels_at_bars_do_not_overlap() {
         let x = |share: f64| 1000.0 * share;

@@ -36,14 +36,10 @@ const NONE = [];
 const targetsOf = (columns, rack) => state.overview.targets.filter((target) => target.columns.some((c) => columns.includes(c))
   && target.motion === state.motion && target.over === state.over && (!target.racks.length || target.racks.includes(rack)));
 
-<<<<<<< HEAD
-// The columns of both wheels share one chart.
-=======
 // Width of the band beyond the limits of a target: a wanted value has its tolerance.
 const bandOf = ({ tolerance, is_band: isBand }) => (isBand ? 0 : tolerance);
 
-// Columns of both wheels belong into one chart.
->>>>>>> page
+// The columns of both wheels share one chart.
 const SIDE = /^(left|right)_/;
 const partsOf = (columns) => {
   const byKey = new Map();

@@ -1,13 +1,8 @@
 // Questions and messages over the page.
 import { byId, html, notANumber, set } from './draw.js';
 
-<<<<<<< HEAD
 // Asks a question, and returns the chosen answer or null. An answer is a value, a label and optionally a check. The check carries
 // out the answer. If it fails, it returns a text, and the dialog stays open with this text and the user's input.
-=======
-// A question with answers; the answer, or null. An answer is a value, a label and perhaps a check. The check gets the text of the field, does what the answer
-// asks for, and returns a text if it cannot: the dialog then stays with this text, and with what was typed.
->>>>>>> page
 const ask = (title, text, answers, ...fields) => new Promise((done) => {
   const dialog = byId('dialog');
   const form = dialog.querySelector('form');

@@ -1,10 +1,5 @@
-<<<<<<< HEAD
 // Save, save as, export, and the unsaved moves that the browser stores.
-import { byId, html, svg } from './draw.js';
-=======
-// Save, save as, export; and what the browser keeps of moves that are not saved.
 import { brief, byId, html, measured, svg, write } from './draw.js';
->>>>>>> page
 import { askGhost, copy, emit, forget, isEdited, isMoved, isOfFile, isSame, of, on, put, state, takeMotion, takeOverview } from './design.js';
 import { dropHistory, resumeHistory } from './history.js';
 import { edit } from './targets.js';

@@ -1,10 +1,5 @@
-<<<<<<< HEAD
 // Handles on targets: points of target curves and edges of bands. The user drags them or moves them by arrow keys.
-import { brief, centred, heldByFinger, niceStep, set, svg } from './draw.js';
-=======
-// Handles on targets: points of wanted curves and edges of bands, dragged or moved by arrow keys.
 import { brief, centred, heldByFinger, niceStep, placed, set, svg } from './draw.js';
->>>>>>> page
 import { state } from './design.js';
 import { degreesPerDrive, setTarget, writtenTarget } from './targets.js';
 
@@ -40,13 +35,8 @@ export class EdgeHandles {
     this.held = null;
   }
 
-<<<<<<< HEAD
   // Moves handles to their numbers. A handle that is held or has the focus is kept.
-  draw(targets, { x, y }, xs) {
-=======
-  // Moves handles to their numbers; keeps the one that is held or has the focus.
   draw(targets, { x, y }, xs, unit) {
->>>>>>> page
     const seen = new Set();
     for (const target of targets) {
       const k = state.overview.targets.indexOf(target);

@@ -1,10 +1,5 @@
-<<<<<<< HEAD
 // Starts all parts of the page, and contains code that belongs to no single part.
-import { brief, byId, html } from './draw.js';
-=======
-// The page: starts its parts, and holds what belongs to none of them.
 import { brief, byId, html, set } from './draw.js';
->>>>>>> page
 import { ask, askGhost, canRedo, canUndo, emit, isEdited, isSettled, on, put, redo, state, undo } from './design.js';
 import { Refused, watchServer } from './server.js';
 import { startViews } from './views.js';

@@ -118,13 +118,8 @@ const constraints = () => {
   const margins = state.answer?.misfit?.constraints ?? [];
   if (!margins.length) return [panel('Constraints', html('p', { class: 'hint', text: state.overview.is_car ? 'The study has no constraints. Write [[optimise.constraints]] into the file to add one.' : 'The study has no constraints. Write [[optimise.constraints]] into the file to add one: a clearance between members, a length, an articulation. The page then shows its margin, and its limits can be changed here.' }))];
   const rows = margins.map((c) => html('tr', { class: c.is_violated ? 'violated' : null },
-<<<<<<< HEAD
-    html('th', { scope: 'row' }, html('button', { class: 'name', text: c.is_violated ? `${c.name}, violated` : c.name, title: 'Show it in the views', on: { click: () => selectNamed(c.name) } })),
-    html('td', { class: `number ${c.is_violated ? 'bad' : ''}`, text: `${brief(c.margin, 3)} ${c.unit}` })));
-=======
     html('th', { scope: 'row' }, html('button', { class: 'name', text: inDegrees(c.is_violated ? `${c.name}, violated` : c.name), title: 'Show it in the views', on: { click: () => selectNamed(c.name) } })),
-    html('td', { class: `number ${c.is_violated ? 'bad' : ''}`, text: `${brief(c.room, 3)} ${inDegrees(c.unit)}` })));
->>>>>>> page
+    html('td', { class: `number ${c.is_violated ? 'bad' : ''}`, text: `${brief(c.margin, 3)} ${inDegrees(c.unit)}` })));
   return [panel('Constraints', table(['constraint', 'margin'], rows))];
 };
 

@@ -1,10 +1,5 @@
-<<<<<<< HEAD
 // Form for a new study: topology with a picture, points from a spreadsheet, and file name.
-import { byId, html, svg } from './draw.js';
-=======
-// A new study: a kind of suspension with its picture, points of a sheet, and the name of the file.
 import { byId, html, notANumber, parsed, svg } from './draw.js';
->>>>>>> page
 import { post } from './server.js';
 
 const SIZE = { width: 230, height: 150 };

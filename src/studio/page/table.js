@@ -1,10 +1,5 @@
-<<<<<<< HEAD
 // Table of coordinates. The user can type and lock them. Each has its slope and its effect on the curves.
-import { AXES, brief, byId, html, set, write } from './draw.js';
-=======
-// The coordinates: typed in, locked, each with its slope and what it does to the curves.
 import { AXES, brief, byId, html, parsed, set, write } from './draw.js';
->>>>>>> page
 import { askInfluence, emit, gradient, isInGesture, isMoved, on, onRest, placeAfter, put, setCoordinate, state, stepped } from './design.js';
 import { select } from './views.js';
 import { openTab } from './layout.js';
@@ -46,14 +41,8 @@ const unmark = (input) => {
 };
 
 const typed = (input, p, axis) => {
-<<<<<<< HEAD
-  // A decimal comma is also accepted.
-  const value = Number(input.value.trim().replace('−', '-').replace(',', '.'));
-  const isNumber = input.value.trim() !== '' && Number.isFinite(value);
-=======
   const value = parsed(input.value);
   const isNumber = value !== null;
->>>>>>> page
   if (isNumber) take(input);
   markNumber(input, !isNumber, input.getAttribute('aria-label'));
   if (isNumber && value !== state.design[p][axis]) setCoordinate(p, axis, value);

@@ -44,17 +44,8 @@ const goalName = (own) => words([own.characteristic ?? own.load ?? 'target', own
 const endOf = ([key, end]) => (key === 'between' ? LIMITS.between[end] : words(key));
 export const setTarget = (k, path, value) => edit([{ path: at('targets', k, ...path), value }], `Target ${nameOf(k)}: ${endOf(path)} ${brief(value)}`);
 
-<<<<<<< HEAD
-const parsed = (text) => {
-  const value = Number(text.trim().replace('−', '-').replace(',', '.'));
-  return text.trim() === '' || !Number.isFinite(value) ? null : value;
-};
-// Field for one number of the study. An optional number is null while the field is empty. `change` returns false if the study
-// refuses the number. Then the field shows the number of the study again.
-=======
 // A field for one number of the study. An optional number is null while the field is empty. `change` returns false if the study
 // refuses the number; the field then has the number of the study again.
->>>>>>> page
 const field = (label, value, change, isOptional = false) => {
   const written = value === null ? '' : String(value);
   const input = fitted(html('input', { type: 'text', inputmode: 'decimal', value: written, 'aria-label': label, title: label, autocomplete: 'off' }));

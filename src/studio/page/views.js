@@ -76,17 +76,13 @@ const movableOf = (overview) => {
   return movable.get(overview);
 };
 
-<<<<<<< HEAD
-// Moves the circles of a handle to a position.
-=======
 // The locked axes of a point in words.
 const lockedWords = (p) => {
   const axes = AXES.filter((_, k) => state.locked[p][k]);
   return axes.length === 3 ? ['locked (tab Points)'] : axes.length ? [`${axes.join(', ')} locked`] : [];
 };
 
-// Puts the circles of a handle at a place.
->>>>>>> page
+// Moves the circles of a handle to a position.
 const put = (handle, x, y) => { for (const circle of handle.children) set(circle, centred(x, y)); };
 
 class View extends MechanismView {
@@ -341,11 +337,7 @@ class View extends MechanismView {
     for (const [name, handler] of Object.entries(handlers)) target.addEventListener(name, handler);
   }
 
-<<<<<<< HEAD
-  // Name of a point. While the point is dragged, its moved coordinates follow.
-=======
-  // The name of a point; while it is dragged, with its locked axes and its moved coordinates.
->>>>>>> page
+  // Name of a point. While the point is dragged, its locked axes and its moved coordinates follow.
   wordOf(point) {
     const { name } = state.overview.points[point];
     const start = this.dragged?.point === point ? this.dragged.start[point] : [];

@@ -93,9 +93,6 @@ fn pasted_points_become_a_study() {
     assert_eq!(written["wheel"]["radius"].as_float(), Some(305.0));
     let offered = served.overview()["characteristics"].to_string();
     assert!(offered.contains("roll_centre_height"), "{offered}");
-<<<<<<< HEAD
-    // For an unknown name, the message says which points to rename, because the form accepts no file of names.
-=======
     // Numbers in front of the names are the numbers of the rows.
     let served = empty();
     let rows = pasted.lines().enumerate();
@@ -107,8 +104,7 @@ fn pasted_points_become_a_study() {
         again["suspension"]["hardpoints"],
         written["suspension"]["hardpoints"]
     );
-    // A name that is not known: the form has no file of names, and says what to rename.
->>>>>>> page
+    // For an unknown name, the message says which points to rename, because the form accepts no file of names.
     let served = empty();
     let renamed = pasted.replace("wheel_centre", "hub point");
     let refused = served.post("start", &request("double_wishbone", "new.toml", &renamed));

@@ -215,15 +215,12 @@ fn a_text_that_is_no_number_is_refused_in_words() {
         browser.run(&format!("return {banner}.hidden")),
         json!(false)
     );
+    browser.wait(SETTLED);
     browser.click("#tab-targets");
-    let tolerance =
-        "const f = document.querySelector('[data-target] input[aria-label$=tolerance]');";
-    browser.run(&format!(
-        "{tolerance} f.value = '0x2'; f.dispatchEvent(new Event('change'))"
-    ));
-    let said = browser.run(&format!(
-        "{tolerance} return [f.getAttribute('aria-invalid'), f.title]"
-    ));
+    let said = browser.run(
+        "const f = document.querySelector('[data-target] input[aria-label$=tolerance]'); f.value = '0x2'; f.dispatchEvent(new Event('change')); \
+         return [f.getAttribute('aria-invalid'), f.title]",
+    );
     assert_eq!(said[0], json!("true"));
     assert!(said[1].as_str().unwrap().contains("0x2"), "{said}");
     let text = std::fs::read_to_string(&served.study).unwrap();

@@ -157,14 +157,17 @@ impl Layout {
                 .class("axis-text"),
         );
         svg.push('\n');
-        // A title that is longer than the plot is high is shortened, but keeps its unit.
-        let mut beside = in_power(&self.y_title(), y.power());
-        if beside.chars().count() as f64 * TITLE_LETTER > bottom - top + 30.0 {
-            beside = match (beside.rfind('['), self.chart.y.unit.as_str()) {
-                (Some(unit), _) => beside[unit..].to_owned(),
-                (None, _) => String::new(),
-            };
-        }
+        // A title that is longer than the plot is high loses the load on the other axis, or its name. It keeps its unit.
+        let fits =
+            |title: &String| title.chars().count() as f64 * TITLE_LETTER <= bottom - top + 30.0;
+        let beside = in_power(&self.y_title(), y.power());
+        let unit = beside.rfind('[').map_or("", |unit| &beside[unit..]);
+        let short = beside
+            .split_once(" by ")
+            .map(|(name, _)| format!("{name} {unit}"));
+        let forms = [Some(beside.clone()), short];
+        let mut forms = forms.into_iter().flatten();
+        let beside = forms.find(fits).unwrap_or_else(|| unit.to_owned());
         let up = [15.0, (top + bottom) / 2.0];
         lettering.write(
             svg,

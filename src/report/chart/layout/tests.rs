@@ -133,3 +133,20 @@ fn gaps_stay_gaps() {
     assert_eq!(svg.matches("class=\"failed\"").count(), 1);
     assert!(svg.contains("not solved"));
 }
+
+/// A title that is longer than its axis loses the load, which is on the other axis, and keeps its unit.
+#[test]
+fn a_long_title_keeps_its_unit() {
+    let titled = |name: &str| {
+        let chart = Chart {
+            y: Quantity::new("column", name, "mm"),
+            ..chart(vec![line(0, 0..9)], Vec::new())
+        };
+        chart.layout(&[table(&[[0.0, 1.0]])]).element()
+    };
+    assert!(
+        titled("inboard displacement by lateral force").contains(">inboard displacement [mm]<")
+    );
+    assert!(titled("rise by vertical force").contains(">rise by vertical force [mm]<"));
+    assert!(titled(&"many letters ".repeat(5)).contains(">[mm]<"));
+}

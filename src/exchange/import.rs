@@ -1,6 +1,8 @@
 //! Makes a study's wheel from the points of a file: roles of the points, axle and wheel, axes, and unit. The notes report every
 //! guess. If a guess would be uncertain, the import is refused, and the refusal names the flag that decides.
 
+mod unused;
+
 use super::axes::Axes;
 use super::bushings::{self, Bushing};
 use super::complete;
@@ -17,6 +19,7 @@ use super::table::{AxleFigures, Marks, NamedPoint, PointTable};
 use super::{optimum, unit};
 use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 use std::collections::BTreeMap;
+use unused::{Unused, meanings};
 
 /// Options of the user for a file.
 #[derive(Clone, Copy)]
@@ -365,85 +368,6 @@ fn refuse_missing(
     let meanings = meanings(roles);
     let unused = complete::unused(table, &meanings, &hardpoints);
     complete::missing(options.topology, &hardpoints, &unused, made)
-}
-
-fn meanings(roles: &[Option<Role>]) -> Vec<Option<&'static str>> {
-    let meanings = roles
-        .iter()
-        .map(|role| role.as_ref().map(|role| role.hardpoint));
-    meanings.collect()
-}
-
-/// Parts of the file that may be unused.
-struct Unused<'a> {
-    table: &'a PointTable,
-    options: &'a ImportOptions<'a>,
-    roles: &'a [Option<Role>],
-    corner: Corner,
-    numbers: &'a [String],
-}
-
-impl Unused<'_> {
-    /// Points of the chosen axle and points without an axle, with their roles.
-    fn of_axle(&self) -> (PointTable, Vec<Option<Role>>) {
-        let points = self.table.points.iter().zip(self.roles);
-        let own = points.filter(|(point, role)| {
-            let named = role.as_ref().map_or(Marks::default(), |role| role.marks);
-            let axle = point.marks.or(named).axle;
-            axle.is_none() || self.corner.axle.is_none() || axle == self.corner.axle
-        });
-        let (points, roles) = own
-            .map(|(point, role)| (point.clone(), role.clone()))
-            .unzip();
-        let table = PointTable {
-            points,
-            ..PointTable::default()
-        };
-        (table, roles)
-    }
-
-    /// Lists unused points, each with the reason.
-    fn say(&self, hardpoints: &[Hardpoint], notes: &mut Vec<String>, left_out: &mut Vec<String>) {
-        let topology = self.options.topology;
-        let (table, roles) = self.of_axle();
-        let (table, meanings) = (&table, meanings(&roles));
-        let unused = complete::unused(table, &meanings, hardpoints);
-        if let Some(other) = complete::rather(topology, &unused, table) {
-            notes.push(format!(
-                "please check: together with the unused points, the points form a {}; --topology {} \
-                 would use them",
-                other.name.replace('_', " "),
-                other.name
-            ));
-        }
-        // Points of an omitted group already have a reason.
-        let is_explained = |name: &str| {
-            let at = table.points.iter().position(|point| point.name == name);
-            at.is_some_and(|at| meanings[at].is_some())
-        };
-        let nameless = unused.iter().filter(|name| !is_explained(name));
-        let nameless: Vec<&str> = nameless.map(String::as_str).collect();
-        if !nameless.is_empty() {
-            left_out.push(format!(
-                "{}: no hardpoint of a {} has such a name",
-                nameless.join(", "),
-                topology.name.replace('_', " ")
-            ));
-        }
-        if self.numbers.is_empty() {
-            return;
-        }
-        const SHOWN: usize = 12;
-        let shown = &self.numbers[..self.numbers.len().min(SHOWN)];
-        let more = match self.numbers.len() - shown.len() {
-            0 => String::new(),
-            more => format!(" and {more} more"),
-        };
-        left_out.push(format!(
-            "{}{more}: a study has no keys for these numbers",
-            shown.join(", ")
-        ));
-    }
 }
 
 /// Hardpoints in the topology's order.

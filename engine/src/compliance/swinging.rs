@@ -5,14 +5,16 @@
     reason = "rows and columns of matrices are named by their numbers"
 )]
 
-use super::algebra::cross_matrix;
+mod beside;
+
 use super::bushing::{Bushing, BushingState};
 use super::limb::{
-    BESIDE, Beside, Conditions, Eliminated, Evaluated, Followers, LimbState, Sum, TWIST_BESIDE,
-    eliminated, is_positive, tangent_of,
+    Beside, Conditions, Eliminated, Evaluated, Followers, LimbState, Sum, TWIST_BESIDE, eliminated,
+    is_positive, tangent_of,
 };
 use super::point::{BarSeat, PointForce, Seat};
-use crate::number::{MaskOf, Matrix3, Real, SimdReal, Valued, Vector3, array_of, outlined};
+use crate::number::{MaskOf, Matrix3, Real, SimdReal, Valued, Vector3, outlined};
+use beside::OwnBeside;
 
 /// End of an arm or a link at the body or the rack.
 #[derive(Clone, Debug)]
@@ -410,114 +412,6 @@ impl<T: Valued> OwnSum<T> {
             is_stable: about.is_above(0.0),
             least_pivot: about.abs() / largest,
         })
-    }
-}
-
-/// Forces of an arm on coordinates of [`Beside`], before its rotations are eliminated. The tangents of the arm's forces
-/// with respect to these coordinates are the transposes.
-struct OwnBeside<T> {
-    force: [T; BESIDE],
-    own: [[T; BESIDE]; BESIDE],
-    by_joint: [Vector3<T>; BESIDE],
-    by_turn: [Vector3<T>; BESIDE],
-}
-
-impl<T: Valued> OwnBeside<T> {
-    fn zero(like: T) -> Self {
-        let zero = like.zero();
-        let nothing = Vector3::new(zero, zero, zero);
-        OwnBeside {
-            force: [zero; BESIDE],
-            own: [[zero; BESIDE]; BESIDE],
-            by_joint: [nothing; BESIDE],
-            by_turn: [nothing; BESIDE],
-        }
-    }
-
-    /// Adds a force at a point of the arm. It depends on the displacement of the point relative to the upper end.
-    fn add_upper(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
-        let turning = point.stiffness.times(&cross_matrix(lever));
-        for k in 0..3 {
-            self.force[k] = -point.force.to_array()[k];
-            for j in 0..3 {
-                self.own[k][j] = point.stiffness.entry(k, j);
-            }
-            let row = |m: &Matrix3<T>| Vector3::new(m.entry(k, 0), m.entry(k, 1), m.entry(k, 2));
-            self.by_joint[k] = -row(&point.stiffness);
-            self.by_turn[k] = row(&turning);
-        }
-    }
-
-    /// Eliminates the rotations of the arm and the force in its ball joint.
-    #[inline(always)]
-    fn condense(
-        &self,
-        arm: &OwnSum<T>,
-        pivot: Option<&Pivot<T>>,
-        lever: Vector3<T>,
-        into: &mut Beside<T>,
-    ) -> Option<()> {
-        outlined!(
-            [T: Valued] lever.x;
-            own: &'p OwnBeside<T> = self, arm: &'p OwnSum<T> = arm, pivot: Option<&'p Pivot<T>> = pivot,
-            lever: Vector3<T> = lever, into: &'p mut Beside<T> = into => Option<()> {
-                match pivot {
-                    None => {
-                        let rows: [[T; 3]; 3] = entries(&arm.by_turn);
-                        let by_joint: [[T; 3]; 3] = entries(&arm.moment_by_joint);
-                        let joint_by: [[T; 3]; 3] = entries(&arm.joint_by_turn);
-                        let inner = (rows, arm.moment.to_array(), by_joint, joint_by);
-                        own.condense_on(inner, arm.is_correction, lever, into)
-                    }
-                    Some(pivot) => own.condense_on(arm.with_pivot(pivot), arm.is_correction, lever, into),
-                }
-            }
-        )
-    }
-
-    #[inline(always)]
-    fn condense_on<const N: usize>(
-        &self,
-        (rows, force, by_joint, joint_by): InnerEquations<T, N>,
-        is_correction: bool,
-        lever: Vector3<T>,
-        into: &mut Beside<T>,
-    ) -> Option<()> {
-        let zero = force[0].zero();
-        let turning: [[T; 3]; BESIDE] = array_of(|k| self.by_turn[k].to_array());
-        let by: [[T; BESIDE]; N] =
-            array_of(|i| array_of(|k| if i < 3 { turning[k][i] } else { zero }));
-        let units = [zero.plain_value().one(); N];
-        let own = eliminated(rows, force, &by, units, is_correction)?;
-        let outer = eliminated(rows, force, &by_joint, units, is_correction)?;
-        for k in 0..BESIDE {
-            let mut row = self.by_joint[k].to_array();
-            let mut column = row;
-            into.force[k] = self.force[k];
-            for i in 0..3 {
-                let turning_by = tangent_of(turning[k][i], is_correction);
-                into.force[k] = into.force[k] - turning_by * own.rest[i];
-                for (row, by) in row.iter_mut().zip(outer.by[i]) {
-                    *row = *row - turning[k][i] * by;
-                }
-            }
-            for (column, by) in column.iter_mut().zip(joint_by) {
-                for i in 0..N {
-                    *column = *column - by[i] * own.by[i][k];
-                }
-            }
-            for j in 0..BESIDE {
-                into.own[k][j] = self.own[k][j];
-                for i in 0..3 {
-                    into.own[k][j] = into.own[k][j] - turning[k][i] * own.by[i][j];
-                }
-            }
-            into.couple(k, lever, Vector3::from(row), Vector3::from(column));
-        }
-        for (inner, by) in into.inner_by.iter_mut().zip(own.by) {
-            *inner = by;
-        }
-        Some(())
     }
 }
 

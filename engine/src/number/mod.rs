@@ -11,6 +11,7 @@ mod dual;
 mod interval;
 mod jet;
 mod lanes;
+mod matrix;
 mod registers;
 mod simd_real;
 mod tape;
@@ -24,11 +25,12 @@ pub use interval::Interval;
 pub use jet::Jet;
 pub use lanes::{LaneMask, Lanes, SimdTask, Width};
 pub(crate) use lanes::{run_one, run_short};
+pub use matrix::Matrix3;
 pub use simd_real::{MOST_LANES, SimdReal};
 pub use tape::{Tape, Tracked};
 pub(crate) use valued::larger;
 pub use valued::{MaskOf, Valued};
-pub use vector::{Matrix3, Vector3};
+pub use vector::Vector3;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 

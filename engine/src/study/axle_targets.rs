@@ -1,6 +1,8 @@
 //! Targets of an axle: target quantity, coordinate of the motion that varies, and values of the other coordinates.
 
-use super::axle::{AxleStudy, coordinates, lacks_nothing, moves_axle, quantities};
+mod target_motion;
+
+use super::axle::{AxleStudy, coordinates, lacks_nothing, quantities};
 use super::error::Problems;
 use super::file;
 use super::motion::list;
@@ -14,6 +16,7 @@ use crate::evaluate::index_or_push;
 use crate::model::Side;
 use crate::number::Each;
 use std::ops::Range as Span;
+use target_motion::TargetMotion;
 use toml::Spanned;
 
 /// Largest relative difference of two row values that count as equal.
@@ -358,71 +361,6 @@ fn over(
                 keys(several)
             );
             problems.refuse(place, message)
-        }
-    }
-}
-
-/// Motion of a target or a band: the motion that the entry names, or `[motion]`.
-struct TargetMotion<'m> {
-    name: Option<&'m str>,
-    written: &'m file::Motion,
-    motion: &'m AxleMotion,
-}
-
-impl<'m> TargetMotion<'m> {
-    fn read(
-        name: &Option<Text>,
-        study: &'m AxleStudy,
-        context: &Context<'m>,
-        problems: &mut Problems,
-    ) -> Option<Self> {
-        let Some(text) = name else {
-            return Some(TargetMotion {
-                name: None,
-                written: context.file.motion.get_ref(),
-                motion: &study.plan.motion,
-            });
-        };
-        let sections = &context.file.motions;
-        let is_of_wheel = sections.iter().any(|(own, section)| {
-            own.get_ref() == text.get_ref() && !moves_axle(section.get_ref())
-        });
-        if is_of_wheel {
-            let name = text.get_ref();
-            let message = format!(
-                "the motion {name} moves the left wheel alone; a target or a band of an axle needs a motion of the axle"
-            );
-            let error = problems.add(text.span(), message);
-            error.help(format!(
-                "give heave, roll, or travel_left and travel_right in [motions.{name}]"
-            ));
-            return None;
-        }
-        let options: Vec<_> = study
-            .motions
-            .iter()
-            .map(|own| (own.0.as_str(), own))
-            .collect();
-        if options.is_empty() {
-            let message =
-                "this study has no named motions of the axle; give them in sections [motions.NAME]";
-            return problems.refuse(text.span(), message);
-        }
-        let (name, motion) = choose(text, "motion", &options, problems)?;
-        let mut sections = sections.iter();
-        let (_, section) = sections.find(|(own, _)| own.get_ref() == name)?;
-        Some(TargetMotion {
-            name: Some(name),
-            written: section.get_ref(),
-            motion,
-        })
-    }
-
-    /// Description of the motion in messages.
-    fn words(&self) -> String {
-        match self.name {
-            Some(name) => format!("the motion {name}"),
-            None => "the motion of this study".to_owned(),
         }
     }
 }

@@ -1,0 +1,74 @@
+//! Motion of a target or a band of an axle.
+
+use super::super::axle::{AxleStudy, moves_axle};
+use super::super::error::Problems;
+use super::super::file;
+use super::super::names::choose;
+use super::super::resolve::Context;
+use super::super::value::Text;
+use crate::axle::AxleMotion;
+
+/// Motion of a target or a band: the motion that the entry names, or `[motion]`.
+pub(super) struct TargetMotion<'m> {
+    pub(super) name: Option<&'m str>,
+    pub(super) written: &'m file::Motion,
+    pub(super) motion: &'m AxleMotion,
+}
+
+impl<'m> TargetMotion<'m> {
+    pub(super) fn read(
+        name: &Option<Text>,
+        study: &'m AxleStudy,
+        context: &Context<'m>,
+        problems: &mut Problems,
+    ) -> Option<Self> {
+        let Some(text) = name else {
+            return Some(TargetMotion {
+                name: None,
+                written: context.file.motion.get_ref(),
+                motion: &study.plan.motion,
+            });
+        };
+        let sections = &context.file.motions;
+        let is_of_wheel = sections.iter().any(|(own, section)| {
+            own.get_ref() == text.get_ref() && !moves_axle(section.get_ref())
+        });
+        if is_of_wheel {
+            let name = text.get_ref();
+            let message = format!(
+                "the motion {name} moves the left wheel alone; a target or a band of an axle needs a motion of the axle"
+            );
+            let error = problems.add(text.span(), message);
+            error.help(format!(
+                "give heave, roll, or travel_left and travel_right in [motions.{name}]"
+            ));
+            return None;
+        }
+        let options: Vec<_> = study
+            .motions
+            .iter()
+            .map(|own| (own.0.as_str(), own))
+            .collect();
+        if options.is_empty() {
+            let message =
+                "this study has no named motions of the axle; give them in sections [motions.NAME]";
+            return problems.refuse(text.span(), message);
+        }
+        let (name, motion) = choose(text, "motion", &options, problems)?;
+        let mut sections = sections.iter();
+        let (_, section) = sections.find(|(own, _)| own.get_ref() == name)?;
+        Some(TargetMotion {
+            name: Some(name),
+            written: section.get_ref(),
+            motion,
+        })
+    }
+
+    /// Description of the motion in messages.
+    pub(super) fn words(&self) -> String {
+        match self.name {
+            Some(name) => format!("the motion {name}"),
+            None => "the motion of this study".to_owned(),
+        }
+    }
+}

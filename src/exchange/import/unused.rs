@@ -1,0 +1,91 @@
+//! Points and values of a file that the study does not use.
+
+use super::super::complete;
+use super::super::corner::Corner;
+use super::super::roles::Role;
+use super::super::table::{Marks, PointTable};
+use super::{Hardpoint, ImportOptions};
+
+/// Parts of the file that may be unused.
+pub(super) struct Unused<'a> {
+    pub(super) table: &'a PointTable,
+    pub(super) options: &'a ImportOptions<'a>,
+    pub(super) roles: &'a [Option<Role>],
+    pub(super) corner: Corner,
+    pub(super) numbers: &'a [String],
+}
+
+impl Unused<'_> {
+    /// Points of the chosen axle and points without an axle, with their roles.
+    fn of_axle(&self) -> (PointTable, Vec<Option<Role>>) {
+        let points = self.table.points.iter().zip(self.roles);
+        let own = points.filter(|(point, role)| {
+            let named = role.as_ref().map_or(Marks::default(), |role| role.marks);
+            let axle = point.marks.or(named).axle;
+            axle.is_none() || self.corner.axle.is_none() || axle == self.corner.axle
+        });
+        let (points, roles) = own
+            .map(|(point, role)| (point.clone(), role.clone()))
+            .unzip();
+        let table = PointTable {
+            points,
+            ..PointTable::default()
+        };
+        (table, roles)
+    }
+
+    /// Lists unused points, each with the reason.
+    pub(super) fn say(
+        &self,
+        hardpoints: &[Hardpoint],
+        notes: &mut Vec<String>,
+        left_out: &mut Vec<String>,
+    ) {
+        let topology = self.options.topology;
+        let (table, roles) = self.of_axle();
+        let (table, meanings) = (&table, meanings(&roles));
+        let unused = complete::unused(table, &meanings, hardpoints);
+        if let Some(other) = complete::rather(topology, &unused, table) {
+            notes.push(format!(
+                "please check: together with the unused points, the points form a {}; --topology {} \
+                 would use them",
+                other.name.replace('_', " "),
+                other.name
+            ));
+        }
+        // Points of an omitted group already have a reason.
+        let is_explained = |name: &str| {
+            let at = table.points.iter().position(|point| point.name == name);
+            at.is_some_and(|at| meanings[at].is_some())
+        };
+        let nameless = unused.iter().filter(|name| !is_explained(name));
+        let nameless: Vec<&str> = nameless.map(String::as_str).collect();
+        if !nameless.is_empty() {
+            left_out.push(format!(
+                "{}: no hardpoint of a {} has such a name",
+                nameless.join(", "),
+                topology.name.replace('_', " ")
+            ));
+        }
+        if self.numbers.is_empty() {
+            return;
+        }
+        const SHOWN: usize = 12;
+        let shown = &self.numbers[..self.numbers.len().min(SHOWN)];
+        let more = match self.numbers.len() - shown.len() {
+            0 => String::new(),
+            more => format!(" and {more} more"),
+        };
+        left_out.push(format!(
+            "{}{more}: a study has no keys for these numbers",
+            shown.join(", ")
+        ));
+    }
+}
+
+pub(super) fn meanings(roles: &[Option<Role>]) -> Vec<Option<&'static str>> {
+    let meanings = roles
+        .iter()
+        .map(|role| role.as_ref().map(|role| role.hardpoint));
+    meanings.collect()
+}

@@ -89,7 +89,12 @@ fn a_descent_from_the_design_kept_gains_no_more_than_the_allowance() {
 /// Searches along the limit of a constraint converge: the residual of their optimality conditions is below 1e-6.
 #[test]
 fn smallest_changes_on_limits_are_known() {
-    for name in ["kept_toe.toml", "kept_length.toml", "kept_wheelbase.toml"] {
+    for name in [
+        "kept_toe.toml",
+        "kept_length.toml",
+        "kept_wheelbase.toml",
+        "corner.toml",
+    ] {
         let tuning = tuned(&stored(name, &[]));
         let fit = best(&tuning);
         let known = [
@@ -99,6 +104,21 @@ fn smallest_changes_on_limits_are_known() {
         assert!(known.contains(&fit.termination), "{name}: {}", fit.ended());
         assert!(fit.residual.is_some_and(|r| r < 1e-6), "{:?}", fit.residual);
     }
+}
+
+/// The smallest misfit is at a bound. The smallest change lies between the bound and the design, where the misfit is 1 % larger.
+#[test]
+fn the_way_back_from_a_bound_uses_the_whole_allowance() {
+    let least = best(&tuned(&stored("corner.toml", &["optimise.good_enough=0"]))).clone();
+    let kept = best(&tuned(&stored("corner.toml", &[]))).clone();
+    assert_eq!(least.x[0], -10.0);
+    assert!(kept.x[0] > -10.0 && kept.x[0] < 0.0, "{}", kept.x[0]);
+    let allowed = 1.01 * least.misfit();
+    assert!(
+        (kept.misfit() / allowed - 1.0).abs() < 1e-6,
+        "{}",
+        kept.misfit()
+    );
 }
 
 /// A search that is cut short claims no smallest change, and reports no residual of conditions that it did not reach.

@@ -19,7 +19,7 @@ use crate::study::{CarStudy, Optimise, Study, StudyErrors};
 use crate::yields::{not_increased, yields};
 use std::path::Path;
 
-/// Largest number of printed directions that leave the targets unchanged. The page and `summary.json` contain all of them.
+/// Largest number of printed moves that hardly change the misfit. The page and `summary.json` contain all of them.
 const MOST_DIRECTIONS: usize = 2;
 
 /// Prints the result of a tuning: misfit, targets, variables and constraints.
@@ -72,7 +72,7 @@ pub(super) fn say_side_effects(output: &Output, effects: &[SideEffect]) -> Resul
     Ok(())
 }
 
-/// Prints the faults of the tuned design, the moves that leave the targets unchanged, and the results of the starts. `refused`
+/// Prints the faults of the tuned design, the moves that hardly change the misfit, and the results of the starts. `refused`
 /// holds the errors of the tuned study, if it has any.
 pub(super) fn say_openings(
     output: &Output,
@@ -88,7 +88,8 @@ pub(super) fn say_openings(
     let unseen = summary.unseen();
     for combination in unseen.iter().take(MOST_DIRECTIONS) {
         output.say(&format!(
-            "\n  These moves together leave every target unchanged: {combination}\n"
+            "\n  These moves together {}: {combination}\n",
+            summary.unseen_guarantee()
         ))?;
     }
     if unseen.len() > MOST_DIRECTIONS {

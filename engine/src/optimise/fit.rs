@@ -167,10 +167,10 @@ impl fmt::Display for Termination {
                 "converged: smallest change among designs with nearly the least misfit"
             }
             Termination::GoodEnoughNotKnownNearest => {
-                "good enough, not known to be the smallest change"
+                "good enough; a slightly smaller change may exist"
             }
             Termination::BestNotKnownNearest => {
-                "as good as the best, not known to be the smallest change"
+                "as good as the best; a slightly smaller change may exist"
             }
             Termination::LargestYield => "converged: no small change raises the yield",
             Termination::YieldNotConverged => {
@@ -200,9 +200,10 @@ pub struct Fit {
     pub active_bounds: Vec<ActiveBound>,
     /// Reason for the end.
     pub termination: Termination,
-    /// Imbalance of the optimality conditions of the last minimisation, relative to the sizes of their terms; 0 at a minimum.
-    /// The last minimisation concerns the misfit, or the distance from the design with a limit on the misfit.
-    pub residual: f64,
+    /// Imbalance of the optimality conditions of the last minimisation, relative to the sizes of their terms. 0 if rounding
+    /// errors explain the imbalance. The last minimisation concerns the misfit, or the distance from the design with a limit on
+    /// the misfit. `None` if it ended at no minimum of the distance.
+    pub residual: Option<f64>,
     /// The start and every iteration after it.
     pub history: Vec<Iteration>,
     /// State of the constraints, if there are any.
@@ -245,10 +246,11 @@ impl Fit {
             self.termination,
             Termination::Interrupted | Termination::ConstraintsExcludeEachOther
         );
-        if self.termination.at_minimum() || is_short {
-            self.termination.to_string()
-        } else {
-            format!("{} (KKT residual {:.1e})", self.termination, self.residual)
+        match self.residual {
+            Some(residual) if !self.termination.at_minimum() && !is_short => {
+                format!("{} (KKT residual {residual:.1e})", self.termination)
+            }
+            _ => self.termination.to_string(),
         }
     }
 
@@ -260,6 +262,17 @@ impl Fit {
     /// Number of evaluations made, failed ones included.
     pub fn evaluations(&self) -> u64 {
         evaluations(&self.history)
+    }
+
+    /// Adds an iteration without progress: a search for a better point that found none.
+    pub(super) fn add_search(&mut self, evaluations: u64) {
+        let held = self.history.last().map_or(0, |i| i.held);
+        self.history.push(Iteration {
+            iteration: self.history.last().map_or(0, |i| i.iteration + 1),
+            held,
+            evaluations: u32::try_from(evaluations).unwrap_or(u32::MAX),
+            ..Iteration::at(&self.evaluation)
+        });
     }
 }
 

@@ -22,7 +22,7 @@ impl Direction {
     pub const RISE: f64 = 0.1;
 
     /// Finds the free shares of the change from `x`. `misfit` is the misfit at `x`. `misfit_at` returns the misfit at another
-    /// point, or `None` if that point has no misfit.
+    /// point, or `None` if that point has no misfit or violates a constraint.
     pub fn try_out(
         &mut self,
         x: &DVector<f64>,
@@ -72,8 +72,8 @@ pub struct Identifiability {
     pub singular_values: Vec<f64>,
     /// Number of directions that change the residuals, with an effect above the given limit.
     pub rank: usize,
-    /// Basis of the other directions: combinations of variables that leave all targets unchanged. In each direction, the
-    /// variable that moves across its whole range does not occur in the other directions.
+    /// Basis of the other directions: combinations of variables that leave all targets, and the kept rows, unchanged. In each
+    /// direction, the variable that moves across its whole range does not occur in the other directions.
     pub unseen: Vec<Direction>,
 }
 
@@ -83,20 +83,52 @@ impl Identifiability {
     ///
     /// This holds for small moves. Active bounds are ignored.
     pub fn new(evaluation: &Linearisation, bounds: &Bounds, effect_below: f64) -> Self {
+        let none = DMatrix::zeros(0, bounds.variables());
+        Self::keeping(evaluation, &none, bounds, effect_below)
+    }
+
+    /// Analyses the Jacobian at a point like [`Identifiability::new`]. The unseen directions also change each of the rows of
+    /// `kept` by no more than `effect_below`. `kept` has the derivatives of the rows.
+    pub fn keeping(
+        evaluation: &Linearisation,
+        kept: &DMatrix<f64>,
+        bounds: &Bounds,
+        effect_below: f64,
+    ) -> Self {
         let n = bounds.variables();
-        let mut scaled = evaluation.jacobian.clone();
-        for (mut column, &width) in scaled.column_iter_mut().zip(bounds.width()) {
-            column *= width;
-        }
-        let effect = |direction: &DVector<f64>| {
-            (&scaled * direction).norm() / (scaled.nrows() as f64).sqrt()
+        let scaled = |of: &DMatrix<f64>| {
+            let mut scaled = of.clone();
+            for (mut column, &width) in scaled.column_iter_mut().zip(bounds.width()) {
+                column *= width;
+            }
+            scaled
         };
-        let (singular_values, directions) = right_singular_vectors(&scaled);
-        let (seen, unseen): (Vec<_>, Vec<_>) = directions
-            .column_iter()
-            .map(|column| across(column.into_owned()))
-            .partition(|direction| effect(direction) > effect_below);
-        let rank = seen.len();
+        let (targets, kept) = (scaled(&evaluation.jacobian), scaled(kept));
+        let root = (targets.nrows() as f64).sqrt();
+        let effect = |direction: &DVector<f64>| (&targets * direction).norm() / root;
+        let is_unseen = |direction: &DVector<f64>| {
+            effect(direction) <= effect_below && (&kept * direction).norm() <= effect_below
+        };
+        let across_all = |vectors: DMatrix<f64>| {
+            let columns = vectors.column_iter();
+            columns.map(|column| across(column.into_owned())).collect()
+        };
+        let (singular_values, directions) = right_singular_vectors(&targets);
+        let mut directions: Vec<DVector<f64>> = across_all(directions);
+        let rank = directions
+            .iter()
+            .filter(|d| effect(d) > effect_below)
+            .count();
+        if kept.nrows() > 0 {
+            let mut stacked = DMatrix::zeros(targets.nrows() + kept.nrows(), n);
+            stacked.rows_mut(0, targets.nrows()).copy_from(&targets);
+            let of_kept = &kept * root;
+            stacked
+                .rows_mut(targets.nrows(), kept.nrows())
+                .copy_from(&of_kept);
+            directions = across_all(right_singular_vectors(&stacked).1);
+        }
+        let unseen: Vec<DVector<f64>> = directions.into_iter().filter(is_unseen).collect();
 
         let mut basis = DMatrix::zeros(n, unseen.len());
         for (mut column, direction) in basis.column_iter_mut().zip(&unseen) {
@@ -228,6 +260,30 @@ mod tests {
             };
             assert!(found.unseen.iter().any(near), "{:?}", found.unseen);
         }
+    }
+
+    /// A kept row removes a dimension of the unseen directions. The other directions leave it unchanged, and the rank remains
+    /// that of the targets.
+    #[test]
+    fn unseen_directions_leave_kept_rows_unchanged() {
+        let evaluation = Linearisation {
+            residuals: DVector::zeros(6),
+            jacobian: DMatrix::from_fn(6, 4, |_, j| if j == 0 { 1.0 } else { 0.0 }),
+        };
+        let bounds = Bounds::new(&[[-1.0, 1.0], [-2.0, 2.0], [-5.0, 5.0], [0.0, 1.0]]).unwrap();
+        let kept = DMatrix::from_row_slice(1, 4, &[0.3, 1.0, -0.5, 0.0]);
+        let found = Identifiability::keeping(&evaluation, &kept, &bounds, 1e-3);
+        assert_eq!((found.rank, found.unseen.len()), (1, 2));
+        for direction in &found.unseen {
+            assert!((&kept * &direction.change)[0].abs() < 1e-12);
+            assert!(direction.effect < 1e-12);
+        }
+        assert_eq!(
+            Identifiability::new(&evaluation, &bounds, 1e-3)
+                .unseen
+                .len(),
+            3
+        );
     }
 
     #[test]

@@ -114,7 +114,7 @@ impl<'a> LevenbergMarquardt<'a> {
         let (termination, history) = self.record.finished(residual);
         Fit {
             active_bounds,
-            residual,
+            residual: Some(residual),
             x,
             evaluation: self.current,
             termination,

@@ -26,13 +26,13 @@ const RUNGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 /// Violation that a step may cause, as a multiple of the level, or in tolerances if that is larger. Larger steps would lead
 /// to other minima.
 const NEAR_LEVEL: f64 = 1.0;
-/// Largest numbers of evaluations, as shares of [`Options::max_evaluations`]. The three constants apply to all runs together,
-/// to the first run, and to each other run.
-const ALL_RUNS: f64 = 0.04;
-const FIRST_RUN: f64 = 0.02;
-const OTHER_RUNS: f64 = 0.01;
-/// Relative difference up to which distances count as equal.
-const AS_NEAR: f64 = 1e-9;
+/// Largest numbers of evaluations, as shares of [`Options::max_evaluations`]. The two constants apply to all runs together, and
+/// to each run.
+const ALL_RUNS: f64 = 0.1;
+const ONE_RUN: f64 = 0.03;
+/// Relative difference up to which distances count as equal. A design that violates a constraint by up to [`KEPT`] can be
+/// nearer by such a difference than the nearest design that satisfies it exactly.
+const AS_NEAR: f64 = 1e-6;
 
 /// Level to which the misfit may rise.
 #[derive(Clone, Copy)]
@@ -58,6 +58,11 @@ struct Search<'s, 'a> {
     ended: Option<Termination>,
     /// Number of evaluations left.
     left: u64,
+}
+
+/// Returns true if a distance is at most as large as another one.
+fn is_as_near(distance: f64, other: f64) -> bool {
+    distance <= other + AS_NEAR * other
 }
 
 impl Search<'_, '_> {
@@ -121,17 +126,17 @@ impl Search<'_, '_> {
     /// Returns true if the nearest design has been found, or if the search must stop.
     fn is_over(&self, most: f64) -> bool {
         let near = self.best.as_ref();
-        near.is_some_and(|(distance, _, known)| *known && *distance <= most + AS_NEAR * most)
+        near.is_some_and(|(distance, _, known)| *known && is_as_near(*distance, most))
             || self.ended == Some(Termination::Interrupted)
             || self.left == 0
     }
 
-    /// Options of a run that may use this share of the evaluations.
-    fn options(&self, share: f64, violation_below: f64) -> Options {
+    /// Options of a run. It may use a share of the evaluations.
+    fn options(&self, violation_below: f64) -> Options {
         let all = self.level.options.max_evaluations as f64;
         Options {
             violation_below,
-            max_evaluations: (share * all) as u64,
+            max_evaluations: (ONE_RUN * all) as u64,
             ..self.level.options.clone()
         }
     }
@@ -139,7 +144,7 @@ impl Search<'_, '_> {
     /// Tries further runs after the first one, from `x` with the misfit `misfit`.
     fn try_again(&mut self, x: &DVector<f64>, misfit: f64, most: f64) {
         let level = self.level.misfit;
-        let near = self.options(OTHER_RUNS, level.max(NEAR_LEVEL));
+        let near = self.options(level.max(NEAR_LEVEL));
         if let Some((_, found, _)) = &self.best {
             let from = found.x.clone();
             self.run(&from, level, None, &near);
@@ -159,7 +164,7 @@ impl Search<'_, '_> {
         }
         if !self.is_over(most) {
             let design = self.tuner.bounds.nearest(&self.tuner.design);
-            let far = self.options(FIRST_RUN, f64::INFINITY);
+            let far = self.options(f64::INFINITY);
             self.run(&design, level, None, &far);
         }
     }
@@ -180,7 +185,7 @@ impl Tuner<'_> {
         };
         let most = search.distance.of(&fit.x);
         let known = fit.constraints.is_none().then_some(&fit.evaluation);
-        let near = search.options(FIRST_RUN, level.misfit.max(NEAR_LEVEL));
+        let near = search.options(level.misfit.max(NEAR_LEVEL));
         search.run(&fit.x, level.misfit, known, &near);
         if !search.is_over(most) {
             search.try_again(&fit.x, fit.misfit(), most);
@@ -196,7 +201,7 @@ impl Tuner<'_> {
             iteration.iteration = steps + 1 + k as u64;
         }
         fit.history.append(&mut history);
-        let near = best.filter(|(distance, ..)| *distance <= most);
+        let near = best.filter(|(distance, ..)| is_as_near(*distance, most));
         let is_known = near.as_ref().is_some_and(|(.., known)| *known);
         fit.termination = match (ended, is_known, level.is_good_enough) {
             (Some(Termination::Interrupted), false, _) => Termination::Interrupted,
@@ -207,6 +212,10 @@ impl Tuner<'_> {
         };
         if let Some((_, found, _)) = near {
             self.take_near(fit, found, level);
+        }
+        if !is_known {
+            // The imbalance of another problem: of the misfit, or of a lower level.
+            fit.residual = None;
         }
     }
 
@@ -224,7 +233,7 @@ impl Tuner<'_> {
         fit.active_bounds = self.bounds.active_bounds(&x);
         fit.x = x;
         fit.evaluation = targets;
-        fit.residual = found.imbalance;
+        fit.residual = Some(found.imbalance);
         if let Some(state) = &mut fit.constraints {
             state.values = rows.residuals;
             state.violation = violation;

@@ -1,13 +1,15 @@
 //! Starts of a tuning: runs from several points, and the choice among their results.
 
-use super::constrained::constrained_fit;
+use super::constrained::{KEPT, constrained_fit};
 use super::fit::fit;
 use super::fixed::{FixedRows, Without};
 use super::multistart::{every_start, fits, least_misfit, least_violation, nearest};
 use super::nearest::Level;
 use super::pool::PoolGuard;
 use super::tune::Tuner;
-use super::{Fit, Linearisation, Multistart, Objective, Options, Start, Termination, multistart};
+use super::{
+    Fit, Infeasible, Linearisation, Multistart, Objective, Options, Start, Termination, multistart,
+};
 use nalgebra::DVector;
 use rayon::prelude::*;
 
@@ -15,6 +17,11 @@ use rayon::prelude::*;
 const AS_GOOD: f64 = 1.01;
 /// Largest number of repetitions of all starts. The starts run again if a residual changes that was constant at the design.
 const ROUNDS: usize = 3;
+/// Largest number of repetitions of the search for the smallest change. It is repeated if a descent from its result ends at a
+/// smaller misfit.
+const DESCENTS: usize = 4;
+/// Relative difference from which a misfit counts as smaller.
+const LOWER: f64 = 1e-4;
 /// Number of starts that are tried before the program reports that constraints exclude one another.
 pub(super) const STARTS_BEFORE_REFUSAL: usize = 4;
 
@@ -60,8 +67,7 @@ impl<'a> Tuner<'a> {
     fn starts_without(&self, fixed: &FixedRows) -> Multistart {
         let optimise = self.optimise;
         let options = self.options();
-        let is_constrained = !self.layout.labels().is_empty();
-        if !is_constrained && optimise.good_enough == 0.0 {
+        if !self.is_constrained() && optimise.good_enough == 0.0 {
             return multistart(
                 || self.problem_without(fixed),
                 &self.bounds,
@@ -72,22 +78,43 @@ impl<'a> Tuner<'a> {
                 self.control,
             );
         }
-        let mut starts = self.lowered(fixed, &options, is_constrained);
+        let mut lowered = self.lowered(fixed, &options);
+        let mut found = self.drawn_near(&lowered, fixed, &options);
+        let mut descents = 0;
+        while self.descends_further(&mut lowered, &mut found, fixed, &options) {
+            found = self.drawn_near(&lowered, fixed, &options);
+            descents += 1;
+            if descents == DESCENTS {
+                if let Some(Ok(fit)) = found.best.map(|best| found.starts[best].outcome.as_mut())
+                    && fit.termination == Termination::NearestOfTheBest
+                {
+                    fit.termination = Termination::BestNotKnownNearest;
+                    fit.residual = None;
+                }
+                break;
+            }
+        }
+        // A run that stopped because its misfit was good enough still misses the removed targets.
+        for start in &mut found.starts {
+            if let Ok(fit) = &mut start.outcome
+                && fit.termination == Termination::MisfitReached
+                && fit.misfit() > options.misfit_below
+            {
+                fit.termination = Termination::GoodEnoughNotKnownNearest;
+                fit.residual = None;
+            }
+        }
+        found
+    }
+
+    /// Moves the starts with a misfit below the level back towards the design, and chooses the result.
+    fn drawn_near(&self, lowered: &[Start], fixed: &FixedRows, options: &Options) -> Multistart {
+        let mut starts = lowered.to_vec();
         let least = least_misfit(&starts);
-        if let Some(least) = least
-            && optimise.good_enough > 0.0
+        let level = least.map(|least| self.level(least, fixed, options));
+        if let Some(level) = level
+            && self.optimise.good_enough > 0.0
         {
-            let good = self.good_enough_without(fixed);
-            let is_good = least <= good;
-            let misfit = if is_good { good } else { AS_GOOD * least };
-            let count = self.layout.residuals() as f64;
-            let total = (misfit * misfit + fixed.square() / count).sqrt();
-            let level = Level {
-                misfit,
-                is_good_enough: total <= optimise.good_enough * (1.0 + 1e-9),
-                fixed,
-                options: &options,
-            };
             let each = starts.par_iter_mut().enumerate();
             each.for_each(|(index, start)| {
                 if let Ok(fit) = &mut start.outcome
@@ -100,43 +127,120 @@ impl<'a> Tuner<'a> {
             });
             self.count_moving_rows(&mut starts);
         }
-        // A run that stopped because its misfit was good enough still misses the removed targets.
-        for start in &mut starts {
-            if let Ok(fit) = &mut start.outcome
-                && fit.termination == Termination::MisfitReached
-                && fit.misfit() > options.misfit_below
-            {
-                fit.termination = Termination::GoodEnoughNotKnownNearest;
-            }
-        }
-        let best = self.choose(&starts, least, self.good_enough_without(fixed));
+        let best = self.choose(&starts, level.map(|level| level.misfit));
         Multistart { starts, best }
     }
 
-    /// Limit for the misfit of the residuals that variables change. Together with the constant residuals it gives `good_enough`,
-    /// if that is possible.
-    fn good_enough_without(&self, fixed: &FixedRows) -> f64 {
-        let good = self.optimise.good_enough;
-        let rest = good * good - fixed.square() / self.layout.residuals() as f64;
-        if rest > 0.0 { rest.sqrt() } else { good }
+    /// Looks for a smaller misfit with a descent from the result, if no design is good enough. The search for the smallest
+    /// change may have left the valley of the smallest misfit found. If the descent ends below that misfit, its end replaces
+    /// the lowered start, and the function returns true.
+    fn descends_further(
+        &self,
+        lowered: &mut [Start],
+        found: &mut Multistart,
+        fixed: &FixedRows,
+        options: &Options,
+    ) -> bool {
+        let (Some(least), Some(best)) = (least_misfit(lowered), found.best) else {
+            return false;
+        };
+        let Ok(near) = &mut found.starts[best].outcome else {
+            return false;
+        };
+        let is_at_level = matches!(
+            near.termination,
+            Termination::NearestOfTheBest | Termination::BestNotKnownNearest
+        );
+        if !is_at_level || least <= self.good_enough_without(fixed) || self.control.is_interrupted()
+        {
+            return false;
+        }
+        let Ok(mut descent) = self.lowered_from(best, &near.x, fixed, options) else {
+            return false;
+        };
+        let is_lower = descent.is_feasible() && descent.misfit() < (1.0 - LOWER) * least;
+        if is_lower {
+            let last = near.history.last().map_or(0, |i| i.iteration);
+            for iteration in &mut descent.history {
+                iteration.iteration += last + 1;
+            }
+            let history = std::mem::take(&mut descent.history);
+            descent.history.clone_from(&near.history);
+            descent.history.extend(history);
+            lowered[best].outcome = Ok(descent);
+        } else {
+            near.add_search(descent.evaluations());
+        }
+        is_lower
     }
 
-    /// Lowers the misfit from every start, until it is good enough or at a minimum.
-    fn lowered(&self, fixed: &FixedRows, options: &Options, is_constrained: bool) -> Vec<Start> {
-        let optimise = self.optimise;
+    /// Level to which the misfit may rise. `least` is the smallest misfit found.
+    fn level<'l>(&self, least: f64, fixed: &'l FixedRows, options: &'l Options) -> Level<'l> {
+        let good_enough = self.optimise.good_enough;
+        let good = self.good_enough_without(fixed);
+        let constant = self.constant_square(fixed);
+        let misfit = if least <= good {
+            good
+        } else {
+            // The share above the smallest misfit applies to all targets. Where constant residuals are large, the other
+            // residuals need not be better than good enough.
+            let whole = AS_GOOD * AS_GOOD * (least * least + constant) - constant;
+            (AS_GOOD * least).max(good_enough.min(whole.max(0.0).sqrt()))
+        };
+        Level {
+            misfit,
+            is_good_enough: (misfit * misfit + constant).sqrt() <= good_enough * (1.0 + 1e-9),
+            fixed,
+            options,
+        }
+    }
+
+    /// Mean square that the constant residuals add to the square of the misfit.
+    fn constant_square(&self, fixed: &FixedRows) -> f64 {
+        fixed.square() / self.layout.residuals() as f64
+    }
+
+    /// Limit for the misfit of the residuals that variables change. Together with the constant residuals it gives `good_enough`,
+    /// if that is possible. Otherwise the whole misfit is about as good as the smallest possible one.
+    fn good_enough_without(&self, fixed: &FixedRows) -> f64 {
+        let (good, constant) = (self.optimise.good_enough, self.constant_square(fixed));
+        let rest = good * good - constant;
+        if rest > 0.0 {
+            rest.sqrt()
+        } else {
+            good.min(((AS_GOOD * AS_GOOD - 1.0) * constant).sqrt())
+        }
+    }
+
+    /// Lowers the misfit from a point, until it is good enough or at a minimum.
+    fn lowered_from(
+        &self,
+        index: usize,
+        x: &DVector<f64>,
+        fixed: &FixedRows,
+        options: &Options,
+    ) -> Result<Fit, Infeasible> {
         let until_good = Options {
             misfit_below: options.misfit_below.max(self.good_enough_without(fixed)),
             ..options.clone()
         };
-        let first = |index: usize, x: &DVector<f64>| {
-            let (problem, bounds) = (self.problem_without(fixed), &self.bounds);
-            if !is_constrained {
-                return fit(index, problem, bounds, x, &until_good, self.control);
-            }
-            let fit = constrained_fit(index, problem, bounds, x, &until_good, self.control)?;
-            let good = fit.at.goal.misfit() <= until_good.misfit_below;
-            Ok(fit.into_fit(&self.bounds, !good))
-        };
+        let (problem, bounds) = (self.problem_without(fixed), &self.bounds);
+        if !self.is_constrained() {
+            return fit(index, problem, bounds, x, &until_good, self.control);
+        }
+        let fit = constrained_fit(index, problem, bounds, x, &until_good, self.control)?;
+        let good = fit.at.goal.misfit() <= until_good.misfit_below;
+        Ok(fit.into_fit(&self.bounds, !good))
+    }
+
+    fn is_constrained(&self) -> bool {
+        !self.layout.labels().is_empty()
+    }
+
+    /// Lowers the misfit from every start, until it is good enough or at a minimum.
+    fn lowered(&self, fixed: &FixedRows, options: &Options) -> Vec<Start> {
+        let optimise = self.optimise;
+        let first = |index: usize, x: &DVector<f64>| self.lowered_from(index, x, fixed, options);
         let run = |numbers| {
             let (bounds, design, seed) = (&self.bounds, &self.design, optimise.seed);
             every_start(numbers, bounds, design, seed, self.control, first)
@@ -177,20 +281,18 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Chooses the result. Among the starts that satisfy the constraints and are good enough, it takes the one with the
-    /// smallest move. If no start is good enough, it takes the smallest move among the starts that are about as good as the
-    /// best. If no start satisfies the constraints, it takes the smallest violation. `least` is the smallest misfit of the
-    /// starts that satisfy the constraints.
-    fn choose(&self, starts: &[Start], least: Option<f64>, good: f64) -> Option<usize> {
-        let Some(least) = least else {
-            return least_violation(starts);
-        };
-        let good = match good {
-            0.0 => least * (1.0 + 1e-9),
-            good if least <= good => good * (1.0 + 1e-6),
-            _ => least * AS_GOOD * (1.0 + 1e-6),
-        };
+    /// Chooses the result. Among the starts that satisfy the constraints with a misfit up to `level`, it takes the one with
+    /// the smallest move. `level` is `None` if no start satisfied the constraints. If no start satisfies them, the function
+    /// takes the smallest violation.
+    fn choose(&self, starts: &[Start], level: Option<f64>) -> Option<usize> {
         let distance = self.distance();
-        nearest(starts, good, |x| distance.of(x), 1e-6)
+        let near = level.and_then(|level| {
+            let good = match self.optimise.good_enough {
+                0.0 => least_misfit(starts)? * (1.0 + 1e-9),
+                _ => (level + KEPT) * (1.0 + 1e-6),
+            };
+            nearest(starts, good, |x| distance.of(x), 1e-6)
+        });
+        near.or_else(|| least_violation(starts))
     }
 }

@@ -23,11 +23,13 @@ use crate::model::Suspension;
 use crate::number::{Vector3, Width};
 use crate::study::{Optimise, RobustAim, Vehicle};
 use crate::threads::on_large_stacks;
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 /// Change of the misfit, in tolerances, for a move across the whole range. A direction with a smaller effect counts as
 /// leaving the targets unchanged.
 const UNSEEN: f64 = 0.01;
+/// Violation of a constraint up to which a move counts as keeping it, in visible units: 1 mm or 1 degree.
+const MOVED_KEPT: f64 = 0.01;
 /// Relative difference up to which prices of constraints count as equal.
 const SAME_PRICE: f64 = 0.05;
 /// Largest number of directions without effect that the tuning tests by moving along them.
@@ -273,7 +275,7 @@ impl<'a> Tuner<'a> {
         }
         fit.active_bounds = self.bounds.active_bounds(&found.x);
         fit.x.clone_from(&found.x);
-        fit.residual = found.imbalance;
+        fit.residual = Some(found.imbalance);
         let end = found.termination.clone().checked(found.imbalance);
         fit.termination = if end.at_minimum() {
             Termination::LargestYield
@@ -332,18 +334,37 @@ impl<'a> Tuner<'a> {
     }
 
     /// Returns the directions that the targets determine at a fit. Tests the directions without effect on the targets by
-    /// moving along them.
+    /// moving along them. Such a move keeps the constraints.
     fn identifiability(&self, fit: &Fit) -> Identifiability {
-        let mut found = Identifiability::new(&fit.evaluation, &self.bounds, UNSEEN);
         let mut problem = self.problem();
-        let mut evaluation = Linearisation::new(self.layout.residuals(), fit.x.len());
+        let shape = problem.shape();
+        let mut at = Assessment::new(&shape);
+        let size = |row: usize, value: f64| {
+            if row < shape.equalities {
+                value.abs()
+            } else {
+                value
+            }
+        };
+        // A constraint that the design violates may not become worse.
+        let mut most = vec![MOVED_KEPT; shape.rows];
+        let mut kept = DMatrix::zeros(0, shape.variables);
+        if shape.rows > 0 && problem.assess(&fit.x, &mut at).is_ok() {
+            kept = at.rows.jacobian.rows(0, shape.equalities).into_owned();
+            for (row, most) in most.iter_mut().enumerate() {
+                *most = most.max(size(row, at.rows.residuals[row]));
+            }
+        }
+        let mut found = Identifiability::keeping(&fit.evaluation, &kept, &self.bounds, UNSEEN);
         for direction in found.unseen.iter_mut().take(TRIED_OUT) {
             direction.try_out(&fit.x, fit.misfit(), &self.bounds, |x| {
                 if self.control.is_interrupted() {
                     return None;
                 }
-                LeastSquares::evaluate(&mut problem, x, &mut evaluation).ok()?;
-                Some(evaluation.misfit())
+                problem.assess(x, &mut at).ok()?;
+                let mut rows = at.rows.residuals.iter().enumerate();
+                let is_kept = rows.all(|(row, value)| size(row, *value) <= most[row]);
+                is_kept.then(|| at.goal.misfit())
             });
         }
         found

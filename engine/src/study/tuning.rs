@@ -166,10 +166,13 @@ impl Variable {
         }
     }
 
-    /// Axis of the move. `None` if the move is not along a single axis.
+    /// Axis of the move. `None` if the move is not along a single axis, or if it is a direction against the axis: the coordinates
+    /// of all points then fall as the offset rises.
     pub fn axis(&self) -> Option<Axis> {
         let first = self.moves.first()?.axis;
-        self.moves.iter().all(|m| m.axis == first).then_some(first)
+        let is_along = self.moves.iter().all(|m| m.axis == first);
+        let is_against = self.moves.iter().all(|m| m.factor < 0.0);
+        (is_along && !is_against).then_some(first)
     }
 
     /// Returns the kind of move: `z`, `along` a direction, `turn about z`.

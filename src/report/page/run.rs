@@ -430,7 +430,10 @@ fn tuning_sections(tuning: &TuningSummary, history: String, charts: &mut Charts)
     let unseen = if unseen.is_empty() {
         unseen
     } else {
-        format!("<p>Moves that the targets cannot tell apart:</p><ul>{unseen}</ul>")
+        format!(
+            "<p>The moves of each line together {}:</p><ul>{unseen}</ul>",
+            tuning.unseen_guarantee()
+        )
     };
     let unmet: Vec<usize> = tuning.missed().iter().map(|(row, ..)| *row).collect();
     format!(

@@ -20,7 +20,7 @@ use crate::SideEffect;
 use crate::curves::Curves;
 use crate::model::Axis;
 use crate::optimise::{
-    ActiveBound, ConstraintOutcome, Fit, Fulfilment, Price, Termination, Tuning,
+    ActiveBound, ConstraintOutcome, Direction, Fit, Fulfilment, Price, Termination, Tuning,
 };
 use crate::study::{Limit, Optimise, Study, Target, Wanted};
 use serde::{Deserialize, Serialize};
@@ -48,7 +48,7 @@ pub struct TuningSummary {
     /// Number of independent directions in the variables that change the targets.
     rank: Option<usize>,
     singular_values: Vec<f64>,
-    /// Directions that leave all targets unchanged. Each has one offset per variable.
+    /// Moves that raise the misfit by at most 0.1 and keep the constraints. Each has one offset per variable.
     unseen: Vec<Vec<f64>>,
     /// For a fit: scatter of the measurements about the fit, as a multiple of their tolerances.
     #[serde(default)]

@@ -28,7 +28,7 @@ impl TuningSummary {
             design_failure: tuning.before.as_ref().err().map(ToString::to_string),
             misfit_after: best.map(|b| b.after.misfit),
             best_start: tuning.starts.best,
-            kkt_residual: fit.map(|fit| fit.residual),
+            kkt_residual: fit.and_then(|fit| fit.residual),
             variables: source.variables(),
             targets: source.targets(),
             starts: source.starts(),
@@ -222,7 +222,7 @@ impl TunedStudy<'_> {
             .collect()
     }
 
-    /// Largest moves along each direction that leaves all targets unchanged.
+    /// Largest moves along each direction that raises the misfit by at most [`Direction::RISE`] and keeps the constraints.
     fn unseen(&self) -> Vec<Vec<f64>> {
         let Some(best) = &self.tuning.best else {
             return Vec::new();
@@ -261,7 +261,7 @@ impl StartSummary {
             iterations: fit.map(|fit| fit.history.last().map_or(0, |i| i.iteration)),
             evaluations: fit.map(Fit::evaluations),
             misfit: fit.map(Fit::misfit),
-            kkt_residual: fit.map(|fit| fit.residual),
+            kkt_residual: fit.and_then(|fit| fit.residual),
         }
     }
 }

@@ -65,6 +65,7 @@ impl TuningSummary {
                 ));
             }
         }
+        remarks.extend(self.without_price_in_words());
         remarks.extend(contradiction_in_words(&self.contradiction));
         remarks.extend(self.least_violation_in_words());
         remarks
@@ -87,6 +88,23 @@ impl TuningSummary {
              because of its misfit. Missed: {}",
             violated.join("; ")
         ))
+    }
+
+    /// Reason why binding constraints have no price. `None` if the tuning ended at the smallest misfit, or if none binds without a
+    /// price.
+    fn without_price_in_words(&self) -> Option<String> {
+        let is_good_enough = self.misfit_after? <= self.good_enough * (1.0 + 1e-6);
+        let has_none = |c: &ConstraintSummary| {
+            c.status() == ConstraintStatus::Binds && c.price.is_none() && !c.price_not_determined
+        };
+        let binds = self.constraints.iter().any(has_none);
+        (is_good_enough && binds).then(|| {
+            format!(
+                "no prices of binding constraints: they belong to the smallest misfit, and this tuning ended at \
+                 good_enough = {}. Set good_enough = 0 to get them",
+                brief(self.good_enough)
+            )
+        })
     }
 
     /// Sentences about the confidence intervals of a fit.
@@ -227,7 +245,20 @@ impl TuningSummary {
         }
     }
 
-    /// Directions that leave all targets unchanged, in words.
+    /// Guarantee of the moves of [`TuningSummary::unseen`], as the end of a sentence.
+    pub fn unseen_guarantee(&self) -> String {
+        let constraints = if self.constraints.is_empty() {
+            ""
+        } else {
+            " and keep the constraints"
+        };
+        format!(
+            "raise the misfit by at most {}{constraints}",
+            Direction::RISE
+        )
+    }
+
+    /// Moves that hardly change the misfit and keep the constraints, in words.
     pub fn unseen(&self) -> Vec<String> {
         let describe = |change: &Vec<f64>| {
             let parts = change

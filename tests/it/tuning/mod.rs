@@ -3,6 +3,7 @@
 mod articulation;
 mod builds;
 mod constraints;
+mod good_enough;
 mod intervals;
 mod measured;
 mod minima;

@@ -11,6 +11,7 @@ use super::super::qr::{dot, triangularise_within};
 use super::super::{Bounds, Linearisation};
 use super::curvature::Curvature;
 use super::movable::Movable;
+use super::solver::RESOLUTION;
 use super::{Assessment, KEPT, Shape};
 use levels::LEVEL_MET;
 use nalgebra::DVector;
@@ -425,13 +426,13 @@ impl<'a> ConvexModel<'a> {
         self.curvature.learn(&self.step, &y);
     }
 
-    /// Writes the end of the step from `x` into `to`. A step that ends on a bound lands on it exactly.
+    /// Writes the end of the step from `x` into `to`. A step that ends within [`RESOLUTION`] of a bound lands on it exactly.
     pub(super) fn step_from(&self, x: &DVector<f64>, to: &mut DVector<f64>) {
         for j in 0..x.len() {
             let (lower, upper) = (self.bounds.lower()[j], self.bounds.upper()[j]);
-            to[j] = if self.step[j] <= self.room_below[j] {
+            to[j] = if self.step[j] <= self.room_below[j] + RESOLUTION {
                 lower
-            } else if self.step[j] >= self.room_above[j] {
+            } else if self.step[j] >= self.room_above[j] - RESOLUTION {
                 upper
             } else {
                 (x[j] + self.half[j] * self.step[j]).clamp(lower, upper)

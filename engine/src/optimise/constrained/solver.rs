@@ -90,7 +90,7 @@ impl ConstrainedFit {
             x: self.x,
             evaluation: self.at.goal,
             termination: self.termination,
-            residual: self.imbalance,
+            residual: Some(self.imbalance),
             history: self.history,
             constraints: Some(ConstraintState {
                 values: self.at.rows.residuals,

@@ -24,6 +24,47 @@ fn near(found: &DVector<f64>, wanted: &[f64], bound: f64) {
     assert!(off < bound, "{found} {wanted:?}");
 }
 
+/// Least squares with a plane, between bounds that are no round numbers. A variable at a bound is on it exactly; the others are
+/// farther from it than the solver's resolution.
+#[test]
+fn variables_at_bounds_are_exactly_on_them() {
+    let mut noise = Noise::new(11);
+    let mut on_bounds = 0;
+    for _ in 0..400 {
+        let n = 4;
+        let aims: Vec<f64> = (0..n).map(|_| 3.0 * noise.next()).collect();
+        let mix: Vec<f64> = (0..n * n).map(|_| noise.next()).collect();
+        let ranges: Vec<[f64; 2]> = (0..n)
+            .map(|_| [-0.1 - noise.next().abs(), 0.1 + noise.next().abs()])
+            .collect();
+        let at = |x: &[f64]| {
+            let goal = (0..n).map(|i| {
+                let mut row = mix[i * n..][..n].to_vec();
+                row[i] += 2.0;
+                let value: f64 = row
+                    .iter()
+                    .zip(x)
+                    .zip(&aims)
+                    .map(|((a, x), aim)| a * (x - aim))
+                    .sum();
+                (
+                    value + 0.1 * value * value,
+                    row.iter().map(|a| a * (1.0 + 0.2 * value)).collect(),
+                )
+            });
+            let plane = (x.iter().sum::<f64>() - 0.3, vec![1.0; n]);
+            [goal.collect(), vec![], vec![plane]]
+        };
+        let fit = solve(&[0.0; 4], &ranges, 0, f64::INFINITY, at);
+        for (x, [lower, upper]) in fit.x.iter().zip(&ranges) {
+            let near = (x - lower).min(upper - x) / (0.5 * (upper - lower));
+            assert!(near == 0.0 || near > 1e-12, "{near:e}");
+            on_bounds += usize::from(near == 0.0);
+        }
+    }
+    assert!(on_bounds > 400, "{on_bounds}");
+}
+
 /// Rosenbrock's valley within a disc. The minimum lies on the circle, where the gradient points outward.
 #[test]
 fn rosenbrock_in_a_disc_ends_on_its_edge() {

@@ -6,6 +6,8 @@ use super::ConvexModel;
 /// Relative accuracy to which a level is met. A tenth of the largest violation that still counts as satisfied is always accurate
 /// enough.
 pub(super) const LEVEL_MET: f64 = 1e-7;
+/// Number of repeated moves of one end of a bracket before the other end counts less.
+const PATIENCE: usize = 4;
 /// Largest number of programs in the search for the multiplier of a level.
 const SECANTS: usize = 30;
 
@@ -20,7 +22,9 @@ impl<'a> ConvexModel<'a> {
 
     /// Finds the smallest weights that meet the levels from the k-th on. A level that is met without a weight gets weight
     /// zero. A norm falls as its weight grows. So the search is a secant method over the logarithms of norm and weight,
-    /// within a bracket of two weights. Each trial weight needs a new search for the weights of the later levels.
+    /// within a bracket of two weights. If the same end of the bracket moves again and again, the excess at the other end counts
+    /// half each time (the Illinois method). Otherwise the search would be slow where the norm stops falling: at a corner of the bounds. Each trial
+    /// weight needs a new search for the weights of the later levels.
     pub(super) fn meet_levels(&mut self, k: usize, curved: bool) {
         if k == self.levels.len() {
             return;
@@ -35,8 +39,9 @@ impl<'a> ConvexModel<'a> {
         } else {
             1.0
         };
-        let mut low = None;
+        let mut low: Option<(f64, f64)> = None;
         let mut high: Option<(f64, f64)> = None;
+        let (mut was_low, mut repeats) = (None, 0);
         let mut weight = self.last_weights[k].unwrap_or(scale);
         for _ in 0..SECANTS {
             // Nested levels multiply the number of programs. So all levels of a step share a budget.
@@ -54,10 +59,23 @@ impl<'a> ConvexModel<'a> {
             if at.1.abs() <= self.met[k] {
                 break;
             }
-            if at.1 > 0.0 {
-                low = Some(at)
+            let is_low = at.1 > 0.0;
+            let (moved, other) = if is_low {
+                (&mut low, &mut high)
             } else {
-                high = Some(at)
+                (&mut high, &mut low)
+            };
+            *moved = Some(at);
+            repeats = if was_low == Some(is_low) {
+                repeats + 1
+            } else {
+                0
+            };
+            was_low = Some(is_low);
+            if repeats >= PATIENCE
+                && let Some(other) = other
+            {
+                other.1 *= 0.5;
             }
             weight = match (low, high) {
                 // Beyond this weight the model cannot meet the level. The step comes as near as it can.

@@ -78,7 +78,7 @@ impl Assembler {
         Ok(())
     }
 
-    /// Applies Newton's method to the height. It shortens steps that the mechanism cannot follow.
+    /// Applies Newton's method to the height. The function shortens steps that the mechanism cannot follow.
     fn settle_on_spring(&self, built: &mut Built, wanted: f64) -> Result<(), AssemblyError> {
         self.rebuild(built, 0.0)?;
         let size = self.suspension().size();

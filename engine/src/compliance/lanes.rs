@@ -5,9 +5,9 @@
 //! any number of lanes. Lanes round a sum with a product only once, so they differ from the solver for one wheel by
 //! rounding errors.
 //!
-//! Lanes first try the whole change in one step. If a travel fails, they try it in two, four and eight equal steps. A lane
-//! that needs smaller steps, or whose equilibrium is not stable, has no result. Then the solver for one wheel starts again
-//! from the beginning.
+//! Lanes first try the whole change in one step. If this step fails for a travel, they try two, four and eight equal
+//! steps. A lane that needs smaller steps, or whose equilibrium is not stable, has no result. Then the solver for one
+//! wheel starts again from the beginning.
 
 #![expect(
     clippy::needless_range_loop,

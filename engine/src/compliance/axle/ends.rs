@@ -105,7 +105,8 @@ impl ElasticAxle {
         }))
     }
 
-    /// Smallest and largest multiple of the loads `unit`, in addition to the loads of a station.
+    /// Smallest and largest multiple of the loads `unit` with an equilibrium. These loads act in addition to the loads
+    /// of a station.
     pub(in crate::compliance) fn load_ends(
         &self,
         station: &AxleEquilibrium,

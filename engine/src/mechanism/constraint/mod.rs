@@ -110,7 +110,7 @@ impl<T: Real> Row<T> {
         }
     }
 
-    /// Row `number` of the constraint with this index in the mechanism, for parts with their own dimensions.
+    /// Row `number` of the constraint with this index in the mechanism, for built parts.
     #[inline(always)]
     pub(crate) fn of_parts(
         mechanism: &Mechanism,
@@ -140,7 +140,7 @@ impl<T: Real> Row<T> {
             Constraint::ArmJoint { arm, at } => {
                 Row::ArmEnd(ArmEnd::built_joint(mechanism, arm, at, number, parts))
             }
-            // The wheel centres of an assembled axle are at their nominal heights.
+            // In an assembled axle, the wheel centres are at their nominal heights.
             Constraint::AxleTravel { near, far, held } => {
                 let centres = [near, far];
                 let zeros = centres.each(|id| parts.drawn[id.0].z);

@@ -17,7 +17,7 @@
 //! *Any knuckle vector* x0. The rotation takes v to d and t0 to t, so the image of x0 is x = a d + b t + k (d x t). a and b
 //! follow from x0.v and x0.t0, and k follows from x0.(v x t0).
 //!
-//! These numbers can vanish:
+//! Each of these numbers is zero in certain singular poses:
 //!
 //! - G = |n|^2: the tie rod does not steer,
 //! - E = |d x t|^2: the tie rod's outer end is on the steering axis,
@@ -236,7 +236,7 @@ impl<T: Real> ClosedForm<T> {
         self.at(cosine, (tangent + tangent) * inverse, rack)
     }
 
-    /// Any number of the constants. Further constants get its number type and length.
+    /// One of the constants. Further constants take its number type and length.
     #[inline(always)]
     pub(crate) fn like(&self) -> T {
         self.wheel_height
@@ -319,7 +319,7 @@ impl<T: Real> ClosedForm<T> {
 }
 
 impl ArmState<f64> {
-    /// Moves the tie rod's end into its plane if rounding at a toggle has left the end without a real position.
+    /// Moves the tie rod's outer end to the toggle (ga = 0) if rounding has left this end without a real position.
     pub(crate) fn at_toggle_if_beyond(&mut self) {
         if self.ga.is_nan() {
             self.ga = 0.0;

@@ -187,7 +187,7 @@ impl ByArm {
     }
 }
 
-/// Numbers whose change along the path is guarded.
+/// Numbers that the guards compare between two waypoints.
 #[derive(Clone, Copy)]
 pub(super) struct BranchGuard<B> {
     tangent: B,

@@ -7,8 +7,8 @@
 //! J (v, w) = -F        x + v,  r + h + h x r + r (r.h),  h = w/2
 //! ```
 //!
-//! leaves an error of second order. The residuals at the result show whether that is accurate enough. If so, one more step with J
-//! removes the remaining residuals, because they would disturb rates near a fold.
+//! leaves an error of second order. The residuals at the result show whether the result is accurate enough. If so, one
+//! more step with J removes the remaining residuals, because these would disturb rates near a fold.
 //!
 //! J, its moments divided by the size of the mechanism, is split into four blocks of three by three,
 //!

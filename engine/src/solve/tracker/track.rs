@@ -1,5 +1,5 @@
-//! The loop over the waypoints of a route, for any number of unknowns. It predicts the unknowns from earlier
-//! waypoints, corrects them by Newton's method until the residuals are at rounding level, and guards them.
+//! The loop over the waypoints of a route, for any number of unknowns. It predicts the unknowns from earlier waypoints,
+//! corrects them by Newton's method until the residuals are at rounding level, and checks the guards.
 
 use super::route::{Leg, RouteStep, Stencil};
 use super::{Acceptance, Rejection};
@@ -29,7 +29,7 @@ pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     /// True if rejected lanes count as converged. This is useful if a round makes corrections until all lanes have converged. If
     /// a round makes one correction, the loop is faster without it.
     const LEAVES_REJECTED: bool = false;
-    /// Numbers whose change along the path is guarded.
+    /// Numbers that the guards compare between two waypoints.
     type Guard: Copy;
 
     /// Predicts the unknowns from the previous waypoints.

@@ -85,7 +85,7 @@ pub(super) enum Hold<T> {
     Load,
 }
 
-/// Inputs of an equilibrium.
+/// Inputs of an equilibrium: rack displacement, loads, and the height or load that stays fixed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Task<T> {
     pub(super) rack: T,

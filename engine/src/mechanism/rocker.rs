@@ -162,8 +162,8 @@ impl<T: Real> Turn<T> {
         (by_ends, back)
     }
 
-    /// Angle from the design position. It is positive if a rod of this kind has pushed the rocker or, for a pullrod, pulled
-    /// it.
+    /// Angle from the design position. The angle is positive if a rod of this kind has pushed the rocker or, for a
+    /// pullrod, pulled it.
     #[inline(always)]
     pub(crate) fn angle(&self, rod: Rod) -> T {
         (self.sine * self.sense(rod)).atan2(self.cosine)

@@ -45,7 +45,7 @@ pub enum HardpointFault {
         /// Name of the group.
         group: &'static str,
     },
-    /// A group is not complete.
+    /// A study gives only some of the hardpoints of a group.
     #[error("missing for {group}: {}", .missing.join(", "))]
     Incomplete {
         /// Name of the group.

@@ -43,8 +43,8 @@
 //! is the whole Jacobian. This link carries the largest force that holds the axle at the fold.
 //!
 //! If the rack moves, C has an additional column for it, and the path may be regular where C has rank 4. Then some
-//! combination of the constraints, m C = 0, is the cause, namely the links with m not 0. This occurs only in mechanisms
-//! without arms; with arms the cause is one of (3) and (4). A hinge is never singular.
+//! combination of the constraints, m C = 0, is the cause, namely the links with m not 0. Such a combination occurs only
+//! in mechanisms without arms; with arms the cause is (3) or (4). A hinge is never singular.
 
 use super::closed_form::{Roles, UpperRoles};
 use super::continuation::{Curve, CurvePoint, Moving};

@@ -95,8 +95,8 @@ pub enum Static {
     /// A quantity of an axle at rest that is adjusted as a whole. Position and direction of a solid axle count from
     /// the nominal design.
     Axle(Quantity),
-    /// Change of the ride height from the design. Positive if the car is higher. It is the negative of the wheel travel of
-    /// the static position.
+    /// Change of the ride height from the design. Positive if the car is higher. The change is the negative of the
+    /// wheel travel of the static position.
     RideHeightChange,
 }
 
@@ -173,7 +173,7 @@ pub struct SetUp {
     pub statics: Vec<Static>,
     /// Aim of each static value.
     pub aims: Vec<Aim>,
-    /// State of the nominal design. It is at the target ride height if no adjustment sets that height.
+    /// State of the nominal design. This state is at the target ride height if no adjustment sets that height.
     pub drawn: AdjustedSuspension,
     /// Indices of the adjustments in the order of a mechanic: shims, then threads, with the thread of toe last.
     pub order: Vec<usize>,

@@ -61,7 +61,7 @@ impl<T: Scalar> AxleState<T> {
     }
 }
 
-/// Inputs of an equilibrium of both wheels.
+/// Inputs of an equilibrium of both wheels: rack displacement, and the loads and held heights of each wheel.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct AxleTask<T> {
     /// Commanded displacement of the rack, along the left wheel's +y.

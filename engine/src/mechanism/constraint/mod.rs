@@ -7,7 +7,7 @@
 //! dF = f . d(origin) + m . d(rotation) + q d(rack) + sum over hardpoints g . dh    (2)
 //! ```
 //!
-//! The force f and the moment m are a row of the 6x6 Jacobian. They are the Pluecker coordinates of the line along
+//! The force f and the moment m are a row of the 6x6 Jacobian. f and m are the Pluecker coordinates of the line along
 //! which the constraint acts. q is the force on the rack. With the gradients g, the implicit function theorem gives
 //! derivatives with respect to hardpoints. Each row is scaled to a length, so forces are about one and moments about
 //! one length.

@@ -8,7 +8,7 @@ use crate::study::Study;
 use std::path::Path;
 
 /// At each arm angle all assemblies have the lengths of the design, and they differ from each other. The first one is
-/// the design's.
+/// the assembly of the design.
 #[test]
 fn assemblies_keep_every_length() {
     let mut seen = 0;

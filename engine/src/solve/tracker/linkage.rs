@@ -17,9 +17,9 @@
 //!     | C  D |
 //! ```
 //!
-//! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Then only
-//! two determinants must not vanish. A lane is rejected if one of them is less than a fourth of the base design's. It
-//! is also rejected if one changes by more than half, or more than doubles, from one waypoint to the next. The
+//! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Then only two
+//! determinants must not vanish. A lane is rejected if a determinant is less than a fourth of the base design's. It is
+//! also rejected if a determinant changes by more than half, or more than doubles, from one waypoint to the next. The
 //! determinants of a lane are those of the step with which it settled.
 //!
 //! An instantaneous steering axis is the axis of the screw t with J t = -F_r (module `steering`). Along the motion,

@@ -219,12 +219,13 @@ impl<'a> AxleTracker<'a> {
         })
     }
 
-    /// Returns true if the tracker visits every station. It leaves out stations that coincide or are far out of reach.
+    /// Returns true if the tracker visits every station. A route leaves out stations that coincide or are far out of
+    /// reach.
     pub fn is_complete(&self) -> bool {
         self.routes.iter().all(|route| route.is_complete)
     }
 
-    /// Tracker of a wheel. It makes the constants of the wheel's designs.
+    /// Tracker of a wheel, which makes the constants of the wheel's designs.
     pub fn wheel(&self, side: usize) -> &CornerTracker<'a> {
         &self.wheels[side]
     }

@@ -26,8 +26,8 @@ impl<B: SimdReal> Tracked<B> {
 pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     /// Largest number of corrections for a lane to settle.
     const MOST_ROUNDS: usize;
-    /// True if rejected lanes count as converged. This is useful if a round makes corrections until all lanes have converged. If
-    /// a round makes one correction, the loop is faster without it.
+    /// True if rejected lanes count as converged. This setting is useful if a round makes corrections until all lanes
+    /// have converged. If a round makes one correction, the loop is faster without it.
     const LEAVES_REJECTED: bool = false;
     /// Numbers that the guards compare between two waypoints.
     type Guard: Copy;

@@ -388,7 +388,7 @@ impl Followable for ElasticWheel {
     }
 }
 
-/// Makes an equilibrium from a state in balance.
+/// Converts a balanced state and its task to an equilibrium.
 fn equilibrium(state: &State<f64>, task: &Task<f64>) -> Equilibrium {
     Equilibrium {
         solution: Solution {

@@ -115,7 +115,8 @@ impl<T: Valued> Task<T> {
     }
 }
 
-/// External forces that hold a pose which is no equilibrium. The solver reduces them step by step.
+/// External forces that hold the design position at the start if it is no equilibrium. The solver reduces them step by
+/// step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Held<T> {
     pub(super) carrier: [T; 6],

@@ -13,7 +13,7 @@ const FLAT: f64 = 1e-8;
 const STILL: f64 = 1e-14;
 /// Size of steps without improvement that count as rounding.
 const ROUNDING: f64 = 1e-7;
-/// Smallest part of a step that is tried.
+/// Smallest fraction of a step that the solver tries.
 const SHORTEST: f64 = 1e-3;
 
 /// Assignment of aims to threads and shims.

@@ -78,7 +78,7 @@ impl Followable for ElasticAxle {
     }
 }
 
-/// Makes an equilibrium of a state that is in balance.
+/// Converts a balanced state and its task to an equilibrium.
 fn equilibrium(state: &AxleState<f64>, task: &AxleTask<f64>) -> AxleEquilibrium {
     AxleEquilibrium {
         state: *state,

@@ -76,7 +76,8 @@ pub(in super::super) struct AxleStep<T> {
     pub(in super::super) shared: [T; SHARED],
 }
 
-/// External forces that hold a pose which is no equilibrium.
+/// External forces that hold the design position at the start if it is no equilibrium. The solver reduces them step by
+/// step.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct AxleHeld<T> {
     pub(in super::super) wheels: [Held<T>; 2],

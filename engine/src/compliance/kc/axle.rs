@@ -89,7 +89,7 @@ impl<T: Scalar> Here<T> {
         self.tangents.each_ref().map(Option::is_some)
     }
 
-    /// Axle and its tangent with one quantity held; `None` without a tangent.
+    /// Axle and its tangent, with the wheel heights or the wheel loads held; `None` if the tangent is singular.
     pub(crate) fn moving(
         &mut self,
         held: HeldQuantity,

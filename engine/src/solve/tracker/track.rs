@@ -84,7 +84,8 @@ pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
         let mut accepted = tracked.legs[side];
         let predicted = equations.predict(place, history);
         let here = &mut history[N * number..N * (number + 1)];
-        // Later waypoints are predicted from this one, so it must not contain NaN even if no lane was accepted.
+        // The prediction of later waypoints uses these unknowns, so they must not contain NaN even if no lane was
+        // accepted.
         if !B::any(accepted.lanes()) {
             here.copy_from_slice(&predicted);
             continue;

@@ -46,8 +46,8 @@ pub(crate) struct Alignment {
 }
 
 impl Alignment {
-    /// Keeps toe and camber at nominal with the adjustments of the set-up that act on the wheel of this side, or on a
-    /// single wheel. A single adjustment keeps only toe. Other targets of the set-up are ignored.
+    /// Makes an alignment that keeps toe and camber at nominal with the adjustments of the set-up that act on the wheel
+    /// of this side, or on a single wheel. A single adjustment keeps only toe. Other targets of the set-up are ignored.
     pub(crate) fn of(
         adjust: &[Adjustment],
         side: Option<Side>,
@@ -173,8 +173,8 @@ impl Alignment {
         wanted
     }
 
-    /// Corrects the adjustments, and the pose with them. `apply` receives every correction and returns the correction
-    /// to apply.
+    /// Corrects the adjustments, and the pose by their effect. `apply` receives every correction and returns the
+    /// correction to apply.
     #[inline(always)]
     pub(super) fn correct<T: Real>(
         &self,

@@ -7,11 +7,11 @@
 //! q <- q - A F(q, parts)
 //! ```
 //!
-//! reduces the error in proportion to the deviation of the parts, to about a thousandth each time (module `settle`).
-//! The same code serves plain numbers, SIMD lanes and derivative numbers. For derivative numbers, it corrects the
-//! derivatives order by order. If a correction does not halve the error, the assembler changes the nominal parts to
-//! the built ones step by step, with the Jacobian of each step. The determinant keeps its sign. So a build is always
-//! the assembly connected to the nominal one.
+//! reduces the error in proportion to the deviation of the parts, to about a thousandth per correction (module
+//! `settle`). The same code serves plain numbers, SIMD lanes and derivative numbers. For derivative numbers, it
+//! corrects the derivatives order by order. If a correction does not halve the error, the assembler changes the nominal
+//! parts to the built ones step by step, with the Jacobian of each step. The determinant keeps its sign. So a build is
+//! always the assembly that a continuous change of the parts connects to the nominal assembly.
 //!
 //! Other carriers then follow:
 //!
@@ -361,8 +361,8 @@ impl Assembler {
         )
     }
 
-    /// Equation that holds the wheel centre at a height above its nominal height, wherever the wheel centre is in the
-    /// carrier. Both wheel centres of a solid axle have this height.
+    /// Equation that holds the wheel centre at a height above its nominal height. The position of the wheel centre in
+    /// the carrier is that of the parts. Both wheel centres of a solid axle have this height.
     #[inline(always)]
     fn driver<T: Real>(&self, parts: &Parts<T>, height: T) -> Driver<T> {
         if self.suspension.mechanism.rigid_axle.is_some() {

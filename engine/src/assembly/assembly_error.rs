@@ -22,7 +22,7 @@ pub enum AssemblyError {
     /// The named member would have a length of zero or less.
     #[error("{0} would have no length")]
     NoLength(String),
-    /// There is no height near the nominal one at which the spring has its length.
+    /// The spring does not have its length at any height near the nominal height.
     #[error("at all heights near the design height the spring has another length")]
     Spring,
     /// Toe and camber cannot be set to their nominal values.

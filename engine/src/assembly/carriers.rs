@@ -2,8 +2,8 @@
 //!
 //! A rocker of an independent wheel does not hold the knuckle, so its angle is computed after the knuckle's pose. A
 //! rocker of a solid axle (Watt linkage, steered knuckles) holds the axle. The closure equations of such an axle use
-//! positions in which every rod has its own length. These are the points of the parts with the axle in its nominal
-//! pose ([`Assembler::turned`]). From them, the equations of designs turn the rockers in any pose of the axle.
+//! positions in which every rod has its own length. These positions are the points of the parts with the axle in its
+//! nominal pose ([`Assembler::turned`]). From them, the equations of designs turn the rockers in any pose of the axle.
 //!
 //! The far half of a twist beam is such a rocker. Its axis is the hinge at the shear centre, which both halves share.
 //! In a build the mounts are points of the body. A point of the near arm ([`TwistBeam::eye`]) coincides with its

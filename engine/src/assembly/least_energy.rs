@@ -1,4 +1,4 @@
-//! Assembly of a solid axle with one link more than rigid links allow.
+//! Assembly of a solid axle with five links, one more than rigid links allow.
 //!
 //! Five lengths and the heights of both wheel centres are seven conditions on the six unknowns of the axle's pose q.
 //! Parts with deviations therefore meet only if their links stretch. Link i has the distance l_i between its ends,
@@ -9,9 +9,9 @@
 //! sum t_i dl_i/dq + sum f_k dz_k/dq = 0                                                        (2)
 //! ```
 //!
-//! This is the pose with the least energy of the links, sum c_i t_i^2/2, while a jig holds both heights. The link
-//! without constraint is number 5. J has the gradients of the first four distances and of both heights as its rows.
-//! Equation (2) then leaves one free number t_5, and
+//! The solution is the pose with the least energy of the links, sum c_i t_i^2/2, while a jig holds both heights. The
+//! link without constraint is number 5. J has the gradients of the first four distances and of both heights as its
+//! rows. Equation (2) then leaves one free number t_5, and
 //!
 //! ```text
 //! t_i = s_i t_5,   J's = -dl_5/dq,   s_5 = 1                                                   (3)
@@ -121,8 +121,8 @@ fn moved<T: Real>(pose: &Pose<T>, correction: Vector6<T>) -> Pose<T> {
 }
 
 impl Assembler {
-    /// Prepares to assemble the axle of a study, as seen from the wheel of a side. The links share the misfit of the
-    /// parts according to their stiffness.
+    /// Makes the assembler of an axle, in the mechanism of the wheel on `side`. On an axle on five links, the links
+    /// share the misfit of the parts according to their stiffness.
     pub fn of_axle(axle: &Axle, side: Side) -> Result<Self, DesignFault> {
         let suspension = axle.suspension(side);
         let mut assembler = Assembler::new(suspension)?;

@@ -13,8 +13,8 @@ use crate::number::{Dual, Each, Jet, Matrix3, Real, Vector3};
 pub enum Rest {
     /// The workshop sets the height. The value is the difference from the nominal height, positive upwards.
     Height(f64),
-    /// The spring's length sets the height. The value is the difference from the nominal length, seat to seat. It is 0
-    /// if only parts between spring and arm change, such as a pushrod.
+    /// The spring's length sets the height. The value is the difference from the nominal length, seat to seat. The
+    /// value is 0 if only parts between spring and arm change, such as a pushrod.
     Spring(f64),
 }
 
@@ -78,7 +78,7 @@ impl Assembler {
         Ok(())
     }
 
-    /// Applies Newton's method to the height. It shortens steps that the mechanism cannot follow.
+    /// Applies Newton's method to the height. The function shortens steps that the mechanism cannot follow.
     fn settle_on_spring(&self, built: &mut Built, wanted: f64) -> Result<(), AssemblyError> {
         self.rebuild(built, 0.0)?;
         let size = self.suspension().size();
@@ -203,7 +203,8 @@ impl Assembler {
     }
 
     /// Rotation of a solid axle from the nominal design, and displacement of the midpoint between both wheel centres.
-    /// Both have their derivatives along a direction of the parts, at constant height. `None` for another suspension.
+    /// Rotation and displacement have their derivatives along a direction of the parts, at constant height. `None` for
+    /// another suspension.
     pub(super) fn axle_by(
         &self,
         built: &Built,

@@ -6,17 +6,17 @@
 //! q <- q - A F(q, parts)                                                                       (1)
 //! ```
 //!
-//! converges faster, the closer the parts are to those of that position. If toe and camber are set again, adjustments a of
-//! the parts are further unknowns ([`Alignment`]). Then (2) follows (1), with M and T of the nominal design:
+//! converges faster if the parts are closer to the parts in that position. If toe and camber are set again, adjustments
+//! a of the parts are further unknowns ([`Alignment`]). Then (2) follows (1), with M and T of the nominal design:
 //!
 //! ```text
 //! da = -M (w(q, parts) - wanted),   parts <- parts + da,   q <- q + T da                       (2)
 //! ```
 //!
-//! T is the derivative of the pose with respect to an adjustment. So this is Newton's method in all unknowns, with
-//! one inverse. The method continues as long as each correction is at most half of the previous one. With
-//! adjustments, it also continues if a correction is at most a quarter of the one before the previous one. A settled
-//! lane no longer changes, so it depends on its own build alone.
+//! T is the derivative of the pose with respect to an adjustment. So (1) and (2) together are Newton's method in all
+//! unknowns, with one inverse. The method continues as long as each correction is at most half of the previous one.
+//! With adjustments, it also continues if a correction is at most a quarter of the one before the previous one. A
+//! settled lane no longer changes, so it depends on its own build alone.
 
 use super::alignment::{Alignment, ROUNDING};
 use super::assembler::{Assembler, Linearised};

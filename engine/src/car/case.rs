@@ -118,7 +118,7 @@ pub enum NoEquilibrium {
     NoContactSet {
         /// Wheel for which neither contact nor lift satisfies the equations.
         wheel: WheelPlace,
-        /// True if an axle distributes its force equally. This may be the cause.
+        /// True if an axle distributes its force equally between its wheels. Equal shares may be the reason.
         equal_shares: bool,
     },
     /// All wheels have lifted.

@@ -155,7 +155,8 @@ impl<T: Copy> Corner<T> {
 }
 
 impl<T: Real> Corner<T> {
-    /// Reads `wheel`, in the frame of its own side, at the steps. `lift` converts the wheel's numbers to this number type.
+    /// Evaluates `wheel`, in the frame of its own side, at the steps from its travels. `lift` converts the wheel's
+    /// numbers to this number type.
     #[inline(always)]
     pub(super) fn read<U: Real, W: WheelParts<U>>(
         wheel: &W,
@@ -328,8 +329,8 @@ impl<T: Real> Displacement<T> {
 }
 
 /// A vector of a wheel and its derivatives with respect to both coordinates. At the travels of the expansion, value and
-/// derivatives are coefficients. This branch reads them directly, because the compiler would not inline the closure for
-/// SIMD lanes.
+/// derivatives are coefficients. This branch reads the coefficients directly, because the compiler would not inline the
+/// closure for SIMD lanes.
 #[inline(always)]
 fn vector<T: Real, U: Real, W: WheelParts<U>>(
     at: &Displacement<T>,

@@ -122,7 +122,7 @@ struct Assembled<T> {
 }
 
 impl<T: Scalar> Assembled<T> {
-    /// Assembles a state. The corners belong to the travels among the unknowns.
+    /// Assembles a state. The corners are the wheels at the travels in the unknowns.
     fn of(
         held: &Held<'_>,
         parameters: &Parameters<T>,
@@ -164,7 +164,7 @@ pub(super) fn residuals<T: Scalar>(
 }
 
 impl<T: Scalar> Balance<T> {
-    /// Computes forces and residuals of a state. The corners belong to the travels among the unknowns.
+    /// Computes forces and residuals of a state. The corners are the wheels at the travels in the unknowns.
     pub(super) fn of(
         held: &Held<'_>,
         parameters: &Parameters<T>,

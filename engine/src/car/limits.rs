@@ -7,10 +7,11 @@
 //! s' = s + min over the wheels with N_s < 0 of N/(-N_s)                                                       (1)
 //! ```
 //!
-//! N_s comes from the state's exact derivatives with respect to ax and ay. A bracket keeps the iteration safe. At its lower
-//! end all wheels are on the ground; its upper end is beyond the first lift. No equation gives the end of equilibrium, so
-//! bisection finds it. Within a bracket, the solver starts each state from the previous state. The full search takes far
-//! longer where no equilibrium exists, so it only confirms the end.
+//! N_s, the derivative of N with respect to s, comes from the state's exact derivatives with respect to ax and ay. A
+//! bracket keeps the iteration safe. At its lower end all wheels are on the ground; its upper end is beyond the first
+//! lift. No equation gives the end of equilibrium, so bisection finds it. Within a bracket, the solver starts each
+//! state from the previous state. The full search takes far longer where no equilibrium exists, so it only confirms the
+//! end.
 
 use super::catalogue::{CarQuantity, WheelPlace, WheelResult};
 use super::parameters::{BodyParameter, Parameter};
@@ -22,7 +23,7 @@ use crate::number::Each;
 const MOST: f64 = 5.0;
 /// Step along the ray, g.
 const STEP: f64 = 0.1;
-/// Accelerations closer than this, g, count as equal.
+/// Difference of two accelerations, g, below which they count as equal.
 const SAME: f64 = 1e-9;
 /// Loads below this fraction of the largest load count as zero.
 const NO_LOAD: f64 = 1e-9;

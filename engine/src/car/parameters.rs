@@ -64,7 +64,7 @@ pub enum BodyParameter {
     /// Speed, m/s.
     Speed,
     /// Height of the ground under the front left and the rear right wheel. Under the other two wheels it is minus this
-    /// height. It is 0 in every case.
+    /// height. The warp is 0 in every load case.
     Warp,
 }
 

@@ -28,7 +28,7 @@ pub struct CarTarget {
     pub quantity: CarQuantity,
     /// Index of the case.
     pub case: usize,
-    /// Lowest and highest target value, in the printed unit. Both are equal for a single value.
+    /// Lowest and highest target value, in the printed unit. The two values are equal if the target is a single value.
     pub wanted: [f64; 2],
     /// Tolerance: a deviation of this size counts as 1.
     pub tolerance: f64,
@@ -270,7 +270,7 @@ impl Objective<'_> {
     }
 }
 
-/// Result that the use refers to.
+/// Quantity of a target or a constraint. It determines the unit of the gradient.
 fn gradient_unit(used: &Use, goals: &CarGoals<'_>) -> CarQuantity {
     match *used {
         Use::Target(row) => goals.targets[row].quantity,

@@ -89,7 +89,7 @@ impl<T: Scalar> ElasticWheel<T> {
         found.value().is_finite().then_some(found)
     }
 
-    /// Length of the spring, and its derivative as an input changes.
+    /// Length of the spring, and its derivative with respect to an input.
     fn spring_length_by(&self, tangent: &Tangent<T>, change: &Change<T>) -> Option<[T; 2]> {
         let rate = self.rate(tangent, change)?;
         let dual = self.built.system_over(Dual::<T, 1>::constant);

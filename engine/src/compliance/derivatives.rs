@@ -59,7 +59,7 @@ impl<T: Scalar> ElasticWheel<T> {
         })
     }
 
-    /// Rate of all unknowns as an input changes.
+    /// Derivatives of all unknowns with respect to the input that `change` names.
     pub(super) fn rate(&self, tangent: &Tangent<T>, change: &Change<T>) -> Option<Step<T>> {
         let Tangent {
             state,
@@ -76,8 +76,8 @@ impl<T: Scalar> ElasticWheel<T> {
             }
             Change::Travel => right[equations.size - 1] = system.like().one(),
             Change::Rack => {
-                // These equations carry the derivative with respect to the rack. In balance, eliminated unknowns contribute
-                // only through the derivative of their residual.
+                // The rack derivative enters through these equations. In equilibrium, an eliminated unknown adds only
+                // the derivative of its residual.
                 let dual = self.built.system_over(Dual::<T, 1>::constant);
                 let mut moving = task.map(Dual::constant);
                 moving.rack.partials[0] = system.like().one();
@@ -92,7 +92,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(equations.step(&factors.solve(&right), true))
     }
 
-    /// Derivatives of angles, positions and vertical force as an input changes.
+    /// Derivatives of angles, positions and vertical force with respect to an input.
     pub fn figures_along(
         &self,
         tangent: &Tangent<T>,
@@ -103,7 +103,8 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(geometry.figures(&moving, self.constants).map(|c| c[1]))
     }
 
-    /// State and its rate as an input changes, without the unknowns that readings of the wheel do not need.
+    /// State with its derivatives with respect to an input. It omits the unknowns that do not affect angles and
+    /// positions of the wheel.
     pub(super) fn moving_by(
         &self,
         tangent: &Tangent<T>,
@@ -136,7 +137,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some([Vector3::new(x, y, z) + turn.cross(lever), turn])
     }
 
-    /// State with a given rate, without the unknowns that readings of the wheel do not need.
+    /// State with the derivatives `rate`. It omits the unknowns that do not affect angles and positions of the wheel.
     pub(super) fn moving(&self, state: &State<T>, rate: &Step<T>) -> State<Jet<T, 2>> {
         let mut moving = state.map(Jet::constant);
         let [x, y, z, a, b, c] = rate.carrier.each(|c| Jet([c.zero(), c]));

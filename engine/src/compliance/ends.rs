@@ -45,7 +45,7 @@ const RESOLUTION: f64 = 1e-10;
 const MOST_TRIES: usize = 4000;
 /// A force below minus this value (N) counts as negative. Smaller negative forces are rounding errors.
 pub(super) const NEGATIVE: f64 = 1e-6;
-/// Factor in (1).
+/// Factor 100 in (1), above which a part gives way.
 const SOFTENING: f64 = 100.0;
 
 /// Cause of an end of equilibrium.
@@ -82,7 +82,7 @@ pub enum DrivingForce {
     Rack,
 }
 
-/// Event before an end.
+/// Event between the design position and an end of equilibrium, for example contact with a bump stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// The vertical force at a contact point turns negative, although the wheel has a spring.
@@ -96,7 +96,7 @@ pub enum Event {
 }
 
 impl Event {
-    /// All events.
+    /// All events that the search looks for.
     pub(super) const ALL: [Event; 4] = [
         Event::WheelLifts,
         Event::StopMet,
@@ -112,7 +112,7 @@ pub struct EquilibriumEnd {
     pub value: f64,
     /// Cause of the end.
     pub cause: EndCause,
-    /// First value of each event before the end. The list omits events that already hold at 0.
+    /// Events before the end, each with the first value at which it holds. The list omits events that hold at 0.
     pub events: Vec<(Event, f64)>,
 }
 
@@ -241,7 +241,7 @@ pub(super) trait Followable {
         state: &Self::State,
         task: &Self::Task,
     ) -> Option<(f64, (String, Motion))>;
-    /// Name of an eliminated part, and its motion without stiffness.
+    /// Name of an eliminated part, and the motion of this part that has no stiffness.
     fn limb(&self, side: Option<usize>, limb: usize) -> (String, Motion);
 
     /// Ends of the equilibria in both directions from `start`, the state at value 0.
@@ -388,7 +388,7 @@ impl Followable for ElasticWheel {
     }
 }
 
-/// Makes an equilibrium from a state in balance.
+/// Converts a balanced state and its task to an equilibrium.
 fn equilibrium(state: &State<f64>, task: &Task<f64>) -> Equilibrium {
     Equilibrium {
         solution: Solution {
@@ -414,7 +414,8 @@ impl ElasticWheel {
         Ok(self.ends(&at.solution.state, ways, |rack| level_task(0.0, rack)))
     }
 
-    /// Smallest and largest multiple of the loads `unit`, in addition to the loads of a station.
+    /// Smallest and largest multiple of the loads `unit` with an equilibrium. These loads act in addition to the loads
+    /// of a station.
     pub(super) fn load_ends(
         &self,
         station: &Equilibrium,

@@ -53,7 +53,7 @@ pub enum Motion {
 /// Reason why a state has no equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoEquilibrium {
-    /// Fraction of the change that the solver reached, 0 to 1.
+    /// Fraction of the change from the last equilibrium that the solver reached, 0 to 1.
     pub share: f64,
     /// True if the solver reached no fraction because the equilibrium that it found is not stable.
     pub is_unstable: bool,

@@ -123,7 +123,7 @@ impl<T: Valued> Surroundings<T> {
 /// Signs of the shared unknowns in the axes of the other wheel.
 pub(super) const MIRROR: [f64; SHARED] = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0];
 
-/// Conditions for a wheel's parts, relative to the body and to the subframe.
+/// Displacements and options for the evaluation of a wheel's parts, relative to the body and to the subframe.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frames<T> {
     pub(super) body: Conditions<T>,

@@ -85,9 +85,9 @@ impl AxleParameter {
 }
 
 impl Compliance {
-    /// Sets the number of a parameter, such as the rate of a bushing, a link or a linear spring, or the tension of a link.
-    /// For a force curve of a bushing, the rate is the factor on its forces. A parameter that these parts do not have has
-    /// no effect. The right half of a solid axle lacks the parts that the axle has only once.
+    /// Sets the number of a parameter, such as the rate of a bushing, a link or a linear spring, or the tension of a
+    /// link. For a force curve of a bushing, the rate is the factor on its forces. A parameter that these parts lack
+    /// has no effect. The right half of a solid axle lacks the parts that the axle has only once.
     pub fn set_rate(&mut self, parameter: Parameter, value: f64) {
         if let Some(number) = law_of(self, parameter) {
             *number = value;
@@ -166,8 +166,8 @@ pub(super) fn law_of<T>(parts: &mut Compliance<T>, parameter: Parameter) -> Opti
 }
 
 impl<'t> OnTape<'t> {
-    /// Makes the suspension with these inputs. They are the first numbers on the tape, in this order. Inputs that the
-    /// suspension does not have have no effect.
+    /// Makes the suspension with these inputs. The inputs are the first numbers on the tape, in this order. Inputs that
+    /// the suspension lacks have no effect.
     pub fn new(
         suspension: &Suspension,
         design: &[Vector3<f64>],

@@ -5,9 +5,9 @@
 //! any number of lanes. Lanes round a sum with a product only once, so they differ from the solver for one wheel by
 //! rounding errors.
 //!
-//! Lanes first try the whole change in one step. If a travel fails, they try it in two, four and eight equal steps. A lane
-//! that needs smaller steps, or whose equilibrium is not stable, has no result. Then the solver for one wheel starts again
-//! from the beginning.
+//! Lanes first try the whole change in one step. If this step fails for a travel, they try two, four and eight equal
+//! steps. A lane that needs smaller steps, or whose equilibrium is not stable, has no result. Then the solver for one
+//! wheel starts again from the beginning.
 
 #![expect(
     clippy::needless_range_loop,
@@ -24,8 +24,8 @@ use crate::number::{MOST_LANES, SimdReal, Vector3, outlined};
 use crate::threads::checkpoint;
 use std::cell::{Cell, RefCell};
 
-/// Numbers of equal steps of a travel, if one step fails. They are powers of two, so that the last step ends exactly at the
-/// travel.
+/// Numbers of equal steps to a travel, tried in turn if a single step fails. These numbers are powers of two, so that
+/// the last step ends exactly at the travel.
 const PARTS: [usize; 3] = [2, 4, 8];
 
 /// Working memory that collects the numbers of several wheels.
@@ -67,7 +67,7 @@ impl LaneMemory {
     }
 }
 
-/// Elastic wheels side by side. They have the same parts, with different numbers.
+/// Elastic wheels side by side. All wheels have the same parts, with different numbers.
 pub(crate) struct WheelsInLanes<B> {
     system: System<B>,
     start: State<B>,
@@ -163,7 +163,8 @@ impl<B: SimdReal> WheelsInLanes<B> {
         found
     }
 
-    /// Equilibria at the end of a change in equal steps. `task` gives the task at a fraction of the change.
+    /// Equilibria after a change that the solver makes in equal steps. `task` gives the task at a fraction of the
+    /// change.
     #[inline(always)]
     fn in_parts(
         &self,

@@ -4,8 +4,8 @@
 //! f = shape(d + d0) - shape(d0) + f0 + offset                                                     (1)
 //! ```
 //!
-//! f0 and d0, with shape(d0) = f0, are force and deflection at the design load. Both are 0 unless the design position is
-//! the equilibrium at the design load. The offset is a constant preload, as in Adams. The shape is
+//! f0 and d0, with shape(d0) = f0, are force and deflection at the design load. f0 and d0 are 0 unless the design
+//! position is the equilibrium at the design load. The offset is a constant preload, as in Adams. The shape is
 //!
 //! ```text
 //! k d + c d^3,   or a curve through points                                                        (2)
@@ -27,7 +27,7 @@ pub enum Shape<T = f64> {
         /// Cubic coefficient c: force per cubed deflection.
         cubic: T,
     },
-    /// Curve through points, the right form of equation (2). It is straight beyond its ends.
+    /// Curve through points, the right form of equation (2). Beyond the first and last point, the curve is straight.
     Curve {
         /// Points of the curve.
         curve: ForceCurve,

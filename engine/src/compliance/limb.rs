@@ -93,7 +93,7 @@ impl<T: Valued> Sum<T> {
     }
 }
 
-/// Conditions for the evaluation of parts, relative to the body that holds them.
+/// Displacements and options for the evaluation of parts, relative to the body that holds these parts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Conditions<T> {
     pub(super) carrier: Placed<T>,

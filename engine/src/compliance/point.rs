@@ -436,8 +436,8 @@ impl<T: Valued> Seat<T> {
         (length, force, rate)
     }
 
-    /// Adds the tension of the rod at the design load to its constant tension. It is computed from a small shift of the
-    /// rod's outer end and a small rotation of the rocker.
+    /// Adds the tension of the rod at the design load to its constant tension. The tension at the design load follows
+    /// from a small shift of the rod's outer end and a small rotation of the rocker.
     pub(super) fn preload_rod(&mut self, moved: Vector3<T>, slide: T) {
         let point = self.point;
         let Some(rocker) = &mut self.rocker else {

@@ -187,5 +187,5 @@ impl<T: Scalar> WheelGeometry<T> {
     }
 }
 
-/// Unknown vector.
+/// Vector of NaN for inputs that are unknown.
 const NOTHING: Vector3<f64> = Vector3::new(f64::NAN, f64::NAN, f64::NAN);

@@ -66,7 +66,7 @@ pub(super) struct Solution<T> {
     pub(super) steps: usize,
 }
 
-/// Result of a solution that did not reach its equilibrium.
+/// Result of a solver run that did not reach its equilibrium.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stuck {
     /// Fraction of the change that the solver reached.
@@ -202,7 +202,7 @@ impl System<f64> {
     }
 }
 
-/// Result of a load change that stopped before its end.
+/// Result of a load increase that stopped before the full load.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Unraised<S> {
     pub(super) share: f64,
@@ -328,8 +328,8 @@ pub(super) fn between(from: &Task<f64>, to: &Task<f64>, share: f64) -> Task<f64>
     }
 }
 
-/// Returns true if the symmetric part of the carrier's tangent is positive definite on the motions that keep all rows at
-/// zero. Its pivots must exceed this fraction of the largest pivot.
+/// Returns true if the symmetric part of the carrier's tangent is positive definite on the motions that keep all rows
+/// at zero. Its pivots must exceed the fraction `least_share` of the largest pivot.
 pub(super) fn is_definite<T: Scalar>(
     equations: &Equations<T>,
     bounds: Bounds,
@@ -385,8 +385,8 @@ pub(super) fn is_definite_on(
     is_positive_on(projected, free, least_share)
 }
 
-/// Returns true if the first `free` rows and columns of a matrix are positive definite. The pivots must exceed this
-/// fraction of the largest pivot. Copies of the largest diagonal entry fill the rest of the matrix.
+/// Returns true if the first `free` rows and columns of a matrix are positive definite. The pivots must exceed the
+/// fraction `least_share` of the largest pivot. Copies of the largest diagonal entry fill the rest of the matrix.
 pub(super) fn is_positive_on<const N: usize>(
     mut matrix: [[f64; N]; N],
     free: usize,

@@ -85,7 +85,7 @@ pub(super) enum Hold<T> {
     Load,
 }
 
-/// Inputs of an equilibrium.
+/// Inputs of an equilibrium: rack displacement, loads, and the height or load that stays fixed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Task<T> {
     pub(super) rack: T,
@@ -115,7 +115,8 @@ impl<T: Valued> Task<T> {
     }
 }
 
-/// External forces that hold a pose which is no equilibrium. The solver reduces them step by step.
+/// External forces that hold the design position at the start if it is no equilibrium. The solver reduces them step by
+/// step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Held<T> {
     pub(super) carrier: [T; 6],

@@ -97,12 +97,12 @@ pub struct ElasticWheel<T = f64> {
     pub(super) constants: Constants,
     pub(super) bounds: Bounds,
     pub(super) relaxed: Relaxed,
-    /// True if a bushing or a link has a constant force. It may move the wheel away from the design position.
+    /// True if a bushing or a link has a constant force. This force may move the wheel away from the design position.
     pub(super) has_offset: bool,
     pub(super) start: State<T>,
 }
 
-/// Task with a held height, and without loads except the vertical force that holds it.
+/// Task with a held height. The only load is the vertical force that holds this height.
 #[inline(always)]
 pub(super) fn level_task<T: Valued>(travel: T, rack: T) -> Task<T> {
     Task {
@@ -217,8 +217,8 @@ impl<T: Scalar> ElasticWheel<T> {
         level_task(nothing, nothing)
     }
 
-    /// Vertical force at the contact point that balances bushings and spring in the design position; `None` if they are not
-    /// in balance there. Constant forces of bushings and links are not included.
+    /// Vertical force at the contact point that balances bushings and spring in the design position; `None` if the
+    /// design position is no equilibrium. Constant forces of bushings and links are not included.
     pub fn design_load(&self) -> Option<T> {
         (self.relaxed == Relaxed::AtDesignLoad).then_some(self.start.vertical)
     }

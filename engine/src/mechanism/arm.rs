@@ -108,7 +108,7 @@ pub(super) mod tests {
     use super::*;
     use crate::number::{Dual, Jet};
 
-    /// One backward pass gives the same gradient as dual numbers, even if the outer joint has left its circle. It
+    /// One backward pass gives the same gradient as dual numbers, even if the outer joint has left its circle. The pass
     /// also gives the same rate of the gradient along a motion.
     #[test]
     fn the_gradient_is_that_of_dual_numbers() {

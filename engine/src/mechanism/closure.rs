@@ -13,8 +13,8 @@ use crate::number::{Each, Matrix3, Outlined, Real, Vector3};
 /// Sixth equation: the drive with its present value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Driver<T> {
-    /// Height of the wheel centre above its design position. For a rigid axle, either the mean travel or the
-    /// difference of travels drives; this one does, and the other is held.
+    /// Height of the wheel centre above its design position. For a rigid axle, this value is either the mean travel or
+    /// the difference of travels. The other of the two is held.
     Travel(T),
     /// Angle of the first arm, from its design position.
     ArmAngle {
@@ -46,7 +46,7 @@ impl RowSet {
     }
 }
 
-/// Records whether any derivative with respect to these hardpoints is added.
+/// Sink that records only whether it received a derivative with respect to one of these hardpoints.
 struct Touches<'a> {
     points: &'a [PointId],
     found: bool,
@@ -67,10 +67,11 @@ pub struct Closure<T> {
     driven: Option<TravelRow<T>>,
 }
 
-/// Dimensions from which rows are made. With a trait instead of an enum, code for designs contains no code for built
-/// parts. The trait's function is inlined, because a call would not be compiled for SIMD lanes.
+/// Source of the dimensions from which rows are made: a design or built parts. With a trait instead of an enum, code
+/// for designs contains no code for built parts. The trait's function is inlined, because a call would not be compiled
+/// for SIMD lanes.
 trait Dimensions<T>: Copy {
-    /// Any number of the dimensions. Constants get its number type and length.
+    /// One of the dimensions. Constants take its number type and length.
     fn like(self) -> T;
     /// Makes a row. `constraint` is the index of its constraint, and `number` is its index among the rows of that
     /// constraint.
@@ -124,7 +125,7 @@ impl<T: Real> Closure<T> {
         Closure::of_rows(mechanism, design)
     }
 
-    /// Makes the equations for parts with their own dimensions.
+    /// Makes the equations for built parts.
     #[inline(always)]
     pub(crate) fn of_parts(mechanism: &Mechanism, parts: PartDimensions<T>) -> Self {
         Closure::of_rows(mechanism, parts)
@@ -168,8 +169,8 @@ impl<T: Real> Closure<T> {
         &self.rows
     }
 
-    /// Residuals as lengths: five constraints, then the drive. This function is not inlined, since that would cost minutes
-    /// of compile time for derivative numbers.
+    /// Residuals as lengths: five constraints, then the drive. This function is not inlined, since inlining would cost
+    /// minutes of compile time for derivative numbers.
     #[inline(never)]
     pub fn residuals(&self, at: &Configuration<T>, driver: Driver<T>) -> Vector6<T> {
         self.residuals_inlined(at, driver)
@@ -246,8 +247,8 @@ impl<T: Real> Closure<T> {
         rates
     }
 
-    /// Adds `weights` times the differentials of the equations in `rows` to the sink. It is not inlined, for the same reason
-    /// as [`Closure::residuals`].
+    /// Adds `weights` times the differentials of the equations in `rows` to the sink. This function is not inlined, for
+    /// the same reason as [`Closure::residuals`].
     #[inline(never)]
     pub(crate) fn differential(
         &self,

@@ -100,7 +100,7 @@ pub enum LimitCause {
     StrutSquare,
     /// Some of the links have become dependent on each other. The wheel carrier has an additional degree of freedom.
     DependentLinks,
-    /// The links of a rigid axle are at a dead centre.
+    /// The links of a rigid axle are at a toggle.
     AxleFolds,
     /// The arms of a twist beam are vertical, or its halves block each other.
     BeamFolds,
@@ -112,8 +112,8 @@ pub enum LimitCause {
     ArmStandsStill,
     /// No part is singular. The rack stops while the wheel steers on, with its centre at constant height.
     RackStandsStill,
-    /// The path could not be followed: it meets another assembly, or comes closer to one than rounding can distinguish. The
-    /// limit is the last value that was reached.
+    /// The path could not be followed: it meets the path of another assembly, or comes so close that rounding cannot
+    /// distinguish them. The limit is the last value that was reached.
     Unresolved,
 }
 
@@ -166,7 +166,7 @@ impl fmt::Display for LimitCause {
 pub struct PartMeasure {
     /// The part, identified by the cause that its singular position would be.
     pub cause: LimitCause,
-    /// Sine of the angle between the part and its singular position.
+    /// Sine of the angle between the part and its singular position; 0 at that position.
     pub sine: f64,
 }
 

@@ -26,7 +26,7 @@ pub enum NoPose {
         difference: f64,
         /// Reason for the failure. Its limit is half a difference of travels in the frame of a wheel.
         failure: Failure,
-        /// Wheel whose frame this is.
+        /// Wheel in whose frame the limit is given.
         side: Side,
     },
     /// No difference of travels puts both wheels on the ground at this roll angle. Either a wheel falls where it should rise, or
@@ -47,7 +47,7 @@ pub enum NoPose {
          `hardpoint kc` names the part that limits them"
     )]
     NoEquilibrium {
-        /// Share of the distance from the design position that was reached.
+        /// Fraction, 0 to 1, of the change from the design position up to which equilibria exist.
         share: f64,
     },
     /// The elastic parts have an equilibrium, but it is unstable.

@@ -38,7 +38,7 @@ impl<T: Real> Pose<T> {
 /// A design in one pose.
 #[derive(Clone, Copy)]
 pub struct Configuration<'a, T> {
-    /// Structure.
+    /// Structure of the suspension.
     pub mechanism: &'a Mechanism,
     /// Design position of every point.
     pub design: &'a [Vector3<T>],
@@ -193,7 +193,7 @@ impl<'a, T: Real> Configuration<'a, T> {
         )
     }
 
-    /// Present position of a point that is not on a rocker. Inlined, unlike [`Configuration::point`].
+    /// Present position of a point that is not on a rocker. This function is inlined, unlike [`Configuration::point`].
     #[inline(always)]
     pub(crate) fn place(&self, id: PointId) -> Vector3<T> {
         match self.mechanism.body(id) {
@@ -226,7 +226,7 @@ impl<'a, T: Real> Configuration<'a, T> {
             Body::Rack => Vector3::new(p.x, p.y + self.rack, p.z),
             Body::SteeringGear(place) => self.designed(place),
             Body::Opposite(other) => {
-                // A function call, because this is rare.
+                // A function call instead of inlined code, because few points have the body `Opposite`.
                 let moved = self.point(other).y - self.designed(other).y;
                 Vector3::new(p.x, p.y - moved, p.z)
             }
@@ -347,14 +347,14 @@ impl<'a, T: Real> Configuration<'a, T> {
         }
     }
 
-    /// Present position of a point of an arm. A separate function, because it is rarely used and large.
+    /// Present position of a point of an arm. This is a separate function, because it is rarely used and large.
     #[inline(always)]
     fn on_arm(&self, arm: Arm, id: PointId) -> Vector3<T> {
         outlined!([T: Real] self.rack; inputs: arm::Inputs<T> = self.arm_inputs(arm, id) => Vector3<T> { arm_point(inputs) })
     }
 
-    /// Adds the derivative of `gradient . on_arm(arm, id)` to the sink. A separate function, because it is rarely used and
-    /// large.
+    /// Adds the derivative of `gradient . on_arm(arm, id)` to the sink. This is a separate function, because it is
+    /// rarely used and large.
     #[inline(always)]
     pub(crate) fn push_arm_point(
         &self,

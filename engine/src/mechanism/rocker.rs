@@ -1,11 +1,12 @@
 //! Angle to which a rod turns a rocker.
 //!
-//! A rocker turns about an axis fixed in its base, along the unit vector e. The base is the vehicle or a solid axle. On a solid
-//! axle, all vectors below are in the axle's frame in the design position, and (12) joins both frames.
+//! A rocker turns about an axis fixed in its base, along the unit vector e. The base is the vehicle or a solid axle. On
+//! a solid axle, all vectors below are in the axle's frame in the design position. Equation (12) converts them to the
+//! vehicle's frame.
 //!
-//! A rod of constant length turns the rocker; it is the vector l in the design position. c is the foot of the perpendicular
-//! from the rod's inner end to the axis. r is the lever from c to that end in the design position, and t = e x r. d is the
-//! displacement of the rod's outer end, and q is the vector from this end to c. The angle obeys
+//! A rod of constant length turns the rocker. The vector l is this rod in the design position. c is the foot of the
+//! perpendicular from the rod's inner end to the axis. r is the lever from c to that end in the design position, and
+//! t = e x r. d is the displacement of the rod's outer end, and q is the vector from this end to c. The angle obeys
 //!
 //! ```text
 //! |q + r cos + t sin| = |l| = |q + r + d|                                                       (1)
@@ -161,8 +162,8 @@ impl<T: Real> Turn<T> {
         (by_ends, back)
     }
 
-    /// Angle from the design position. It is positive if a rod of this kind has pushed the rocker or, for a pullrod, pulled
-    /// it.
+    /// Angle from the design position. The angle is positive if a rod of this kind has pushed the rocker or, for a
+    /// pullrod, pulled it.
     #[inline(always)]
     pub(crate) fn angle(&self, rod: Rod) -> T {
         (self.sine * self.sense(rod)).atan2(self.cosine)
@@ -389,7 +390,8 @@ impl<T: Real> Configuration<'_, T> {
         let turn = Turn::of(ends);
         let zero = self.rack.zero();
         let none = Vector3::new(zero, zero, zero);
-        // Angle and rotation need no point. A point of the axis with a zero gradient replaces it.
+        // A seed for the angle or the rotation has no point of its own. A point of the axis with a zero gradient takes
+        // its place in the formulas.
         let (designed, gradients, moment) = match seed {
             RockerSeed::Point { designed, gradient } => (designed, [gradient, none], zero),
             RockerSeed::Angle(gradient) => (ends[0], [none; 2], gradient * turn.sense(rocker.rod)),

@@ -6,10 +6,10 @@
 //! w^2 = r.r s - C^2,   C = (l.l - q.q - r.r)/2.                                                 (1)
 //! ```
 //!
-//! Along the chord c between two positions, s and q.q are linear functions minus at most c^2/4. If s and C were
-//! linear, w^2 would be concave, with its minimum at an end. An arc of at most 60 degrees differs from its chord by
-//! less than d = c/7. That changes the square root of s by at most d, and C by at most |q| d + d^2/2. So along the
-//! whole arc, with the largest s, |q| and |C| of the two ends,
+//! Along the chord c between two positions, s and q.q are linear functions minus at most c^2/4. If s and C were linear,
+//! w^2 would be concave, with its minimum at an end. An arc of at most 60 degrees differs from its chord by less than
+//! d = c/7. This distance changes the square root of s by at most d, and C by at most |q| d + d^2/2. So along the whole
+//! arc, with the largest s, |q| and |C| of the two ends,
 //!
 //! ```text
 //! w^2 >= least w^2 - r.r (c^2/4 + 2 d sqrt s) - k (2 |C| + k),   k = c^2/8 + |q| d + d^2/2.     (2)

@@ -1,7 +1,7 @@
 //! Thresholds that all solvers of the crate share: for zero, for rounding and for a good prediction.
 
-/// Threshold below which relative quantities count as zero. Below it, fewer than six digits of a double-precision result would be
-/// correct.
+/// Threshold below which relative quantities count as zero. For smaller quantities, fewer than six digits of a
+/// double-precision result would be correct.
 pub(crate) const DEGENERATE: f64 = 1e-10;
 
 /// Largest error of a second-order prediction, as a share of the step. On a smooth path the error is of third order;

@@ -45,7 +45,7 @@ pub enum HardpointFault {
         /// Name of the group.
         group: &'static str,
     },
-    /// A group is not complete.
+    /// A study gives only some of the hardpoints of a group.
     #[error("missing for {group}: {}", .missing.join(", "))]
     Incomplete {
         /// Name of the group.
@@ -278,7 +278,7 @@ fn plausible_size(suspension: &Suspension) -> Vec<GeometryFault> {
     }
 }
 
-/// Checks that the wheel is outboard of the points on the body, wherever the origin is.
+/// Checks that the wheel is outboard of the points on the body. The position of the origin has no effect.
 fn right_side(suspension: &Suspension) -> Vec<GeometryFault> {
     let (mechanism, design) = (&suspension.mechanism, &suspension.design);
     let points = mechanism.points.iter().zip(design);
@@ -288,7 +288,7 @@ fn right_side(suspension: &Suspension) -> Vec<GeometryFault> {
         .collect();
     let mean = inboard.iter().sum::<f64>() / inboard.len() as f64;
     let centre = mechanism.wheel_centre;
-    // A twist beam without springs has no point on the body, so there is no mean.
+    // A twist beam without springs has no point on the body, so their mean does not exist.
     if design[centre.0].y < mean {
         vec![GeometryFault::WrongSide {
             wheel_centre: name(suspension, centre),

@@ -12,7 +12,8 @@ use crate::number::Each;
 const UPPER_LINK: [&str; 2] = ["upper_link_chassis", "upper_link_axle"];
 
 impl Mechanism {
-    /// Replaces the single upper link of a solid axle by one on each side. The points of the far half are the last ones.
+    /// Replaces the single upper link of a solid axle by one upper link on each side. The points of the far half are
+    /// the last ones.
     pub fn pair_upper_links(&mut self) {
         let near = UPPER_LINK.each(|name| self.point(name));
         let (Some(rigid), [Some(chassis), Some(axle)]) = (&mut self.rigid_axle, near) else {
@@ -32,7 +33,7 @@ impl Mechanism {
         rigid.extra_links.push(far);
     }
 
-    /// Links of a solid axle beyond those that rigid links allow.
+    /// Links of a solid axle that have no constraint, because rigid links would bind.
     pub fn extra_links(&self) -> &[[PointId; 2]] {
         let rigid = self.rigid_axle.as_ref();
         rigid.map_or(&[], |rigid| &rigid.extra_links)

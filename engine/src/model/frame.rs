@@ -256,7 +256,7 @@ impl Frame {
         Frame { signs }
     }
 
-    /// Convention and side of this frame. They are unique, because no two frames have the same signs.
+    /// Convention and side of this frame. Convention and side are unique, because no two frames have the same signs.
     pub fn meaning(&self) -> (FrameConvention, Side) {
         let both = |convention| Side::ALL.each(|side| (convention, side));
         let mut all = FrameConvention::ALL.into_iter().flat_map(both);

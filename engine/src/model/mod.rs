@@ -1,7 +1,7 @@
 //! Suspension model: hardpoints, the bodies they belong to, and the constraints between the bodies.
 //!
-//! A topology is data: a list of named hardpoints, and a list of [`Constraint`]s that hold the knuckle. This module contains
-//! no solver. A new topology is one new file here and one line in [`Topology::ALL`].
+//! A topology is data: a list of named hardpoints, and a list of [`Constraint`]s that hold the knuckle. The module
+//! `model` contains no solver. A new topology is one new file here and one line in [`Topology::ALL`].
 
 mod double_wishbone;
 mod five_link;
@@ -175,8 +175,9 @@ pub enum SteeringAxis {
         /// The upper joint or mount.
         upper: PointId,
     },
-    /// Instantaneous screw axis of the knuckle's motion when the rack moves and the drive is fixed. With wheel travel as the
-    /// drive, the height of the wheel centre is constant. For linkages without an upper and a lower joint.
+    /// Instantaneous screw axis of the knuckle's motion when the rack moves and the drive is fixed. With wheel travel
+    /// as the drive, the height of the wheel centre is constant. This variant is for linkages without an upper and a
+    /// lower joint.
     Instantaneous,
 }
 
@@ -230,7 +231,7 @@ pub enum Drive {
 /// The structure of a suspension without its dimensions.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mechanism {
-    /// Topology from which it was made.
+    /// Topology from which the mechanism was made.
     pub topology: &'static Topology,
     /// All points. Hardpoints of the topology come first.
     pub points: Vec<Point>,
@@ -248,7 +249,7 @@ pub struct Mechanism {
     pub origin: PointId,
     /// Centre of the wheel, on the knuckle.
     pub wheel_centre: PointId,
-    /// The wheel's spin axis.
+    /// Spin axis of the wheel.
     pub spin_axis: SpinAxis,
     /// Wheel centres of a built carrier, if the study gives the spin axis as angles: [centre, added point of the
     /// axis]. A deviation of the centre moves the axis in parallel. Empty for other mechanisms.
@@ -282,7 +283,8 @@ impl Mechanism {
         self.has_rack() || self.axle_steering().is_some()
     }
 
-    /// Second point that moves with a given point of a part. The added point of the spin axis moves with its wheel centre.
+    /// Second point that a deviation of the point `leader` also moves. The added point of the spin axis moves with its
+    /// wheel centre.
     #[inline(always)]
     pub(crate) fn moves_with(&self, leader: PointId) -> Option<PointId> {
         let mut pairs = self.parallel_axes.iter();
@@ -292,7 +294,7 @@ impl Mechanism {
     }
 
     /// Name of a point. If the study gives camber and toe as angles, a built wheel has an additional point. Errors of
-    /// builds may refer to that point, so it also has a name.
+    /// builds may refer to this additional point, so the function names it too.
     pub fn name(&self, id: PointId) -> &str {
         self.points
             .get(id.0)
@@ -333,7 +335,7 @@ impl Mechanism {
         self.point("watt_pivot").is_some()
     }
 
-    /// Reason why parts of this mechanism cannot be elastic. `None` if they can.
+    /// Reason why parts of this mechanism cannot be elastic. `None` if they can be elastic.
     pub fn why_not_elastic(&self) -> Option<&'static str> {
         if self.topology.is_twist_beam() {
             Some("elastic parts are not available for twist beams yet")
@@ -415,8 +417,8 @@ impl Mechanism {
         arms.chain(constraints).chain(spin_axis)
     }
 
-    /// Returns true if two points keep their distance in every pose. These are points of one body, the two ends of a rod,
-    /// and the outer joint of an arm with the points of its axis.
+    /// Returns true if two points keep their distance in every pose. The condition holds for points of one body, the
+    /// two ends of a rod, and the outer joint of an arm with the points of its axis.
     pub fn are_rigidly_joined(&self, a: PointId, b: PointId) -> bool {
         let are = |p: PointId, q: PointId| (a, b) == (p, q) || (b, a) == (p, q);
         let on_ground = |id| matches!(self.body(id), Body::Chassis);

@@ -1,8 +1,8 @@
 //! Rigid axle: one body carries both wheels.
 //!
-//! The mechanism of a rigid axle is that of one wheel, the near wheel, and its knuckle is the axle itself. It has the
-//! points of both halves. Two travels drive the axle. With the heights z_n and z_f of the near and the far wheel
-//! centre above their design positions, they are
+//! The mechanism of a rigid axle is that of one wheel, the near wheel, and its knuckle is the axle itself. The
+//! mechanism has the points of both halves. Two travels drive the axle. With the heights z_n and z_f of the near and
+//! the far wheel centre above their design positions, they are
 //!
 //! ```text
 //! mean        (z_n + z_f)/2                                                        (1)

@@ -190,7 +190,7 @@ const WATT_ON_CHASSIS: [&str; 4] = [
     "watt_axis",
 ];
 
-/// Bodies that carry the rods if a study does not name others.
+/// Bodies that carry the outer ends of rods and springs if a study does not name other bodies.
 #[derive(Clone, Copy)]
 pub(super) struct Carriers {
     pub pushrod: Body,
@@ -232,7 +232,7 @@ impl Carriers {
     }
 }
 
-/// Rockers whose hardpoints are given. The spring's comes first.
+/// Rockers whose hardpoints are given. The rocker of the spring comes first.
 pub(super) fn rockers(find: impl Fn(&str) -> Option<PointId>) -> Vec<Rocker> {
     let rods = [
         (Rod::Pushrod, PUSHROD),

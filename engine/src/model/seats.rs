@@ -1,4 +1,4 @@
-//! Bodies that carry ends of springs and rods, if a study does not name them.
+//! Choice of the bodies that carry ends of springs and rods, if a study does not name these bodies.
 
 use super::{Body, Mechanism, PointId};
 use crate::number::Vector3;
@@ -32,8 +32,8 @@ impl Mechanism {
         seats
     }
 
-    /// Assigned body of a hardpoint, and the nearest body. `None` unless the nearest body is a different one and
-    /// clearly nearer.
+    /// Assigned body of a hardpoint, and the nearest body. `None` unless the nearest body is another body and clearly
+    /// nearer.
     pub fn doubtful_seat(&self, design: &[Vector3<f64>], id: PointId) -> Option<[Seat; 2]> {
         let seats = self.seats(design, id);
         let own = seats.iter().find(|seat| seat.body == self.body(id))?;
@@ -49,9 +49,9 @@ impl Mechanism {
         self.unsaid_seats = points.filter(may_choose).collect();
     }
 
-    /// Assigns the drop link of an anti-roll bar to the body that is clearly nearest to it. This applies if the study
-    /// does not name its body and a rocker is among the possible bodies. On the wrong body the bar would rotate ten
-    /// times too little or too much.
+    /// Assigns the drop link of an anti-roll bar to the body that is clearly nearest to it. The function does so only
+    /// if the study does not name this body and a rocker is among the possible bodies. With the drop link on the wrong
+    /// body, the bar would rotate ten times too little or too much.
     pub fn seat_drop_link(&mut self, design: &[Vector3<f64>]) {
         if let Some(id) = self.unsaid_drop_link()
             && let Some([_, nearest]) = self.doubtful_seat(design, id)
@@ -60,7 +60,8 @@ impl Mechanism {
         }
     }
 
-    /// Returns true if a drop link without a named body stays on its body when the points move to `design`.
+    /// Returns true if a drop link whose body the study does not name stays on its body when the points move to
+    /// `design`.
     pub fn keeps_drop_link(&self, design: &[Vector3<f64>]) -> bool {
         let Some(id) = self.unsaid_drop_link() else {
             return true;

@@ -17,7 +17,7 @@
 //!
 //! The design contains p' as a separate point, so s is not an input of the mechanism. In `mechanism/rocker.rs`, p' is
 //! the present position o' of the rod's outer end, and p its position o in the design. Let g be the gradient of a
-//! number y with respect to p', as the adjoint of the closure equations yields it for every point. Then
+//! number y with respect to p', as the adjoint of the closure equations gives it for every point. Then
 //!
 //! ```text
 //! dy/ds = g.d                                                                                  (2)
@@ -36,9 +36,9 @@
 //! difference of the equations  = difference of travels - (c_n.z - w_n.z - c_f.z + w_f.z)/2     (5)
 //! ```
 //!
-//! Both travels are 0 in the design pose, for every s. So the path to a station begins there: the knuckles turn
-//! first, then the axle moves. The travels of a station are always those of the wheel centres from their hardpoints.
-//! Derivatives with respect to hardpoints hold these travels.
+//! Both travels are 0 in the design pose, for every s. So the path to a station begins in the design pose: the knuckles
+//! turn first, then the axle moves. The travels of a station are always those of the wheel centres from their
+//! hardpoints. Derivatives with respect to hardpoints hold these travels.
 
 use super::topology::{Given, Group, NO_LINK, NO_TIE_ROD, optional};
 use super::{

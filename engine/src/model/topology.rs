@@ -106,7 +106,7 @@ pub struct Group {
     pub what: &'static str,
     /// Hardpoints that a topology with this group has in addition to its own.
     pub hardpoints: &'static [Hardpoint],
-    /// Alternative lists of names. A study gives every name of one list, or none of any.
+    /// Alternative lists of names. A study gives every name of one list, or no name of any list.
     pub complete: &'static [&'static [&'static str]],
     /// Further names that a study may give, but only together with a complete list.
     pub beside: &'static [&'static str],

@@ -8,11 +8,11 @@
 //! g . t = 0                                                                                   (2)
 //! ```
 //!
-//! While only the drive moves, C has its full rank 5 there. (Otherwise [C 0; g -1] would have a rank below 6, and the path would
-//! not be a single path.) So t is the free motion of the mechanism. By (2) the drive value does not change along t: the wheel
-//! centre is at its highest or lowest point. In general no single part causes this. If any one of the constraints is
-//! removed, t is still one of the free motions, and it is orthogonal to the removed constraint. So this does not single out one
-//! part.
+//! While only the drive moves, C has its full rank 5 at the fold. (Otherwise [C 0; g -1] would have a rank below 6, and
+//! the path would not be a single path.) So t is the free motion of the mechanism. By (2) the drive value does not
+//! change along t: the wheel centre is at its highest or lowest point. In general no single part causes this. If any
+//! one of the constraints is removed, t is still one of the free motions, and it is orthogonal to the removed
+//! constraint. So this property does not single out one part.
 //!
 //! A part is the cause if it is singular by itself. With the arm fixed, its outer joint b is fixed, and the carrier can only
 //! rotate about b, with angular velocity w. Its upper end u then moves with w x (u - b).
@@ -35,16 +35,16 @@
 //! closure with the arm's angle as its drive is U T times lengths that are constants of the design. So:
 //!
 //! - every fold of the arm's angle has U T = 0, and the cause is the part whose factor is zero.
-//! - if U T = 0, the arm does not move in the motion t, because C has rank 5. So a fold of the travel, or of the rack at fixed
-//!   travel, has this cause if and only if U T = 0 there, too. (An example is an upright steering axis, with which steering
-//!   does not lift the wheel.) Otherwise no part is the cause.
+//! - if U T = 0, the arm does not move in the motion t, because C has rank 5. So a fold of the travel, or of the rack
+//!   at fixed travel, has this cause if and only if U T = 0 at that fold, too. (An example is an upright steering axis,
+//!   with which steering does not lift the wheel.) Otherwise no part is the cause.
 //!
 //! The links of a rigid axle have no such parts. Its limit names the link with the largest multiplier w in w J = 0, where J
 //! is the whole Jacobian. This link carries the largest force that holds the axle at the fold.
 //!
 //! If the rack moves, C has an additional column for it, and the path may be regular where C has rank 4. Then some
-//! combination of the constraints, m C = 0, is the cause, namely the links with m not 0. This occurs only in mechanisms
-//! without arms; with arms the cause is one of (3) and (4). A hinge is never singular.
+//! combination of the constraints, m C = 0, is the cause, namely the links with m not 0. Such a combination occurs only
+//! in mechanisms without arms; with arms the cause is (3) or (4). A hinge is never singular.
 
 use super::closed_form::{Roles, UpperRoles};
 use super::continuation::{Curve, CurvePoint, Moving};
@@ -87,8 +87,8 @@ impl Curve<'_> {
     }
 
     /// Reason for a fold of a twist beam. In heave without a difference of travels, the arms of both halves are
-    /// vertical at a fold. If they are not, the path has met the path of twisted halves, along which the heave has an
-    /// extreme.
+    /// vertical at a fold. If the arms are not vertical, the path has met the path of twisted halves, along which the
+    /// heave has an extreme.
     fn cause_of_beam(&self, beam: &TwistBeam, fold: &CurvePoint) -> LimitCause {
         let at = self.configuration(fold);
         let arm = at.point(self.mechanism.wheel_centre) - at.point(beam.mount);
@@ -120,7 +120,7 @@ pub(crate) fn nearest_part(at: &Configuration<f64>) -> Option<PartMeasure> {
         .min_by(|a, b| a.sine.total_cmp(&b.sine))
 }
 
-/// Measures (3) and (4) of a mechanism with these parts.
+/// Measures (3) and (4): of the upper arm or strut, and of the tie rod. `None` for a mechanism without these parts.
 fn part_measures(at: &Configuration<f64>) -> Option<[PartMeasure; 2]> {
     let roles = Roles::of(at.mechanism)?;
     let ball_joint = at.point(roles.ball_joint());

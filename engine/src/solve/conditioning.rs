@@ -8,9 +8,10 @@
 //! |relative error of J^-1|           ~ k |dJ| ~ k (k e)
 //! ```
 //!
-//! since J changes with the pose. Rates and sensitivities are products with J^-1, so their relative error is of the order of
-//! k^2 e. By the theorem of Eckart and Young, 1/|J^-1| is the distance of J from the nearest singular matrix. Multiplied by
-//! the size of the mechanism, it is a length. The mechanism has no singularity closer than this length.
+//! since J changes with the pose. Rates and sensitivities are products with J^-1, so their relative error is of the
+//! order of k^2 e. By the theorem of Eckart and Young, 1/|J^-1| is the distance of J from the nearest singular matrix.
+//! Multiplied by the size of the mechanism, this distance is a length. The mechanism has no singularity closer than
+//! this length.
 
 use super::path::Solver;
 use crate::derive::Linearised;

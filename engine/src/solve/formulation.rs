@@ -1,4 +1,5 @@
-//! Formulations other than the pose of the knuckle. A separate crate implements a formulation, and the program registers it.
+//! Formulations: equations of a mechanism in unknowns other than the pose of the knuckle. A separate crate implements a
+//! formulation, and the program registers it.
 
 use crate::mechanism::{DesignFault, Failure, Pose, Work};
 use crate::model::Suspension;
@@ -45,7 +46,7 @@ pub struct FormulationPose {
 /// Event while the stations of a motion are visited.
 #[derive(Clone, Copy, Debug)]
 pub enum FormulationVisit {
-    /// The design position with the rack displaced, before the stations of this displacement.
+    /// The design position with the rack displaced. The solver visits it before the stations of this rack displacement.
     Start {
         /// Pose of the knuckle.
         pose: Pose<Jet<f64, 3>>,
@@ -58,7 +59,7 @@ pub enum FormulationVisit {
         rack: usize,
         /// Index of the drive value.
         number: usize,
-        /// The pose, or the reason why there is none.
+        /// The pose, or the reason why the station has no pose.
         found: Result<FormulationPose, Failure>,
     },
 }

@@ -54,7 +54,7 @@ pub(super) struct Elastic<'a> {
     /// One wheel, or the left and the right one.
     wheels: Vec<Half<'a>>,
     reads: Reads,
-    /// Factors from the kernel's units to printed ones.
+    /// Factors from the kernel's units to printed units.
     factors: Vec<f64>,
     /// Length that the spring keeps, if an adjustment lifts the car. The last of the values is then the spring's
     /// length.
@@ -429,7 +429,7 @@ fn is_direction(of: AxleQuantity) -> bool {
     matches!(of, AxleQuantity::AxleSteer | AxleQuantity::PinionAngle)
 }
 
-/// Factors from the kernel's units to printed ones.
+/// Factors from the kernel's units to printed units.
 fn factors(units: impl Iterator<Item = Unit>, suspension: &Suspension) -> Vec<f64> {
     units
         .map(|unit| unit.printed_factor(suspension.length_unit))

@@ -13,7 +13,7 @@ const FLAT: f64 = 1e-8;
 const STILL: f64 = 1e-14;
 /// Size of steps without improvement that count as rounding.
 const ROUNDING: f64 = 1e-7;
-/// Smallest part of a step that is tried.
+/// Smallest fraction of a step that the solver tries.
 const SHORTEST: f64 = 1e-3;
 
 /// Assignment of aims to threads and shims.
@@ -217,7 +217,7 @@ mod tests {
 
     /// The solver tries a full step, then halves it down to a thousandth. It does not try a step below 1e-14 of the
     /// size. If no fraction of a step improves the state, a step up to 1e-7 of the size counts as rounding. A longer
-    /// one means that the solver is stuck.
+    /// step means that the solver is stuck.
     #[test]
     fn steps_are_halved_and_end_at_their_thresholds() {
         let size = 400.0;
@@ -242,8 +242,8 @@ mod tests {
         }
     }
 
-    /// Newton's method for x^3 = 8 ends at 2 from both sides. From 0.5 the full step would make the error larger.
-    /// From 0.01 even a thousandth of the step would. Without a step the iteration ends at once.
+    /// Newton's method for x^3 = 8 ends at 2 from both sides. From 0.5 the full step would make the error larger. From
+    /// 0.01 even a thousandth of the step would make it larger. Without a step the iteration ends at once.
     #[test]
     fn the_iteration_finds_a_root_by_shorter_steps() {
         let errors = |x: &f64| DVector::from_element(1, x.powi(3) - 8.0);

@@ -3,10 +3,10 @@
 //! Threads are continuous, but shims come in whole steps. So threads meet their aims exactly, for any choice of shims. Shims
 //! serve the remaining aims. The error of a shim never affects a value that a thread can meet.
 //!
-//! Notation: `x` are the amounts of threads and other continuous adjustments. `z` are those of shims (`z_k = s_k
-//! m_k`, with the step `s_k` and the whole number `m_k`). `w(x, z)` are the static values of the mechanism after
-//! assembly, `b` their aims. `W = D dw` are the exact derivatives, weighted by `D`: a tenth of a degree counts as
-//! much as a millimetre.
+//! Notation: `x` are the amounts of threads and other continuous adjustments. `z` are those of shims (`z_k = s_k m_k`,
+//! with the step `s_k` and the whole number `m_k`). `w(x, z)` are the static values of the mechanism after assembly,
+//! `b` their aims. `W = D dw` are the exact derivatives, weighted by `D`: a tenth of a degree weighs the same as a
+//! millimetre.
 //!
 //! *Aims of the threads.* The rank of `W_x` is the number of aims that the threads can meet. Gram-Schmidt with
 //! pivoting over its rows chooses these aims. Each step takes the aim that the threads still change most:
@@ -47,7 +47,7 @@
 //! |r(z0) + G (z - z0)|^2                                                                (6)
 //! ```
 //!
-//! The program assembles the eight best neighbours and the one nearest to `z0`, with threads that meet (2). It
+//! The program assembles the eight best neighbours and the neighbour nearest to `z0`, with threads that meet (2). It
 //! prefers first the neighbours with errors of at most half a step,
 //!
 //! ```text
@@ -56,8 +56,8 @@
 //!
 //! then the neighbour with the least `phi`, then the one with the smallest adjustment.
 //!
-//! If (2) or (5) misses its aims, the solver gives up the aim with the largest error and meets the others from there.
-//! So the solver never reports an aim as out of reach only because another aim prevented it.
+//! If (2) or (5) misses its aims, the solver gives up the aim with the largest error and meets the others from that
+//! state. So the solver never reports an aim as out of reach only because another aim prevented it.
 //!
 //! A mechanic fits shims first, then turns the threads by sixteenths of a turn. The thread that changes toe most comes last.
 //! The solver also assembles the rounded state. It bounds the errors as in (7), plus half a sixteenth of a turn of each
@@ -95,8 +95,8 @@ pub enum Static {
     /// A quantity of an axle at rest that is adjusted as a whole. Position and direction of a solid axle count from
     /// the nominal design.
     Axle(Quantity),
-    /// Change of the ride height from the design. Positive if the car is higher. It is the negative of the wheel travel of
-    /// the static position.
+    /// Change of the ride height from the design. Positive if the car is higher. The change is the negative of the
+    /// wheel travel of the static position.
     RideHeightChange,
 }
 
@@ -173,7 +173,7 @@ pub struct SetUp {
     pub statics: Vec<Static>,
     /// Aim of each static value.
     pub aims: Vec<Aim>,
-    /// State of the nominal design. It is at the target ride height if no adjustment sets that height.
+    /// State of the nominal design. This state is at the target ride height if no adjustment sets that height.
     pub drawn: AdjustedSuspension,
     /// Indices of the adjustments in the order of a mechanic: shims, then threads, with the thread of toe last.
     pub order: Vec<usize>,

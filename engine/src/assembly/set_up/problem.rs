@@ -17,7 +17,8 @@ use crate::number::Each;
 use crate::study::{AxleStudy, Increment, Setup, Study, Vehicle};
 use nalgebra::{DMatrix, DVector};
 
-/// Factor on the linear estimate of the error that rounding by half a step causes. It covers the curvature.
+/// Factor on the linear estimate of the error that rounding by half a step causes. The factor covers the error's
+/// nonlinear terms.
 const CURVED: f64 = 1.01;
 
 /// A set-up to solve.
@@ -139,7 +140,7 @@ impl<'a> Problem<'a> {
 
     /// Keeps the toe of the design if the study gives no target for it and one of several threads of the wheel is for
     /// toe. A thread is for toe if it changes toe more than camber, caster and ride height. A single thread adjusts
-    /// whatever the study requests.
+    /// only the values for which the study has targets.
     fn keep_toe(&mut self, drawn: &AdjustedSuspension, setup: &Setup) {
         let toes: Vec<usize> = self.toes().collect();
         for toe in toes {
@@ -311,7 +312,7 @@ impl<'a> Problem<'a> {
         allowed
     }
 
-    /// Aims that threads meet, and the other aims, from the derivatives of a state, equation (1).
+    /// Assigns the aims to threads or shims by equation (1), from the derivatives of a state.
     pub(super) fn levels(&self, state: &AdjustedSuspension) -> Levels {
         let targets = self.targets();
         let threads: Vec<usize> = self.threads().collect();
@@ -328,7 +329,8 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Characteristics of a set-up: the usual ones that exist, and further ones with targets.
+/// Characteristics of a set-up: the default characteristics that the suspension has, and further characteristics with
+/// targets.
 fn characteristics(mechanism: &Mechanism, setup: &Setup, is_elastic: bool) -> Vec<Characteristic> {
     let usual = [
         Characteristic::Camber,
@@ -359,7 +361,8 @@ fn has_value(of: Characteristic, mechanism: &Mechanism, is_elastic: bool) -> boo
     has_axis || !of.info().reads_steering_axis()
 }
 
-/// Quantities of an axle's set-up as a whole: the usual ones that exist, and further ones with targets.
+/// Quantities of an axle's set-up as a whole: the default quantities that the axle has, and further quantities with
+/// targets.
 fn quantities(both: &AxleStudy, setup: &Setup) -> Vec<Quantity> {
     let usual = [
         Characteristic::Camber,

@@ -88,7 +88,7 @@ impl Problem<'_> {
         Ok(self.newton(self.state(amounts)?, &levels.exact, &levels.threads))
     }
 
-    /// Best state with whole shims near a state with real ones.
+    /// Best state with whole numbers of shims near a state with fractions of shims.
     fn whole(
         &self,
         real: &AdjustedSuspension,
@@ -121,7 +121,8 @@ impl Problem<'_> {
             .iter()
             .map(|(beyond, errors, ..)| (*beyond, *errors));
         let least = least.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        // Nobody sees or measures a difference this small, but a mechanic fits every shim.
+        // Errors whose difference nobody can measure count as equal. Of such states, the one with the smallest
+        // adjustment is best.
         let as_good = settled.into_iter().filter(|(beyond, errors, ..)| {
             least.is_some_and(|least| *beyond == least.0 && *errors <= least.1 + INVISIBLE)
         });
@@ -146,7 +147,7 @@ impl Problem<'_> {
                 open.push((column, k, step, steps));
             }
         }
-        // Without remaining errors, the nearest amounts change the solution least.
+        // If no error remains, the nearest amounts change the solution least.
         if levels.rest.is_empty() || open.is_empty() {
             return vec![nearest];
         }

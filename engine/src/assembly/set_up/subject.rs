@@ -27,8 +27,8 @@ use crate::plan::Plan;
 use crate::study::{Adjustment, AxleStudy, Outputs, WheelStudy};
 use std::borrow::Cow;
 
-/// Dimensions that an adjustment changes in one assembled mechanism, each with its factor. Empty if it changes none
-/// there.
+/// Dimensions that an adjustment changes in one assembled mechanism, each with its factor. Empty if the adjustment
+/// changes no dimension of this mechanism.
 pub(super) type Change = Vec<(BuildParameter, f64)>;
 
 /// A suspension to set up.

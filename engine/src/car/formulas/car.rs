@@ -225,8 +225,8 @@ pub(in crate::car) fn heave_frequency<T: Scalar>(solved: &Solved<'_, T>) -> T {
     frequency(heave_rate(solved).scaled(per_metre) / solved.now.sprung.0)
 }
 
-/// Squared angular frequencies of the sprung mass in heave and pitch on massless wheels. They are the roots w of det(K - w
-/// M) = 0. K and M belong to the height of G and the pitch angle.
+/// Squared angular frequencies of the sprung mass in heave and pitch on massless wheels. These squares are the roots w
+/// of det(K - w M) = 0. K and M belong to the height of G and the pitch angle.
 fn body_frequency<T: Scalar>(solved: &Solved<'_, T>, sign: f64) -> T {
     // The residuals are the vertical force and the moment about -e at the mean contact point of the design position.
     // They depend on gamma and theta.

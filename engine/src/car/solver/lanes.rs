@@ -23,7 +23,7 @@ use crate::axle::{CURVE_LANES, Carriers, CurveLanes, LaneCurveWheel};
 use crate::model::Side;
 use crate::number::{SimdReal, SimdTask, Vector3, array_of};
 
-/// A number of each lane.
+/// One number for each lane.
 pub(super) type Numbers = [f64; CURVE_LANES];
 
 /// Accelerations and speed, the parameters that differ between lanes.

@@ -56,9 +56,9 @@ impl<'a> CarSolver<'a> {
         Ok(Wheels::Exact(Box::new(self.read(travels, racks)?)))
     }
 
-    /// Newton's method for one set of wheels in contact. It keeps the factors of a tangent, at first the factors of the
-    /// start, while each step is at most a tenth of the previous step. Wheels come from their curves until the last step,
-    /// which reads poses. With `may_be_near`, the last step uses the curves as well.
+    /// Newton's method for one set of wheels in contact. The function keeps the factors of a tangent, at first the
+    /// factors of the start, while each step is at most a tenth of the previous step. Wheels come from their curves
+    /// until the last step, which reads poses. With `may_be_near`, the last step uses the curves as well.
     pub(super) fn newton(
         &mut self,
         case: &Case,
@@ -289,7 +289,7 @@ impl Curvature {
         }
     }
 
-    /// Records a step.
+    /// Records a step, from which the bound L follows.
     fn observe(&mut self, distance: f64, step: f64) {
         self.shown = self.shown_by(step);
         let next = (distance + step) * step;

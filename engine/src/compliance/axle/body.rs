@@ -19,7 +19,8 @@ pub struct AxlePlace<T> {
 }
 
 impl<T: Scalar> AxlePlace<T> {
-    /// Computes the pose of a body from its positions in the axes of both sides, each with the lever of its wheel centre.
+    /// Computes the pose of the solid axle. Each side gives the position of the axle in its own axes, and the lever of
+    /// its wheel centre.
     fn of([left, right]: [(&Placed<T>, Vector3<T>); 2]) -> Self {
         let shift = |(placed, lever): (&Placed<T>, Vector3<T>)| placed.displacement(lever);
         let sum = shift(left) + mirrored(shift(right));
@@ -65,7 +66,7 @@ impl<T: Scalar> ElasticAxle<T> {
         self.is_joined().then(|| AxlePlace::of([side(0), side(1)]))
     }
 
-    /// Pose of a body as an input changes: values and first derivatives.
+    /// Pose of the solid axle: values, and first derivatives with respect to an input.
     pub(crate) fn place_along(
         &self,
         tangent: &AxleTangent<T>,

@@ -40,7 +40,7 @@ pub(super) struct Joined<T: Valued> {
     factors: SquareLu<T>,
 }
 
-/// Row of the joint equations for each row of a side.
+/// Maps the rows of each side's equations to rows of the joint equations.
 #[derive(Clone, Copy, Debug)]
 struct Places {
     rows: [[usize; MOST]; 2],
@@ -49,7 +49,7 @@ struct Places {
 }
 
 impl Places {
-    /// Assigns the rows of two systems of these sizes; `None` if there are more than [`MOST`] rows.
+    /// Assigns joint rows to two systems with `sizes` rows. `None` if this gives more than [`MOST`] rows.
     fn of(sizes: [usize; 2]) -> Option<Self> {
         let size = sizes[0] + sizes[1] - 6;
         let mut rows = [[0; MOST]; 2];
@@ -143,7 +143,7 @@ impl<T: Scalar> Corners<T> {
         })))
     }
 
-    /// Solves the equations of both wheels for these forces.
+    /// Solves the equations of both wheels for the forces `parts`.
     pub(super) fn solve(&self, parts: &[[T; MOST]; 2]) -> [[T; MOST]; 2] {
         match self {
             Corners::Apart(factors) => [0, 1].each(|side: usize| factors[side].solve(&parts[side])),

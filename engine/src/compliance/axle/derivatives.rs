@@ -1,4 +1,5 @@
-//! Changes of an axle's equilibrium. The method is that of `compliance/derivatives.rs` for one wheel.
+//! Derivatives of an axle's equilibrium with respect to loads, travels and rack. The method is that of
+//! `compliance/derivatives.rs` for one wheel.
 
 use super::equations::{AxleEquations, AxleState, AxleStep, AxleTask, Purpose};
 use super::{AxleEquilibrium, ElasticAxle};
@@ -64,7 +65,7 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// Rate of all unknowns along a change of an input.
+    /// Derivatives of all unknowns with respect to the input that `change` names.
     pub(super) fn rate(&self, tangent: &AxleTangent<T>, change: &AxleChange<T>) -> AxleStep<T> {
         let zero = self.like();
         let equations = &tangent.equations;
@@ -111,7 +112,7 @@ impl<T: Scalar> ElasticAxle<T> {
         equations.step(&self.wheels, &wheels, &shared, true)
     }
 
-    /// Derivatives of angles, positions and vertical force of both wheels as an input changes.
+    /// Derivatives of angles, positions and vertical force of both wheels with respect to an input.
     pub fn figures_along(
         &self,
         tangent: &AxleTangent<T>,
@@ -126,8 +127,8 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// Inputs of the catalogue's formulas at both wheels as an input changes: values and first derivatives. The spring's
-    /// length is unknown.
+    /// Inputs of the catalogue's formulas at both wheels, with their first derivatives with respect to `change`. The
+    /// spring's length is unknown.
     pub(crate) fn inputs_along(
         &self,
         tangent: &AxleTangent<T>,

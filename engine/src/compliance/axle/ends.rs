@@ -78,7 +78,7 @@ impl Followable for ElasticAxle {
     }
 }
 
-/// Makes an equilibrium of a state that is in balance.
+/// Converts a balanced state and its task to an equilibrium.
 fn equilibrium(state: &AxleState<f64>, task: &AxleTask<f64>) -> AxleEquilibrium {
     AxleEquilibrium {
         state: *state,
@@ -105,7 +105,8 @@ impl ElasticAxle {
         }))
     }
 
-    /// Smallest and largest multiple of the loads `unit`, in addition to the loads of a station.
+    /// Smallest and largest multiple of the loads `unit` with an equilibrium. These loads act in addition to the loads
+    /// of a station.
     pub(in crate::compliance) fn load_ends(
         &self,
         station: &AxleEquilibrium,

@@ -7,8 +7,8 @@
 //! (D - sum C_c A_c^-1 B_c) dq = -(s - sum C_c A_c^-1 r_c),   dx_c = -A_c^-1 (r_c + B_c dq)        (1)
 //! ```
 //!
-//! The right wheel is described as the mirror image of a left wheel. [`MIRROR`] has the signs of the shared unknowns for
-//! it.
+//! The right wheel is described as the mirror image of a left wheel. [`MIRROR`] converts the signs of the shared
+//! unknowns for the right wheel.
 
 use super::super::floating::Floating;
 use super::super::ground::{Coupling, Frames, MIRROR, RACK, SHARED, Surroundings, TWIST};
@@ -25,7 +25,7 @@ use crate::number::{Each, Scalar, Valued, Vector3, array_of, larger};
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct SharedParts<T> {
     pub(in super::super) has_subframe: bool,
-    /// Stiffness between the commanded rack and the rack, and the force there in the design position.
+    /// Stiffness between the commanded rack and the rack, and its force in the design position.
     pub(in super::super) rack: Option<[T; 2]>,
     pub(in super::super) has_bar: bool,
     /// True if one body carries both wheels.
@@ -61,7 +61,7 @@ impl<T: Scalar> AxleState<T> {
     }
 }
 
-/// Inputs of an equilibrium of both wheels.
+/// Inputs of an equilibrium of both wheels: rack displacement, and the loads and held heights of each wheel.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct AxleTask<T> {
     /// Commanded displacement of the rack, along the left wheel's +y.
@@ -76,14 +76,15 @@ pub(in super::super) struct AxleStep<T> {
     pub(in super::super) shared: [T; SHARED],
 }
 
-/// External forces that hold a pose which is no equilibrium.
+/// External forces that hold the design position at the start if it is no equilibrium. The solver reduces them step by
+/// step.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct AxleHeld<T> {
     pub(in super::super) wheels: [Held<T>; 2],
     pub(in super::super) shared: [T; SHARED],
 }
 
-/// Location of a singularity, for which no step exists: one wheel, or a shared body.
+/// Part of an axle whose equations are singular, so that no Newton step exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum AxleSingular {
     Wheel(usize, Singular),

@@ -220,7 +220,7 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
-    /// Design position before the solver has found its equilibrium.
+    /// Design position in the form of an equilibrium. The solver has not balanced it yet.
     pub(super) fn unsolved(&self) -> AxleEquilibrium<T> {
         AxleEquilibrium {
             state: self.start(),
@@ -238,7 +238,7 @@ impl<T: Scalar> ElasticAxle<T> {
         }
     }
 
-    /// Vertical forces at the contact points in the design position; `None` if it is no equilibrium.
+    /// Vertical forces at the contact points in the design position; `None` if the design position is no equilibrium.
     pub fn design_loads(&self) -> Option<[T; 2]> {
         let loads = self.wheels.each_ref().each(|wheel| wheel.start.vertical);
         (self.relaxed() == Relaxed::AtDesignLoad).then_some(loads)

@@ -17,8 +17,8 @@ pub struct AxleOnTape<'t> {
 }
 
 impl<'t> AxleOnTape<'t> {
-    /// Makes the axle with these inputs. They are the first numbers on the tape, in this order. Inputs that the axle does
-    /// not have have no effect.
+    /// Makes the axle with these inputs. The inputs are the first numbers on the tape, in the order of `parameters`.
+    /// Parameters that the axle lacks have no effect.
     pub fn new(
         suspensions: [&Suspension; 2],
         designs: [&[Vector3<f64>]; 2],

@@ -1,8 +1,8 @@
 //! Rig tests of both wheels of an axle.
 //!
-//! A result of a wheel is per unit of the load on that wheel, with the sign for a single wheel. A result of the axle is per
-//! unit of a force to the vehicle's left at each wheel. Steer is positive to the left. With track t, wheel loads F and
-//! contact points C, roll angle and roll moment are
+//! Results of a wheel are per unit of the load on that wheel. Their signs are those of a study with one wheel. Results
+//! of the axle are per unit of a force to the vehicle's left at each wheel. Steer is positive to the left. With track
+//! t, wheel loads F and contact points C, roll angle and roll moment are
 //!
 //! ```text
 //! phi = atan2(C_r.z - C_l.z, t),   M = t (F_r - F_l)/2                                            (1)
@@ -89,7 +89,7 @@ impl<T: Scalar> Here<T> {
         self.tangents.each_ref().map(Option::is_some)
     }
 
-    /// Axle and its tangent with one quantity held; `None` without a tangent.
+    /// Axle and its tangent, with the wheel heights or the wheel loads held; `None` if the tangent is singular.
     pub(crate) fn moving(
         &mut self,
         held: HeldQuantity,
@@ -102,7 +102,7 @@ impl<T: Scalar> Here<T> {
         Some((axle, tangent))
     }
 
-    /// Derivatives of both wheels as an input changes.
+    /// Derivatives of both wheels' angles and positions with respect to an input.
     fn by(&mut self, held: HeldQuantity, change: &AxleChange<T>) -> Option<[WheelFigures<T>; 2]> {
         let (axle, tangent) = self.moving(held)?;
         Some(axle.figures_along(tangent, change))
@@ -159,7 +159,7 @@ impl<'a> AxleKcRun<'a> {
         [&self.designs[0], &self.designs[1]]
     }
 
-    /// Vertical forces at the contact points in the design position; `None` if it is no equilibrium.
+    /// Vertical forces at the contact points in the design position; `None` if the design position is no equilibrium.
     pub fn design_loads(&self) -> Option<[f64; 2]> {
         self.axle.design_loads()
     }
@@ -338,7 +338,7 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// Results of a test with their units, first those of the wheels.
+    /// Results of a test with their units, first the results of the wheels.
     pub fn quantities(&self, test: &KcTest) -> Vec<(&'static str, Unit, KcSubject)> {
         let mut here = Here::of(self.axle.clone(), self.axle.unsolved());
         let figures = self.figures(&mut here, test, None).into_iter();

@@ -1,5 +1,5 @@
-//! Results of a test, from derivatives or secants with respect to its load or motion. They are in program units. The
-//! formulas work with any number type, so they also give derivatives with respect to the design.
+//! Results of a test, from derivatives or secants with respect to its load or motion. The results are in program units.
+//! The formulas work with any number type, so they also give derivatives with respect to the design.
 
 use super::test::{KcTest, TestLoad};
 use crate::ask::Unit;

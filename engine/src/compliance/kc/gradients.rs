@@ -12,7 +12,7 @@ use crate::compliance::{
 use crate::model::Axis;
 use crate::number::{Each, Jet, Scalar, Tape, Tracked, Valued};
 
-/// Value of a station.
+/// Value to compute at a station.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum KcValue {
     /// Result of a test.

@@ -86,7 +86,8 @@ const FIGURES: &[(TestLoad, &[&str])] = &[
     ),
 ];
 
-/// Results that describe the whole axle. All results of a roll test also do so, but are not in this list.
+/// Results that describe the whole axle. All results of a roll test describe the whole axle too, but are not in this
+/// list.
 const OF_AXLES: [&str; 4] = [
     "axle_steer_by_lateral_force",
     "understeer_by_lateral_force",

@@ -103,7 +103,7 @@ pub struct KcTest {
     pub held: HeldQuantity,
     /// Half the width of the load range: force, or force times length.
     pub window: f64,
-    /// Number of equilibria on each side of the station.
+    /// Number of load levels on each side of zero load. Each level is an equilibrium.
     pub levels: usize,
     /// True for a test at all stations, false for a test at the station nearest to travel 0 and rack 0.
     pub at_all_stations: bool,
@@ -121,8 +121,8 @@ impl KcTest {
         !self.load.is_motion() && self.levels > 0
     }
 
-    /// Suffix of result names for the trail, such as `_trail_30`; empty without a trail. It has six digits, so rounding in
-    /// unit conversions does not change it.
+    /// Suffix of result names for the trail, such as `_trail_30`; empty without a trail. The number has six digits, so
+    /// rounding in unit conversions does not change the suffix.
     pub fn trail_suffix(&self) -> String {
         match self.trail {
             0.0 => String::new(),

@@ -73,7 +73,7 @@ impl<T: Real> ArmAngle<T> {
         (self.cosine * arm.sine() - self.sine * arm.cosine()) * arm.inverse_radius
     }
 
-    /// Adds `weight` times the derivatives (3) to (5).
+    /// Adds `weight` times the derivatives (3) to (5) to the sink.
     #[inline(always)]
     pub(crate) fn differential(&self, at: &Configuration<T>, weight: T, sink: &mut impl Sink<T>) {
         let arm = Turned::of(at);

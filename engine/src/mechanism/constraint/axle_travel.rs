@@ -1,8 +1,8 @@
 //! One of the two travels of a rigid axle (see `model/rigid_axle.rs`).
 //!
 //! z_n and z_f are the heights of the near and the far wheel centre above their design positions. s = 1 for the mean
-//! and s = -1 for the difference. r is the value that is held; other mechanisms hold the rack's displacement in its
-//! place.
+//! and s = -1 for the difference. r is the value that is held. Other mechanisms hold the rack's displacement instead of
+//! this value.
 //!
 //! ```text
 //! F  = (z_n + s z_f)/2 - r                                          (1)

@@ -9,8 +9,8 @@
 //! f  = d/|d0|,   m = l x d/|d0|,   q = -d_y/|d0| if the rack carries inner  (3)
 //! ```
 //!
-//! F has no square root, so it is quadratic in the pose and smooth everywhere. The factor 1/|d0| only scales the row to a
-//! length. It is treated as constant in (2), which is exact where F = 0.
+//! F has no square root, so it is quadratic in the pose and smooth everywhere. The factor 1/|d0| only scales the row to
+//! a length. The factor is treated as constant in (2), which is exact where F = 0.
 //!
 //! Rates along the motion (v, w), from d' = v + w x l and l' = w x l:
 //!

@@ -7,7 +7,7 @@
 //! dF = f . d(origin) + m . d(rotation) + q d(rack) + sum over hardpoints g . dh    (2)
 //! ```
 //!
-//! The force f and the moment m are a row of the 6x6 Jacobian. They are the Pluecker coordinates of the line along
+//! The force f and the moment m are a row of the 6x6 Jacobian. f and m are the Pluecker coordinates of the line along
 //! which the constraint acts. q is the force on the rack. With the gradients g, the implicit function theorem gives
 //! derivatives with respect to hardpoints. Each row is scaled to a length, so forces are about one and moments about
 //! one length.
@@ -110,7 +110,7 @@ impl<T: Real> Row<T> {
         }
     }
 
-    /// Row `number` of the constraint with this index in the mechanism, for parts with their own dimensions.
+    /// Row `number` of the constraint with this index in the mechanism, for built parts.
     #[inline(always)]
     pub(crate) fn of_parts(
         mechanism: &Mechanism,
@@ -140,7 +140,7 @@ impl<T: Real> Row<T> {
             Constraint::ArmJoint { arm, at } => {
                 Row::ArmEnd(ArmEnd::built_joint(mechanism, arm, at, number, parts))
             }
-            // The wheel centres of an assembled axle are at their nominal heights.
+            // In an assembled axle, the wheel centres are at their nominal heights.
             Constraint::AxleTravel { near, far, held } => {
                 let centres = [near, far];
                 let zeros = centres.each(|id| parts.drawn[id.0].z);

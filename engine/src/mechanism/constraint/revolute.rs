@@ -9,8 +9,8 @@
 //! f  = n,   m = l x n                                              (3)
 //! ```
 //!
-//! For the first point of the axis, n is x, y and z. For the second point, n is each of two directions normal to the axis.
-//! These rotate with the axis, but p = c in every pose, so that no term is added to (2).
+//! For the first point of the axis, n is x, y and z. For the second point, n is each of two directions normal to the
+//! axis. These directions rotate with the axis. But p = c in every pose, so their rotation adds no term to (2).
 //!
 //! Rates along the motion (v, w), from l' = w x l and n fixed in the body:
 //!

@@ -150,7 +150,7 @@ impl<T: Real> RockerEnd<T> {
             (outer, inner)
         };
         let Some(turned) = TurnedRockers::under(x, at, along) else {
-            // Such a link has a separate row, so this row has no wrench.
+            // A link on a twist beam's mount has a separate row, so this row has no wrench.
             return Wrench::zero(at.rack);
         };
         let knuckle = KnuckleMotion { at, along };

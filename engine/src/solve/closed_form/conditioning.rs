@@ -1,18 +1,18 @@
 //! Estimate of the condition number from intermediate results of the closed form.
 //!
-//! With the arm fixed, a unit residual, relative to the mechanism's size, moves the knuckle in two ways. The upper end moves,
-//! limited by its lever u. The knuckle rotates about the steering axis d, limited by the tie rod's lever w. It rotates more
-//! because the tie rod's outer end t follows the upper end:
+//! With the arm fixed, a unit residual, relative to the mechanism's size, moves the knuckle in two ways. The upper end
+//! moves, limited by its lever u. The knuckle rotates about the steering axis d, limited by the tie rod's lever w. This
+//! rotation is larger because the tie rod's outer end t follows the upper end:
 //!
 //! ```text
 //! u = s (the strut's length above the foot) or |d| cos(upper arm's circle, d),   w = ga |n|^2/(|d| L)
 //! X = 1 + 1/u + (1 + |t|/u)/w
 //! ```
 //!
-//! A unit of travel moves the knuckle by v = |x_q|. This move must also cancel the travel that the residuals have caused.
-//! So |J^-1| is about X + v (1 + X). With the arm as the drive it is about X. These sums of absolute values are rather
-//! too large. Each row of J is a unit force and its moment. The norms of the rows are somewhat above one; here they count
-//! as one. The product is correct within a factor of ten (`tests/it/hard_cases.rs`).
+//! A unit of travel moves the knuckle by v = |x_q|. This motion must also cancel the travel that the residuals have
+//! caused. So |J^-1| is about X + v (1 + X). With the arm as the drive, |J^-1| is about X. These sums of absolute
+//! values are rather too large. Each row of J is a unit force and its moment. The norms of the rows are somewhat above
+//! one; here they count as one. The product is correct within a factor of ten (`tests/it/hard_cases.rs`).
 
 use super::{ArmState, ClosedForm};
 

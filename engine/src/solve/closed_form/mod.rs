@@ -10,14 +10,14 @@
 //! *Upper end.* [`Upper`] gives d and the knuckle vector v, whose image is d. The only remaining freedom is a rotation about
 //! d, the steering axis.
 //!
-//! *Tie rod.* Its outer end t satisfies t.d = t0.v, t.t = t0.t0 and |t - g| = L. So t = al d + be g + ga n, with al, be from
-//! the 2x2 Gram system and ga^2 |n|^2 = t.t - al t.d - be t.g. The sign of ga tells on which side of the plane through
-//! steering axis and rack joint the rod's outer end lies. It changes only at ga = 0 (toggle).
+//! *Tie rod.* Its outer end t satisfies t.d = t0.v, t.t = t0.t0 and |t - g| = L. So t = al d + be g + ga n, with al, be
+//! from the 2x2 Gram system and ga^2 |n|^2 = t.t - al t.d - be t.g. The sign of ga tells on which side of the plane
+//! through steering axis and rack joint the rod's outer end lies. The sign changes only at ga = 0 (toggle).
 //!
 //! *Any knuckle vector* x0. The rotation takes v to d and t0 to t, so the image of x0 is x = a d + b t + k (d x t). a and b
 //! follow from x0.v and x0.t0, and k follows from x0.(v x t0).
 //!
-//! These numbers can vanish:
+//! Each of these numbers is zero in certain singular poses:
 //!
 //! - G = |n|^2: the tie rod does not steer,
 //! - E = |d x t|^2: the tie rod's outer end is on the steering axis,
@@ -228,7 +228,8 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// State as in [`ClosedForm::at`], for an angle given by the tangent of its half. It needs no trigonometric functions.
+    /// State as in [`ClosedForm::at`], for an angle given by the tangent of its half. The calculation needs no
+    /// trigonometric functions.
     #[inline(always)]
     pub fn at_half_tangent(&self, tangent: T, rack: T) -> ArmState<T> {
         let inverse = tangent.one() / (tangent.one() + tangent.squared());
@@ -236,7 +237,7 @@ impl<T: Real> ClosedForm<T> {
         self.at(cosine, (tangent + tangent) * inverse, rack)
     }
 
-    /// Any number of the constants. Further constants get its number type and length.
+    /// One of the constants. Further constants take its number type and length.
     #[inline(always)]
     pub(crate) fn like(&self) -> T {
         self.wheel_height
@@ -311,15 +312,15 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// Radicand in the position of the upper end, at the arm angle with this cosine and sine. It is negative if the mechanism
-    /// cannot be assembled.
+    /// Radicand in the position of the upper end, at the arm angle with this cosine and sine. The radicand is negative
+    /// if the mechanism cannot be assembled.
     pub(crate) fn upper_square(&self, cosine: T, sine: T) -> T {
         self.upper.square(self.ball_joint.at(cosine, sine))
     }
 }
 
 impl ArmState<f64> {
-    /// Moves the tie rod's end into its plane if rounding at a toggle has left the end without a real position.
+    /// Moves the tie rod's outer end to the toggle (ga = 0) if rounding has left this end without a real position.
     pub(crate) fn at_toggle_if_beyond(&mut self) {
         if self.ga.is_nan() {
             self.ga = 0.0;
@@ -391,8 +392,8 @@ impl<T: Real> ArmState<T> {
         self.toggle_square
     }
 
-    /// Margin of the upper end, which is zero at its limit. It is the length of a strut from the foot of the ball joint's
-    /// perpendicular to the mount, or a lever of the upper arm.
+    /// Margin of the upper end, which is zero at its limit. The margin is the length of a strut from the foot of the
+    /// ball joint's perpendicular to the mount, or a lever of the upper arm.
     #[inline(always)]
     pub(crate) fn upper_margin(&self) -> T {
         self.upper_margin

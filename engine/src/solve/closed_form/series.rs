@@ -57,7 +57,7 @@ impl ClosedForm<f64> {
     }
 }
 
-/// Composes two Taylor series. The constant of the inner one must be zero.
+/// Composes two Taylor series. The constant term of `inner` must be zero.
 #[inline]
 fn composed<const N: usize>(outer: Jet<f64, N>, inner: Jet<f64, N>) -> Jet<f64, N> {
     let mut sum = Jet::constant(outer[N - 1]);

@@ -8,7 +8,7 @@ use crate::study::Study;
 use std::path::Path;
 
 /// At each arm angle all assemblies have the lengths of the design, and they differ from each other. The first one is
-/// the design's.
+/// the assembly of the design.
 #[test]
 fn assemblies_keep_every_length() {
     let mut seen = 0;
@@ -54,7 +54,8 @@ fn assemblies_keep_every_length() {
     assert!(seen >= 2);
 }
 
-/// In a state beyond a toggle by rounding, the tie rod's end moves into the plane. Any other state does not change.
+/// If rounding puts a state beyond a toggle, `at_toggle_if_beyond` moves the tie rod's outer end back to the toggle.
+/// Other states do not change.
 #[test]
 fn a_state_beyond_a_toggle_is_put_at_it() {
     let study = Topology::ALL.iter().find_map(|topology| {

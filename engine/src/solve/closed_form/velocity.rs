@@ -1,8 +1,8 @@
 //! Velocities in a pose of the closed form.
 //!
-//! All velocities share one factor, which depends on the variable of the derivatives. The division by it comes last. As the
-//! arm rotates, the ball joint moves along its circle with r' and the upper end moves with d' + r'. The image of the knuckle
-//! vector v = m + s u is d, so
+//! All velocities share one factor, which depends on the variable of the derivatives. The program divides by this
+//! factor last. As the arm rotates, the ball joint moves along its circle with r' and the upper end moves with d' + r'.
+//! The image of the knuckle vector v = m + s u is d, so
 //!
 //! ```text
 //! d' = w x d + s' u        w = (d x (d' - s' u))/|d|^2 + k d

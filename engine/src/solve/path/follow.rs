@@ -18,9 +18,9 @@ pub(crate) const LONGEST_TURN: f64 = 0.2;
 /// sharply, and is followed by its arc length.
 const SHORTEST_STEP: f64 = 1.0 / 16.0;
 impl Solver<'_> {
-    /// Follows the closure equations from a station to a motion point. It makes steps of the drive, and accepts a step only if
-    /// the second-order prediction was good and the determinant has not changed much. If that needs many steps, it follows the
-    /// arc length of the path, which passes folds and finds them.
+    /// Follows the closure equations from a station to a motion point. It makes steps of the drive, and accepts a step
+    /// only if the second-order prediction was good and the determinant has not changed much. If this needs many steps,
+    /// the function follows the path by its arc length instead. That method passes folds and finds them.
     pub(crate) fn follow(
         &mut self,
         from: &Station,

@@ -1,9 +1,10 @@
 //! Poses that are connected to the design position.
 //!
-//! A mechanism has many assemblies. The required one is reached from the design position by moving the mechanism. So every
-//! pose is found by following a path: first the rack moves at zero travel, then the drive moves outward, station by station.
-//! The tracker goes as far as its guards allow. From the last station that it accepts, the solver follows the closure
-//! equations with steps small enough that Newton's method cannot leave the branch.
+//! A mechanism has many assemblies. The required assembly is the one that the mechanism reaches by a motion from the
+//! design position. So every pose is found by following a path: first the rack moves at zero travel, then the drive
+//! moves outward, station by station. The tracker goes as far as its guards allow. From the last station that it
+//! accepts, the solver follows the closure equations with steps small enough that Newton's method cannot leave the
+//! branch.
 
 mod follow;
 mod series;
@@ -49,8 +50,8 @@ pub struct Solver<'m> {
     pub(crate) work: WorkCounter,
 }
 
-/// Callback that receives the index of a station and its pose, or the reason why it has no pose. It may end the
-/// visit.
+/// Callback that receives the index of a station and its pose, or the reason why it has no pose. The visitor may end
+/// the visit.
 type Visitor<'v, 'm> =
     dyn FnMut(&Solver<'m>, usize, Result<&Pose<f64>, Failure>) -> ControlFlow<()> + 'v;
 
@@ -159,8 +160,8 @@ impl<'m> Solver<'m> {
     }
 
     /// Visits every station of the order with the rack at `rack` (towards the kernel's +y), outward from the design
-    /// position. `visit` receives the station's index and its pose, or the reason why it has no pose. It may end the
-    /// visit.
+    /// position. `visit` receives the station's index and its pose, or the reason why it has no pose. The visitor may
+    /// end the visit.
     pub fn for_each_pose(
         &mut self,
         drive: Drive,

@@ -187,13 +187,13 @@ impl ByArm {
     }
 }
 
-/// Numbers whose change along the path is guarded.
+/// Numbers that the guards compare between two waypoints.
 #[derive(Clone, Copy)]
 pub(super) struct BranchGuard<B> {
     tangent: B,
     /// Slope of the half tangent with respect to the drive over the last step.
     rate: B,
-    /// Product of all numbers by which the closed form divides or whose root it takes.
+    /// Product of all divisors and radicands of the closed form.
     margin: B,
 }
 

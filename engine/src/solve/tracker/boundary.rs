@@ -1,4 +1,4 @@
-//! Designs at the boundary of those that the tracker accepts.
+//! Search for designs at the boundary between designs that the tracker accepts and designs that it rejects.
 //!
 //! On a line between an accepted and a rejected design, bisection ends at two neighbouring designs. Between these two, the inputs
 //! of a guard differ only by rounding. A guard that accepts the first design with some slack also accepts the second one. So the

@@ -7,8 +7,8 @@
 //! J (v, w) = -F        x + v,  r + h + h x r + r (r.h),  h = w/2
 //! ```
 //!
-//! leaves an error of second order. The residuals at the result show whether that is accurate enough. If so, one more step with J
-//! removes the remaining residuals, because they would disturb rates near a fold.
+//! leaves an error of second order. The residuals at the result show whether the result is accurate enough. If so, one
+//! more step with J removes the remaining residuals, because these would disturb rates near a fold.
 //!
 //! J, its moments divided by the size of the mechanism, is split into four blocks of three by three,
 //!
@@ -17,9 +17,9 @@
 //!     | C  D |
 //! ```
 //!
-//! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Then only
-//! two determinants must not vanish. A lane is rejected if one of them is less than a fourth of the base design's. It
-//! is also rejected if one changes by more than half, or more than doubles, from one waypoint to the next. The
+//! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Then only two
+//! determinants must not vanish. A lane is rejected if a determinant is less than a fourth of the base design's. It is
+//! also rejected if a determinant changes by more than half, or more than doubles, from one waypoint to the next. The
 //! determinants of a lane are those of the step with which it settled.
 //!
 //! An instantaneous steering axis is the axis of the screw t with J t = -F_r (module `steering`). Along the motion,

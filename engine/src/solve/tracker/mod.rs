@@ -184,7 +184,7 @@ pub trait LaneAdjoint<B: SimdReal> {
 pub struct LaneRates<B> {
     origin: Vector3<B>,
     turn: Vector3<B>,
-    /// Rate of the vector along the steering axis. It is meaningful only if the axis runs through two joints.
+    /// Rate of the vector along the steering axis. This rate is meaningful only if the axis runs through two joints.
     steering_axis: Vector3<B>,
 }
 
@@ -240,8 +240,8 @@ impl<B: SimdReal> LaneRates<B> {
 
 /// Longest step as a share of the size. Longer steps are divided.
 const LONGEST_STEP: f64 = 0.02;
-/// Largest residual that counts as rounding, as a share of the largest coordinate. It allows a few roundings. Near a
-/// fold, rates amplify the remaining residual a thousandfold.
+/// Largest residual that counts as rounding, as a share of the largest coordinate. The limit allows a few roundings.
+/// Near a fold, rates amplify the remaining residual a thousandfold.
 const TOLERANCE: f64 = 1e-15;
 /// Shortest rod as a share of the largest coordinate. Designs with shorter rods are left to the continuation.
 const SHORTEST_LENGTH: f64 = 1e-6;
@@ -290,7 +290,8 @@ impl<'a> CornerTracker<'a> {
         })
     }
 
-    /// Returns true if the tracker visits every station. It leaves out stations that coincide or are far out of reach.
+    /// Returns true if the tracker visits every station. A route leaves out stations that coincide or are far out of
+    /// reach.
     pub fn is_complete(&self) -> bool {
         self.routes.iter().all(|route| route.is_complete)
     }

@@ -115,7 +115,7 @@ pub(super) struct Linear<B: SimdReal> {
     pub rest: [Vector3<B>; 2],
     /// Velocity of the wheel centre and angular velocity, both per unit of travel.
     pub rate: [Vector3<B>; 2],
-    /// Lanes in which this pose is near.
+    /// Lanes in which the pose at the required travel is within the permitted error of these unknowns.
     pub is_near: B::Mask,
 }
 
@@ -133,7 +133,7 @@ pub(super) struct Corrected<B: SimdReal, const N: usize> {
 
 /// One wheel of a pair, with `N` unknowns.
 pub(super) trait Wheel<B: SimdReal, const N: usize> {
-    /// Numbers whose change along the path is guarded.
+    /// Numbers that the guards compare between two waypoints.
     type Guard: Copy;
 
     /// Derivatives of the unknowns with respect to travel and to the rack in the base design.
@@ -219,12 +219,13 @@ impl<'a> AxleTracker<'a> {
         })
     }
 
-    /// Returns true if the tracker visits every station. It leaves out stations that coincide or are far out of reach.
+    /// Returns true if the tracker visits every station. A route leaves out stations that coincide or are far out of
+    /// reach.
     pub fn is_complete(&self) -> bool {
         self.routes.iter().all(|route| route.is_complete)
     }
 
-    /// Tracker of a wheel. It makes the constants of the wheel's designs.
+    /// Tracker of a wheel, which makes the constants of the wheel's designs.
     pub fn wheel(&self, side: usize) -> &CornerTracker<'a> {
         &self.wheels[side]
     }

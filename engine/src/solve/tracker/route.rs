@@ -76,7 +76,7 @@ pub(crate) struct RouteStep {
 #[derive(Clone, Debug)]
 pub(crate) struct Route {
     pub places: Vec<RouteStep>,
-    /// True if the route visits every station. It leaves out stations that coincide or are far out of reach.
+    /// True if the route visits every station. A route leaves out stations that coincide or are far out of reach.
     pub is_complete: bool,
 }
 

@@ -1,5 +1,5 @@
-//! The loop over the waypoints of a route, for any number of unknowns. It predicts the unknowns from earlier
-//! waypoints, corrects them by Newton's method until the residuals are at rounding level, and guards them.
+//! The loop over the waypoints of a route, for any number of unknowns. It predicts the unknowns from earlier waypoints,
+//! corrects them by Newton's method until the residuals are at rounding level, and checks the guards.
 
 use super::route::{Leg, RouteStep, Stencil};
 use super::{Acceptance, Rejection};
@@ -26,10 +26,10 @@ impl<B: SimdReal> Tracked<B> {
 pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
     /// Largest number of corrections for a lane to settle.
     const MOST_ROUNDS: usize;
-    /// True if rejected lanes count as converged. This is useful if a round makes corrections until all lanes have converged. If
-    /// a round makes one correction, the loop is faster without it.
+    /// True if rejected lanes count as converged. This setting is useful if a round makes corrections until all lanes
+    /// have converged. If a round makes one correction, the loop is faster without it.
     const LEAVES_REJECTED: bool = false;
-    /// Numbers whose change along the path is guarded.
+    /// Numbers that the guards compare between two waypoints.
     type Guard: Copy;
 
     /// Predicts the unknowns from the previous waypoints.
@@ -84,7 +84,8 @@ pub(super) fn track<B: SimdReal, const N: usize, E: PlaceEquations<B, N>>(
         let mut accepted = tracked.legs[side];
         let predicted = equations.predict(place, history);
         let here = &mut history[N * number..N * (number + 1)];
-        // Later waypoints are predicted from this one, so it must not contain NaN even if no lane was accepted.
+        // The prediction of later waypoints uses these unknowns, so they must not contain NaN even if no lane was
+        // accepted.
         if !B::any(accepted.lanes()) {
             here.copy_from_slice(&predicted);
             continue;

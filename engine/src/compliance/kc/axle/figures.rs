@@ -10,7 +10,7 @@ use crate::model::{AxlePosition, Side};
 use crate::number::{Each, Scalar};
 
 impl AxleKcRun<'_> {
-    /// Computes the results of a test, first those of the wheels.
+    /// Computes the results of a test, first the results of the wheels.
     pub(crate) fn figures<T: Scalar>(
         &self,
         here: &mut Here<T>,

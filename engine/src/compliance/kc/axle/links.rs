@@ -1,7 +1,7 @@
 //! Test results of a solid axle's links: their tensions, and their contribution to roll stiffness.
 //!
-//! A solid axle on five links cannot roll without a change of the links' lengths. This contribution is the roll stiffness
-//! without springs and anti-roll bar. It is zero if the links allow roll at constant lengths.
+//! A solid axle on five links cannot roll without a change of the links' lengths. This contribution is the roll
+//! stiffness without springs and anti-roll bar. The contribution is zero if the links allow roll at constant lengths.
 
 use super::{AxleFigure, AxleKcRun, Here, roll};
 use crate::ask::Unit;

@@ -31,7 +31,7 @@ impl<B: SimdReal, V: Visit<B>> PlaceEquations<B, 1> for ArmCorner<'_, '_, B, V> 
     #[inline(always)]
     fn predict(&mut self, place: &RouteStep, history: &[B]) -> [B; 1] {
         let like = history[0];
-        // This allows the compiler to remove the values of the previous waypoint from registers.
+        // This reset allows the compiler to remove the values of the previous waypoint from registers.
         (self.step, self.missed) = (like.zero(), [like.zero(); 2]);
         if self.drive == Drive::ArmAngle {
             return [like.constant((0.5 * place.value).tan())];

@@ -169,7 +169,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     }
 }
 
-/// Numbers whose change along the path is guarded.
+/// Numbers that the guards compare between two waypoints.
 #[derive(Clone, Copy)]
 pub(in crate::solve::tracker) struct BranchGuard<B> {
     /// Rotation of the knuckle, as tan(angle/2) times the axis.

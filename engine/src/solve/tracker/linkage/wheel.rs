@@ -11,8 +11,8 @@ use crate::number::{Matrix3, SimdReal, Vector3};
 pub(in crate::solve::tracker) struct LinkageWheel<'w, 'd, B> {
     pub(super) steps: NewtonSteps<'w, 'd, B>,
     pub(super) on_knuckle: WheelOnKnuckle<B>,
-    /// Results of the last linearisation: the remaining step to the required travel, and the derivative of the pose by
-    /// travel.
+    /// Results of the last linearisation: the remaining step to the required travel, and the derivative of the pose
+    /// with respect to travel.
     pub(super) rest: Twist<B>,
     pub(super) by_travel: Twist<B>,
 }

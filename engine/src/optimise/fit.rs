@@ -201,8 +201,8 @@ pub struct Fit {
     /// Reason for the end.
     pub termination: Termination,
     /// Imbalance of the optimality conditions of the last minimisation, relative to the sizes of their terms. 0 if rounding
-    /// errors explain the imbalance. The last minimisation concerns the misfit, or the distance from the design with a limit on
-    /// the misfit. `None` if it ended at no minimum of the distance.
+    /// errors explain the imbalance. The last minimisation concerns the misfit, or the distance from the design with a limit
+    /// on the misfit. `None` if the run did not end at a minimum of the distance.
     pub residual: Option<f64>,
     /// The start and every iteration after it.
     pub history: Vec<Iteration>,

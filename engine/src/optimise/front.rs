@@ -243,7 +243,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
                 Gap::between(&points, new, gap.ends[1]),
             ];
             if slack {
-                // There is no design between the point found and the level.
+                // No design of the front lies between the point found and the level.
                 parts[1 - held].low[held] = level;
             }
             gaps.extend(parts);

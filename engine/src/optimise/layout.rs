@@ -102,7 +102,7 @@ pub(super) enum Beside {
 }
 
 impl Beside {
-    /// Limited values of each station.
+    /// Values with limits, for each station.
     fn limits(&self) -> Vec<&[LimitedValue]> {
         match self {
             Beside::Axle(axle) => axle.limits().collect(),
@@ -110,7 +110,7 @@ impl Beside {
         }
     }
 
-    /// Limited values of each station, mutable, so that the caller can number their rows.
+    /// Values with limits, for each station, mutable, so that the caller can number their rows.
     fn limits_mut(&mut self) -> Vec<&mut [LimitedValue]> {
         match self {
             Beside::Axle(axle) => axle.limits_mut().collect(),

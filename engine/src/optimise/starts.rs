@@ -200,8 +200,8 @@ impl<'a> Tuner<'a> {
         fixed.square() / self.layout.residuals() as f64
     }
 
-    /// Limit for the misfit of the residuals that variables change. Together with the constant residuals it gives `good_enough`,
-    /// if that is possible. Otherwise the whole misfit is about as good as the smallest possible one.
+    /// Limit for the misfit of the residuals that variables change. Together with the constant residuals it gives
+    /// `good_enough`, if that is possible. Otherwise the limit is such that the whole misfit is about as small as possible.
     fn good_enough_without(&self, fixed: &FixedRows) -> f64 {
         let (good, constant) = (self.optimise.good_enough, self.constant_square(fixed));
         let rest = good * good - constant;

@@ -429,7 +429,7 @@ impl Constrained for SmoothYield<'_> {
     }
 }
 
-/// Tunes the nominal design towards the targets, then raises the yield from there.
+/// Tunes the nominal design towards the targets, then raises the yield, starting from the tuned design.
 pub(super) fn tune_for_yield(
     vehicle: &Vehicle,
     optimise: &Optimise,

@@ -330,7 +330,7 @@ fn cost(written: &file::Variable, problems: &mut Problems) -> Option<f64> {
     }
 }
 
-/// Variables of a rigid body: all three displacements and three rotations, or the requested ones.
+/// Variables of a rigid body: all three displacements and three rotations, or only those that the study requests.
 fn rigid(
     variable: &Spanned<file::Variable>,
     points: &Spanned<Vec<Text>>,

@@ -195,7 +195,7 @@ impl Target {
         Some(format!("[motion] does not have the rack {other}"))
     }
 
-    /// Returns true if a chart can show the target as a line. This is a value or a curve of a characteristic.
+    /// Returns true if a chart can show the target as a line. A chart can show a value or a curve of a characteristic.
     pub fn is_plain(&self) -> bool {
         !matches!(self.wanted, Wanted::Band { .. }) && self.has_curve()
     }

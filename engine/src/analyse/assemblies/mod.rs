@@ -103,7 +103,7 @@ pub enum Undecided {
     ArmAngle(f64, f64),
     /// Near a pose.
     Pose(Pose<f64>),
-    /// Fraction of all rotations of the knuckle that was not searched, because this would have taken too long.
+    /// Fraction of all rotations of the knuckle that was not searched, because a complete search would have taken too long.
     Rotations(f64),
 }
 

@@ -70,8 +70,8 @@ impl AxleColumn {
         }
     }
 
-    /// Quantity or coordinate that the column shows or differentiates. `None` if it has no derivatives with respect to
-    /// hardpoints.
+    /// Quantity or coordinate that the column shows or differentiates. `None` if the column has no derivatives with respect
+    /// to hardpoints.
     pub(super) fn sought(&self) -> Option<Sought> {
         match self.of {
             Of::Quantity(quantity) => Some(Sought::Quantity(quantity)),

@@ -267,7 +267,7 @@ pub(crate) struct WheelCurve {
     pieces: Vec<Known<Piece>>,
 }
 
-/// A value that is computed when it is first needed.
+/// A value that is computed only once, when the value is first needed.
 #[derive(Clone, Debug)]
 enum Known<T> {
     NotYet,

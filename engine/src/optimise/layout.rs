@@ -51,7 +51,7 @@ pub(super) struct Extremes {
     pub part: usize,
     /// 1 for the largest values, -1 for the smallest.
     pub sign: f64,
-    /// Stations at which the part is evaluated, with the row of this limit at each, in the order of the drive value.
+    /// Stations at which the part is evaluated, each with the row of this limit, in the order of the drive value.
     pub rows: Vec<(usize, usize)>,
 }
 

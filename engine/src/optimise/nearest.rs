@@ -131,7 +131,7 @@ impl Search<'_, '_> {
             || self.left == 0
     }
 
-    /// Options of a run. It may use a share of the evaluations.
+    /// Options of a run. A run may use only a share of all evaluations.
     fn options(&self, violation_below: f64) -> Options {
         let all = self.level.options.max_evaluations as f64;
         Options {

@@ -41,7 +41,7 @@ const FIRST_TRY: f64 = 0.02;
 const NEXT_TRY: f64 = 0.1;
 /// Offsets (rad) from a toggle at which poses are tried if the toggle itself has no pose.
 const BESIDE: [f64; 7] = [0.0, 1e-9, -1e-9, 1e-7, -1e-7, 1e-5, -1e-5];
-/// Largest distance (rad) of an assembly from the piece in which it was searched.
+/// Largest distance (rad) between an assembly and the piece whose search found this assembly.
 const NEAR: f64 = 1e-4;
 
 type Value = Jet<Interval, 3>;
@@ -146,8 +146,8 @@ impl Search<'_> {
         }
     }
 
-    /// Returns true if all poses of a piece are close to one assembly. It is a known assembly, or one that Newton's method
-    /// finds from this piece.
+    /// Returns true if all poses of a piece are close to one assembly. This assembly is already known, or Newton's method
+    /// finds it from the piece.
     fn settles(&mut self, branch: &Branch, low: f64, high: f64) -> bool {
         let poses = branch.poses(Interval::bounds(low, high));
         if self.is_settled(&poses) {

@@ -251,8 +251,8 @@ fn an_inverse_that_is_off_narrows_the_radii() {
     );
 }
 
-/// The bound includes the rounding of twelve products and of the subtraction of 1. It is at least twelve units of roundoff,
-/// and at most a few times this value.
+/// The bound includes the rounding of twelve products and of the subtraction of 1. The bound is at least twelve units of
+/// roundoff, and at most a few times twelve units.
 #[test]
 fn an_exact_inverse_is_off_by_rounding() {
     let intervals = IDENTITY.map(|row| row.map(Interval::point));

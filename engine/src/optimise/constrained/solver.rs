@@ -65,7 +65,7 @@ pub struct ConstrainedFit {
     pub imbalance: f64,
     /// Rows that cannot be met together near `x`, if there are any.
     pub culprits: Vec<Held>,
-    /// Reason for the end.
+    /// Reason for the end of the run.
     pub termination: Termination,
     /// The start and every iteration after it.
     pub history: Vec<Iteration>,
@@ -82,7 +82,7 @@ impl ConstrainedFit {
         self.violation <= KEPT
     }
 
-    /// Converts the end into a `Fit`. `at_minimum` says whether the multipliers are meaningful.
+    /// Converts the result of the run into a `Fit`. `at_minimum` says whether the multipliers are meaningful.
     pub(in crate::optimise) fn into_fit(self, bounds: &Bounds, at_minimum: bool) -> Fit {
         let is_minimum = at_minimum && self.termination.at_minimum();
         Fit {

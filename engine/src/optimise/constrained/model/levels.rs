@@ -78,7 +78,8 @@ impl<'a> ConvexModel<'a> {
                 other.1 *= 0.5;
             }
             weight = match (low, high) {
-                // Beyond this weight the model cannot meet the level. The step comes as near as it can.
+                // Beyond this weight the model cannot meet the level. The step comes as near to the level as the model
+                // allows.
                 (Some(low), None) if low.0 > (1e14 * scale).ln() => break,
                 (Some(low), None) => low.0.exp() * 30.0,
                 (None, Some(high)) if high.0 < (1e-14 * scale).ln() => break,

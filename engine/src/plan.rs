@@ -195,7 +195,7 @@ impl Plan {
 }
 
 impl Order {
-    /// Name of the order.
+    /// Name of the order of derivatives.
     pub fn name(self) -> &'static str {
         ["position", "velocity", "acceleration"][self as usize]
     }

@@ -81,8 +81,8 @@ pub fn pool(threads: usize) -> Result<ThreadPool, ThreadPoolBuildError> {
 }
 
 /// Runs a task on a large stack, with this number of threads for parallel work. The task runs in a new pool, or on this
-/// thread if it already belongs to such a pool. If the system cannot start a thread, the task runs on this thread, whose
-/// stack may suffice.
+/// thread if this thread already belongs to a pool of this module. If the system cannot start a thread, the task runs on this
+/// thread, whose stack may suffice.
 pub(crate) fn on_large_stacks<T: Send>(threads: usize, run: impl FnOnce() -> T + Send) -> T {
     let own = if HAS_LARGE_STACK.get() {
         None

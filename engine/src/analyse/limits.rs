@@ -32,12 +32,12 @@ use std::ops::ControlFlow;
 pub struct Limit {
     /// Value, in the mechanism's length unit or in radians.
     pub value: f64,
-    /// Reason why the mechanism stops here.
+    /// Reason why the mechanism cannot move beyond this value.
     pub cause: LimitCause,
     /// Part with the smallest distance from a singular position, if the mechanism has an arm and a tie rod.
     pub nearest: Option<PartMeasure>,
-    /// Outer ends of the links that are at a dead centre with each other, if this is the reason. For a rigid axle, the end
-    /// of the link with the largest force at the fold.
+    /// Outer ends of the links that are at a toggle with each other, if this toggle is the reason for the fold. For a rigid
+    /// axle, the outer end of the link with the largest force at the fold.
     pub dependent: Vec<PointId>,
     /// Pose at the fold.
     pub pose: Pose<f64>,
@@ -87,7 +87,7 @@ pub struct Range {
 }
 
 impl Range {
-    /// Distance from `value` to the nearer end. Negative beyond this end.
+    /// Distance from `value` to the nearer end. Negative if `value` is beyond this end.
     pub fn margin(&self, value: f64) -> f64 {
         let [lower, upper] = self.ends();
         (upper - value).min(value - lower)
@@ -274,7 +274,7 @@ impl Solver<'_> {
                     gradient: curve.fold_gradient(&fold),
                     by_drive: match moving {
                         Moving::Drive => 0.0,
-                        // The drive's equation, wheel-centre height minus drive, is the last one.
+                        // The last equation is the drive's equation: wheel-centre height minus drive.
                         Moving::Rack => curve.fold_multipliers(&fold)[5],
                     },
                 })
@@ -290,8 +290,8 @@ impl Solver<'_> {
         }
     }
 
-    /// Names the rod of a Watt rocker or of a knuckle at an end beyond which the path could not be followed. The rod must be
-    /// at its toggle at this end, beyond which the rocker has no position.
+    /// Replaces an unresolved end of the range by a toggle, if the rod of a Watt rocker or of a knuckle is at its toggle at
+    /// this end. Beyond the toggle, the rocker has no position.
     fn with_toggles(
         &mut self,
         mut range: Range,

@@ -130,7 +130,7 @@ pub enum Reaction<T = f64> {
         force: Vector3<T>,
         /// Outer joint of the arm.
         joint: PointId,
-        /// Force of the arm on the knuckle at its outer joint.
+        /// Force of the arm on the knuckle at the arm's outer joint.
         passed: Vector3<T>,
     },
     /// A force on the knuckle at a point of the body. It is one of two components of a strut's side force at its mount, or

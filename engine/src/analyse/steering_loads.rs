@@ -17,7 +17,8 @@ use crate::model::{RockerId, Rod};
 use crate::number::{Each, Vector3};
 
 impl<T: Balanced> Balance<'_, T> {
-    /// Tensions of drag link and tie rod of a steered axle, under a load on the near wheel and the forces of both supports.
+    /// Tensions of drag link and tie rod of a steered axle, under a load on the near wheel and the forces of the supports at
+    /// both wheels.
     pub(super) fn steering(&self, load: &Load<T>, near: T, far: T) -> Option<[T; 2]> {
         let at = &self.at;
         let rigid = at.mechanism.rigid_axle.as_ref()?;

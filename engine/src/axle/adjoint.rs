@@ -10,7 +10,8 @@ use std::cell::Cell;
 
 /// Largest number of series coefficients that a number has along one line.
 const MOST_POWERS: usize = 4;
-/// Largest count of numbers that describe a wheel. It is the size in bytes of a wheel whose numbers are single bytes.
+/// Largest count of numbers that describe a wheel. The code computes the count as the size in bytes of a wheel whose numbers
+/// are single bytes.
 const MOST_NUMBERS: usize = size_of::<WheelPose<u8>>();
 
 impl<'t> Reading<Tracked<'t>> {

@@ -28,7 +28,7 @@ pub struct AxleMotion {
     pub shows_rack: bool,
     /// Angles of the steering wheel for these displacements, if the study gives angles.
     pub steering_wheel: Option<Vec<f64>>,
-    /// Law of one coordinate over time, if the study gives one. Results are then functions of time.
+    /// Law of one coordinate over time, if the study gives such a law. Results are then functions of time.
     pub time: Option<AxleTime>,
 }
 
@@ -184,7 +184,8 @@ impl AxleMotion {
         placements
     }
 
-    /// Motion with only the design position: all coordinates are zero, and the ground is the same.
+    /// Motion with only the design position: all coordinates are zero. The wheels stay on a plane, or on level pads, as in
+    /// this motion.
     pub fn at_design(&self) -> AxleMotion {
         let zero = || vec![0.0];
         AxleMotion {
@@ -224,7 +225,7 @@ impl AxleMotion {
 
     /// Angle of the steering wheel at a station with this index.
     pub fn steering_wheel_at(&self, station: usize) -> Option<f64> {
-        // Number of stations at each rack displacement. With rows it is 1.
+        // Number of stations at each rack displacement. It is 1 in a motion of rows.
         let per_rack = self.stations() / self.racks.len();
         Some(self.steering_wheel.as_ref()?[station / per_rack])
     }

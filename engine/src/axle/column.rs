@@ -70,8 +70,8 @@ impl AxleColumn {
         }
     }
 
-    /// Quantity or coordinate that the column shows or differentiates. `None` if it has no derivatives with respect to
-    /// hardpoints.
+    /// Quantity or coordinate that the column shows or differentiates. `None` if the column has no derivatives with respect
+    /// to hardpoints.
     pub(super) fn sought(&self) -> Option<Sought> {
         match self.of {
             Of::Quantity(quantity) => Some(Sought::Quantity(quantity)),
@@ -282,7 +282,7 @@ impl From<&AxleColumn> for Column {
 /// A motion, its name and unit in columns, and the factor that converts a derivative along this motion to its printed value.
 type ByMotion = (Motion, &'static str, String, f64);
 
-/// All three components for the left wheel, then for the right one.
+/// All three axes for the left wheel, then all three axes for the right wheel.
 fn by_wheel() -> impl Iterator<Item = (Side, Axis)> {
     let sides = Side::ALL.into_iter();
     sides.flat_map(|side| Axis::ALL.each(|axis| (side, axis)))

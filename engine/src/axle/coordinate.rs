@@ -121,8 +121,8 @@ impl Placement {
 }
 
 impl AxleMotion {
-    /// Coordinates that move independently, at least one. The first one is the abscissa of curves. If the study gives rows,
-    /// the only one is the coordinate with the most different values.
+    /// Coordinates that move independently, at least one. The first one is the abscissa of curves. In a motion of rows, the
+    /// result contains only the coordinate with the most different values.
     pub fn moving(&self) -> Vec<Coordinate> {
         let mut moving = self.all_moving();
         if self.has_rows() {
@@ -140,8 +140,8 @@ impl AxleMotion {
         moving
     }
 
-    /// Coordinates with several values. If there are none, the first coordinate alone. The first one is the abscissa of
-    /// curves.
+    /// Coordinates with several values. If no coordinate has several values, the first coordinate alone. The first coordinate
+    /// of the result is the abscissa of curves.
     pub fn all_moving(&self) -> Vec<Coordinate> {
         let mut motion = self.clone();
         let by_wheel = motion.steering_wheel.is_some();
@@ -172,8 +172,8 @@ impl AxleMotion {
         moving
     }
 
-    /// Values of a coordinate. `None` if this motion does not have it. Rack and steering wheel have the same values, which
-    /// are displacements of the rack.
+    /// Values of a coordinate. `None` if this motion does not have the coordinate. Rack and steering wheel have the same
+    /// values, which are displacements of the rack.
     pub fn along(&mut self, coordinate: Coordinate) -> Option<&mut Vec<f64>> {
         let wheels = &mut self.wheels;
         match (coordinate, wheels) {

@@ -387,7 +387,7 @@ fn gradients<const N: usize>(
     station: usize,
 ) -> Result<Vec<Sensitivity>, NoPose> {
     let mut found = Vec::new();
-    // For a rigid axle, derivatives are with respect to the points of the left half. The right half follows it.
+    // For a rigid axle, derivatives are with respect to the points of the left half. The right half follows the left half.
     let is_own = axle.right.is_some() && !axle.is_rigid();
     let values = columns.iter().enumerate().filter(|(_, c)| c.by.is_none());
     let sought = values.filter_map(|(column, c)| Some((column, c.sought()?)));

@@ -78,7 +78,7 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// # Errors
     /// If the design position of a wheel is singular.
     pub fn limits(&mut self) -> Result<AxleLimits, (Side, DesignFault)> {
-        // Without displacement, the axle is the solved design, so this does not fail.
+        // Without displacement, the axle is the solved design, so the call does not fail.
         let _ = self.steer(0.0);
         let left = self.limits_of(Side::Left)?;
         let right = self.limits_of(Side::Right)?;
@@ -205,7 +205,7 @@ impl<const N: usize> AxleSolver<'_, N> {
     fn roll_end(&mut self, ends: [&RangeEnd; 2]) -> Option<AxleEnd> {
         let [left, right] = ends;
         let end = if self.is_rigid() {
-            // Parts of the axle have their names as seen from the left wheel.
+            // The result names parts of the axle as they are seen from the left wheel.
             AxleEnd {
                 value: left.value(),
                 side: Side::Left,
@@ -215,7 +215,7 @@ impl<const N: usize> AxleSolver<'_, N> {
             nearer([(left, 1.0), (right, -1.0)])
         };
         let poses = match ends {
-            // Both ends describe the same position of the axle, seen from each wheel.
+            // The two ends describe the same position of the axle, each as seen from one wheel.
             [RangeEnd::Fold(left), RangeEnd::Fold(right)] if self.is_rigid() => {
                 [left.pose, right.pose]
             }

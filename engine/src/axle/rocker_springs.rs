@@ -73,7 +73,7 @@ pub(super) fn between<T: Real>(left: Vector3<T>, right: Vector3<T>) -> Vector3<T
 }
 
 impl RockerSprings {
-    /// Returns true if one of these springs carries the body.
+    /// Returns true if a spring between the rockers carries the body.
     pub fn carry(&self) -> bool {
         self.heave_spring.is_some() || self.heave_bar.is_some()
     }
@@ -148,7 +148,7 @@ impl<T: Real> RockerSprings<T> {
 }
 
 impl<T: Real> RockerForces<T> {
-    /// Forces of an axle without such springs. Constants get the number type and length of `like`.
+    /// Forces of an axle without springs between its rockers. Constants get the number type and length of `like`.
     #[inline(always)]
     pub fn none(like: T) -> Self {
         let none = like.constant(f64::NAN);

@@ -40,7 +40,7 @@ use corner::{Corner, read_wheel};
 use linearised::{LinearisedAxle, linearise};
 use std::ops::ControlFlow;
 
-/// Size of the rack displacement at which the wheel can no longer follow. `None` for another failure.
+/// Absolute value of the rack displacement at which the range of the wheel ends. `None` for any other failure.
 fn rack_end(failure: &NoPose) -> Option<f64> {
     match failure.of_wheel()? {
         Failure::RackUnreachable { limit, .. } => Some(limit.abs()),
@@ -249,7 +249,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// Checks every rocker for toggles, not only those that move requested quantities.
+    /// Checks every rocker for toggles, not only the rockers that move requested quantities.
     pub fn watch_all_rockers(&mut self) {
         for corner in &mut self.corners {
             let rockers = (0..corner.mechanism.rockers.len()).map(RockerId);
@@ -258,7 +258,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Checks these rockers of one wheel for toggles, besides those that move requested quantities.
+    /// Checks these rockers of one wheel for toggles, in addition to the rockers that move requested quantities.
     pub fn watch(&mut self, side: Side, rockers: impl IntoIterator<Item = RockerId>) {
         let corner = &mut self.corners[side as usize];
         corner.toggles = corner.toggles.and(corner.mechanism, rockers);
@@ -379,8 +379,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.axle.left.mechanism.rigid_axle.as_ref()
     }
 
-    /// Drive and rack of each wheel at these travels, in its own frame. For a rigid axle they are the mean of the travels
-    /// and half their difference. The held one of these replaces the rack.
+    /// Drive and rack of each wheel at these travels, in its own frame. For a rigid axle, drive and rack are the mean travel
+    /// and half the difference of the travels. The held one of these two travels takes the place of the rack.
     pub(crate) fn coordinates(&self, travels: [f64; 2], rack: f64) -> [(f64, f64); 2] {
         let [left, right] = travels;
         match self.rigid() {
@@ -404,7 +404,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Replaces the designs by complete designs of both sides, such as simulated builds. No point follows another one.
+    /// Replaces the designs by complete designs of both sides, such as simulated builds. No point follows another point.
     pub(crate) fn prepare_whole(
         &mut self,
         designs: [&[Vector3<f64>]; 2],

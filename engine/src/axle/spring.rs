@@ -25,7 +25,7 @@ pub struct SpringLaw<T = f64> {
     pub bump_stop: Option<BumpStop>,
     /// Rebound stop. Its abscissa is its deformation: the spring's extension minus the gap.
     pub rebound_stop: Option<BumpStop>,
-    /// Length of the spring at which it has the force of its law and the gaps of its stops. `None` stands for its length in
+    /// Length of the spring from which its deflection and the gaps of its stops are measured. `None` stands for the length in
     /// the design position, so that hardpoints can move without a change of the force. The springs of an assembled car keep
     /// their length.
     pub own_length: Option<f64>,
@@ -190,9 +190,9 @@ impl SpringLaw {
     }
 }
 
-/// A smooth curve through points. It consists of cubics whose slopes make it monotone in each interval in which the points
-/// are monotone (F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17, 1980). Beyond its ends it is straight. The second
-/// derivative jumps at the points.
+/// A smooth curve through points. It consists of cubics whose slopes make the curve monotone in each interval in which the
+/// points are monotone (F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17, 1980). Beyond its ends it is straight. The
+/// second derivative jumps at the points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForceCurve {
     points: Vec<[f64; 2]>,

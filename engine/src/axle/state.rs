@@ -23,7 +23,7 @@
 //!
 //! A pose on a plane may be given by its roll angle and mean travel, by both travels, or at a load. Derivatives along
 //! [`Motion::Rack`] depend on this choice, since the given coordinates of the station stay constant. Formulas of the
-//! catalogue must not depend on it, so they use the other motions.
+//! catalogue must not depend on this choice, so they use the other motions.
 
 use super::Quantity;
 use super::carriers::Carriers;
@@ -265,8 +265,8 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// Returns the wheels on the plane under both, for any choice of given coordinates. Roll angle and mean travel are
-    /// constant in motions.
+    /// Returns the state with both wheels on one plane ground, for any choice of given coordinates. Roll angle and mean
+    /// travel are constant in motions.
     #[inline(always)]
     pub fn on_plane(&self) -> Self {
         AxleState {
@@ -436,8 +436,8 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
 
 impl<T: Real> AxleState<'_, T> {
     /// Returns the state with travels or roll angle corrected to first order, so that both wheels stand on the same ground.
-    /// For numbers with gradients, this adds the gradients of the travels or of the roll angle if these are results. The
-    /// arguments are the plain values of F and track.
+    /// For numbers with gradients, the correction adds the gradients of the travels or of the roll angle if they are results.
+    /// The arguments are the plain values of F and track.
     pub fn settled(&self, [rise, track]: [f64; 2]) -> Self {
         let like = self.like();
         match self.hold {

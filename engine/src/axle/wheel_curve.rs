@@ -50,7 +50,7 @@ const SINGLE: [NumberPart; 3] = [
 const COLUMNS: usize = 3 * VECTORS.len();
 /// Index of the first number.
 const NUMBERS: usize = COLUMNS + 9;
-/// Count of all numbers, rounded up to whole bundles of [`LANES`]. The last ones are unused.
+/// Count of all numbers, rounded up to whole bundles of [`LANES`]. The last numbers of the last bundle are unused.
 const COUNT: usize = (NUMBERS + SINGLE.len()).next_multiple_of(LANES);
 /// Count of numbers, and of wheels, that are evaluated at a time, on processors with registers of this width. In wider
 /// registers, a part of the last bundle would be unused.
@@ -267,7 +267,7 @@ pub(crate) struct WheelCurve {
     pieces: Vec<Known<Piece>>,
 }
 
-/// A value that is computed when it is first needed.
+/// A value that is computed only once, when the value is first needed.
 #[derive(Clone, Debug)]
 enum Known<T> {
     NotYet,
@@ -315,7 +315,7 @@ impl WheelCurve {
         self.nodes.resize(pieces + 1, Known::NotYet);
     }
 
-    /// Writes the wheel at a travel to `into`. `None` if the curve has no piece there that is exact to rounding.
+    /// Writes the wheel at a travel to `into`. `None` if the curve has no piece at this travel that is exact to rounding.
     pub(crate) fn at<const N: usize>(
         &mut self,
         solver: &mut AxleSolver<'_, N>,
@@ -354,7 +354,7 @@ impl WheelCurve {
         (node - f64::from(MOST_PIECES)) * self.length
     }
 
-    /// The wheel in a solved pose. `None` if it has no pose, or if a rocker is at a toggle.
+    /// The wheel in a solved pose. `None` if the wheel has no pose, or if a rocker is at a toggle.
     fn read<const N: usize>(
         &self,
         solver: &mut AxleSolver<'_, N>,

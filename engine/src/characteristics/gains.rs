@@ -78,7 +78,7 @@ macro_rules! of_angle {
     };
 }
 
-/// Returns true if this is one of the four angles.
+/// Returns true if the characteristic is one of the four angles.
 pub(super) fn is_angle(c: Characteristic) -> bool {
     of_angle!(c, Angle => Angle::INFO.name).is_some()
 }
@@ -144,7 +144,7 @@ fn slope_outlined<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>
 macro_rules! gains {
     ($($gain:ident, $angle:ident, $name:literal, $positive:literal, $formula:literal, $slot:ident, $rate:ident;)*) => {
         $(
-            #[doc = concat!("Derivative of ", stringify!($angle), " by wheel travel.")]
+            #[doc = concat!("Derivative of ", stringify!($angle), " with respect to wheel travel.")]
             pub(super) struct $gain;
             impl Formula for $gain {
                 const INFO: Info = Info {

@@ -48,7 +48,7 @@ pub enum Measure {
         point: PointId,
         /// A point of the plane.
         over: Vector3<f64>,
-        /// Unit normal.
+        /// Unit normal of the plane.
         normal: Vector3<f64>,
     },
     /// Distance of a point from a fixed point.
@@ -75,13 +75,13 @@ pub enum Measure {
     FromTube {
         /// The point.
         point: PointId,
-        /// Centre of its axis.
+        /// Centre of the tube's axis.
         middle: Vector3<f64>,
-        /// Unit vector along the axis.
+        /// Unit vector along the tube's axis.
         along: Vector3<f64>,
-        /// Half its length.
+        /// Half the length of the tube.
         half: f64,
-        /// Radius.
+        /// Radius of the tube.
         radius: f64,
     },
     /// Distance of a point from the spin axis.
@@ -133,7 +133,7 @@ const MOST: usize = 6;
 pub(crate) type Vectors<T> = [Vector3<T>; MOST];
 
 impl Measure {
-    /// Quantity of the catalogue, if the measure is one.
+    /// Quantity of the catalogue. `None` for all other measures.
     pub fn quantity(&self) -> Option<Quantity> {
         match self {
             Measure::Quantity(quantity) => Some(*quantity),

@@ -240,7 +240,7 @@ impl Curves {
     }
 
     /// Numbers of empty cells for each column and reason, at stations with a pose. The count omits cells that are empty
-    /// because of a toggle or a missing support, because the station's status reports these.
+    /// because of a toggle or a missing support: the station's status reports these reasons.
     pub fn empty_cells(&self) -> Vec<(usize, NoValue, usize)> {
         let mut counts: Vec<(usize, NoValue, usize)> = Vec::new();
         for column in 0..self.columns.len() {

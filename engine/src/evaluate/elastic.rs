@@ -14,7 +14,7 @@ use crate::study::{ComplianceStudy, WheelStudy};
 pub(crate) struct ElasticRead {
     /// The value.
     pub value: KcValue,
-    /// Derivative with respect to wheel travel, if it is requested in the design position.
+    /// Derivative of the value with respect to wheel travel, if the study requests this derivative in the design position.
     pub slope: Option<KcValue>,
 }
 

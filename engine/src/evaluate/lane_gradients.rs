@@ -28,7 +28,7 @@ pub use results::{Deviations, Jacobians};
 /// Target value of an angle (radians) at a station, with the weight of the squared deviation from it.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AngleTarget {
-    /// Value.
+    /// Target value of the angle.
     pub value: f64,
     /// Weight. 0 if the angle has no target.
     pub weight: f64,
@@ -194,8 +194,8 @@ impl<'a> Gradients<'a> {
         self.is_accepted(0)
     }
 
-    /// Returns true if the lanes can hold the stations of a single design. This is impossible if the tracker must watch rods
-    /// of rockers from one station to the next.
+    /// Returns true if the lanes can hold the stations of a single design. The lanes cannot hold them if the tracker must
+    /// watch rods of rockers from one station to the next.
     pub fn takes_one(&self) -> bool {
         !self.reader.watches_rods()
     }

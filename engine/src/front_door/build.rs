@@ -7,8 +7,8 @@ use crate::plan::Plan;
 use crate::study::WheelStudy;
 
 impl SuspensionBuilder {
-    /// Returns the suspension after a check of its design position: it has a pose there, and the drive can move the wheel
-    /// from this pose.
+    /// Returns the suspension after a check of its design position: the suspension has a pose, and the drive can move the
+    /// wheel from this pose.
     ///
     /// # Errors
     /// Returns the first error in the hardpoints, in other inputs, or in the design position.

@@ -146,7 +146,7 @@ impl Study {
             reason: error.to_string(),
         })?;
         let go_on = || !Interrupt(control.interrupt).is_raised();
-        // Making the plan solves the design itself. This also needs the large stack of a thread of the pool.
+        // Making the plan solves the design itself. Solving the design also needs the large stack of a thread of the pool.
         pool.install(|| {
             let plan = SweepPlan::of(self, sweep)
                 .map_err(|reason| Error::not_begun(self.wheel(), reason))?;

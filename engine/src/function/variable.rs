@@ -133,7 +133,7 @@ impl DesignVariable {
     }
 
     /// Returns an offset that moves the design like this variable, and the variable's value at the design. `None` for a
-    /// coordinate that several points share, because it has no single value at the design.
+    /// coordinate that several points share, because such a coordinate has no single value at the design.
     pub fn as_offset(&self, suspension: &Suspension) -> Option<(Variable, f64)> {
         if !self.absolute {
             return Some((self.moved.clone(), 0.0));

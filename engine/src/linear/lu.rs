@@ -1,4 +1,4 @@
-//! LU factorisation with partial pivoting. The program uses it for the six closure equations, with or without a tangent as
+//! LU factorisation with partial pivoting. The factorisation solves the six closure equations, with or without a tangent as
 //! additional row and column. It also solves the twelve equations of a certificate and the fifteen equations of Attia's
 //! paper.
 

@@ -101,8 +101,8 @@ impl Interval {
         Interval::bounds(low.next_down(), high.next_up())
     }
 
-    /// Sine and cosine: the values at the middle, widened by half the width. This is valid because both slopes are between
-    /// -1 and 1.
+    /// Sine and cosine: the values at the middle, widened by half the width. These bounds are valid, because the slopes of
+    /// sine and cosine are between -1 and 1.
     pub fn sin_cos(self) -> (Self, Self) {
         let middle = self.middle();
         let reach = (Interval::point(self.high) - Interval::point(middle))
@@ -276,7 +276,7 @@ impl Real for Interval {
     }
     #[inline]
     fn scaled(self, factor: f64) -> Self {
-        // Halving and doubling are exact except near underflow. There the code widens the product.
+        // Halving and doubling are exact except near underflow. Near underflow, the code widens the product.
         if factor == 0.5 && self.low.abs().min(self.high.abs()) > f64::MIN_POSITIVE * 2.0 {
             return Interval {
                 low: 0.5 * self.low,

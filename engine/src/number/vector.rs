@@ -59,10 +59,10 @@ impl<T> From<[T; 3]> for Vector3<T> {
 }
 
 impl<T: Real> Vector3<T> {
-    /// True if sums are function calls. This applies to nested numbers outside SIMD registers; in registers, a sum is
-    /// shorter than a call.
+    /// True if sums are function calls. True for nested numbers outside SIMD registers; in registers, a sum is shorter than a
+    /// call.
     const ADDS_IN_CALLS: bool = T::IS_NESTED && !T::IN_REGISTERS;
-    /// True if products are small pieces ([`super::Outlined::IS_SMALL`]). This applies to nested numbers and to numbers in
+    /// True if products are small pieces ([`super::Outlined::IS_SMALL`]). True for nested numbers and for numbers in
     /// registers. The compiler then optimises each operation once instead of at each use.
     pub(super) const IN_PIECES: bool = T::IS_NESTED || T::IN_REGISTERS;
     /// True for derivative numbers outside registers. Their operations are functions that the compiler optimises once and

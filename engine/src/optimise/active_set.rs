@@ -8,12 +8,12 @@
 //! lower <= d <= upper
 //! ```
 //!
-//! with R upper triangular and regular. The method begins at the minimum without constraints, -R^-1 q. It adds the most violated
-//! constraint to the set of held constraints, moves to the minimum under them, and repeats this (D. Goldfarb, A. Idnani, A
-//! numerically stable dual method for solving strictly convex quadratic programs, Mathematical Programming 27, 1983). So it needs
-//! no feasible point to begin with. If there is none, it ends at a constraint whose gradient is a combination of the held
-//! gradients, all of which push against it. By Farkas' lemma these constraints exclude one another. The held gradients are
-//! independent, so none of these constraints can be left out.
+//! with R upper triangular and regular. The method begins at the minimum without constraints, -R^-1 q. It adds the most
+//! violated constraint to the set of held constraints, moves to the minimum under them, and repeats this (D. Goldfarb, A.
+//! Idnani, A numerically stable dual method for solving strictly convex quadratic programs, Mathematical Programming 27,
+//! 1983). So it needs no feasible point to begin with. If there is no feasible point, the method ends at a constraint whose
+//! gradient is a combination of the held gradients, all of which push against it. By Farkas' lemma these constraints exclude
+//! one another. The held gradients are independent, so none of these constraints can be left out.
 //!
 //! The method works on a matrix J with J^T R^T R J = 1. The first columns of J span the held gradients. A move along the
 //! other columns leaves the values of the held constraints unchanged. J begins as R^-1, so the normal equations are never
@@ -66,7 +66,7 @@ pub enum Outcome {
     Stalled,
 }
 
-/// The method with its workspace.
+/// The dual active-set method, with its workspace.
 #[derive(Clone, Debug)]
 pub struct ActiveSet {
     variables: usize,
@@ -101,10 +101,11 @@ const DEPENDENT: f64 = 1e-25;
 const NEARLY_DEPENDENT: f64 = 1e-18;
 /// Share of [`Rows::slack`] up to which a violation of any row counts as met.
 const UNFELT: f64 = 1e-2;
-/// Relative tolerance of a constraint that depends on the held ones. It is larger, because a badly conditioned R gives the
-/// point with fewer digits.
+/// Relative tolerance of a constraint whose gradient depends on the held gradients. This tolerance is larger, because a badly
+/// conditioned R gives the point with fewer digits.
 const MARGINAL: f64 = 1e-9;
-/// Smallest coefficient in a combination of gradients. A constraint with a smaller one does not belong to the combination.
+/// Smallest coefficient in a combination of gradients. A constraint with a smaller coefficient does not belong to the
+/// combination.
 const UNINVOLVED: f64 = 1e-9;
 
 impl ActiveSet {

@@ -30,7 +30,7 @@ use crate::sweep::sobol;
 /// The builds of a robust tuning.
 pub(super) struct Builds<'a> {
     scatter: &'a Scatter,
-    /// Random numbers of the builds, `[build][source]`.
+    /// Random numbers of the builds, `[build][tolerance source]`.
     draws: Vec<Vec<f64>>,
     /// The only wheel, or left and right wheel.
     pub wheels: Vec<BuiltWheel<'a>>,
@@ -70,7 +70,7 @@ impl<'a> Builds<'a> {
         })
     }
 
-    /// Random numbers of the builds, `[build][source]`.
+    /// Random numbers of the builds, `[build][tolerance source]`.
     pub(super) fn draws(&self) -> &[Vec<f64>] {
         &self.draws
     }

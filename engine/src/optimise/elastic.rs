@@ -116,12 +116,12 @@ impl ElasticLayout {
         }
     }
 
-    /// Limited values of each station.
+    /// Values with limits, for each station.
     pub(super) fn limits(&self) -> impl Iterator<Item = &[LimitedValue]> {
         self.stations.iter().map(|station| &station.limits[..])
     }
 
-    /// Limited values of each station, mutable, so that the caller can number their rows.
+    /// Values with limits, for each station, mutable, so that the caller can number their rows.
     pub(super) fn limits_mut(&mut self) -> impl Iterator<Item = &mut [LimitedValue]> {
         self.stations
             .iter_mut()

@@ -198,11 +198,11 @@ pub struct Fit {
     pub evaluation: Linearisation,
     /// Position of each variable relative to its bounds.
     pub active_bounds: Vec<ActiveBound>,
-    /// Reason for the end.
+    /// Reason for the end of the run.
     pub termination: Termination,
     /// Imbalance of the optimality conditions of the last minimisation, relative to the sizes of their terms. 0 if rounding
-    /// errors explain the imbalance. The last minimisation concerns the misfit, or the distance from the design with a limit on
-    /// the misfit. `None` if it ended at no minimum of the distance.
+    /// errors explain the imbalance. The last minimisation concerns the misfit, or the distance from the design with a limit
+    /// on the misfit. `None` if the run did not end at a minimum of the distance.
     pub residual: Option<f64>,
     /// The start and every iteration after it.
     pub history: Vec<Iteration>,
@@ -239,8 +239,8 @@ impl Fit {
         self.violation() <= KEPT
     }
 
-    /// Describes the reason for the end in words, with the imbalance of the optimality conditions if the run did not
-    /// converge.
+    /// Describes the reason for the end of the run in words, with the imbalance of the optimality conditions if the run did
+    /// not converge.
     pub fn ended(&self) -> String {
         let is_short = matches!(
             self.termination,

@@ -91,7 +91,8 @@ impl<'a> FitRecord<'a> {
         self.termination = Some(reason);
     }
 
-    /// Returns the reason for the end, given the imbalance of the optimality conditions, and the iterations.
+    /// Returns the reason for the end of the run, and its iterations. `residual` is the imbalance of the optimality
+    /// conditions.
     pub(super) fn finished(self, residual: f64) -> (Termination, Vec<Iteration>) {
         let reason = self.termination.expect("a run ends for a reason");
         (reason.checked(residual), self.history)

@@ -1,9 +1,9 @@
 //! Constant residuals, which no variable changes, are removed during a tuning.
 //!
-//! A target that no variable changes adds a constant to the squared misfit. If it is missed by far, that constant hides the
-//! other targets. A run stops as soon as an iteration lowers the misfit only by a small share. With the constant, the run
-//! would stop too early. Designs within a hundredth of the best misfit could still miss all other targets. So such a residual
-//! counts as zero while a tuning runs. Afterwards it is restored, and the target is named.
+//! A target that no variable changes adds a constant to the squared misfit. If the target is missed by far, that constant
+//! hides the other targets. A run stops as soon as an iteration lowers the misfit only by a small share. With the constant,
+//! the run would stop too early. Designs within a hundredth of the best misfit could still miss all other targets. So such a
+//! residual counts as zero while a tuning runs. Afterwards the residual is restored, and the result names the target.
 //!
 //! A residual counts as constant if a move of any variable across its range changes it by less than [`UNMOVED`]. The tuning
 //! checks this at its start and at every evaluation. If such a residual changes later, the tuning runs again with it. Only

@@ -243,7 +243,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
                 Gap::between(&points, new, gap.ends[1]),
             ];
             if slack {
-                // There is no design between the point found and the level.
+                // No design of the front lies between the point found and the level.
                 parts[1 - held].low[held] = level;
             }
             gaps.extend(parts);
@@ -348,7 +348,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             }
             let level = most * step as f64 / steps as f64;
             let before = found.last().map_or(from, |f| &f.x);
-            // Starts from a point in the direction of the end, as far as the level allows.
+            // The second start lies on the line from the given design to the last design of the list, as far along as the
+            // level is along its range.
             let ahead = from + (&last.x - from) * (step as f64 / steps as f64);
             found.extend(self.lower(0, &[(1, level)], &[before, &ahead]));
         }

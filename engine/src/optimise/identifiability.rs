@@ -81,7 +81,7 @@ impl Identifiability {
     /// Analyses the Jacobian at a point. A direction is unseen if a move along it across the whole range changes the
     /// residuals (root mean square, in tolerances) by no more than `effect_below`.
     ///
-    /// This holds for small moves. Active bounds are ignored.
+    /// The analysis is exact for small moves. Active bounds are ignored.
     pub fn new(evaluation: &Linearisation, bounds: &Bounds, effect_below: f64) -> Self {
         let none = DMatrix::zeros(0, bounds.variables());
         Self::keeping(evaluation, &none, bounds, effect_below)

@@ -26,8 +26,8 @@ pub(super) struct LaneBuilds {
 }
 
 impl LaneBuilds {
-    /// Allocates for builds with these random numbers, `[build][source]`, of designs with `points` points and `variables`
-    /// variables.
+    /// Allocates for builds with these random numbers, `[build][tolerance source]`, of designs with `points` points and
+    /// `variables` variables.
     pub(super) fn new(draws: &[Vec<f64>], points: usize, variables: usize, width: Width) -> Self {
         let at_once = width.lanes();
         let stride = draws.len().next_multiple_of(MOST_LANES);

@@ -37,8 +37,8 @@ pub(super) enum Source {
 }
 
 impl LanePart {
-    /// Expresses a measure by quantities that lanes provide. Appends the needed ones to `quantities`. `None` if lanes cannot
-    /// provide it.
+    /// Expresses a measure by quantities that lanes provide. Appends the needed quantities to `quantities`. `None` if lanes
+    /// cannot provide the measure.
     pub(super) fn of(
         measure: &Measure,
         suspension: &Suspension,

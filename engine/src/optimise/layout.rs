@@ -51,7 +51,7 @@ pub(super) struct Extremes {
     pub part: usize,
     /// 1 for the largest values, -1 for the smallest.
     pub sign: f64,
-    /// Stations at which the part is evaluated, with the row of this limit at each, in the order of the drive value.
+    /// Stations at which the part is evaluated, each with the row of this limit, in the order of the drive value.
     pub rows: Vec<(usize, usize)>,
 }
 
@@ -102,7 +102,7 @@ pub(super) enum Beside {
 }
 
 impl Beside {
-    /// Limited values of each station.
+    /// Values with limits, for each station.
     fn limits(&self) -> Vec<&[LimitedValue]> {
         match self {
             Beside::Axle(axle) => axle.limits().collect(),
@@ -110,7 +110,7 @@ impl Beside {
         }
     }
 
-    /// Limited values of each station, mutable, so that the caller can number their rows.
+    /// Values with limits, for each station, mutable, so that the caller can number their rows.
     fn limits_mut(&mut self) -> Vec<&mut [LimitedValue]> {
         match self {
             Beside::Axle(axle) => axle.limits_mut().collect(),

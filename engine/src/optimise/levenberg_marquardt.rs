@@ -57,8 +57,8 @@ const GOOD: f64 = 0.75;
 /// Length of a step, as a fraction of the range, up to which the residuals follow their slopes. Along such a step, curvature
 /// changes the residuals by less than rounding. A kink changes them by little more than rounding.
 const STRAIGHT: f64 = 1e-11;
-/// Largest number of corrections of a trial. Each correction is at most half as long as the previous one; most converge
-/// quadratically.
+/// Largest number of corrections of a trial. Each correction is at most half as long as the previous correction. Most trials
+/// converge quadratically.
 const CORRECTIONS: u32 = 8;
 
 /// The solver. One iteration makes one accepted step, after as many trials as needed.
@@ -71,8 +71,8 @@ pub struct LevenbergMarquardt<'a> {
     model: LocalModel<'a>,
     trial_x: DVector<f64>,
     trial: Linearisation,
-    /// Four vectors: the residuals that the model predicts at the trial, the actual residuals minus these, the model (3) of
-    /// this difference, and the step of this model.
+    /// Vectors for the correction of a trial, in this order: residuals that the model predicts at the trial, actual residuals
+    /// minus predicted residuals, the model (3) of this difference, and the step of the model (3).
     promised: DVector<f64>,
     excess: DVector<f64>,
     correction: LocalModel<'a>,
@@ -201,7 +201,8 @@ impl<'a> LevenbergMarquardt<'a> {
     }
 
     /// Corrects a trial reached from `x` until the cost is at most `goal`. The function stops if a correction is more than
-    /// half as long as the previous one. Returns the number of evaluated points, or an error at a point without residuals.
+    /// half as long as the previous correction. Returns the number of evaluated points, or an error at a point without
+    /// residuals.
     fn correct(
         &mut self,
         problem: &mut impl LeastSquares,
@@ -234,7 +235,7 @@ impl<'a> LevenbergMarquardt<'a> {
     }
 }
 
-/// Factor by which an accepted step changes the damping. `ratio` is the reduction found, relative to the predicted one.
+/// Factor by which an accepted step changes the damping. `ratio` is the actual reduction divided by the predicted reduction.
 fn change_of_damping(ratio: f64, shortened: bool) -> f64 {
     match ratio {
         ratio if ratio < POOR => 4.0,

@@ -50,8 +50,8 @@ impl<'a> LocalModel<'a> {
     pub(super) fn shorten(&mut self, damping: &mut f64) {
         let length = self.step_length();
         *damping = damping.max(f64::MIN_POSITIVE);
-        // The factor itself grows, because the damping may start many decades below the value at which it has an effect.
-        // After 64 rounds the damping has grown by more than the largest floating-point number.
+        // The growth factor itself grows, because the damping may start many decades below the first value that has an
+        // effect. After 64 rounds the damping has grown by more than the largest floating-point number.
         let mut growth = 4.0;
         for _ in 0..64 {
             if self.step_length() <= 0.5 * length {

@@ -161,8 +161,8 @@ pub(super) fn least_misfit(starts: &[Start]) -> Option<f64> {
 }
 
 /// Chooses the start with the smallest move among those that satisfy the constraints with a misfit up to `good`. A distance
-/// counts as equal to the smallest one if it exceeds it by at most the fraction `share`. The earliest of equally near starts
-/// wins.
+/// counts as equal to the smallest distance if it is larger by at most the fraction `share`. The earliest of equally near
+/// starts wins.
 pub(super) fn nearest(
     starts: &[Start],
     good: f64,

@@ -60,7 +60,7 @@ struct Search<'s, 'a> {
     left: u64,
 }
 
-/// Returns true if a distance is at most as large as another one.
+/// Returns true if a distance is at most as large as another distance.
 fn is_as_near(distance: f64, other: f64) -> bool {
     distance <= other + AS_NEAR * other
 }
@@ -131,7 +131,7 @@ impl Search<'_, '_> {
             || self.left == 0
     }
 
-    /// Options of a run. It may use a share of the evaluations.
+    /// Options of a run. A run may use only a share of all evaluations.
     fn options(&self, violation_below: f64) -> Options {
         let all = self.level.options.max_evaluations as f64;
         Options {
@@ -214,7 +214,7 @@ impl Tuner<'_> {
             self.take_near(fit, found, level);
         }
         if !is_known {
-            // The imbalance of another problem: of the misfit, or of a lower level.
+            // The stored imbalance belongs to another problem: to a search for the lowest misfit, or to a lower level.
             fit.residual = None;
         }
     }

@@ -188,7 +188,7 @@ impl<'a> Objective<'a> {
             return;
         };
         right.move_to(variables, x);
-        // In a build, no point follows another one, so its design is already complete.
+        // In a build, no point follows another point, so the design of the build is already complete.
         if let (Some(_), Some(rigid)) = (&self.robust, &self.solver.mechanism().rigid_axle) {
             self.wheel.complete(right, rigid, variables.len());
         }

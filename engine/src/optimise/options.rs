@@ -3,26 +3,29 @@
 /// Conditions for the end of a run. Each condition is an inequality. The first condition that holds ends the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Condition: misfit <= this. The misfit is the root mean square of the residuals, in tolerances. The default is the
-    /// rounding error of curves that are some thousand tolerances high. Fits with misfits below the default are equally good.
+    /// Condition: misfit <= `misfit_below`. The misfit is the root mean square of the residuals, in tolerances. The default
+    /// is the rounding error of curves that are some thousand tolerances high. Fits with misfits below the default are
+    /// equally good.
     pub misfit_below: f64,
-    /// Condition: predicted and actual reduction of the cost <= this times the cost. The default, 1e-10, makes the misfit
-    /// accurate to ten digits. The limit does not matter for a minimum with zero misfit. Near such a minimum each step lowers
-    /// the cost by a large fraction, so the run finds it to the last digit.
+    /// Condition: predicted and actual reduction of the cost <= `reduction_below` times the cost. The default, 1e-10, makes
+    /// the misfit accurate to ten digits. The limit does not matter for a minimum with zero misfit. Near such a minimum each
+    /// step lowers the cost by a large fraction, so the run finds it to the last digit.
     pub reduction_below: f64,
-    /// Condition: max_j |step_j| / range_j <= this. The default is the rounding error of a coordinate that is up to sixteen
-    /// times as large as its range.
+    /// Condition: max_j |step_j| / range_j <= `step_below`. The default is the rounding error of a coordinate that is up to
+    /// sixteen times as large as its range.
     pub step_below: f64,
-    /// Condition: |r . column_j| <= this |r| |column_j| for all columns of the Jacobian whose variable is free to
-    /// descend. The default is the rounding of that inner product over some thousand residuals.
+    /// Condition: |r . column_j| <= `gradient_below` |r| |column_j|, with r the residuals. It must hold for all columns of
+    /// the Jacobian whose variable can lower the cost within its bounds. The default is the rounding error of the inner
+    /// product of some thousand residuals.
     pub gradient_below: f64,
-    /// Number of iterations >= this.
+    /// Condition: number of iterations >= `max_iterations`.
     pub max_iterations: u64,
-    /// Largest violation, in the unit of the rows, of a step under constraints that lowers the goal. With the default,
-    /// infinity, the limit is a hundred times the violation of the start. A small value prevents a run with a feasible start
-    /// from jumping to another minimum.
+    /// Not a condition: largest violation, in the unit of the rows, that a step may cause while it lowers the goal. With the
+    /// default, infinity, the limit is a hundred times the violation of the start. A small value prevents a run with a
+    /// feasible start from jumping to another minimum.
     pub violation_below: f64,
-    /// Condition: number of evaluations >= this. The default is ten for each iteration; most iterations need one evaluation.
+    /// Condition: number of evaluations >= `max_evaluations`. The default is ten for each iteration; most iterations need one
+    /// evaluation.
     pub max_evaluations: u64,
 }
 

@@ -91,7 +91,7 @@ pub enum Infeasible {
     Residual {
         /// Index of the residual.
         row: usize,
-        /// Value.
+        /// Value of the residual.
         value: f64,
     },
     /// A derivative is not a usable number.
@@ -101,7 +101,7 @@ pub enum Infeasible {
         row: usize,
         /// Index of the variable.
         column: usize,
-        /// Value.
+        /// Value of the derivative.
         value: f64,
     },
 }

@@ -5,7 +5,7 @@ use super::qr::{scale_columns, triangularise};
 use super::{BoundedLeastSquares, Bounds, Linearisation};
 use nalgebra::{DMatrix, DVector};
 
-/// Largest number of trials in the search for an end.
+/// Largest number of trials in the search for one end of the interval.
 const TRIALS: usize = 60;
 /// Factor of the Illinois method on the value at an end of the bracket that has not moved in two successive trials. The
 /// factor changes the path of the search, not the result.
@@ -111,10 +111,10 @@ impl<'a> Profile<'a> {
         (squares + (self.diagonal * own).powi(2)).sqrt()
     }
 
-    /// Finds the value between `from` and `bound` at which the smallest sum of squares reaches a level, and the point there.
-    /// `None` if the sum does not reach the level at the bound, or already exceeds it at `from`. The search is the Illinois
-    /// method (M. Dowell, P. Jarratt, A modified regula falsi method, BIT 11, 1971), on the root of the rise of the sum above
-    /// its value at `from`.
+    /// Finds the value between `from` and `bound` at which the smallest sum of squares reaches a level, and the point with
+    /// this sum. `None` if the sum does not reach the level at the bound, or already exceeds it at `from`. The search is the
+    /// Illinois method (M. Dowell, P. Jarratt, A modified regula falsi method, BIT 11, 1971), on the root of the rise of the
+    /// sum above its value at `from`.
     pub(super) fn end(&self, from: f64, bound: f64, level: f64) -> Option<(f64, DVector<f64>)> {
         let first = self.squares(from).0;
         if first > level || self.squares(bound).0 <= level {

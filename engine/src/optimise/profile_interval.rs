@@ -64,11 +64,11 @@ use nalgebra::DVector;
 const OUTSIDE: f64 = 0.05;
 /// Largest number of evaluations for each end of an interval.
 const EVALUATIONS: usize = 6;
-/// Movement of an end, as a share of its distance from the estimate, below which the end has settled.
+/// Movement of an end of the interval, as a share of its distance from the estimate, below which this end has settled.
 const AT_REST: f64 = 0.01;
 /// Width of an interval, as a share of the range, above which the variable counts as not determined.
 const NEARLY_ALL: f64 = 0.95;
-/// Number of rounds that settle an end together with its quantile.
+/// Number of rounds that settle an end of the interval together with its quantile.
 const SETTLING: usize = 2;
 /// Distance, in standard errors, up to which a bound changes the distribution of T.
 const IN_REACH: f64 = 4.0;

@@ -18,8 +18,8 @@ pub(super) struct Robust<'a> {
 }
 
 impl<'a> Robust<'a> {
-    /// Prepares the builds of a vehicle that [`Vehicle::assembled`] returned. If `width` is given, lanes assemble the builds
-    /// of a study of one wheel.
+    /// Prepares the builds of a vehicle that [`Vehicle::assembled`] returned. If `width` is given, the builds are assembled
+    /// in SIMD lanes of this width. Only studies of one wheel support lanes.
     pub(super) fn new(
         assembled: &Vehicle,
         scatter: &'a Scatter,

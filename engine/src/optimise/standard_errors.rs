@@ -376,8 +376,8 @@ mod tests {
                 panic!("{:?}", found.intervals[0]);
             };
             let d = upper / error;
-            // T at the end is d (2 (below + d) - d). Its probability by (4) and (5) is at most 5 %. It is slightly less if
-            // the simulation gives a larger quantile.
+            // T at the end of the interval is d (2 (below + d) - d). By (4) and (5), the probability of a larger T is at most
+            // 5 %. The probability is slightly less if the simulation gives a larger quantile.
             let q = (d * (2.0 * below + d)).sqrt();
             let student = Student::new(rows);
             let towards = if q <= d {

@@ -13,12 +13,13 @@ use super::{
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Largest ratio to the smallest misfit up to which designs count as equally good. It applies if no design is good enough.
+/// Largest ratio to the smallest misfit up to which designs count as equally good. This ratio applies only if no design is
+/// good enough.
 const AS_GOOD: f64 = 1.01;
 /// Largest number of repetitions of all starts. The starts run again if a residual changes that was constant at the design.
 const ROUNDS: usize = 3;
-/// Largest number of repetitions of the search for the smallest change. It is repeated if a descent from its result ends at a
-/// smaller misfit.
+/// Largest number of repetitions of the search for the smallest change. The search is repeated if a descent from its result
+/// ends at a smaller misfit.
 const DESCENTS: usize = 4;
 /// Relative difference from which a misfit counts as smaller.
 const LOWER: f64 = 1e-4;
@@ -200,8 +201,8 @@ impl<'a> Tuner<'a> {
         fixed.square() / self.layout.residuals() as f64
     }
 
-    /// Limit for the misfit of the residuals that variables change. Together with the constant residuals it gives `good_enough`,
-    /// if that is possible. Otherwise the whole misfit is about as good as the smallest possible one.
+    /// Limit for the misfit of the residuals that variables change. Together with the constant residuals it gives
+    /// `good_enough`, if that is possible. Otherwise the limit is such that the whole misfit is about as small as possible.
     fn good_enough_without(&self, fixed: &FixedRows) -> f64 {
         let (good, constant) = (self.optimise.good_enough, self.constant_square(fixed));
         let rest = good * good - constant;

@@ -262,8 +262,8 @@ pub(super) fn read_poses<'a>(
     failed.map_or(Ok(()), Err)
 }
 
-/// Makes the error for a force whose value `found` is NaN, because no member can carry its load there. Returns `None` for all
-/// other measures and values.
+/// Makes the error for a force whose value `found` is NaN, because no member can carry its load. Returns `None` for all other
+/// measures and values.
 pub(super) fn uncarried(
     measure: &Measure,
     found: f64,

@@ -235,7 +235,7 @@ mod tests {
         assert!(pushes.balance(&[-0.2, 1.0], scale).residual < 1e-12);
     }
 
-    /// Two equal gradients get equal multipliers, although only the sum of both is determined.
+    /// Two equal gradients get equal multipliers, although only the sum of the two multipliers is determined.
     #[test]
     fn equal_gradients_share_their_multiplier() {
         let mut pushes = Pushes::default();

@@ -121,7 +121,8 @@ pub(super) fn stated<F: FnMut(&[f64]) -> [Values; 3]>(
 
 pub(super) type Function = fn(&[f64]) -> Rows;
 
-/// A published problem: its start, its box (wide if none is published) and the least sum of squares reached from there.
+/// A published problem: its start, its box (wide if none is published) and the least sum of squares that a run from this
+/// start reaches.
 pub(super) struct Published {
     pub name: &'static str,
     pub rows: Function,

@@ -38,7 +38,7 @@ impl Criterion {
     }
 }
 
-/// Distance of variables from the design.
+/// Function that measures the distance of the variables from the design.
 #[derive(Clone, Debug)]
 pub(super) struct Distance<'a> {
     design: &'a DVector<f64>,

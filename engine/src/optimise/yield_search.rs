@@ -52,8 +52,8 @@ const WIDEST: f64 = 0.25;
 const FEW: f64 = 0.5;
 /// Number of further builds with which the ends of the search are evaluated.
 const JUDGED: usize = 1 << 16;
-/// Number of further builds with which a design with elastic parts is evaluated. It is smaller, because equilibria take
-/// longer than poses.
+/// Number of further builds with which a design with elastic parts is evaluated. This number is smaller, because equilibria
+/// take longer than poses.
 const JUDGED_ELASTIC: usize = 1 << 10;
 /// Number of further builds with which an axle is evaluated. They are solved one after another.
 const JUDGED_AXLE: usize = 1 << 12;
@@ -429,7 +429,7 @@ impl Constrained for SmoothYield<'_> {
     }
 }
 
-/// Tunes the nominal design towards the targets, then raises the yield from there.
+/// Tunes the nominal design towards the targets, then raises the yield, starting from the tuned design.
 pub(super) fn tune_for_yield(
     vehicle: &Vehicle,
     optimise: &Optimise,

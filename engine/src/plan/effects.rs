@@ -11,11 +11,11 @@ use crate::study::{Order, Study, TimeLaw};
 pub struct Effect {
     /// Name of the effect.
     pub name: &'static str,
-    /// True if the part is computed.
+    /// True if the effect is computed.
     pub on: bool,
-    /// Description of the computed part; empty if it is off.
+    /// Description of the computation; empty if the effect is off.
     pub what: String,
-    /// Setting in the study that turned the effect on; empty if it is off.
+    /// Setting in the study that turned the effect on; empty if the effect is off.
     pub because: String,
     /// Estimated cost relative to the position alone: 0.5 makes a run 1.5 times as long. Zero if the effect is off. Other
     /// effects do not influence this cost.

@@ -60,7 +60,8 @@ pub(super) fn observe(
             let site = target.site.axle.as_ref();
             let motion = site.and_then(|site| site.motion.as_deref());
             let station = |sample: AxleSample| match motion {
-                // Stations of another named motion have different coordinates. So only equal positions count.
+                // Another named motion has different coordinates. So its target applies only to a station that has exactly
+                // the same position.
                 Some(other) if Some(other) != name => {
                     placements.iter().position(|own| *own == sample.placement)
                 }

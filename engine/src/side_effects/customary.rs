@@ -8,8 +8,8 @@ use crate::model::LengthUnit;
 const LENGTH: f64 = 1.0;
 /// Smallest relevant change of toe at the rim, in mm: 0.05 degrees at a rim of 340 mm.
 const TOE_AT_RIM: f64 = 0.3;
-/// Smallest relevant change of a turning circle, as a share of its value. It is a share because the turning circle grows
-/// without bounds near straight ahead.
+/// Smallest relevant change of a turning circle, as a share of its value. The tolerance is a share, because the turning
+/// circle grows without bounds near straight ahead.
 const TURNING_CIRCLE: f64 = 0.01;
 
 /// Customary tolerance of a change.

@@ -205,7 +205,8 @@ pub(super) fn delimiter(text: &str) -> u8 {
 }
 
 /// Converts measured points to a function of the drive value, sorted by drive value. If the measurement went back and forth
-/// over much the same range, the function is the mean of both directions. Values at the same drive value are averaged, too.
+/// over much the same range, the function is the mean of the curves in both directions. Values at the same drive value are
+/// averaged, too.
 fn function(points: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let ways = ways(&points);
     let reach = |way: &[[f64; 2]]| (way[0][0], way[way.len() - 1][0]);

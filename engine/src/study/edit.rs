@@ -56,7 +56,7 @@ impl Study {
     }
 
     /// Returns a built axle as the text of a study. The text contains every hardpoint of the right wheel. For a solid axle,
-    /// these are the hardpoints of its right half.
+    /// the hardpoints of its right half stand for those of the right wheel.
     pub fn with_built_axle(&self, [left, right]: [&Suspension; 2]) -> String {
         let text = self.with_built(left);
         let Ok(mut document) = text.parse::<DocumentMut>() else {
@@ -325,8 +325,8 @@ fn leave_out_rates(root: &mut Table) -> Vec<String> {
     names.map(|name| format!("[{name}]")).collect()
 }
 
-/// Writes rates of the right wheel into `[axle.right]`: rates that differ from the left wheel's rates, and rates that the
-/// text already has there. Returns true if any rate differs.
+/// Writes rates of the right wheel into `[axle.right]`: rates that differ from the left wheel's rates, and rates that
+/// `[axle.right]` already contains. Returns true if any rate differs.
 fn write_right_rates(
     root: &mut dyn TableLike,
     elastic: &AxleComplianceStudy,

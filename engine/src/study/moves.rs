@@ -16,13 +16,13 @@ use toml::Spanned;
 pub(super) struct Written<'a> {
     /// Position of the variable in the file.
     pub place: Span<usize>,
-    /// Name of the hardpoint. An entry gives either this or `hardpoints`.
+    /// Name of the hardpoint. An entry gives either `hardpoint` or `hardpoints`.
     pub hardpoint: &'a Option<Text>,
     /// Names of several hardpoints that move together.
     pub hardpoints: &'a Option<Spanned<Vec<Text>>>,
     /// Displacement of each hardpoint per unit of the variable.
     pub factors: &'a Option<Spanned<Vec<Number>>>,
-    /// Axis `x`, `y` or `z`. An entry gives either this or `direction`.
+    /// Axis `x`, `y` or `z`. An entry gives either `axis` or `direction`.
     pub axis: Option<&'a Text>,
     /// Direction of the move.
     pub direction: Option<&'a Coordinates>,
@@ -100,7 +100,8 @@ pub(super) fn range(
     Some([low, high])
 }
 
-/// Reads the lowest and the highest value of a variable. A study must accept both values for this part.
+/// Reads the lowest and the highest value of a variable. Refuses the range if a study does not accept both values for the
+/// part that the variable changes.
 pub(super) fn accepted_range(
     written: &Spanned<Vec<Number>>,
     what: &str,

@@ -207,7 +207,8 @@ fn front(
     Some(goals)
 }
 
-/// Default for `good_enough`. Below this misfit, differences are less than a tenth of a tolerance and so not visible.
+/// Default for `good_enough`. Below this misfit, deviations are less than a tenth of a tolerance, so differences between
+/// designs are not visible.
 pub(crate) const GOOD_ENOUGH: f64 = 0.1;
 /// Default limit of the iterations of one start.
 pub(crate) const MAX_ITERATIONS: u32 = 200;
@@ -330,7 +331,7 @@ fn cost(written: &file::Variable, problems: &mut Problems) -> Option<f64> {
     }
 }
 
-/// Variables of a rigid body: all three displacements and three rotations, or the requested ones.
+/// Variables of a rigid body: all three displacements and three rotations, or only those that the study requests.
 fn rigid(
     variable: &Spanned<file::Variable>,
     points: &Spanned<Vec<Text>>,

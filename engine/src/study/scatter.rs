@@ -7,7 +7,7 @@ use crate::model::{ClosedForm, Mechanism};
 /// Set-up: adjustments and target values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Setup {
-    /// Adjustments, at least one.
+    /// Adjustments. The list is not empty.
     pub adjust: Vec<Adjustment>,
     /// Target static values.
     pub want: Vec<Want>,

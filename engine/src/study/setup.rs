@@ -94,7 +94,7 @@ fn want_of_wheel(
     Some(want.collect())
 }
 
-/// Adjustment of one wheel, or of both independent wheels of an axle.
+/// Reads an adjustment of one wheel, or of both wheels of an axle if its wheels are independent.
 fn adjustment_of_wheel(
     written: &Spanned<file::Adjustment>,
     context: &Context,

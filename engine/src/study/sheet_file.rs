@@ -33,8 +33,8 @@ pub(super) struct SheetTarget {
 /// A file, and the required columns that it lacks.
 type Sheet = (Arc<Source>, Vec<&'static str>);
 
-/// Reads the file of a target. `None` if the file is empty, because the reader of curves reports this. The error says why
-/// the file cannot be read.
+/// Reads the file of a target. `None` if the file is empty, because the reader of curves reports empty files. The error says
+/// why the file cannot be read.
 fn sheet(path: &Text, context: &Context) -> Result<Option<Sheet>, String> {
     let full = context.directory.join(path.get_ref());
     let text = read_text(&full, LONGEST_TEXT)?;
@@ -333,7 +333,7 @@ impl Reader<'_> {
             && same("steering", steering))
     }
 
-    /// Returns the test result that fits a row. More than one is an error. `None` for a missing secant.
+    /// Returns the test result that fits a row. More than one fitting test result is an error. `None` for a missing secant.
     fn only_one<F>(
         row: &Row<'_>,
         is_secant: bool,

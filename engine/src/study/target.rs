@@ -195,7 +195,7 @@ impl Target {
         Some(format!("[motion] does not have the rack {other}"))
     }
 
-    /// Returns true if a chart can show the target as a line. This is a value or a curve of a characteristic.
+    /// Returns true if a chart can show the target as a line. A chart can show a value or a curve of a characteristic.
     pub fn is_plain(&self) -> bool {
         !matches!(self.wanted, Wanted::Band { .. }) && self.has_curve()
     }
@@ -209,7 +209,8 @@ impl Target {
 /// Target value, curve or band.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Wanted {
-    /// A curve over the drive. It is compared at the stations of the motion between its ends.
+    /// A target curve over the drive. The tuning compares the curve at the stations of the motion between the ends of the
+    /// curve.
     Curve {
         /// Drive value (as in [`Motion::values`]) and target value, in the order of the drive value.
         points: Vec<[f64; 2]>,
@@ -241,7 +242,7 @@ pub enum Wanted {
 pub enum Limit {
     /// A constant limit.
     Value(f64),
-    /// A curve over the drive. It has no effect beyond its ends.
+    /// A limit curve over the drive. The curve sets no limit beyond its ends.
     Curve {
         /// Drive value and limit, in the order of the drive value.
         points: Vec<[f64; 2]>,

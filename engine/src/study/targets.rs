@@ -244,7 +244,8 @@ struct TargetContext<'a> {
 }
 
 impl TargetContext<'_> {
-    /// Checks that a motion of rows has a row for each drive value of a target. On a curve, it must have at least one row.
+    /// Checks that a motion of rows has a row for each drive value of a target. Within a target curve, the motion must have
+    /// at least one row.
     fn check_rows(
         &self,
         wanted: &Wanted,

@@ -33,7 +33,7 @@ impl Move {
 pub struct Optimise {
     /// Number of starts. The first start is the design itself, and further starts are points of a low-discrepancy sequence.
     pub starts: usize,
-    /// Seed of this sequence.
+    /// Seed of the low-discrepancy sequence.
     pub seed: u32,
     /// Largest number of iterations of one start.
     pub max_iterations: u64,
@@ -116,8 +116,8 @@ impl Optimise {
         }
     }
 
-    /// Reasons why a sweep cannot compute the misfit, one for each target that it cannot evaluate. Empty if it can evaluate
-    /// all targets.
+    /// Reasons why a sweep cannot compute the misfit, one for each target that it cannot evaluate. Empty if the sweep can
+    /// evaluate all targets.
     pub fn not_swept(&self, motion: &Motion, length: LengthUnit) -> Vec<String> {
         if self.fit {
             return vec!["fit = true, so the targets are measurements".to_owned()];

@@ -249,7 +249,7 @@ impl OutputRange {
     }
 }
 
-/// Inserts a design into the list of best designs if it is good enough. Equal designs keep their order.
+/// Inserts a design into the list of best designs if its misfit is among the smallest. Equal designs keep their order.
 fn keep_best(
     best: &mut Vec<Candidate>,
     misfit: usize,
@@ -263,7 +263,7 @@ fn keep_best(
     }
 }
 
-/// Inserts a misfit into the list of smallest misfits if it is small enough.
+/// Inserts a misfit into the list of smallest misfits if it is among the smallest.
 fn keep_least(least: &mut Vec<f64>, misfit: f64) {
     let place = least.partition_point(|other| *other <= misfit);
     if place < KEPT && misfit.is_finite() {

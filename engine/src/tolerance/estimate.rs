@@ -60,13 +60,14 @@ impl Estimate {
     }
 
     /// Returns true if the linear result of a value that scatters is valid. The second-order term and the builds must confirm
-    /// it. `None` if this is unknown.
+    /// it. `None` if the second-order term is unknown or there are no builds.
     pub fn holds(&self, spread: &Spread) -> Option<bool> {
         // Without builds, the estimate cannot be confirmed.
         if spread.count == 0 {
             return None;
         }
-        // The second-order term may be small although higher orders or rejected builds matter. Only the builds show this.
+        // The second-order term may be small although higher orders or rejected builds matter. Only the builds show such
+        // effects.
         let apart = (spread.sigma - self.sigma()).abs();
         if apart > HOLDS * self.sigma() + 4.0 * spread.sigma_error {
             return Some(false);

@@ -27,7 +27,7 @@ const MOST_SOURCES: usize = 120;
 /// Mean and variance of every value, from the derivatives at the nominal design.
 #[derive(Clone, Debug)]
 pub struct Expansion {
-    /// Derivatives g, `[cell][tolerance source]`.
+    /// Derivatives g, `[cell][tolerance source]`. A cell is the value of an output at a station.
     pub gradient: Vec<f64>,
     /// First-order variance of each cell.
     pub variance: Vec<f64>,

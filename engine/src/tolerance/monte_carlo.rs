@@ -21,7 +21,7 @@ const SIDE_BY_SIDE: usize = 8;
 pub struct MonteCarlo {
     /// Number of builds.
     pub builds: u64,
-    /// Spread of each cell.
+    /// Spread of each cell: of each output at each station ([`Problem::cell`]).
     pub spreads: Vec<Spread>,
     /// Builds that cannot be assembled, grouped by a word for the reason.
     pub rejects: BTreeMap<&'static str, Rejected>,

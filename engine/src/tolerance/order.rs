@@ -29,10 +29,10 @@ const MOST: usize = PERCENTILES.len();
 /// An empty window.
 const NONE: [f64; 2] = [f64::INFINITY; 2];
 
-/// Windows of every cell, each as [smallest, largest] value, in rising order.
+/// Windows of every cell (a value at a station). Each window is a [smallest, largest] value, and windows are in rising order.
 type Windows = Vec<[[f64; 2]; MOST]>;
 
-/// Contribution of some builds.
+/// Contribution of some builds to the percentiles: counts of values, and stored values.
 pub(super) struct Sifted {
     windows: Arc<Windows>,
     /// Number of values below the first window, between the first and the second, and so on, for each cell.
@@ -58,13 +58,13 @@ pub(super) struct Gathered {
     histograms: Vec<Option<Histogram>>,
 }
 
-/// Values of a cell.
+/// Values of one cell (a value at a station) over all builds so far.
 #[derive(Clone, Default)]
 struct Cell {
     between: [u64; MOST + 1],
     /// Values within windows, each with its number of occurrences.
     kept: Vec<(f64, u64)>,
-    /// Length at which equal values are merged next.
+    /// Length of `kept` at which its equal values are merged next.
     compact_at: usize,
 }
 

@@ -130,7 +130,7 @@ impl Sample {
     }
 }
 
-/// First-order part of yields and ranking. It does not need builds.
+/// First-order part of yields and ranking. The forecast does not need builds.
 pub struct Forecast {
     /// Share of the sample in each band, and in all bands.
     bands: Vec<f64>,

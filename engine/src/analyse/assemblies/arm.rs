@@ -9,12 +9,12 @@
 //! Intervals isolate the roots. Mean-value forms about the middle m of a piece X enclose f and f': f(X) in f(m) + f'(X) (X -
 //! m). Their excess width shrinks with the square of the piece's width. Each piece has one of these outcomes:
 //!
-//! - It is dropped if the enclosure of f excludes a root. It is also dropped if the upper end or the tie rod has no real
-//!   position on it.
-//! - If f' does not vanish on it, there is at most one root, and the signs of f - travel at the ends decide.
+//! - The piece is dropped if the enclosure of f excludes a root. It is also dropped if the upper end or the tie rod has no
+//!   real position on the piece.
+//! - If f' does not vanish on the piece, there is at most one root, and the signs of f - travel at the ends decide.
 //! - If all its poses are closer to a known assembly than any other assembly can be, this assembly is the only one on the
 //!   piece.
-//! - Otherwise it is halved.
+//! - Otherwise the piece is halved.
 //!
 //! So no root is missed, even if two roots are very close. A piece that is narrower than [`NARROWEST`] and still undecided
 //! (a double root) goes to Newton's method on the closure equations.
@@ -31,8 +31,9 @@ use std::f64::consts::PI;
 
 /// Width (rad) below which pieces are not halved any further.
 const NARROWEST: f64 = 1e-10;
-/// Largest number of pieces for each of the four functions. This number takes a quarter of a second. An ordinary design
-/// needs 400 pieces. A design with parallel arms, or with a tie-rod lever of a hundredth of its arm, needs 1,500.
+/// Largest number of pieces for each of the four functions. A search of so many pieces takes a quarter of a second. An
+/// ordinary design needs 400 pieces. A design with parallel arms, or with a tie-rod lever of a hundredth of its arm, needs
+/// 1,500.
 const MOST_PIECES: usize = 20_000;
 /// Width (rad) below which Newton's method is tried on an undecided piece. `NEXT_TRY` is the factor by which the piece must
 /// be narrower for the next try.
@@ -40,7 +41,7 @@ const FIRST_TRY: f64 = 0.02;
 const NEXT_TRY: f64 = 0.1;
 /// Offsets (rad) from a toggle at which poses are tried if the toggle itself has no pose.
 const BESIDE: [f64; 7] = [0.0, 1e-9, -1e-9, 1e-7, -1e-7, 1e-5, -1e-5];
-/// Largest distance (rad) of an assembly from the piece in which it was searched.
+/// Largest distance (rad) between an assembly and the piece whose search found this assembly.
 const NEAR: f64 = 1e-4;
 
 type Value = Jet<Interval, 3>;
@@ -62,7 +63,7 @@ struct Branch {
     rack: f64,
 }
 
-/// Result for a piece.
+/// Result of the search on a piece of the rotation: number of its roots, or undecided.
 enum Verdict {
     /// No root.
     None,
@@ -145,8 +146,8 @@ impl Search<'_> {
         }
     }
 
-    /// Returns true if all poses of a piece are close to one assembly. It is a known assembly, or one that Newton's method
-    /// finds from this piece.
+    /// Returns true if all poses of a piece are close to one assembly. This assembly is already known, or Newton's method
+    /// finds it from the piece.
     fn settles(&mut self, branch: &Branch, low: f64, high: f64) -> bool {
         let poses = branch.poses(Interval::bounds(low, high));
         if self.is_settled(&poses) {
@@ -161,7 +162,7 @@ impl Search<'_> {
         self.is_settled(&poses)
     }
 
-    /// Assembly at an arm angle, or so near to this angle that both cannot be distinguished.
+    /// Assembly at an arm angle, or so near to this angle that the two angles cannot be distinguished.
     fn beside(&self, branch: &Branch, angle: f64) -> Option<Assembly> {
         let found = self.assembly(&branch.pose(angle)?)?;
         let apart = (0.5 * (found.arm_angle? - angle)).sin().abs();
@@ -214,9 +215,9 @@ impl Branch {
     }
 
     /// Returns the state of the mechanism on a piece, and the radicand for the position of its upper end. A second radicand
-    /// gives the tie-rod end's distance from its plane. Near their zeros, both are small differences of large terms. The
-    /// zeros are double if parallel arms are in line with each other and with the steering axis. So both radicands have
-    /// mean-value forms, which give far narrower intervals than direct evaluation.
+    /// gives the tie-rod end's distance from its plane. Near their zeros, both radicands are small differences of large
+    /// terms. The zeros are double if parallel arms are in line with each other and with the steering axis. So both radicands
+    /// have mean-value forms, which give far narrower intervals than direct evaluation.
     fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> (ArmState<Value>, Interval) {
         let middle = Interval::point(angle.middle());
         let around = angle - middle;
@@ -281,7 +282,7 @@ impl Branch {
     }
 }
 
-/// Adds a range of arm angles. Joins it with the last range if they touch.
+/// Adds a range of arm angles. Joins the new range with the last range if the two touch.
 fn join(ranges: &mut Vec<(f64, f64)>, (low, high): (f64, f64)) {
     match ranges.last_mut() {
         // Pieces come from the top of the stack, with increasing angles.

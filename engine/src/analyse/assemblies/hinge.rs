@@ -7,7 +7,7 @@
 //! th = atan2(B, A) +- acos(C/sqrt H)                                              (1)
 //! ```
 //!
-//! There are two assemblies if C^2 < H, and none if C^2 > H. If intervals cannot decide between both cases, the arm is at
+//! There are two assemblies if C^2 < H, and none if C^2 > H. If intervals cannot decide between the two cases, the arm is at
 //! the end of its range, and Newton's method decides.
 
 use super::{Search, Undecided};

@@ -103,7 +103,7 @@ pub enum Undecided {
     ArmAngle(f64, f64),
     /// Near a pose.
     Pose(Pose<f64>),
-    /// Fraction of all rotations of the knuckle that was not searched, because this would have taken too long.
+    /// Fraction of all rotations of the knuckle that was not searched, because a complete search would have taken too long.
     Rotations(f64),
 }
 
@@ -150,7 +150,8 @@ impl Solver<'_> {
     /// +y). `None` for a mechanism without a complete method.
     pub fn assemblies(&self, travel: f64, rack: f64) -> Option<Assemblies> {
         let mut search = Search::new(self, travel, rack);
-        // The assembly that is connected to the design position comes first: it must be found even if the search gives up.
+        // The assembly that is connected to the design position comes first: the result must contain this assembly even if
+        // the search gives up.
         search.take_connected();
         let mechanism = self.mechanism();
         match (Roles::of(mechanism), mechanism.constraints.as_slice()) {

@@ -21,7 +21,7 @@
 //!    Numer. Anal.* 14, 1977). This step repeats while it makes the box much smaller.
 //!
 //! The search halves the remaining box across the variable that changes the equations most. Steps and halving repeat until
-//! every box is decided or too narrow. All results are rounded outward, so it misses no assembly.
+//! every box is decided or too narrow. All results are rounded outward, so the search misses no assembly.
 
 use super::{Search, Undecided, pose_distance};
 use crate::linear::lu::Lu6;
@@ -35,7 +35,8 @@ use crate::threads::checkpoint;
 /// Box of p and v.
 type Cell = [Interval; 6];
 
-/// Largest number of boxes. This number takes six or seven seconds. A usual design needs fifty to two hundred thousand.
+/// Largest number of boxes. A search of so many boxes takes six or seven seconds. An ordinary design needs 50,000 to 200,000
+/// boxes.
 const MOST_CELLS: usize = 500_000;
 /// Change of the equations within a box, relative to the size, below which the box is not halved any further.
 const NARROWEST: f64 = 1e-9;
@@ -72,7 +73,7 @@ struct Chart {
     flip: [f64; 3],
 }
 
-/// Result for a box.
+/// Result of the search in a box of poses: number of its assemblies, or undecided.
 enum Verdict {
     /// No assembly.
     None,
@@ -419,7 +420,8 @@ fn inverse(matrix: &[[Interval; 6]; 6]) -> Option<[[f64; 6]; 6]> {
     finite.then_some(rows)
 }
 
-/// Divides a box across a variable. It does not divide in the exact middle, because the design position may lie there.
+/// Divides a box across a variable. The border is not in the exact middle of the box, because the design position may lie in
+/// the middle.
 fn halves(cell: &Cell, across: usize) -> [Cell; 2] {
     let Interval { low, high } = cell[across];
     let cut = low + 0.4871 * (high - low);

@@ -12,7 +12,7 @@ use std::ops::ControlFlow;
 
 /// Largest number of steps in the certified path from one station to the next.
 const MOST_STEPS: usize = 4096;
-/// Largest number of halvings of such a step.
+/// Largest number of times that a step of the certified path is halved.
 const MOST_HALVINGS: usize = 40;
 
 impl Solver<'_> {
@@ -78,7 +78,8 @@ impl Solver<'_> {
                     self.prove_path(certifier, from?, (pose, point))
                         .map_err(Failure::Uncertified)
                 });
-                // Beyond a gap in the chain, no pose can be certified. An unreachable station ends its side in any case.
+                // Beyond a gap in the chain, no pose can be certified. Beyond an unreachable station, there are no stations
+                // with a pose on this side of the design position.
                 from = certified;
                 let shown = match &certified {
                     Ok(proved) => Ok((&proved.place.0, proved.certificate)),
@@ -92,7 +93,7 @@ impl Solver<'_> {
         Ok(())
     }
 
-    /// Certifies that a pose lies on the same branch as another one, in as many steps as needed.
+    /// Certifies that two poses lie on the same branch, in as many steps as needed.
     fn prove_path(
         &mut self,
         certifier: &Certifier,
@@ -131,7 +132,7 @@ impl Solver<'_> {
             let top = goals.last_mut().expect("checked above");
             top.1 += 1;
             let depth = top.1;
-            // If an end itself cannot be certified, a shorter step to this end cannot help.
+            // If the pose in the middle cannot be certified, a shorter step to this pose cannot help.
             goals.push((Proved::new(certifier, (middle, between))?, depth));
         }
         Err(Unproven::Branch)

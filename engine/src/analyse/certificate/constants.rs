@@ -22,7 +22,8 @@ fn suspensions() -> Vec<Suspension> {
     proved.map(read).collect()
 }
 
-/// The twelve equations at a displacement of the pose's numbers from the design position. Lengths are divided by the scale.
+/// Values of the twelve closure equations, if the numbers of the pose differ from those of the design position by `z`.
+/// Lengths are divided by the scale.
 fn equations(suspension: &Suspension, drive: Drive, scale: f64, z: [f64; N]) -> [Interval; N] {
     let mechanism: &Mechanism = &suspension.mechanism;
     let design: Vec<_> = suspension
@@ -106,7 +107,8 @@ fn constants_are_the_second_derivatives_of_every_pair() {
                         assert!(own.next().is_none(), "{name}: a pair counts once");
                         let what =
                             format!("{name} {drive:?} {equation} {j} {l}: {middle} {truth:?}");
-                        // Both enclose the same number, and the bound of the constant is tight.
+                        // The interval of the constant and the interval of the difference contain the same number. Both
+                        // intervals are narrow.
                         assert!(
                             middle - off <= truth.high && truth.low <= middle + off,
                             "{what}"
@@ -249,8 +251,8 @@ fn an_inverse_that_is_off_narrows_the_radii() {
     );
 }
 
-/// The bound includes the rounding of twelve products and of the subtraction of 1. It is at least twelve units of roundoff,
-/// and at most a few times this value.
+/// The bound includes the rounding of twelve products and of the subtraction of 1. The bound is at least twelve units of
+/// roundoff, and at most a few times twelve units.
 #[test]
 fn an_exact_inverse_is_off_by_rounding() {
     let intervals = IDENTITY.map(|row| row.map(Interval::point));
@@ -304,7 +306,8 @@ fn equations_on_a_line_are_enclosed() {
                     let line = constant[i] + slope[i].times(share);
                     let sum = line + bend[i].times(share * share);
                     assert!(sum.low <= exact[i].high && exact[i].low <= sum.high, "{i}");
-                    // The enclosure exceeds the smallest possible one by at most the rotation and rounding.
+                    // Relative to the smallest possible enclosure, the enclosure is too wide by at most the rotation and
+                    // rounding.
                     let needed = (exact[i] - line).times(1.0 / (share * share));
                     let most = bend[i].magnitude();
                     assert!(bend[i].width() <= 5e-4 * most + 1e-14, "{i}: {:?}", bend[i]);

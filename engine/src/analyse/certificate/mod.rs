@@ -56,7 +56,7 @@ type Square = [[f64; N]; N];
 /// Certificate of a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Certificate {
-    /// Bound on the difference between the exact pose and the computed one. Coordinates of the knuckle's origin differ by at
+    /// Bound on the difference between the exact pose and the computed pose. Coordinates of the knuckle's origin differ by at
     /// most this length, entries of the rotation by at most this length divided by the scale.
     pub error: f64,
     /// Distance within which there is no other solution, measured like the error.

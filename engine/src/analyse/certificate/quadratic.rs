@@ -33,12 +33,12 @@ type Once = Dual<Interval, V>;
 /// A number with its first and second derivatives.
 type Twice = Dual<Once, V>;
 
-/// Displacement from the design position.
+/// Displacement from the design position: changes of the pose's numbers, of the rack and of the drive.
 pub(crate) type Displacement = [Interval; V];
 /// Jacobian with respect to the pose.
 pub(crate) type Jacobian = [[Interval; N]; N];
 
-/// Entry of a second derivative.
+/// Second derivative of one equation with respect to two variables.
 #[derive(Clone, Copy, Debug)]
 struct Bend {
     equation: usize,

@@ -21,7 +21,7 @@ pub(crate) struct Radii {
 /// Bound on rounding errors: sixteen units of roundoff, doubled to include the quotient and the products in the bound.
 pub(crate) const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Factor that rounds sums upward. The sums have up to two hundred non-negative terms, each rounded a few times, and lose
-/// less than this.
+/// less than 1e-12 of their value.
 const UPWARD: f64 = 1.0 + 1e-12;
 
 /// Applies the theorem with the approximate inverse A of the middles. `residual` bounds |A F|.

@@ -11,7 +11,7 @@ use crate::mechanism::{DesignFault, NoPose};
 use crate::model::{Axis, Side};
 use crate::study::AxleComplianceStudy;
 
-/// Computes the curves of an axle for a plan. An error if the axle has no elastic model.
+/// Computes the curves of an axle for a plan. Returns an error if the axle has no elastic model.
 pub(in crate::axle) fn curves(
     axle: &Axle,
     elastic: &AxleComplianceStudy,

@@ -149,7 +149,7 @@ impl<T: Scalar> Reader<'_, T> {
         })
     }
 
-    /// A number of both wheels, with its derivative along a motion if one is given.
+    /// A number of both wheels. If a motion is given, the result also has the derivative along this motion.
     fn pair(
         &mut self,
         by: Option<Motion>,
@@ -361,7 +361,7 @@ impl Axle {
         }
     }
 
-    /// Equilibria of the axle with its own hardpoints and elastic parts. An error if it has no elastic model.
+    /// Equilibria of the axle with its own hardpoints and elastic parts. Returns an error if the axle has no elastic model.
     pub(crate) fn own_equilibria(
         &self,
         elastic: &AxleComplianceStudy,
@@ -370,7 +370,8 @@ impl Axle {
         self.equilibria(designs, &elastic.parts)
     }
 
-    /// Equilibria of the axle with its hardpoints at `designs` and these parts. An error if it has no elastic model.
+    /// Equilibria of the axle with its hardpoints at `designs` and these parts. Returns an error if the axle has no elastic
+    /// model.
     pub(crate) fn equilibria(
         &self,
         designs: [&[Vector3<f64>]; 2],

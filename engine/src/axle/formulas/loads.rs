@@ -203,7 +203,8 @@ pub(crate) fn ride_frequency<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W
 /// Natural frequency of the wheels between springs and tyres, with the body fixed.
 pub(crate) fn wheel_hop_frequency<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let tyre = state.setup.tyre_rate.unwrap_or(f64::NAN);
-    // Both wheels of a solid axle hop together. For independent wheels the rate does not depend on this.
+    // Both wheels of a solid axle hop together. For independent wheels the rate is the same, whether the wheels hop together
+    // or alone.
     let rate = if state.carriers.is_rigid() {
         axle_load(&state.on_pads().moving(Motion::Heave))[1].scaled(0.5)
     } else {

@@ -154,7 +154,7 @@ pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, s
     );
     let rises = |wheel: WheelState<'_, T, W>| {
         let (difference, mean) = (wheel.rise_by_difference(), wheel.rise_by_mean());
-        // Derivatives with respect to the travels of this wheel and of the other one.
+        // Derivatives with respect to the travel of this wheel and the travel of the other wheel.
         [mean + difference, mean - difference].each(|c| c.scaled(0.5))
     };
     let [left, right] = pads.wheels();
@@ -349,7 +349,7 @@ pub(crate) fn axle_lateral<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -
     displacement(state).y
 }
 
-/// Displacement of the middle of both wheel centres forward.
+/// Forward displacement of the midpoint of both wheel centres.
 #[inline(always)]
 pub(crate) fn axle_longitudinal<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     displacement(state).x

@@ -11,8 +11,8 @@
 //! eta  = ((track/2) (j_l - j_r) + d)/(j_l + j_r)
 //! ```
 //!
-//! where d is the height of the left contact point above the right one. It is 0 on a plane; else zeta is measured from the
-//! mean height of both.
+//! where d is the height of the left contact point above the right contact point. On a plane d is 0; else zeta is measured
+//! from the mean height of both contact points.
 //!
 //! If both wheels carry equal side forces, their resultant at this height has the same roll moment: track (j_l + j_r)/4,
 //! which stays finite.
@@ -88,7 +88,7 @@ pub(crate) fn roll_angle<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> 
     state.roll
 }
 
-/// Height of the kinematic roll centre above the ground. On pads it is above the mean height of both.
+/// Height of the kinematic roll centre above the ground. On pads, height above the mean height of both contact points.
 #[inline(always)]
 pub(crate) fn roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     if state.carriers.is_rigid() {

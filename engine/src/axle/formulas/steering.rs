@@ -227,7 +227,7 @@ pub(crate) struct FromAbove {
     pub wheels: [[[f64; 2]; 2]; 2],
     /// Points where the spin axis of each wheel meets the other axle's line. `None` straight ahead.
     pub meets: Option<[[f64; 2]; 2]>,
-    /// Midpoint of both points `meets`.
+    /// Midpoint of the two points in `meets`.
     pub centre: Option<[f64; 2]>,
     /// Position of the other axle, along x.
     pub other_axle: f64,

@@ -181,8 +181,8 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
     }
 
-    /// Drive and rack of the closure equations at these travels of a steered axle: (4) and (5) of `model/steered_axle.rs`. For
-    /// other axles they equal the travels and the rack.
+    /// Drive and rack of the closure equations at these travels of a steered axle: (4) and (5) of `model/steered_axle.rs`.
+    /// For other axles, the results equal the arguments: travel and rack.
     pub(super) fn inner(&self, travel: f64, rack: f64) -> (f64, f64) {
         let [drive, held] = self.steered.offsets;
         (travel - drive, rack - held)

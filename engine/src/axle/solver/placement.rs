@@ -1,4 +1,4 @@
-//! Placements of an axle: the coordinates at which it is solved.
+//! Placements of an axle: coordinates at which the position of the axle is solved.
 
 use super::*;
 

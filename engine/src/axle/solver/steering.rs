@@ -57,7 +57,7 @@ impl<const N: usize> AxleSolver<'_, N> {
     }
 
     /// Fold at which the axle can no longer follow its steering gear: the level axle at zero travel folds between these two
-    /// displacements of the gear. `None` if the equations of the axle do not fold there.
+    /// displacements of the gear. `None` if the equations of the axle do not fold between these displacements.
     ///
     /// With T(p, s) the travel at the fold, the design p and the displacement s of the gear, T = 0 at the end. The axle
     /// reaches its held travel first. Meanwhile, its drive d is the drive of the axle at rest. It equals the lift l(p, s) by

@@ -74,8 +74,8 @@ impl<B: SimdReal> Outlined for Evaluating<'_, B> {
     fn work(self) {
         let mut first = 0;
         for rule in self.rules {
-            // Without `black_box`, the compiler moves work that does not depend on the characteristic out of the loop. It
-            // would then compute the divisions and roots of all formulas for each characteristic.
+            // Without `black_box`, the compiler moves work that does not depend on the characteristic out of the loop. The
+            // code would then compute the divisions and roots of all formulas for each characteristic.
             let read = black_box(self.read);
             let value = match rule {
                 EvaluationRule::Formula(c) => c.evaluate(&read.inputs),

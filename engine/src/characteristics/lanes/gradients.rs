@@ -76,8 +76,8 @@ impl LaneReader<'_> {
         true
     }
 
-    /// Adds seeds for a quantity other than the four angles: `weight` times its derivatives with respect to the
-    /// configuration from which it was read.
+    /// Adds seeds for a quantity other than the four angles: `weight` times its derivatives with respect to the configuration
+    /// from which the quantity was read.
     #[inline(always)]
     pub fn differentiate<B: SimdReal, G: Gradient<B> + ?Sized>(
         &self,

@@ -250,8 +250,8 @@ impl<'a> LaneReader<'a> {
         self
     }
 
-    /// Returns true if poses must be read in the order of their stations. This is necessary because the rods of rockers are
-    /// checked from station to station.
+    /// Returns true if poses must be read in the order of their stations. This order is necessary, because the reader checks
+    /// the rods of rockers from station to station.
     #[inline]
     pub(crate) fn watches_rods(&self) -> bool {
         !self.rockers.is_empty()

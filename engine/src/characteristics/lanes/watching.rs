@@ -31,8 +31,8 @@ impl<B: SimdReal> ToggleWatch<B> {
         }
     }
 
-    /// Advances to the next pose, given the motion of the knuckle there. Returns the lanes in which no rod can have reached
-    /// a toggle since the previous station.
+    /// Advances to the next pose, given the motion of the knuckle in that pose. Returns the lanes in which no rod can have
+    /// reached a toggle since the previous station.
     #[inline(always)]
     pub(super) fn watch(
         &mut self,
@@ -66,8 +66,8 @@ impl<B: SimdReal> Outlined for Watching<'_, B> {
         for ([first, last], id) in rods.iter_mut().zip(self.rockers) {
             let rod = self.at.moving_rod(*id, self.motion);
             let before = if *has_begun {
-                // If the visit changes to the other side of the first station, the first station is nearer than the previous
-                // one.
+                // If the next station lies on the other side of the first station, the first station is nearer than the
+                // previous station.
                 rod.nearer(first, last)
             } else {
                 // Before the first station, the rack has moved from the design position. So the path begins with the rod in

@@ -237,8 +237,8 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
     }
 }
 
-/// Adds the gradient of a quantity that contains velocities, times a weight, to its row. This is a separate function, because
-/// its many Taylor series would otherwise use stack in every pose.
+/// Adds the gradient of a quantity that contains velocities, times a weight, to its row. The task is a separate function,
+/// because its many Taylor series would otherwise use stack in every pose.
 struct AddingGradientOfRates<'v, 'r, 't, 'c, B: SimdReal> {
     differentiating: &'v mut Differentiating<'r, 't, B>,
     number: usize,

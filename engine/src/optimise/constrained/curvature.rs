@@ -5,7 +5,7 @@ use super::super::qr::dot;
 /// Curvature that is added along the normals of the held rows in a program with curvature, relative to the largest diagonal
 /// entry.
 const ACROSS: f64 = 4.0;
-/// Largest number of shifts tried to make a matrix positive definite. Each is ten times the previous one.
+/// Largest number of shifts tried to make a matrix positive definite. Each shift is ten times the previous shift.
 const SHIFTS: usize = 40;
 
 /// Symmetric rank-one estimate S of the curvature that the squares of linear models do not contain.

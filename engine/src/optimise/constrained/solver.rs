@@ -37,9 +37,9 @@ const BESIDE: f64 = 1e-6;
 const SIDES: usize = 4;
 /// Number of iterations before the estimate of the curvature is used.
 const CURVED_FROM: u64 = 7;
-/// Step length, in half ranges, that counts as zero. The solver does not compute steps more accurately than this.
+/// Step length, in half ranges, that counts as zero. The solver does not compute steps more accurately.
 pub(super) const RESOLUTION: f64 = 1e-12;
-/// Largest number of trials in an iteration. Each is at most half as long as the previous one.
+/// Largest number of trials in an iteration. Each trial step is at most half as long as the previous step.
 const TRIALS: usize = 60;
 /// Smallest relative decrease of a violation. If the model predicts less, the violation counts as stuck.
 const STUCK: f64 = 1e-4;
@@ -65,7 +65,7 @@ pub struct ConstrainedFit {
     pub imbalance: f64,
     /// Rows that cannot be met together near `x`, if there are any.
     pub culprits: Vec<Held>,
-    /// Reason for the end.
+    /// Reason for the end of the run.
     pub termination: Termination,
     /// The start and every iteration after it.
     pub history: Vec<Iteration>,
@@ -82,7 +82,7 @@ impl ConstrainedFit {
         self.violation <= KEPT
     }
 
-    /// Converts the end into a `Fit`. `at_minimum` says whether the multipliers are meaningful.
+    /// Converts the result of the run into a `Fit`. `at_minimum` says whether the multipliers are meaningful.
     pub(in crate::optimise) fn into_fit(self, bounds: &Bounds, at_minimum: bool) -> Fit {
         let is_minimum = at_minimum && self.termination.at_minimum();
         Fit {
@@ -147,9 +147,9 @@ struct SequentialConvex<'a> {
     current: Assessment,
     trial: Assessment,
     trial_x: DVector<f64>,
-    /// Rows at the latest refused trials near the current point. They show the slopes on other sides of a kink.
+    /// Rows at the latest refused trials near the current point. Their slopes are the slopes on the other sides of a kink.
     beside: Vec<Linearisation>,
-    /// Distance that the current point has moved since the first of these trials, in half ranges.
+    /// Distance that the current point has moved since the first trial in `beside`, in half ranges.
     gone: f64,
     filter: Filter,
     radius: f64,
@@ -159,7 +159,7 @@ struct SequentialConvex<'a> {
 impl SequentialConvex<'_> {
     fn into_fit(mut self, state: ArgminState) -> ConstrainedFit {
         let x = state.param.expect("the state has a start point");
-        // Multipliers of the end point itself, not of the step to it.
+        // Computes the multipliers at the end point itself, not those of the step to this point.
         self.model.solve(WHOLE, false);
         let settled = self.model.settle_multipliers(&self.beside);
         let imbalance = settled.residual;
@@ -204,7 +204,7 @@ impl SequentialConvex<'_> {
         self.movable.as_ref().is_none_or(|m| m.takes_part(row))
     }
 
-    /// Evaluates the trial and examines its rows. Returns true if some rows that were constant so far change there.
+    /// Evaluates the trial and examines its rows. Returns true if rows that were constant so far change at the trial.
     fn evaluate_trial(&mut self, problem: &mut impl Constrained) -> Result<bool, Infeasible> {
         problem.assess(&self.trial_x, &mut self.trial)?;
         self.trial.check()?;
@@ -219,7 +219,8 @@ impl SequentialConvex<'_> {
         self.filter = Filter::new(violation, self.record.options.violation_below);
     }
 
-    /// Stores the rows of the refused trial if it is near. Removes the oldest ones if the store is full.
+    /// Stores the rows of the refused trial, if its distance `length` from the current point is at most [`BESIDE`]. If the
+    /// store is full, the function first removes the oldest trial.
     fn keep_beside(&mut self, length: f64) {
         if length <= BESIDE {
             if self.beside.len() == SIDES {

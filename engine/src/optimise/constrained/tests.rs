@@ -117,7 +117,7 @@ fn projections_are_exact_and_multipliers_are_prices() {
     );
 }
 
-/// If two circles do not intersect, the run names both, and no small move from its end reduces the violation.
+/// If two circles do not intersect, the run names both circles, and no small move from its end reduces the violation.
 #[test]
 fn a_planted_contradiction_ends_with_its_rows() {
     let at = |x: &[f64]| {

@@ -50,7 +50,7 @@ fn widest_step(points: &[Found]) -> f64 {
     steps.fold(0.0, f64::max)
 }
 
-/// Vector from a point. Its norm is the distance.
+/// Vector from a given point to `x`. The norm of this vector is the distance between the two points.
 fn way_from(x: &[f64], from: [f64; 2]) -> Values {
     vec![
         (x[0] - from[0], vec![1.0, 0.0]),

@@ -118,7 +118,7 @@ impl MotionKeys<'_> {
         problems.refuse(place, message)
     }
 
-    /// Repeats single values, so that all lists are as long as the longest one. Reports a list of another length.
+    /// Repeats single values, so that all lists are as long as the longest list. Reports a list of another length.
     fn in_rows(&self, read: &mut [Given], problems: &mut Problems) -> Option<()> {
         let rows = read.iter().flatten().map(Vec::len).max().unwrap_or(1);
         let written = Coordinate::ALL.into_iter().zip(coordinates!(self.section));

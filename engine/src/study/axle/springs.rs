@@ -9,7 +9,7 @@ use crate::axle::{BumpStop, ForceCurve, Law, SpringLaw};
 use crate::model::Suspension;
 use toml::Spanned;
 
-/// Laws of both springs. The inner `None` means that the axle has no springs.
+/// Laws of the springs of both wheels. The inner `None` means that the axle has no springs.
 pub(in crate::study) fn springs(
     file: &File,
     left: &Suspension,
@@ -66,7 +66,7 @@ pub(in crate::study) fn springs(
             let (own_rate, own_force) = (own.rate.as_ref(), own.force.as_ref());
             let given = match &own.force_curve {
                 Some(curve) => (own_rate, own_force, Some(curve)),
-                // A rate or force of this wheel replaces the common one.
+                // A rate or force of this wheel replaces the common rate or force.
                 None => (own_rate.or(rate), own_force.or(force), None),
             };
             spring(given, newtons, section.span(), problems)

@@ -90,7 +90,7 @@ impl Resolver<'_> {
         }))
     }
 
-    /// Budget and starts.
+    /// Reads the largest number of iterations, the number of starts and the seed.
     fn run(&mut self, section: &car_file::Optimise) -> Option<CarRun> {
         let max_iterations = match &section.max_iterations {
             Some(most) if *most.get_ref() < 1 => {

@@ -55,7 +55,8 @@ impl ComplianceStudy {
     }
 }
 
-/// Section `[compliance]`. `None` if it has an error. `Some(None)` if it is missing or has no elastic parts.
+/// Section `[compliance]`. `None` if the section has an error. `Some(None)` if the section is missing or has no elastic
+/// parts.
 fn section<'f>(
     file: &'f File,
     suspension: &Suspension,

@@ -83,8 +83,8 @@ impl Study {
         }
     }
 
-    /// Returns the text of the same study in other units and axes, with its comments. It does not read files of target
-    /// curves. `name` is the file name in messages. Errors name the keys that cannot be converted.
+    /// Returns the text of the same study in other units and axes, with its comments. The function does not read files of
+    /// target curves. `name` is the file name in messages. Errors name the keys that cannot be converted.
     pub fn in_units(&self, name: &str, choice: &UnitChoice) -> Result<String, StudyErrors> {
         let from = self.units();
         let source = source(name, &self.text);

@@ -8,8 +8,8 @@ use crate::axle::{Coordinate, Quantity, TestFigure, WheelMotion};
 use crate::model::Side;
 
 impl Reader<'_> {
-    /// Test result of a row. It belongs to one wheel or to the axle. If the row names no wheel, it can belong to both
-    /// wheels.
+    /// Test result of a row. The test result belongs to one wheel or to the axle. If the row names no wheel, the result can
+    /// belong to both wheels.
     pub(super) fn figure_of_axle(
         &self,
         both: &AxleStudy,

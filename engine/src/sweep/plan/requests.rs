@@ -43,7 +43,7 @@ pub(super) fn of_corner<'s>(
 }
 
 /// Plans the sweep of a wheel with elastic parts: characteristics over the motion, test results in the design position. With
-/// `curves` it also reads test results over the motion.
+/// `curves`, the sweep also reads test results over the motion.
 pub(super) fn of_elastic<'s>(
     own: &WheelStudy,
     elastic: &ComplianceStudy,
@@ -123,7 +123,7 @@ pub(super) fn is_figure(quantity: &crate::axle::Quantity) -> bool {
     matches!(quantity, crate::axle::Quantity::Figure(_))
 }
 
-/// Plans the sweep of an axle with the target values. With `curves` it also reads test results over the motion.
+/// Plans the sweep of an axle with the target values. With `curves`, the sweep also reads test results over the motion.
 pub(super) fn of_axle<'s>(
     both: &'s AxleStudy,
     mut plan: AxlePlan,

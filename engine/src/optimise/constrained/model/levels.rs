@@ -22,9 +22,9 @@ impl<'a> ConvexModel<'a> {
 
     /// Finds the smallest weights that meet the levels from the k-th on. A level that is met without a weight gets weight
     /// zero. A norm falls as its weight grows. So the search is a secant method over the logarithms of norm and weight,
-    /// within a bracket of two weights. If the same end of the bracket moves again and again, the excess at the other end counts
-    /// half each time (the Illinois method). Otherwise the search would be slow where the norm stops falling: at a corner of the bounds. Each trial
-    /// weight needs a new search for the weights of the later levels.
+    /// within a bracket of two weights. If the same end of the bracket moves again and again, the excess at the other end
+    /// counts half each time (the Illinois method). Otherwise the search would be slow where the norm stops falling: at a
+    /// corner of the bounds. Each trial weight needs a new search for the weights of the later levels.
     pub(super) fn meet_levels(&mut self, k: usize, curved: bool) {
         if k == self.levels.len() {
             return;
@@ -78,7 +78,8 @@ impl<'a> ConvexModel<'a> {
                 other.1 *= 0.5;
             }
             weight = match (low, high) {
-                // Beyond this weight the model cannot meet the level. The step comes as near as it can.
+                // Beyond this weight the model cannot meet the level. The step comes as near to the level as the model
+                // allows.
                 (Some(low), None) if low.0 > (1e14 * scale).ln() => break,
                 (Some(low), None) => low.0.exp() * 30.0,
                 (None, Some(high)) if high.0 < (1e-14 * scale).ln() => break,

@@ -26,7 +26,7 @@ impl ConvexModel<'_> {
         [&self.row_multipliers, &self.level_multipliers]
     }
 
-    /// Returns the imbalance of the multipliers and the goal's slope, relative to the sizes of both: 0 at a minimum.
+    /// Returns the imbalance of the multipliers and the goal's slope, relative to the sizes of their terms: 0 at a minimum.
     pub(in super::super) fn imbalance(&self) -> f64 {
         let n = self.half.len();
         let (mut left, mut size) = (0.0_f64, 0.0_f64);

@@ -6,7 +6,7 @@ use super::super::KEPT;
 use super::ConvexModel;
 
 impl ConvexModel<'_> {
-    /// Largest violation of the kept rows at the point itself.
+    /// Largest violation of the kept rows at the current point.
     pub(super) fn worst(&self) -> f64 {
         let rows = self.kept_offsets.iter().enumerate();
         rows.fold(0.0_f64, |worst, (k, c)| {
@@ -74,7 +74,7 @@ impl ConvexModel<'_> {
             }
             match held {
                 Held::Row(row) => culprits.push(Held::Row(self.kept[of[row]])),
-                // A bound of the variable itself, not the radius.
+                // This limit is a bound of the variable itself, not the radius.
                 Held::Lower(j) if j < n && self.lower[j] == self.room_below[j] => {
                     culprits.push(held);
                 }
@@ -90,7 +90,7 @@ impl ConvexModel<'_> {
         (self.relax_rows(), culprits)
     }
 
-    /// Relaxes the kept rows to their values at the relaxed point. Returns the largest violation there.
+    /// Relaxes the kept rows to their values at the relaxed point. Returns the largest violation at the relaxed point.
     fn relax_rows(&mut self) -> f64 {
         let n = self.half.len();
         let d = &self.relaxed;

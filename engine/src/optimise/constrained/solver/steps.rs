@@ -144,8 +144,8 @@ impl SequentialConvex<'_> {
         Trial::Refused
     }
 
-    /// Corrects the refused step for the curvature of the rows, and evaluates the corrected one. Returns true if it is better,
-    /// and `None` if rows change there that were constant so far.
+    /// Corrects the refused step for the curvature of the rows, and evaluates the corrected step. Returns true if the
+    /// corrected step is better. Returns `None` if rows that were constant so far change at its end.
     fn try_corrected(
         &mut self,
         problem: &mut impl Constrained,

@@ -913,7 +913,7 @@ fn a_set_up_is_printed_for_a_mechanic() {
             );
         }
     }
-    // The order is shims first, toe last.
+    // The set-up adjusts shims first and toe last.
     let order: Vec<_> = summary["adjustments"]
         .as_array()
         .unwrap()

@@ -79,7 +79,8 @@ fn a_mirrored_axle_is_set_up_alike() {
         printed.contains("Instructions for both wheels"),
         "{printed}"
     );
-    // The printed direction applies to both wheels: the shim moves a strut top, and -1 deg of camber needs it inboard.
+    // The printed direction applies to both wheels: the shim moves a strut top, and -1 deg of camber needs the strut
+    // top farther inboard.
     assert!(printed.contains("move inboard by "), "{printed}");
     for side in ["left", "right"] {
         let camber = at_design(&out, &format!("{side}_camber_deg"));
@@ -166,7 +167,8 @@ fn absurd_adjustments_of_a_wheel_are_refused() {
     );
 }
 
-/// Both wheels of a build scatter independently. The limit of all builds is that of the build that the program names.
+/// Both wheels of a build scatter independently. The program names the build with the nearest limit. That limit
+/// applies to all builds.
 #[test]
 fn builds_of_an_axle_have_limits_of_both_wheels() {
     let path = study("five_link_axle_tolerance.toml");

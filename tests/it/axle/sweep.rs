@@ -100,8 +100,9 @@ fn designs_that_fail_say_so() {
     assert!(rows.outputs[0].is_nan() && rows.outputs[2].is_finite());
 }
 
-/// The search for a position starts as if the wheels rose straight. Wheels that would then pass the end of their travel
-/// still reach positions where they rise otherwise, because the solver extrapolates the travels from smaller angles.
+/// The search for a position first assumes that the wheels move straight up. By this assumption, a wheel here would
+/// pass the end of its travel. The solver still finds the position, because it extrapolates the travels from smaller
+/// roll angles.
 #[test]
 fn a_position_before_the_end_of_the_travel_is_found_from_beyond() {
     let text = r#"

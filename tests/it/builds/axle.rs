@@ -373,7 +373,7 @@ fn a_side_scatters_by_itself() {
         let sigma = |column: &str| found.spreads[cell(column)].sigma;
         assert!(sigma("left_toe_deg") < 1e-12 && sigma("right_toe_deg") > 1e-4);
         assert!(expansion.variance[cell("left_toe_deg")] == 0.0);
-        // The mean of both wheels steers half as much as the moved wheel.
+        // The mean steer of both wheels changes half as much as the steer of the moved wheel.
         let ratio =
             expansion.variance[cell("mean_steer_deg")] / expansion.variance[cell("right_toe_deg")];
         assert!((ratio - 0.25).abs() < 1e-12, "{ratio}");

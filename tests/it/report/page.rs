@@ -343,7 +343,7 @@ fn missed_targets_are_marked() {
     assert!(!good.contains("class=\"missed\""));
 }
 
-/// Paper omits sections, and names them. It has the table of the side effects once.
+/// A printed page names the sections that it omits. It contains the table of the side effects once.
 #[test]
 fn paper_names_the_sections_that_it_omits() {
     let tuned = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]).page();

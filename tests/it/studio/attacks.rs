@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
-/// The server refuses requests that are complete except for a sign that they come from a stranger.
+/// Each request here is complete, but one detail shows that it comes from a stranger. The server refuses it.
 #[test]
 fn strangers_are_refused() {
     let served = Served::of(&sample("macpherson_front.toml"));

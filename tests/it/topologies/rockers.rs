@@ -13,7 +13,7 @@ use hardpoint::number::{Jet, Matrix3, Real, Scalar, Vector3};
 
 const STUDY: &str = "double_wishbone_pushrod";
 
-/// Sample study, with its rods on other bodies.
+/// The sample study with a pushrod, and variants with rod, bar or spring on another body.
 fn variants() -> Vec<(&'static str, Suspension)> {
     let plain = template(STUDY);
     let put = |name: &str, body: &str| {

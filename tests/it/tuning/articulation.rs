@@ -36,7 +36,7 @@ fn about(axis: Vector3<f64>, [from, to]: [Vector3<f64>; 2], v: Vector3<f64>) -> 
     v * turn.cos() + axis.cross(v) * turn.sin() + axis * (axis.dot(v) * (1.0 - turn.cos()))
 }
 
-/// Joint with the part on its other side.
+/// Joint of the carrier, with the arm or rod that it connects.
 enum Joint {
     /// Arm, by the points of its axis.
     Arm(&'static str, [&'static str; 2]),

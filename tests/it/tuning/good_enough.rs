@@ -1,4 +1,5 @@
-//! Misfit and claim of the design that a search for the smallest change keeps.
+//! Tests of the search for the smallest change: the misfit of the design that it keeps, and the statements of the
+//! program about this design.
 
 use super::edited;
 use super::still::{best, stored, tuned};

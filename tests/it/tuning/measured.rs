@@ -68,8 +68,9 @@ fn a_sheet_of_several_racks_has_a_curve_for_each() {
     }
 }
 
-/// The program refuses a measurement outside the motion, with its line, as it refuses a single value there. Beyond the
-/// motion a target curve without measurements has no effect.
+/// With `fit = true`, the points of a target are measurements. The program refuses a measured point outside the motion
+/// and names its line in the file. It also refuses a target for a single travel outside the motion. Without `fit`, it
+/// ignores the points of a target curve outside the motion.
 #[test]
 fn measurements_outside_of_the_motion_are_refused() {
     let directory = tempfile::tempdir().unwrap();

@@ -306,7 +306,7 @@ fn constraints(
                     (text, "twice")
                 }
             },
-            // No variable changes it, and it is violated.
+            // A violated constraint that no variable changes.
             8 if still.len() > 1 => {
                 let (c, d) = (still[0], still[1 + draw.of(still.len() - 1)]);
                 let most = apart(all[c].1, all[d].1) - draw.between(0.5, 5.0);

@@ -88,7 +88,7 @@ fn a_violated_constraint_that_stands_still_is_named() {
 }
 
 /// A length of the carrier that no variable changes must not stop the search short of the optimum. In an earlier
-/// failure it did, and it had a price.
+/// version, such a length stopped the search, and the program stated a price for it.
 #[test]
 fn a_length_that_stands_still_hides_no_optimum() {
     let wrong = tuned(&stored("unmovable_length_wrong_optimum.toml", &[]));

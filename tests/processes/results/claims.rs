@@ -35,7 +35,7 @@ fn only_the_same_study_and_command_replace_results() {
         }
         assert_eq!(contents(&bench.path(command)), before);
     }
-    // With --force other commands replace them, and no file of the former run stays.
+    // With --force, other commands replace the results, and no file of the former run stays.
     let forced = ["solve", "study.toml", "--out", "sweep", "--force"];
     bench.run(&forced).success();
     let names = |run: &str| -> Vec<String> {

@@ -56,8 +56,8 @@ fn at_design(out: &std::path::Path, name: &str) -> f64 {
     curves.column(name).unwrap()[row.unwrap()].unwrap()
 }
 
-/// One set-up applies to both wheels of a mirrored axle: both reach the target camber and toe, and the curves of the
-/// axle start from them.
+/// One set-up applies to both wheels of a mirrored axle: both wheels reach the target camber and toe, and the curves
+/// of the axle start from these values.
 #[test]
 fn a_mirrored_axle_is_set_up_alike() {
     let (path, out) = (study("macpherson_axle.toml"), folder("setup_mirrored"));

@@ -469,8 +469,8 @@ fn said(arguments: &[&str], sets: &[&str], code: i32) -> String {
     words.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Every incomplete station comes with a message that names the wheel. It is the wheel whose drop link is at toggle, or
-/// the one that reaches the end of the rack first, as `limits` reports it.
+/// Every incomplete station comes with a message that names the wheel. The message names the wheel whose drop link is
+/// at toggle, or the wheel that reaches the end of the rack first. `limits` names the same wheel.
 #[test]
 fn what_an_axle_lacks_is_said_with_the_wheel() {
     let (path, out) = (study("macpherson_axle.toml"), folder("lacking"));

@@ -78,7 +78,7 @@ fn a_constraint_holds_at_both_wheels_or_at_one() {
 }
 
 /// The right wheel, seen as a left wheel, has the opposite rack displacement. So a limit on the steer angle of both
-/// wheels at one rack displacement limits the left wheel at both signs of it.
+/// wheels at one rack displacement limits the left wheel at this rack displacement and at its opposite.
 #[test]
 fn the_right_wheel_steers_the_other_way() {
     let given = study("macpherson_axle_front", &[]);

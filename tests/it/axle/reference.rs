@@ -133,7 +133,7 @@ struct Worst(f64, String);
 
 impl Worst {
     fn note(&mut self, error: f64, what: impl FnOnce() -> String) {
-        // This form makes NaN the largest error.
+        // This form of the comparison makes NaN the largest error.
         if error.is_nan() || error > self.0 {
             *self = Worst(error, what());
         }

@@ -140,8 +140,8 @@ characteristics = ["camber"]
 }
 
 /// A sweep reports for each design the deviations and the misfit that tuning uses. The targets are values and bands at
-/// separate positions in heave, roll and steering. This holds in lanes and one by one, with mirrored and with separate
-/// right hardpoints.
+/// separate positions in heave, roll and steering. The test covers evaluation in lanes and one by one, with mirrored
+/// and with separate right hardpoints.
 #[test]
 fn misfits_are_those_that_tuning_lowers() {
     if !crate::support::has_lanes() {

@@ -60,8 +60,8 @@ fn output(problem: &Problem, column: &str) -> usize {
     found.unwrap_or_else(|| panic!("no {column}"))
 }
 
-/// The wheels of build n equal single wheels as builds 2 n and 2 n + 1. They depend on seed, build and side only, for
-/// any scatter of the other side.
+/// The two wheels of build n of an axle equal builds 2 n and 2 n + 1 of a single wheel. A wheel depends only on seed,
+/// build and side, not on the scatter of the other side.
 #[test]
 fn each_wheel_is_a_build_of_its_own() {
     let both = axle("builds=2", &[]);
@@ -126,8 +126,9 @@ fn a_printed_build_is_the_build() {
     }
 }
 
-/// A printed build includes the extra points of each wheel at their built positions, and every command accepts it as a
-/// study. This holds with mirrored and separate right hardpoints, and with spin axes given by angles or points.
+/// A printed build includes the extra points of each wheel at their built positions, and every command accepts the
+/// printed build as a study. The test covers mirrored and separate right hardpoints, and spin axes given by angles or
+/// points.
 #[test]
 fn a_printed_build_has_its_extra_points() {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
@@ -257,8 +258,8 @@ fn gradients_are_slopes_of_built_axles() {
 }
 
 /// The second-order contribution is half the second derivative times the variance, including products of sources of
-/// both wheels. It agrees with differences of fourth order in roll, at given travels on a plane, and on pads. It is
-/// unknown for quantities made of velocities.
+/// both wheels. The result agrees with differences of fourth order in roll, at given travels on a plane, and on pads.
+/// The program does not compute it for quantities made of velocities.
 #[test]
 fn second_order_is_that_of_built_axles() {
     let two = "tolerance.scatter=[{length=\"tie_rod\",sigma=2.0,side=\"left\"},\

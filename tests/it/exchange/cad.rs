@@ -298,8 +298,8 @@ fn drawings_join_hardpoints() {
     }
 }
 
-/// At intermediate poses, no corner of the tyre is farther outside all solids than the stated bound. With more values
-/// the bound is smaller.
+/// At intermediate poses, no corner of the tyre is farther outside all solids than the stated bound. With more poses
+/// in the envelope, the bound is smaller.
 #[test]
 fn the_gap_between_poses_is_bounded() {
     assert_gap_is_bounded("double_wishbone", 20.0);

@@ -52,7 +52,7 @@ fn a_large_run_still_makes_a_small_page() {
 #[test]
 fn its_values_are_those_of_the_files() {
     let text = study("macpherson_front.toml");
-    // This range is too small for the targets.
+    // This range of the variable is too small to meet the targets.
     let top = "{ hardpoint = \"strut_top\",        axis = \"y\", range = [-20.0";
     assert!(text.contains(top));
     let text = text.replace(top, &top.replace("-20.0", "-10.0"));

@@ -35,8 +35,9 @@ fn sheet(study: &Study) -> String {
     sheet
 }
 
-/// A design meets a sheet of its own curves at two rack displacements, with a target for each. The program refuses a
-/// single target for both, which would compare each displacement with the mean of both.
+/// A sheet holds the toe of a design at two rack displacements. With one target for each displacement, this design has
+/// zero misfit. The program refuses a single target for both displacements, because it would compare each displacement
+/// with the mean of the two curves.
 #[test]
 fn a_sheet_of_several_racks_has_a_curve_for_each() {
     let directory = tempfile::tempdir().unwrap();

@@ -55,7 +55,8 @@ fn kept_constraints_that_stand_still_change_nothing() {
         let fit = best(&tuning);
         assert_converged(fit);
         assert!(fit.evaluations() < 40, "{}", fit.evaluations());
-        // The two searches approach the same design with the accuracy of their stopping criteria.
+        // The searches with and without these constraints end at the same design, to the accuracy of their stopping
+        // criteria.
         assert!(
             (fit.misfit() - best(&plain).misfit()).abs() < 1e-6,
             "{constraint}"

@@ -218,8 +218,8 @@ fn one_run_at_a_time_writes_to_a_directory() {
     assert!(!path.exists());
 }
 
-/// A sweep keeps a copy of its study, from which it can run again. In the study's own directory, the study stays
-/// unchanged, like any input.
+/// A sweep keeps a copy of its study, so that the sweep can run again. If the results go into the directory of the
+/// study, the program does not change the study.
 #[test]
 fn a_sweep_keeps_its_study() {
     let bench = Bench::new();

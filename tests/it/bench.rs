@@ -196,8 +196,9 @@ fn throughput_is_measured_by_every_way_there_is() {
         };
         // One run of the motion ratio if the wheel has a spring.
         let springs = study.wheel().mechanism.spring.iter().count();
-        // For each width: angles, gains and two kinds of gradients. In the widest lanes: angles on two threads, and
-        // extra points. `limit` counts the run at given arm angles, the fastest case.
+        // In lanes of each width, the benchmark times angles, gains and two kinds of gradients. In the widest lanes,
+        // it also times angles on two threads, and extra points. `limit` is 1 if it times poses at given arm angles,
+        // the fastest case.
         let expected = (2 + gradients) * widths + 2 + springs + limit;
         assert_eq!(of("lanes"), expected, "{name}");
         assert_eq!(of("point coordinates"), paper, "{name}");

@@ -143,7 +143,7 @@ fn wheels_that_differ_are_set_up_one_by_one() {
     let wheels = summary["wheels"].as_array().unwrap();
     let sides: Vec<_> = wheels.iter().map(|wheel| wheel["side"].clone()).collect();
     assert_eq!(sides, ["left", "right"]);
-    // The right toe link has another length before the set-up.
+    // The two toe links have different lengths before the set-up, so their adjustments differ.
     let amount = |wheel: &Value| wheel["adjustments"][0]["amount"].as_f64().unwrap();
     assert_ne!(amount(&wheels[0]), amount(&wheels[1]));
 }

@@ -12,7 +12,8 @@ fn with(study: &Study, edits: &[&str]) -> Result<Study, String> {
     study.map_err(|error| error.to_string())
 }
 
-/// Each kind of motion gives the same curves under a name as in `[motion]`.
+/// A motion in `[motions.NAME]` has the same curves as the same motion in `[motion]`. The test covers each kind of
+/// motion.
 #[test]
 fn a_named_motion_has_the_curves_of_the_same_motion() {
     let given = study("macpherson_axle", &[]);

@@ -327,8 +327,8 @@ fn second_order_is_that_of_built_axles() {
     }
 }
 
-/// First order and Monte Carlo agree for small scatter. Both wheels of a mirrored axle scatter equally and
-/// independently.
+/// For small scatter, the standard deviations of the first order agree with those of the Monte Carlo analysis. Both
+/// wheels of a mirrored axle scatter equally and independently.
 #[test]
 fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     if !crate::support::has_lanes() {
@@ -411,8 +411,8 @@ fn each_wheel_is_aligned() {
     }
 }
 
-/// Builds have the same values in lanes and one by one, and the same bits with any number of threads. The program
-/// counts each band at its stations and ranks the pass rates.
+/// Builds have the same values in lanes and one by one, and the same bits with any number of threads. Each band
+/// applies to the expected number of values.
 #[test]
 fn results_are_the_same_however_they_are_found() {
     if !crate::support::has_lanes() {
@@ -443,7 +443,8 @@ fn results_are_the_same_however_they_are_found() {
         );
     }
     assert_eq!(one.in_bands, single.in_bands);
-    // Toe of both wheels at one station; roll steer at every roll angle and both heaves.
+    // Numbers of values: toe of both wheels at one station, roll steer at three roll angles and two heaves, track at
+    // all 12 stations.
     let looked: Vec<usize> = problem.cells_of_bands().map(|cells| cells.len()).collect();
     assert_eq!(looked, [2, 3 * 2, 12]);
     assert!(

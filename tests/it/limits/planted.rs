@@ -143,7 +143,7 @@ impl Planted {
             }
             miss[5] -= far;
             match self.quantity {
-                // The row holds either the rack or the wheel height.
+                // The last equation keeps either the wheel height or the rack constant.
                 Quantity::Rack => {
                     rows.set_row(6, &jacobian.row(5));
                     miss[6] = all[5];

@@ -379,7 +379,8 @@ fn assert_private_invitation(is_visited: bool) {
             place.display()
         );
     }
-    // The file with the address disappears after the page was requested, or else with the server.
+    // The server deletes the file with the address after the browser has requested the page, or else when the server
+    // ends.
     let folder_of_it = invitation.parent().unwrap().to_owned();
     if is_visited {
         let port = address.split([':', '/']).nth(4).unwrap().parse().unwrap();

@@ -112,7 +112,7 @@ fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 impl Mix {
-    /// Mix with this number; the test states the seed.
+    /// Random mix that follows from the seed of a test and the number of the mix.
     pub(super) fn new(seed: u64, number: u64, kind: Kind) -> Self {
         let file = FILES[number as usize % FILES.len()];
         for attempt in 0..20 {

@@ -41,7 +41,7 @@ fn by_arm_angle(name: &str) -> Study {
 const FINE: &str = "{ from = -80.0, to = 80.0, steps = 41 }";
 const COARSE: &str = "[-90.0, -30.0, 55.0, 120.0]";
 
-/// Typical outputs.
+/// Characteristics that a typical sweep requests.
 const ANGLES: [Characteristic; 4] = [
     Characteristic::Camber,
     Characteristic::Toe,
@@ -467,8 +467,8 @@ fn ordinary_designs_stay_in_the_lanes() {
     if !crate::support::has_lanes() {
         return;
     }
-    // With 30 mm at the rear axle's toe links, some five-link designs steer by ten degrees and would leave the range of
-    // lanes.
+    // With 30 mm at the rear axle's toe links, some five-link designs steer by ten degrees and would go beyond the
+    // range that lanes can solve.
     for (name, rack) in [
         ("macpherson_solve.toml", "[0.0, 30.0]"),
         ("double_wishbone_solve.toml", "[0.0, 30.0]"),

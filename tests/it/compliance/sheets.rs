@@ -84,7 +84,7 @@ fn rates_are_identified_from_a_sheet_with_noise() {
             squares += off * off;
         }
     }
-    // Sum of twelve squared errors in standard errors: their mean is about 1.
+    // `squares` is the sum of twelve squared errors, each in standard errors. Their mean is about 1.
     let mean = squares / 12.0;
     assert!((0.15..3.0).contains(&mean), "{mean}");
 }

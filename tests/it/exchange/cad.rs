@@ -82,7 +82,7 @@ fn the_rack_of_an_envelope_goes_along_the_axis_of_the_file() {
     let mut found = Vec::new();
     for convention in FrameConvention::ALL {
         let outgoing = Outgoing::of(&template, None, Some(convention));
-        // Sign of a displacement to the left.
+        // Sign of a rack displacement to the left in the axes of the file.
         let y = Frame::new(convention, Side::Left).sign(Axis::Y);
         let rack = Span {
             ends: [8.0 * y, 8.0 * y],

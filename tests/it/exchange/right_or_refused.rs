@@ -281,7 +281,7 @@ fn ends_of_rods_sit_where_rows_put_them() {
             .iter()
             .all(|h| !h.name.starts_with("spring"))
     );
-    // The import never leaves out a point that the user has named, but refuses instead.
+    // If the user has assigned a name to a point, the import never leaves out this point. It refuses the file instead.
     let mut said = Said::default();
     said.names.insert(
         "pushrod_inner".to_owned(),

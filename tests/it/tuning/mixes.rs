@@ -51,7 +51,7 @@ impl Draw {
     }
 }
 
-/// Contents that a mix may have.
+/// Kinds of mixes of targets and constraints.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Kind {
     /// Any mix, including mixes that cannot be satisfied.

@@ -352,7 +352,7 @@ fn with_points(topology: &str, points: &[(&str, [f64; 3])]) -> Suspension {
 }
 
 /// A tie rod 1.7 mm from the steering axis reaches its joint only within a tiny interval of the arm angle. The search
-/// finds both assemblies there and leaves nothing undecided.
+/// finds both assemblies in this interval and leaves no interval undecided.
 #[test]
 fn a_tie_rod_next_to_the_steering_axis_leaves_nothing_undecided() {
     let suspension = with_points(

@@ -34,7 +34,7 @@ fn of<'a>(accuracy: &'a Accuracy, family: Family, method: &str) -> Vec<&'a Measu
     found
 }
 
-/// Error with this setting.
+/// Error that the benchmark reports for this setting.
 fn error(measurements: &[&Measurement], setting: &str) -> f64 {
     let found = measurements.iter().find(|m| m.setting == setting);
     found.unwrap_or_else(|| panic!("{setting}")).error
@@ -51,7 +51,8 @@ fn errors_are_what_arithmetic_and_method_promise() {
         assert!(m.error.is_finite(), "{m:?}");
     }
 
-    // Single, double and twice double precision: 7, 16 and 31 digits of a few hundred millimetres.
+    // The closed form runs in single, double and twice double precision. Their 7, 16 and 31 digits are relative to a
+    // few hundred millimetres.
     let rounding = |name: &str| error(&of(&accuracy, Family::Pose, name), "rounding");
     let [single, double, twice] =
         ["f32", "f64", "double-double"].map(|name| rounding(&format!("closed form, {name}")));
@@ -135,7 +136,7 @@ fn errors_are_what_arithmetic_and_method_promise() {
     }
 }
 
-/// Every topology can be measured.
+/// The benchmarks of accuracy and of effects run with every topology.
 #[test]
 fn every_topology_can_be_measured() {
     const FEW: &[&str] = &["motion.travel={from=-40.0, to=40.0, steps=5}"];
@@ -173,8 +174,8 @@ fn a_motion_of_two_stations_is_no_curve() {
     assert_eq!(refused, expected);
 }
 
-/// The benchmark measures every topology in lanes of every available width, with gradients except for those of an
-/// instantaneous steering axis. The method of the paper handles struts only.
+/// The benchmark times every topology in lanes of every available width. It also times gradients, except for
+/// topologies with an instantaneous steering axis. The method of the paper handles struts only.
 #[test]
 fn throughput_is_measured_by_every_way_there_is() {
     if !crate::support::has_lanes() {
@@ -193,9 +194,11 @@ fn throughput_is_measured_by_every_way_there_is() {
             let all = found.measurements.iter();
             all.filter(|m| m.method.starts_with(method)).count()
         };
-        // Runs that the motion ratio adds: angles and gains on one thread, the widest lanes on two threads and on one.
+        // One run of the motion ratio if the wheel has a spring.
         let springs = study.wheel().mechanism.spring.iter().count();
-        // Runs of extra points, and of the limit of the method.
+        // In lanes of each width, the benchmark times angles, gains and two kinds of gradients. In the widest lanes,
+        // it also times angles on two threads, and extra points. `limit` is 1 if it times poses at given arm angles,
+        // the fastest case.
         let expected = (2 + gradients) * widths + 2 + springs + limit;
         assert_eq!(of("lanes"), expected, "{name}");
         assert_eq!(of("point coordinates"), paper, "{name}");
@@ -280,7 +283,8 @@ fn cars_and_equilibria_are_timed() {
         let (of_lanes, own): (Vec<&str>, Vec<&str>) =
             names.into_iter().partition(|name| name.contains(" lanes"));
         assert_eq!(own, jobs, "{csv}");
-        // An elastic wheel runs in lanes of every width except AVX-512. The rows of a car's map follow.
+        // The benchmark times an elastic wheel in lanes of every width except AVX-512, and the map of a car in one
+        // lane width.
         let widths = Width::available().filter(|width| *width != Width::Avx512);
         let is_wheel = jobs.contains(&"sheet of one wheel with all derivatives");
         let expected = match kind {

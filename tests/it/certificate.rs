@@ -101,7 +101,7 @@ fn certified(
             &StationOrder::through(values),
             rack,
             |_, station, proof| {
-                // The displayed pose is that of its station.
+                // The pose belongs to its station: a separate certificate for this station holds too.
                 if let Ok((pose, certificate)) = proof {
                     let point = MotionPoint {
                         drive,

@@ -526,7 +526,7 @@ fn a_place_that_cannot_be_written_is_named() {
     assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
 }
 
-/// If the design reaches a target only beyond its travel, the search reports this and ends.
+/// If a target is at a travel that the wheel cannot reach, the tuning ends and reports the end of the wheel travel.
 #[test]
 fn an_unreachable_target_travel_is_a_reason_not_a_crash() {
     let directory = tempfile::tempdir().unwrap();
@@ -913,7 +913,7 @@ fn a_set_up_is_printed_for_a_mechanic() {
             );
         }
     }
-    // The order is shims first, toe last.
+    // The set-up adjusts shims first and toe last.
     let order: Vec<_> = summary["adjustments"]
         .as_array()
         .unwrap()

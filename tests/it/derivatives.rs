@@ -186,7 +186,7 @@ fn compare(
     let quantities = quantities(mechanism);
     for ((quantity, value), (f, w)) in quantities.iter().zip(values).zip(found.iter().zip(wanted)) {
         // A swing arm y is the inverse of a rotation rate, so an error of that rate appears in y with the factor y^2.
-        // The same applies to the position of its end.
+        // The position of the end of the swing arm has the same factor.
         let pole = match quantity {
             Quantity::Characteristic(
                 Characteristic::FrontViewSwingArm

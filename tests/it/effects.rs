@@ -129,12 +129,12 @@ fn sensitivities_to_one_point_do_not_cost_those_of_nine() {
     // Each output needs one right-hand side, for any number of coordinates.
     for work in [all, one] {
         assert_eq!(work.right_hand_sides, 2 * STATIONS);
-        // The design position, which the program solves first, needs one more.
+        // The design position, which the program solves first, needs one more factorisation.
         assert_eq!(work.factorisations, STATIONS + 1);
     }
 }
 
-/// Sensitivities to some points have the same bits as among the sensitivities to all points.
+/// Sensitivities to a few requested points have the same bits as in a request for all points.
 #[test]
 fn sensitivities_to_some_points_are_those_among_all() {
     for name in [STRUT, WISHBONE, FIVE_LINK, "semi_trailing_arm_solve.toml"] {

@@ -240,7 +240,7 @@ fn what_has_no_solution_is_refused_with_the_limit() {
 }
 
 /// Condition numbers that the closed form estimates are right within a factor of ten. The designs are scattered by up
-/// to a sixth of the size. The test skips numbers above 1000.
+/// to a sixth of the size. The test skips condition numbers above 1000.
 #[test]
 fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
     for (name, reach) in [

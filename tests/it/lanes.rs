@@ -41,7 +41,7 @@ fn by_arm_angle(name: &str) -> Study {
 const FINE: &str = "{ from = -80.0, to = 80.0, steps = 41 }";
 const COARSE: &str = "[-90.0, -30.0, 55.0, 120.0]";
 
-/// Typical outputs.
+/// Characteristics that a typical sweep requests.
 const ANGLES: [Characteristic; 4] = [
     Characteristic::Camber,
     Characteristic::Toe,
@@ -326,10 +326,11 @@ fn all(designs: usize) -> Vec<(f64, Found)> {
     found
 }
 
-/// Bound of the difference from lanes, which leave residuals of rounding size. Lanes approach folds and toggles up to
-/// an angle with sine 1/4, where the knuckle turns four times as fast. That gives a factor of 4 for a position and of
-/// its cube for a rate. The bound covers these factors and the roundings of both paths. Larger errors remain in
-/// quotients of two almost vanishing parts, such as the roll centre of a wheel that turns about its contact point.
+/// Bound of the difference between lanes and one-by-one evaluation. Lanes leave residuals of rounding size. Lanes
+/// approach folds and toggles up to an angle with sine 1/4, where the knuckle turns four times as fast. That gives a
+/// factor of 4 for a position and of its cube for a rate. The bound covers these factors and the roundings of both
+/// paths. Larger errors remain in quotients of two almost vanishing parts, such as the roll centre of a wheel that
+/// turns about its contact point.
 const BOUND: f64 = 1e-12;
 
 /// Bound for designs that are solved one by one. Rates lose twice the digits of the condition number, which is below
@@ -357,8 +358,8 @@ fn a_million_designs_tracked_agree_with_the_continuation() {
 }
 
 /// Double wishbones whose wheel centre is at its lowest or highest point within 0.01 mm of the design position. Their
-/// other points are as in `double_wishbone_solve.toml`. The slope of the base design does not apply to them. From the
-/// fold another branch continues just as smoothly.
+/// other points are as in `double_wishbone_solve.toml`. So close to a fold, their slopes differ from that of the base
+/// design. At the fold, a second branch continues just as smoothly.
 const BESIDE_A_FOLD: [([[f64; 3]; 12], &str, &str); 2] = [
     (
         [
@@ -466,8 +467,8 @@ fn ordinary_designs_stay_in_the_lanes() {
     if !crate::support::has_lanes() {
         return;
     }
-    // With 30 mm at the rear axle's toe links, some five-link designs steer by ten degrees and would leave the range of
-    // lanes.
+    // With 30 mm at the rear axle's toe links, some five-link designs steer by ten degrees and would go beyond the
+    // range that lanes can solve.
     for (name, rack) in [
         ("macpherson_solve.toml", "[0.0, 30.0]"),
         ("double_wishbone_solve.toml", "[0.0, 30.0]"),
@@ -591,8 +592,8 @@ fn a_degenerate_design_leaves_its_lane_as_it_was() {
     }
 }
 
-/// The gradient evaluator finds the same values in lanes and one by one. It gives a reason for every design that it
-/// cannot solve.
+/// The gradient evaluator finds the same values in lanes and one by one. For every design that the evaluator cannot
+/// solve, it gives a reason.
 #[test]
 fn the_evaluator_of_gradients_falls_back_one_by_one() {
     if !crate::support::has_lanes() {
@@ -775,7 +776,7 @@ fn gradients_in_lanes_are_those_of_the_closure_equations() {
         };
         let deviations = sums(&mut lanes, designs);
 
-        // The bits are the same without neighbours and in the narrowest lanes.
+        // The gradients have the same bits without neighbours and in the narrowest lanes.
         let mut narrow = in_lanes(Width::available().next().unwrap_or(widest));
         for (number, design) in designs.chunks_exact(points).enumerate() {
             let alone = collected(&mut narrow, design, angles.len(), stations.count(), points);

@@ -236,7 +236,7 @@ fn the_legs_of_an_arm_add_up_to_the_force_in_its_joint() {
 #[test]
 fn what_nothing_carries_has_a_status_and_no_values() {
     let overrides = [
-        // This point lies on the line from the lower end through the middle of the hinge in the design position.
+        // With these points, the spring's line passes through the middle of the hinge in the design position.
         "suspension.hardpoints.spring_lower=[70.0, 580.0, 270.0]",
         "suspension.hardpoints.spring_upper=[205.0, 470.0, 262.5]",
         "motion.travel=[-40.0, 0.0, 40.0]",
@@ -275,7 +275,7 @@ fn without_a_spring_the_wheel_is_held() {
     let study = Study::from_text("study.toml", &text, Path::new(".")).unwrap();
     let (found, table) = run(&study);
     assert!(found.are_complete());
-    // The support opposes the load directly, so the links carry no force.
+    // The vertical support at the wheel centre opposes the load directly, so the links carry no force.
     for (name, values) in table.header.iter().zip(&table.columns) {
         let expected = match name.as_str() {
             "kerb_support_N" => -1000.0,

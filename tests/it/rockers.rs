@@ -215,7 +215,7 @@ fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
     ] {
         assert!(said.contains(phrase), "{said}");
     }
-    // Sensitivities there are empty, never NaN.
+    // Beyond the toggle, sensitivities are empty cells, never NaN.
     let csv = sensitivities_csv(&study, &found);
     let csv = String::from_utf8(csv).unwrap();
     assert!(!csv.contains("NaN") && !csv.contains("inf"));

@@ -147,8 +147,8 @@ fn a_change_that_a_target_asks_for_at_one_place_is_taken_off_elsewhere() {
     }
 }
 
-/// A target of bump steer over the whole travel counts as a target of toe. If it covers a part of the travel, the
-/// report compares only the change beyond the one at the end of that part.
+/// A target of bump steer over the whole travel counts as a target of toe. If the target covers only a part of the
+/// travel, the toe beyond this part may change as much as at its end. Only a larger change is a side effect.
 #[test]
 fn a_target_of_a_gain_is_one_of_the_curve() {
     let of = |ends: &str| {
@@ -302,7 +302,8 @@ fn an_axle_has_one_row_for_both_wheels() {
     ] {
         named(&effects, output);
     }
-    // The target applies at 9 of 27 stations; at the others the report compares the change beyond it.
+    // The target applies at 9 of 27 stations. At the other stations, a change larger than at the nearest of the 9 is a
+    // side effect.
     named(&effects, "ackermann_error");
     // In roll the kinematic roll centre moves without bounds; the force-based one does not.
     let kinematic = named(&effects, "roll_centre_height");

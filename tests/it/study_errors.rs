@@ -142,7 +142,7 @@ fn the_good_study_is_good() {
 
 #[test]
 fn values_of_the_wrong_kind() {
-    // Keeps each mistake on one line.
+    // Without rustfmt, each mistake of the table stays on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("[   5.0, 705.0", "[   5.0, \"x\"", "\"x\"", "suspension.hardpoints.lower_ball_joint", &["expected a number, found the text \"x\""]),
@@ -166,7 +166,7 @@ fn values_of_the_wrong_kind() {
 
 #[test]
 fn unknown_and_missing_keys() {
-    // Keeps each mistake on one line.
+    // Without rustfmt, each mistake of the table stays on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("radius = 300.0", "raduis = 300.0", "raduis", "wheel.raduis", &["unknown key \"raduis\"", "did you mean \"radius\"?"]),
@@ -222,7 +222,7 @@ fn text_that_is_not_toml() {
 
 #[test]
 fn unknown_names() {
-    // Keeps each mistake on one line.
+    // Without rustfmt, each mistake of the table stays on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("topology = \"macpherson\"", "topology = \"mcpherson\"", "topology", "suspension.topology", &["unknown topology \"mcpherson\"", "did you mean \"macpherson\"?"]),
@@ -281,7 +281,7 @@ fn loads_that_cannot_be() {
 
 #[test]
 fn geometry_that_cannot_be() {
-    // Keeps each mistake on one line.
+    // Without rustfmt, each mistake of the table stays on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("strut_top        = [ -35.0, 575.0, 850.0]\n", "", "[suspension.hardpoints]", "suspension.hardpoints", &["missing for macpherson: strut_top (upper strut mount on the body)"]),
@@ -336,7 +336,7 @@ fn motions_that_go_nowhere() {
         } else {
             text
         };
-        // The targets are not part of this mistake, so the text omits them.
+        // The mistake does not concern the targets, so the study here has no targets.
         let text = &text[..text.find("[optimise]").unwrap()];
         let on = key.rsplit('.').next().unwrap();
         assert_mistake(text, on, key, phrases);
@@ -364,7 +364,7 @@ fn motions_that_go_nowhere() {
 
 #[test]
 fn outputs_that_cannot_be_computed() {
-    // Keeps each mistake on one line.
+    // Without rustfmt, each mistake of the table stays on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("radius = 300.0", "", "anti_dive", "outputs.characteristics", &["anti_dive needs radius in [wheel], which this study does not give"]),
@@ -381,7 +381,7 @@ fn outputs_that_cannot_be_computed() {
 
 #[test]
 fn optimisations_that_make_no_sense() {
-    // Keeps each mistake on one line.
+    // Without rustfmt, each mistake of the table stays on one line.
     #[rustfmt::skip]
     assert_all(&[
         ("starts = 8", "starts = 0", "starts", "optimise.starts", &["expected from 1 to 1000000, found 0"]),

@@ -173,7 +173,7 @@ fn judge(study: &Study) -> bool {
     let plan = Plan {
         station_order: StationOrder::through(&thinned(whole.station_order.values())),
         racks: thinned(&whole.racks),
-        // Times belong to the omitted stations.
+        // Removes the times of the stations, because the motion has fewer stations now.
         time: None,
         ..whole
     };

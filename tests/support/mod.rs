@@ -1,4 +1,4 @@
-//! Reader of the reference values and of their mechanisms.
+//! Support for tests: reader of the reference values, and of the mechanisms to which they belong.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
 pub mod bounded;
@@ -33,7 +33,7 @@ pub fn number(value: &Value) -> f64 {
         .expect("a number")
 }
 
-/// Vector of such numbers.
+/// Vector of numbers that are stored as decimal strings.
 pub fn vector(value: &Value) -> Vector3<f64> {
     Vector3::new(number(&value[0]), number(&value[1]), number(&value[2]))
 }

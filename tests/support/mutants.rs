@@ -105,7 +105,7 @@ fn is_numeric(c: char) -> bool {
     c.is_ascii_digit() || c == '.' || c == '-'
 }
 
-/// Sequences of such characters outside comments.
+/// Ranges of consecutive characters that satisfy `belongs`, outside comments.
 fn tokens(text: &str, belongs: impl Fn(char) -> bool) -> Vec<std::ops::Range<usize>> {
     let mut found: Vec<std::ops::Range<usize>> = Vec::new();
     let mut start = 0;

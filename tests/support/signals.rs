@@ -405,7 +405,8 @@ fn files(directory: &Path) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-/// Fields of `/proc/PID/stat` from the state on. A process that has ended keeps them until its parent waits for it.
+/// Fields of `/proc/PID/stat` from the state on. After its end, a process keeps these fields until its parent waits
+/// for it.
 fn stat(child: &Child) -> Vec<String> {
     let stat = fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap_or_default();
     let after_name = stat.rsplit_once(')').map_or("", |(_, after)| after);

@@ -1,5 +1,5 @@
-//! Independent continuation of a strut in small steps, to decide if a pose is connected to the design position. It has
-//! its own equations, solver and step control.
+//! Independent continuation of a strut in small steps, to decide if a pose is connected to the design position. The
+//! continuation uses other equations, another solver and another step control than the program.
 //!
 //! The unknowns are the position of the knuckle's origin and the nine entries of its rotation. The position is relative
 //! to the origin's design position, with the nearest power of two to the size as unit:
@@ -78,8 +78,9 @@ impl SmallSteps {
         let arm = &mechanism.arms[0];
         let (front, rear) = (at(arm.front), at(arm.rear));
         let axis = (front - rear).normalised();
-        // Position of the outer joint (the origin) relative to the axis, from the nearer axis end. It is perpendicular
-        // to the axis to the last digit, because the arm may be short. A positive rotation raises the joint.
+        // Position of the outer joint (the origin) relative to the axis, from the nearer axis end. This vector is
+        // perpendicular to the axis to the last digit, because the arm may be short. A positive rotation raises the
+        // joint.
         let near = if front.norm() < rear.norm() {
             front
         } else {
@@ -271,7 +272,7 @@ impl SmallSteps {
                 };
                 guess -= correction;
                 let size = correction.amax();
-                // This form refuses NaN.
+                // This form of the comparison refuses NaN.
                 let is_good = iteration > 0 || size <= STRAIGHT * length + 1e-12;
                 if !(ratio > 0.5 && ratio < 2.0 && is_good && size < last) {
                     // Corrections that no longer shrink are rounding errors.

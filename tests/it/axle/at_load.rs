@@ -17,8 +17,8 @@ fn at(heave: f64, roll: f64, rack: f64) -> Placement {
     Placement::AtLoad { heave, roll, rack }
 }
 
-/// The sum of the wheel loads equals that of the level position for any roll angle and rack displacement. The body
-/// rises or sinks to keep it.
+/// In roll at constant load, the sum of both wheel loads equals that of the level position, for any roll angle and
+/// rack displacement. The body rises or sinks to keep this sum constant.
 #[test]
 fn the_sum_of_the_wheel_loads_is_held() {
     for name in ["macpherson_axle", "five_link_axle"] {
@@ -140,7 +140,8 @@ fn gradients_follow_the_load() {
     }
 }
 
-/// Commands accept the option as a user writes it, and refuse invalid combinations.
+/// Commands accept `hold = "wheel_load"` in a motion with roll. They refuse this option without roll, without springs,
+/// or together with certificates.
 #[test]
 fn a_load_is_held_where_the_motion_says_so() {
     let path = sample("macpherson_axle.toml");

@@ -56,8 +56,8 @@ fn at_design(out: &std::path::Path, name: &str) -> f64 {
     curves.column(name).unwrap()[row.unwrap()].unwrap()
 }
 
-/// One set-up applies to both wheels of a mirrored axle: both reach the target camber and toe, and the curves of the
-/// axle start from them.
+/// One set-up applies to both wheels of a mirrored axle: both wheels reach the target camber and toe, and the curves
+/// of the axle start from these values.
 #[test]
 fn a_mirrored_axle_is_set_up_alike() {
     let (path, out) = (study("macpherson_axle.toml"), folder("setup_mirrored"));
@@ -79,7 +79,8 @@ fn a_mirrored_axle_is_set_up_alike() {
         printed.contains("Instructions for both wheels"),
         "{printed}"
     );
-    // The printed direction applies to both wheels: the shim moves a strut top, and -1 deg of camber needs it inboard.
+    // The printed direction applies to both wheels: the shim moves a strut top, and -1 deg of camber needs the strut
+    // top farther inboard.
     assert!(printed.contains("move inboard by "), "{printed}");
     for side in ["left", "right"] {
         let camber = at_design(&out, &format!("{side}_camber_deg"));
@@ -142,7 +143,7 @@ fn wheels_that_differ_are_set_up_one_by_one() {
     let wheels = summary["wheels"].as_array().unwrap();
     let sides: Vec<_> = wheels.iter().map(|wheel| wheel["side"].clone()).collect();
     assert_eq!(sides, ["left", "right"]);
-    // The right toe link has another length before the set-up.
+    // The two toe links have different lengths before the set-up, so their adjustments differ.
     let amount = |wheel: &Value| wheel["adjustments"][0]["amount"].as_f64().unwrap();
     assert_ne!(amount(&wheels[0]), amount(&wheels[1]));
 }
@@ -166,7 +167,8 @@ fn absurd_adjustments_of_a_wheel_are_refused() {
     );
 }
 
-/// Both wheels of a build scatter independently. The limit of all builds is that of the build that the program names.
+/// Both wheels of a build scatter independently. The program names the build with the nearest limit. That limit
+/// applies to all builds.
 #[test]
 fn builds_of_an_axle_have_limits_of_both_wheels() {
     let path = study("five_link_axle_tolerance.toml");

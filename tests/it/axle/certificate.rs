@@ -64,7 +64,7 @@ fn the_answers_at_sixty_digits_lie_within_the_proof() {
                     error <= proof.travel_error + rounding(travel),
                     "{label}: {proof:?}"
                 );
-                // The right wheel is the mirror image.
+                // The solver's frame of the right wheel is mirrored, so y changes its sign.
                 let sign = [1.0, -1.0][i];
                 let centre = Vector3::new(
                     expected(&format!("wheel_centre_x_{side}")),
@@ -160,12 +160,12 @@ fn a_false_root_is_not_proved_to_be_near() {
         // The certificate bounds the carrier position errors by nearly this offset too.
         assert!(proof.position_errors.into_iter().all(|e| e >= 0.9 * off));
     }
-    // Poses that belong to other travels than the stated ones have an error as large.
+    // If the stated travels are 1e-6 mm away from those of the poses, the certified error is at least this large.
     let mut planted = right;
     planted.travels = [right.travels[0] + 1e-6, right.travels[1] - 1e-6];
     let proof = certifier.prove(&wanted, &planted).unwrap();
     assert!(proof.travel_error >= 1e-6, "{proof:?}");
-    // A pose far off cannot be certified.
+    // Travels that are 300 mm away cannot be certified.
     planted.travels = [right.travels[0] + 300.0, right.travels[1] - 300.0];
     assert!(
         certifier

@@ -450,7 +450,8 @@ fn axles_are_swept() {
     };
     for (ours, theirs) in curves.lines().skip(1 + 149 * 4).zip(solved.lines().skip(1)) {
         let (ours, mut theirs) = (numbers(ours, 1), numbers(theirs, 0));
-        // Leaves out the found travels and the rack displacement that follows from the angle.
+        // Removes the columns of the travels, which the solver finds, and of the rack displacement, which follows from
+        // the steering wheel angle.
         theirs.drain(2..5);
         assert_eq!((ours.len(), &ours[..3]), (8, &theirs[..3]));
         for (a, b) in ours.iter().zip(&theirs) {
@@ -468,8 +469,8 @@ fn said(arguments: &[&str], sets: &[&str], code: i32) -> String {
     words.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
-/// Every incomplete station comes with a message that names the wheel. It is the wheel whose drop link is at toggle, or
-/// the one that reaches the end of the rack first, as `limits` reports it.
+/// Every incomplete station comes with a message that names the wheel. The message names the wheel whose drop link is
+/// at toggle, or the wheel that reaches the end of the rack first. `limits` names the same wheel.
 #[test]
 fn what_an_axle_lacks_is_said_with_the_wheel() {
     let (path, out) = (study("macpherson_axle.toml"), folder("lacking"));
@@ -503,7 +504,7 @@ fn what_an_axle_lacks_is_said_with_the_wheel() {
     let end = "left wheel at travel 500.000000 mm: the wheel travel ends at 349.667807 mm: ";
     assert!(found.contains(end), "{found}");
 
-    // A sweep reports the reasons without numbers, and explains why it omits the effects.
+    // A sweep reports the reasons without numbers. It also explains why it omits the effects of the variables.
     let swept = |sets: &[&str]| {
         let variable =
             "{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-1.0, 1.0], steps = 2 }";

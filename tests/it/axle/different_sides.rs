@@ -357,7 +357,7 @@ impl<'a> Independent<'a> {
     }
 
     /// Roll centre: its height above the mean of both contact points, and its distance to the left of their midpoint.
-    /// It is where the normals to the velocities of both contact points intersect.
+    /// The normals to the velocities of both contact points intersect at the roll centre.
     fn roll_centre(&mut self, placed: &AxlePose) -> [f64; 2] {
         let (wheels, plane) = self.wheels(placed);
         let along = |v: Vector3<f64>| [plane.left.dot(v), plane.normal.dot(v)];

@@ -17,7 +17,8 @@ fn the_ground_of_a_drawing_stays_where_it_is_in_the_design_position() {
         let frames = axle_frames(&axle, &placements).unwrap();
         let frames: Vec<_> = frames.into_iter().map(Result::unwrap).collect();
         let level = frames[0].contact.unwrap()[2];
-        // Different wheels have slightly different heights in the design position; the ground is at their mean.
+        // If the wheels differ, their contact points have slightly different heights in the design position. The
+        // ground is at the mean of both heights.
         let right = frames[0].right.as_ref().unwrap().contact.unwrap()[2];
         let ground = 0.5 * (level + right);
         let own = &axle.left;

@@ -73,8 +73,8 @@ fn gradients_are_slopes() {
     }
 }
 
-/// The values of an axle are functions of the design, and their derivatives equal the slopes. This holds also if the
-/// right wheel has its own hardpoints.
+/// The values of an axle are functions of the design, and their derivatives equal the slopes. The test includes an
+/// axle whose right wheel has separate hardpoints.
 #[test]
 fn an_axle_is_a_function_of_its_design() {
     use hardpoint::study::Study;

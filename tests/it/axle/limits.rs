@@ -1,11 +1,12 @@
-//! Limits of the motion of axles.
+//! Tests of the limits of the motion of axles.
 
 use super::{axle, reference::read};
 use hardpoint::axle::{AxleSolver, Placement, TravelRanges};
 use hardpoint::model::Side;
 
-/// The rack of an axle ends where the first tie rod ends: one strut allows -113.3 to 164.5 mm, so both allow -113.3 to
-/// 113.3. A roll angle just before the limit has a position; one beyond it has none.
+/// The rack range of an axle ends where the first of both tie rods reaches its limit: one strut allows -113.3 to 164.5
+/// mm, so the axle allows -113.3 to 113.3. The axle has a position at a roll angle just before its limit, but not at
+/// one beyond the limit.
 #[test]
 fn the_first_wheel_to_end_is_the_end() {
     let axle = axle(&read("macpherson_front"));

@@ -104,7 +104,7 @@ fn mirrored_loads_are_carried_alike() {
     let loads = "outputs.loads=[{name=\"side\", side=\"left\", at=\"contact_point\", force=[-900.0, 1500.0, 4000.0], \
         moment=[2e4, -3e4, 5e4]}, {name=\"side\", side=\"right\", at=\"contact_point\", force=[-900.0, -1500.0, 4000.0], \
         moment=[-2e4, -3e4, -5e4]}]";
-    // A load name may appear once on each side, but a load for both sides may not use it again.
+    // A load name may appear once on each side, but a load for both sides may not reuse that name.
     let both = loads.replacen("side=\"left\", ", "", 1);
     let said = study("macpherson_axle.toml", &[&both]).unwrap_err();
     assert!(said.contains("is the name of another load"), "{said}");
@@ -126,8 +126,8 @@ fn mirrored_loads_are_carried_alike() {
     assert!(seen > 8, "{seen}");
 }
 
-/// A load along the ground normal that equals the wheel load from spring and motion is carried by exactly that spring
-/// force, also in roll. For any load the spring force does the work of the load.
+/// A load along the ground normal that equals the wheel load needs exactly the spring force that causes this wheel
+/// load, also in roll. For any load, the spring force does the same work as the load.
 #[test]
 fn the_spring_takes_the_work() {
     let quantities = "outputs.characteristics=[\"wheel_load\", \"spring_force\", \"motion_ratio\"]";
@@ -181,7 +181,8 @@ fn the_spring_takes_the_work() {
     }
 }
 
-/// A spring without leverage has a status and no values, only on the side where this occurs.
+/// At the station where the spring has no leverage, the forces of the loaded wheel have no values. The status of this
+/// station is `unsupported`.
 #[test]
 fn what_nothing_carries_has_a_status_and_no_values() {
     let text = std::fs::read_to_string(

@@ -12,7 +12,8 @@ fn with(study: &Study, edits: &[&str]) -> Result<Study, String> {
     study.map_err(|error| error.to_string())
 }
 
-/// Each kind of motion gives the same curves under a name as in `[motion]`.
+/// A motion in `[motions.NAME]` has the same curves as the same motion in `[motion]`. The test covers each kind of
+/// motion.
 #[test]
 fn a_named_motion_has_the_curves_of_the_same_motion() {
     let given = study("macpherson_axle", &[]);
@@ -78,7 +79,7 @@ fn a_constraint_holds_at_both_wheels_or_at_one() {
 }
 
 /// The right wheel, seen as a left wheel, has the opposite rack displacement. So a limit on the steer angle of both
-/// wheels at one rack displacement limits the left wheel at both signs of it.
+/// wheels at one rack displacement limits the left wheel at this rack displacement and at its opposite.
 #[test]
 fn the_right_wheel_steers_the_other_way() {
     let given = study("macpherson_axle_front", &[]);

@@ -103,7 +103,8 @@ pub(super) fn condition(name: &str, state: &AxleState<f64>) -> f64 {
     let value = |q| Quantity::Axle(q).evaluate(state);
     let jacking = [Left, Right].map(|s| Quantity::Wheel(s, W::JackingCoefficient).evaluate(state));
     match name {
-        // The divisor is the sum of the jacking coefficients, which itself is a difference on one side.
+        // The divisor is the sum of the jacking coefficients of both wheels. It loses digits if they have opposite
+        // signs.
         n if n.starts_with("roll_centre") => {
             let sum = (jacking[0] + jacking[1]).abs();
             ((jacking[0].abs() + jacking[1].abs()) / sum)
@@ -132,7 +133,7 @@ struct Worst(f64, String);
 
 impl Worst {
     fn note(&mut self, error: f64, what: impl FnOnce() -> String) {
-        // This form makes NaN the largest error.
+        // This form of the comparison makes NaN the largest error.
         if error.is_nan() || error > self.0 {
             *self = Worst(error, what());
         }

@@ -309,7 +309,7 @@ fn constraints_of_different_wheels_name_the_left_one() {
         }
         let of_left = constrained(own, &format!("{constraint}, side = \"left\"")).unwrap();
         assert_eq!(of_left, ["length tie_rod between 300 and 303, left wheel"]);
-        // If the wheels are mirror images, one check is enough.
+        // If the wheels are mirror images, the constraint applies once, without a side.
         assert_eq!(constrained("[axle]\n", &constraint).unwrap().len(), 1);
     }
 }

@@ -52,8 +52,8 @@ const ROWS: [(&str, &[&str]); 3] = [
     ),
 ];
 
-/// Each row has the values of a motion with only this station, in the order of the rows. This holds in `[motion]` and
-/// in a named motion.
+/// Each row of a motion has the values of a motion with only the station of this row. The test covers `[motion]` and a
+/// named motion.
 #[test]
 fn each_row_is_a_station() {
     let given = study("macpherson_axle", &[]);

@@ -107,7 +107,7 @@ fn tyres_are_in_series_with_the_roll_stiffness() {
             "travel_left_mm",
             "travel_right_mm",
         ];
-        // Takes from all combinations those with opposite travels.
+        // Selects the stations with opposite travels from all combinations of travels.
         let all = columns(path, &[pads, asked, &wheel, &tyre], &names);
         let is_opposite = |station: &usize| all[6][*station] == -all[7][*station];
         let opposite: Vec<usize> = (0..all[0].len()).filter(is_opposite).collect();

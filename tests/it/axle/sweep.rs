@@ -100,8 +100,9 @@ fn designs_that_fail_say_so() {
     assert!(rows.outputs[0].is_nan() && rows.outputs[2].is_finite());
 }
 
-/// The search for a position starts as if the wheels rose straight. Wheels that would then pass the end of their travel
-/// still reach positions where they rise otherwise, because the solver extrapolates the travels from smaller angles.
+/// The search for a position first assumes that the wheels move straight up. By this assumption, a wheel here would
+/// pass the end of its travel. The solver still finds the position, because it extrapolates the travels from smaller
+/// roll angles.
 #[test]
 fn a_position_before_the_end_of_the_travel_is_found_from_beyond() {
     let text = r#"
@@ -139,8 +140,8 @@ characteristics = ["camber"]
 }
 
 /// A sweep reports for each design the deviations and the misfit that tuning uses. The targets are values and bands at
-/// separate positions in heave, roll and steering. This holds in lanes and one by one, with mirrored and with separate
-/// right hardpoints.
+/// separate positions in heave, roll and steering. The test covers evaluation in lanes and one by one, with mirrored
+/// and with separate right hardpoints.
 #[test]
 fn misfits_are_those_that_tuning_lowers() {
     if !crate::support::has_lanes() {

@@ -59,7 +59,7 @@ fn mirrored_axles_give_mirrored_bits() {
         assert_eq!(placed.travels[1].to_bits(), mirrored.travels[0].to_bits());
         for (own, other) in wheel(Left).into_iter().zip(wheel(Right)) {
             let values = [own.evaluate(&state), other.evaluate(&image)];
-            // Derivatives with respect to the roll angle, which has the opposite sign on the other side.
+            // The roll angle has opposite signs as seen from both sides, and so have derivatives with respect to it.
             let by_roll = matches!(own, Quantity::Wheel(_, W::RollCamber));
             let sign = if by_roll { -1.0 } else { 1.0 };
             assert_eq!(values[0], sign * values[1], "{own:?}");

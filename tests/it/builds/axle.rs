@@ -60,8 +60,8 @@ fn output(problem: &Problem, column: &str) -> usize {
     found.unwrap_or_else(|| panic!("no {column}"))
 }
 
-/// The wheels of build n equal single wheels as builds 2 n and 2 n + 1. They depend on seed, build and side only, for
-/// any scatter of the other side.
+/// The two wheels of build n of an axle equal builds 2 n and 2 n + 1 of a single wheel. A wheel depends only on seed,
+/// build and side, not on the scatter of the other side.
 #[test]
 fn each_wheel_is_a_build_of_its_own() {
     let both = axle("builds=2", &[]);
@@ -126,8 +126,9 @@ fn a_printed_build_is_the_build() {
     }
 }
 
-/// A printed build includes the extra points of each wheel at their built positions, and every command accepts it as a
-/// study. This holds with mirrored and separate right hardpoints, and with spin axes given by angles or points.
+/// A printed build includes the extra points of each wheel at their built positions, and every command accepts the
+/// printed build as a study. The test covers mirrored and separate right hardpoints, and spin axes given by angles or
+/// points.
 #[test]
 fn a_printed_build_has_its_extra_points() {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
@@ -257,8 +258,8 @@ fn gradients_are_slopes_of_built_axles() {
 }
 
 /// The second-order contribution is half the second derivative times the variance, including products of sources of
-/// both wheels. It agrees with differences of fourth order in roll, at given travels on a plane, and on pads. It is
-/// unknown for quantities made of velocities.
+/// both wheels. The result agrees with differences of fourth order in roll, at given travels on a plane, and on pads.
+/// The program does not compute it for quantities made of velocities.
 #[test]
 fn second_order_is_that_of_built_axles() {
     let two = "tolerance.scatter=[{length=\"tie_rod\",sigma=2.0,side=\"left\"},\
@@ -326,8 +327,8 @@ fn second_order_is_that_of_built_axles() {
     }
 }
 
-/// First order and Monte Carlo agree for small scatter. Both wheels of a mirrored axle scatter equally and
-/// independently.
+/// For small scatter, the standard deviations of the first order agree with those of the Monte Carlo analysis. Both
+/// wheels of a mirrored axle scatter equally and independently.
 #[test]
 fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     if !crate::support::has_lanes() {
@@ -373,7 +374,7 @@ fn a_side_scatters_by_itself() {
         let sigma = |column: &str| found.spreads[cell(column)].sigma;
         assert!(sigma("left_toe_deg") < 1e-12 && sigma("right_toe_deg") > 1e-4);
         assert!(expansion.variance[cell("left_toe_deg")] == 0.0);
-        // The mean of both wheels steers half as much as the moved wheel.
+        // The mean steer of both wheels changes half as much as the steer of the moved wheel.
         let ratio =
             expansion.variance[cell("mean_steer_deg")] / expansion.variance[cell("right_toe_deg")];
         assert!((ratio - 0.25).abs() < 1e-12, "{ratio}");
@@ -410,8 +411,8 @@ fn each_wheel_is_aligned() {
     }
 }
 
-/// Builds have the same values in lanes and one by one, and the same bits with any number of threads. The program
-/// counts each band at its stations and ranks the pass rates.
+/// Builds have the same values in lanes and one by one, and the same bits with any number of threads. Each band
+/// applies to the expected number of values.
 #[test]
 fn results_are_the_same_however_they_are_found() {
     if !crate::support::has_lanes() {
@@ -442,7 +443,8 @@ fn results_are_the_same_however_they_are_found() {
         );
     }
     assert_eq!(one.in_bands, single.in_bands);
-    // Toe of both wheels at one station; roll steer at every roll angle and both heaves.
+    // Numbers of values: toe of both wheels at one station, roll steer at three roll angles and two heaves, track at
+    // all 12 stations.
     let looked: Vec<usize> = problem.cells_of_bands().map(|cells| cells.len()).collect();
     assert_eq!(looked, [2, 3 * 2, 12]);
     assert!(

@@ -382,8 +382,8 @@ fn ten_thousand_random_builds_are_those_of_other_equations() {
     random_builds(10_000);
 }
 
-/// With one length far off, many builds cannot be assembled. Both programs reject the same builds and agree on the
-/// others. The rejects include rods of negative length, whose squares would fit.
+/// If one length deviates strongly, many builds cannot be assembled. Both programs reject the same builds and agree on
+/// the others. The rejects include rods of negative length, whose squares would fit.
 #[test]
 fn what_cannot_be_put_together_cannot_by_other_equations() {
     let (mut built, mut rejected) = (0, BTreeMap::new());

@@ -69,7 +69,7 @@ fn values(spread: &Spread) -> impl Iterator<Item = f64> {
 }
 
 /// Builds that are sampled, assembled and solved in lanes have the values of builds one by one, for every topology,
-/// aligned or not. They have the same bits at any lane width.
+/// with and without alignment. The results have the same bits at any lane width.
 #[test]
 fn builds_in_lanes_are_those_one_by_one() {
     if !crate::support::has_lanes() {
@@ -117,8 +117,8 @@ fn builds_in_lanes_do_not_depend_on_their_neighbours() {
     }
 }
 
-/// Builds far from the nominal design, of which many cannot be assembled. Both ways reject the same builds, and no build
-/// succeeds in lanes but not one by one.
+/// Builds far from the nominal design, of which many cannot be assembled. Evaluation in lanes and one by one reject
+/// the same builds.
 #[test]
 fn builds_that_lanes_refuse_go_one_by_one() {
     for aligned in [false, true] {

@@ -53,7 +53,7 @@ fn a_printed_build_is_the_build_and_can_be_proved() {
             assert_eq!(printed.wheel().design[id.0], *place, "{}", point.name);
         }
 
-        // With two builds, the smallest and the largest value each belong to one of them.
+        // With two builds, one build has the smallest value and the other the largest.
         let drawn = problem.drawn().unwrap();
         let found = monte_carlo(&problem, &drawn, |_| ControlFlow::Continue(())).unwrap();
         let both = [built, problem.built(1).unwrap()];

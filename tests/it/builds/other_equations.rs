@@ -239,7 +239,7 @@ impl Drawing {
         }
     }
 
-    /// Returns true if its rack can be moved.
+    /// Returns true if the suspension has a rack that can move.
     pub fn has_rack(&self) -> bool {
         self.on.contains(&On::Rack)
     }
@@ -291,7 +291,7 @@ impl Drawing {
         for (number, [first, second]) in self.rockers.iter().enumerate() {
             let [c, s] = [x[turns + 2 * number], x[turns + 2 * number + 1]];
             let (_, [inner, _]) = self.members[rods + number];
-            // Any frame about the axis works, because the rod determines the angle.
+            // Any frame about the rocker's axis works, because the rod determines the rocker angle.
             let arm = drawn(inner) - drawn(*first);
             let made = frame(drawn(*second) - drawn(*first), arm);
             let [e, radial, across] = frame(places[*second] - places[*first], arm);

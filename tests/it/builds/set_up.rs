@@ -89,7 +89,7 @@ fn shims_come_whole_and_what_cannot_be_met_is_named() {
     assert!((shims - shims.round()).abs() < 1e-12);
     assert!(stepped.is_met());
 
-    // The rod meets the toe target and does not sacrifice it for camber.
+    // With the tie rod alone, the set-up meets the toe target and leaves the camber target unmet.
     let alone = solved(
         "macpherson_tolerance",
         &[
@@ -122,7 +122,7 @@ fn shims_never_spoil_what_threads_can_meet() {
         let misses = found.misses();
         assert!(misses[1].unwrap().abs() < 1e-9, "{misses:?}");
         assert!(misses[4].unwrap().abs() < 1e-9, "{misses:?}");
-        // The effect is about 0.23 deg/mm.
+        // The shim changes camber by about 0.23 deg/mm.
         assert!(found.allowed[0] < 0.13 && found.allowed[1] == 0.0 && found.allowed[4] == 0.0);
         assert!(misses[0].unwrap().abs() <= found.allowed[0], "{misses:?}");
         assert!(found.is_met());

@@ -15,8 +15,8 @@ const STUDIES: [&str; 3] = [
 ];
 
 /// At travel 0 a deviated wheel centre is at its design height. If it is dz higher in its carrier, the carrier has its
-/// pose for travel -dz. So camber and toe change by -dz times their slopes over travel. Horizontal deviations change
-/// neither, and the wheel radius has no effect.
+/// pose for travel -dz. So camber and toe change by -dz times their slopes over travel. Horizontal deviations of the
+/// wheel centre do not change camber and toe, and the wheel radius has no effect.
 #[test]
 fn a_wheel_centre_moves_its_spin_axis_in_parallel() {
     const STEP: f64 = 0.5;

@@ -281,8 +281,8 @@ fn builds_can_be_ended_early() {
     assert!(spread.count + found.rejected() <= found.builds && spread.sigma.is_finite());
 }
 
-/// Alignment sets camber and toe in the design position, so they do not scatter there. Wide bands on them leave the
-/// ranking unchanged: rounding errors have no share and cost no yield.
+/// Alignment sets camber and toe in the design position, so camber and toe do not scatter in this position. Wide bands
+/// on these values leave the ranking unchanged: rounding errors have no share and cost no yield.
 #[test]
 fn bands_on_values_that_do_not_scatter_leave_the_ranking() {
     let run = |more: &str| {
@@ -334,8 +334,8 @@ fn the_page_has_no_capability_of_rounding_errors() {
     assert_eq!(page.matches(">Cp ").count(), 1);
 }
 
-/// Alignment sets toe and camber. If a limit of a band equals such a value, the band contains every build, and the
-/// linear yield agrees.
+/// Alignment sets toe and camber. If a limit of a band equals the toe or camber of the alignment, the band contains
+/// every build, and the linear yield agrees.
 #[test]
 fn a_value_held_at_a_limit_keeps_its_band() {
     let study = study(

@@ -114,8 +114,8 @@ const SHIMS: [(&str, &str, f64); 5] = [
     ("tie_rod_inner", "z", 1.0),
 ];
 
-/// The whole shims of a set-up are the best of all roundings, up or down, of the smallest adjustment that meets the
-/// targets, up to a difference without visible effect.
+/// The set-up first finds the smallest adjustment that meets the targets. It then rounds each amount up or down to
+/// whole shims. No other rounding has a visibly smaller error than that of the set-up.
 #[test]
 fn whole_shims_are_the_best_roundings() {
     let adjust = |with_steps: bool| {

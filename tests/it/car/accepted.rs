@@ -123,7 +123,8 @@ fn whole_car(directory: &Path) -> std::path::PathBuf {
     path
 }
 
-/// Both ranges are accepted. A design whose centre of gravity is behind its rear axle fails with the reason.
+/// The program accepts a sweep over the centre of gravity and the wheelbase if each range alone is valid. A design
+/// whose centre of gravity is behind its rear axle fails.
 #[test]
 fn an_impossible_design_of_a_sweep_fails() {
     let directory = tempfile::tempdir().unwrap();

@@ -351,7 +351,7 @@ fn free_bodies_of_many_cars_balance() {
     balance(18, 100, 100);
 }
 
-/// The car's studies have ISO axes. The other tests rely on this frame.
+/// The studies of the sample car have ISO axes. The other tests of this file rely on these axes.
 #[test]
 fn the_car_is_in_iso_axes() {
     let mut random = Random(1);

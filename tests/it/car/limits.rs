@@ -29,9 +29,9 @@ fn directions(car: &Car) -> Vec<Case> {
     eighths.collect()
 }
 
-/// At a lift limit the wheel has zero load and the other wheels are loaded. Just below it every wheel is on the ground;
-/// just beyond it the wheel is lifted. Just below the end of equilibrium the car has an equilibrium, just beyond it
-/// none.
+/// At a lift limit one wheel has zero load and the other wheels are loaded. Just below this limit every wheel is on
+/// the ground; just beyond it the wheel is lifted. The car has an equilibrium just below the end of equilibrium, but
+/// not just beyond this end.
 #[test]
 fn limits_are_where_loads_vanish() {
     let car = car(&reference());

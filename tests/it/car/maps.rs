@@ -143,7 +143,7 @@ fn rows_in_lanes_are_the_states_of_their_cases() {
                     return;
                 }
                 from_lanes += 1;
-                // Results with derivatives are available from such a state as from any other.
+                // The solver can compute results with derivatives at a state from lanes too.
                 assert!(solver.solved(case, &state.found).is_ok());
             });
         let all: usize = rows.iter().map(|row| row.len()).sum();

@@ -179,8 +179,8 @@ fn the_command_reports_both_kinds() {
     assert_eq!(summary["constraints"].as_array().unwrap().len(), 2);
 }
 
-/// The program refuses an entry that belongs to neither a case nor an axle, or to both, and names its location. It also
-/// refuses keys and rates that do not fit.
+/// Every target and constraint belongs to either a load case or an axle. The program refuses an entry with both or
+/// without either, and names its line. It also refuses keys and rates that a car does not have.
 #[test]
 fn mistakes_of_places_are_named() {
     let directory = tempfile::tempdir().unwrap();

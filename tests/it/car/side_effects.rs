@@ -152,7 +152,7 @@ fn roll_at_rest_does_not_count_as_changed() {
     assert!(asked.abs() > 0.1, "{asked}");
     let effects = side_effects_of_car(&before, &after).unwrap();
     let effect = named(&effects, "roll");
-    // In the other turns the car rolls less than before, as in `turn`, and the change is no larger than there.
+    // In the other turns the car rolls less than before, as in `turn`, and the change is no larger than in `turn`.
     assert!(effect.is_unchanged() && !effect.flagged, "{effect:?}");
     assert!(effect.asked_change * asked > 0.0, "{effect:?}");
     assert!(effect.asked_change.abs() <= asked.abs(), "{effect:?}");
@@ -176,7 +176,7 @@ fn a_changed_axle_is_compared_as_in_its_own_tuning() {
     let axle = axle.unwrap_or_else(|e| panic!("{e:?}"));
     let alone = side_effects(&axle, &axle.moved(&[5.0])).unwrap();
     let mut compared = 0;
-    // Camber is a target there, so its side effects differ and the test skips them.
+    // The tuning of the axle alone has camber as a target, so the test skips the side effects on camber.
     for effect in alone
         .iter()
         .filter(|effect| !effect.output.starts_with("camber"))

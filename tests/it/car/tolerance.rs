@@ -76,9 +76,9 @@ scatter = [
     }
 }
 
-/// Builds with small scatter, each assembled and solved, have the first-order standard deviations. The standard error
-/// of 400 builds is 1/sqrt(800); the bound is four of it, and one value of a few hundred may exceed the bound. The
-/// scatter includes parts of both axles, lengths and both sides.
+/// Builds with small scatter, each assembled and solved, have the first-order standard deviations. The relative
+/// standard error of 400 builds is 1/sqrt(800). The bound is four standard errors, and one value in a few hundred may
+/// exceed it. The scatter includes parts of both axles, lengths and both sides.
 #[test]
 fn builds_confirm_the_first_order_of_parts() {
     let directory = tempfile::tempdir().unwrap();

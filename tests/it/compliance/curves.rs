@@ -238,7 +238,8 @@ fn a_station_without_equilibrium_is_said() {
     assert_eq!(curves.stations[1].value(0), None);
 }
 
-/// The program refuses quantities of the rigid mechanism by name, with the alternatives.
+/// For a wheel with elastic parts, the program refuses quantities of the rigid mechanism by name and lists the
+/// alternatives.
 #[test]
 fn quantities_of_the_rigid_mechanism_are_refused_by_name() {
     let dw = "double_wishbone_compliance.toml";

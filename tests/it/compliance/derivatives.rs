@@ -192,8 +192,8 @@ fn derivatives_are_those_of_the_reference() {
                         largest => largest,
                     };
                     compared += 1;
-                    // The bound is relative to the largest derivative of the output. Relative to the largest of its
-                    // kind, cancelling terms leave a larger error.
+                    // The bound is relative to the largest derivative of the output. Where terms cancel, the error may
+                    // be larger relative to the largest derivative of the same kind.
                     let whole = largest_of(&|_| true).max(largest);
                     let error = (slope - expected).abs() / whole;
                     let of_kind = (slope - expected).abs() / largest;

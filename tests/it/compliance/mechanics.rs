@@ -335,10 +335,10 @@ fn a_side_force_ends_at_the_fold() {
     let found = wheel.loaded(&at, &side(wanted), HeldQuantity::WheelLoad);
     let why = found.unwrap_err();
     let reached = why.share * wanted;
-    // The share is accurate to 1e-6.
+    // The program finds the share of the load to 1e-6.
     assert!((reached - 18_129.16).abs() < 2e-6 * wanted, "{reached}");
     assert!(why.softest.is_some() && !why.is_unstable);
-    // With the height held the wheel has no fold.
+    // If the wheel height is held instead, there is no fold up to this force.
     wheel
         .loaded(&start, &side(wanted), HeldQuantity::WheelHeight)
         .unwrap();

@@ -25,7 +25,7 @@ struct Seen {
     ok: usize,
     /// Number of loads below half of the end of a fine continuation, and number of solved ones among them.
     below_half: [usize; 2],
-    /// Number of loads below 0.9 of that end, and number of solved ones among them.
+    /// Number of loads below 0.9 of the end of a fine continuation, and number of solved ones among them.
     below_end: [usize; 2],
     worst_balance: f64,
     worst_difference: f64,
@@ -164,7 +164,7 @@ fn check(seed: u64, designs: usize, loads_of_each: usize) -> Seen {
             seen.loads += 1;
             let found = wheel.loaded_about(&station, &station, &loads, held);
             let (end, whole) = fine(&wheel, &station, &loads, held, FINE);
-            // The load is this share of the load at which the continuation would end.
+            // `end` is the share of the load that the fine continuation reaches.
             let is_ok = found.is_ok();
             if let Ok(at) = &found {
                 seen.ok += 1;

@@ -189,7 +189,7 @@ fn metrics_are_those_of_the_reference() {
                     let change = Change::Load(unit(load));
                     let by = wheel.figures_by(&at, &change, held).unwrap();
                     let found = figures(&by, by.vertical);
-                    // Test results of one kind in one test share a scale.
+                    // Test results of the same kind in one test are compared with their largest value.
                     let scale = |value: &str| {
                         let is_angle = |n: &str| {
                             !n.contains("wheel_centre")

@@ -176,7 +176,7 @@ fn wanted_values_are_those_of_the_adjusted_equilibrium() {
         for (own, value) in own.iter().zip(&values) {
             assert!((own - value).abs() < 1e-9, "{name}: {own} {value}");
         }
-        // The hardpoints themselves have other angles, because the parts deflect.
+        // The rigid mechanism of the adjusted hardpoints has other angles, because the elastic parts deflect.
         let rigid = rigid(
             &again.text,
             &format!("[outputs]\ncharacteristics = {OUTPUTS}"),
@@ -224,7 +224,8 @@ fn at_the_design_load_the_set_up_is_that_of_the_rigid_mechanism() {
         }
         for (a, b) in own.statics.iter().zip(&other.statics) {
             if a.column.starts_with("bump_steer") {
-                // The rates include the bushings.
+                // Bump steer of the elastic wheel includes the deflection of the bushings, so it differs from that of
+                // the rigid mechanism.
                 assert!((a.set.unwrap() - b.set.unwrap()).abs() > 1e-7);
                 continue;
             }

@@ -84,13 +84,13 @@ fn rates_are_identified_from_a_sheet_with_noise() {
             squares += off * off;
         }
     }
-    // Sum of twelve squared errors in standard errors: their mean is about 1.
+    // `squares` is the sum of twelve squared errors, each in standard errors. Their mean is about 1.
     let mean = squares / 12.0;
     assert!((0.15..3.0).contains(&mean), "{mean}");
 }
 
-/// The stiffness of an arm along its axis is the sum of the stiffnesses of both bushings. A sheet cannot separate them,
-/// and the program reports this.
+/// The stiffness of an arm along its axis is the sum of the stiffnesses of both bushings. A sheet cannot separate the
+/// two stiffnesses, and the program reports this.
 #[test]
 fn rates_that_a_sheet_cannot_separate_are_named() {
     let names = [

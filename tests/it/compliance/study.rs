@@ -168,8 +168,8 @@ fn mistakes_are_named_by_line() {
     }
 }
 
-/// If no test of the study gives a requested result, the message names the test to add. It does not call the name
-/// unknown or suggest another spelling.
+/// If no test of the study gives a requested result, the message names the test to add. The message does not call the
+/// name unknown, and does not suggest another spelling.
 #[test]
 fn figures_without_their_test_are_named_with_it() {
     let refusal = |study: &str, tests: &str, outputs: &str| {

@@ -211,7 +211,7 @@ fn entries_are_converted_by_their_quantity() {
     assert_eq!(list("optimise.variables.2.range"), [500.0, 2000.0]);
     assert_eq!(list("optimise.variables.3.range"), [0.5, 2.0]);
     assert_eq!(list("optimise.variables.4.range"), [2e7, 3e7]);
-    // Names of test results contain the trail.
+    // The name of a test result contains the trail in the unit of the study, here in metres.
     assert_eq!(
         at("optimise.targets.0.figure").as_str(),
         Some("toe_by_lateral_force_trail_0.03")

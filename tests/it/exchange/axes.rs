@@ -470,7 +470,7 @@ fn headers_are_read_by_letter_and_words() {
             }
         }
     }
-    // Columns in another order than their letters, and words without letters.
+    // Headers whose columns are not in the order x, y, z, and a header with words in place of the letters.
     let wheel = geometry("double_wishbone", &mut chance, false);
     for (header, order) in [
         (["Y (left)", "X (fwd)", "Z (up)"], [1, 0, 2]),
@@ -481,7 +481,8 @@ fn headers_are_read_by_letter_and_words() {
         let text = table(&wheel, order, [1.0; 3], header, " L");
         let path = file(&directory, "points.csv", text.as_bytes());
         let read = imported(&path, "double_wishbone", &Said::default());
-        // Lateral, longitudinal, vertical with left, forward, up is left-handed.
+        // These headers name no directions. With y to the left, x forward and z up, this order of columns is
+        // left-handed.
         if header[0] == "Lateral" {
             assert!(read.unwrap_err().contains("--axes left,forward,up"));
         } else {

@@ -82,7 +82,7 @@ fn the_rack_of_an_envelope_goes_along_the_axis_of_the_file() {
     let mut found = Vec::new();
     for convention in FrameConvention::ALL {
         let outgoing = Outgoing::of(&template, None, Some(convention));
-        // Sign of a displacement to the left.
+        // Sign of a rack displacement to the left in the axes of the file.
         let y = Frame::new(convention, Side::Left).sign(Axis::Y);
         let rack = Span {
             ends: [8.0 * y, 8.0 * y],
@@ -298,8 +298,8 @@ fn drawings_join_hardpoints() {
     }
 }
 
-/// At intermediate poses, no corner of the tyre is farther outside all solids than the stated bound. With more values
-/// the bound is smaller.
+/// At intermediate poses, no corner of the tyre is farther outside all solids than the stated bound. With more poses
+/// in the envelope, the bound is smaller.
 #[test]
 fn the_gap_between_poses_is_bounded() {
     assert_gap_is_bounded("double_wishbone", 20.0);

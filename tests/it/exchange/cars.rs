@@ -86,7 +86,7 @@ fn springs_of_single_suspensions_are_not_lost() {
 }
 
 /// The import refuses two upper links together with a Panhard rod: these five links overconstrain a rigid axle. A
-/// single upper link keeps its actual y.
+/// single upper link keeps its actual y, because it has no mirror image.
 #[test]
 fn five_links_of_a_solid_axle_are_refused() {
     let directory = tempfile::tempdir().unwrap();
@@ -442,7 +442,8 @@ fn axles_with_different_halves_come_back_from_tables() {
     assert_eq!(table.matches("\nwheel_centre,").count(), 1, "{table}");
 }
 
-/// The import refuses links that a solid axle cannot have, with the reason. Names that the user assigns resolve this.
+/// The import refuses links that a solid axle cannot have, with the reason. If the user assigns names to the links,
+/// the import succeeds.
 #[test]
 fn other_links_of_assetto_corsa_are_named() {
     let directory = tempfile::tempdir().unwrap();
@@ -547,7 +548,7 @@ fn a_car_comes_back_from_assetto_corsa() {
         let slope = springs_alone(axle);
         assert!((rate / slope - 1.0).abs() < 0.01, "{rate} {slope}");
     }
-    // Springs of the game have a rate at the wheel and no points. The import lists what the car needs.
+    // Springs of the game have a rate at the wheel and no points. The import lists the missing data.
     let left_out = car.axles[0].left_out.join("\n");
     assert!(
         left_out.contains("N/m at the wheel") && left_out.contains("motion_ratio^2"),

@@ -217,8 +217,8 @@ fn a_run_keeps_its_study() {
     }
 }
 
-/// An import prints the role of each point and the next command. In a pipe it asks no questions, and it never replaces
-/// its input.
+/// An import prints the role of each point and the next command. Without a terminal the import asks no questions. It
+/// never replaces its input file.
 #[test]
 fn an_import_says_what_it_did_and_keeps_its_input() {
     let directory = tempfile::tempdir().unwrap();

@@ -70,7 +70,8 @@ fn other_units_and_axes_are_recognised_and_contradictions_refused() {
     };
     let metres = of_text(&scaled(0.001, 0.001, 0.001), &Said::default()).unwrap();
     assert_eq!(metres.unit, LengthUnit::Metre);
-    // In these axes it could be a right wheel, or a left wheel in left-handed axes, so the import refuses the file.
+    // With these signs, the points could be a right wheel, or a left wheel in left-handed axes. So the import refuses
+    // the file.
     let turned = scaled(-1.0 / 25.4, 1.0 / 25.4, 1.0 / 25.4);
     let refused = refusal(&turned, &Said::default());
     assert!(

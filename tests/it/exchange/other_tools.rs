@@ -289,7 +289,8 @@ fn double_wishbones_come_back_from_optimum_k() {
     }
 }
 
-/// The points come back the same relative to the wheel centre, in metres.
+/// Through an export to Assetto Corsa and back, the points keep their positions relative to the wheel centre, in
+/// metres.
 #[test]
 fn wishbones_and_struts_come_back_from_assetto_corsa() {
     let directory = tempfile::tempdir().unwrap();

@@ -210,7 +210,7 @@ fn a_wheel_at_the_origin_needs_its_half_track() {
         let read = of("points.csv", &format!("{text}{line}"), &Said::default()).unwrap();
         has_points(&read, &FRONT);
     }
-    // Right wheel of such a file, with the sign of y reversed.
+    // A right wheel with the origin at its wheel centre has y with the opposite sign.
     let right: Vec<(&str, [f64; 3])> = moved
         .iter()
         .map(|(n, [x, y, z])| (*n, [*x, -y, *z]))
@@ -281,7 +281,7 @@ fn ends_of_rods_sit_where_rows_put_them() {
             .iter()
             .all(|h| !h.name.starts_with("spring"))
     );
-    // The import never leaves out a point that the user has named, but refuses instead.
+    // If the user has assigned a name to a point, the import never leaves out this point. It refuses the file instead.
     let mut said = Said::default();
     said.names.insert(
         "pushrod_inner".to_owned(),
@@ -670,7 +670,7 @@ fn the_other_axle_suggests_no_topology() {
         !said.contains("five_link") && !said.contains("toe link"),
         "{said}"
     );
-    // The same points on one axle make the import suggest it.
+    // If all these points belong to one axle, the import suggests the topology `five_link`.
     let one: String = text
         .lines()
         .filter(|line| !line.contains("tie rod") && *line != "rear,wheel centre,-1520,620,200")

@@ -92,7 +92,8 @@ fn check(study: &Study, path: &Path, said: &Said, frame: Frame) {
     }
     assert_eq!(back.unit, suspension.length_unit);
     assert_eq!((back.frame, back.side), frame.meaning());
-    // The imported study describes the same wheel. The test reads the written study only once for each kind.
+    // The study that the import writes describes the same wheel. To save time, the test reads only studies in metres
+    // with a left wheel.
     if suspension.length_unit != LengthUnit::Metre || back.side != Side::Left {
         return;
     }
@@ -144,8 +145,8 @@ fn tables_and_workbooks_give_the_same_study() {
     }
 }
 
-/// Any study can be exported in any other unit and axes. The file has the converted lengths, and the import uses them
-/// without change and without remainder. This holds for tables, workbooks and subsystems.
+/// Any study can be exported in any other unit and axes. The file has the converted lengths. The import reads back
+/// exactly these lengths, with no rounding error. This holds for tables, workbooks and subsystems.
 #[test]
 fn every_unit_and_frame_goes_out_and_comes_back() {
     let directory = tempfile::tempdir().unwrap();
@@ -245,8 +246,8 @@ fn subsystems_give_the_same_study() {
     }
 }
 
-/// The import distinguishes the wheels of a subsystem in inches whose sides differ, and reads a subsystem with only the
-/// right wheel.
+/// The import reads a subsystem file that has only the points of the right wheel, in inches. It can also return the
+/// left wheel as the mirror image.
 #[test]
 fn the_wheels_of_a_subsystem_are_told_apart() {
     let directory = tempfile::tempdir().unwrap();
@@ -261,7 +262,7 @@ fn the_wheels_of_a_subsystem_are_told_apart() {
     let both = String::from_utf8(subsystem(&Outgoing::of(&study, None, None)).bytes).unwrap();
     let right = |line: &str| {
         let right = line.replace("'left/right'", "'right     '");
-        // The y of a left wheel is negative here.
+        // In the axes of this file, y is negative on the left side and positive on the right side.
         let mut fields: Vec<String> = right.split_whitespace().map(str::to_owned).collect();
         let y = fields.len() - 2;
         fields[y] = fields[y].trim_start_matches('-').to_owned();
@@ -283,7 +284,7 @@ fn the_wheels_of_a_subsystem_are_told_apart() {
     let frame = Frame::new(FrameConvention::XRear, Side::Right);
     check(&study, &path, &Said::default(), frame);
     assert_eq!(frame.sign(Axis::Y), 1.0);
-    // The import gives the left wheel of that file as the mirror image, and reports this.
+    // If the user asks for the left wheel, the import mirrors the points of the right wheel and reports this.
     let said = Said {
         side: Some(Side::Left),
         ..Said::default()

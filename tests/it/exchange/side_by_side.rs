@@ -563,7 +563,8 @@ fn another_comparison_replaces_no_earlier_one() {
         of_b
     );
     assert_ne!(fs::read(&first).unwrap(), of_b);
-    // A directory that the user names is not moved.
+    // If the user names the directory of the results, the program does not move earlier results aside. It replaces
+    // them only with `--force`.
     run(
         directory,
         &["compare", "a.toml", "b.toml", "--out", "mine"],

@@ -74,7 +74,7 @@ fn a_named_motion_that_is_not_reached_is_said_by_all_three() {
 
 #[test]
 fn a_column_without_a_value_is_not_done() {
-    // Two points of the definition coincide, so the quotient has no value.
+    // Two points that define the camber of the paper coincide, so this camber has no value.
     let set = "suspension.hardpoints.wheel_centre=[1.47979023854085, 0.3715370715633186, 0.2223007791913243]";
     let spindle = "suspension.hardpoints.spindle_inner=[1.60607, 0.39391, 0.04829]";
     let same = "suspension.hardpoints.strut_upper=[1.47979023854085, 0.3715370715633186, 0.2223007791913243]";

@@ -121,7 +121,7 @@ impl Planted {
         rows.row(least).transpose()
     }
 
-    /// Design at the distance `far` from the fold along that motion, if it exists.
+    /// Design at the distance `far` from the planted fold along the free motion of the carrier, if it exists.
     fn led_away(&self, far: f64) -> Option<Points> {
         let free = self.free();
         let mut x = DVector::zeros(7);
@@ -143,7 +143,7 @@ impl Planted {
             }
             miss[5] -= far;
             match self.quantity {
-                // The row holds either the rack or the wheel height.
+                // The last equation keeps either the wheel height or the rack constant.
                 Quantity::Rack => {
                     rows.set_row(6, &jacobian.row(5));
                     miss[6] = all[5];
@@ -243,7 +243,7 @@ fn plant(sample: &Suspension, cause: LimitCause, quantity: Quantity, number: u64
         }
         _ => {
             let way = if strut {
-                // Perpendicular to the steering axis.
+                // Direction perpendicular to the steering axis.
                 let away = random.vector(1.0);
                 let square = (away - along * along.dot(away)).normalised();
                 points[id("strut_lower")] = points[upper] + square * (0.3 * size);
@@ -335,7 +335,8 @@ fn examine(each: u64) {
             quantities.map(|quantity| plant(sample, *cause, quantity, number))
         });
         for toggle in toggles.chain([plant_links(&links, number)]) {
-            // From this distance another fold may lie between; the test then tries smaller distances.
+            // Another fold may lie between the design at this distance and its planted fold. The test then tries
+            // designs nearer to the planted fold.
             let nearer = |named| {
                 named
                     || [0.3, 0.1, 0.03]

@@ -69,7 +69,8 @@ fn point(curves: &Curves, station: usize, name: &str) -> [Vector3<f64>; 3] {
     })
 }
 
-/// Point of the lower arm, turned about 1-2 like the reference's point 5.
+/// Position, velocity and acceleration of a point of the lower arm. The point turns about the line from point 1 to
+/// point 2 like point 5 of the reference.
 fn arm_point(case: &Value, state: &Value, designed: Vector3<f64>) -> [Vector3<f64>; 3] {
     let at = |name: &str| vector(&case["hardpoints"][name]);
     let (p1, axis) = (at("p1"), (at("p2") - at("p1")).normalised());

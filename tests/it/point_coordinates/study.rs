@@ -199,8 +199,8 @@ fn the_formulations_agree_through_the_bounce() {
     }
 }
 
-/// The drive accepts angles in degrees and gives derivatives with respect to them. It refuses a multiple of 180 degrees
-/// with the reason, and solves its neighbours. Beyond it the arm moves back.
+/// The drive accepts angles in degrees and gives derivatives with respect to them. The solver refuses a station at a
+/// multiple of 180 degrees with the reason, and solves the stations beside it. Beyond this angle the arm moves back.
 #[test]
 fn dead_centres_are_refused_with_the_reason() {
     for (formulation, reason) in FORMULATIONS

@@ -126,7 +126,7 @@ fn a_browser_draws_a_sweep_and_shows_a_design() {
     }
 }
 
-/// Below each curve that the page shows of a design, and only of those, are its deviations from the target.
+/// Below a chart, the page draws the deviations from the target for the shown designs only.
 #[test]
 fn the_strip_of_a_chart_is_of_the_shown_design() {
     let Some(browser) = browser() else {

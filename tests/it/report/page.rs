@@ -52,7 +52,7 @@ fn a_large_run_still_makes_a_small_page() {
 #[test]
 fn its_values_are_those_of_the_files() {
     let text = study("macpherson_front.toml");
-    // This range is too small for the targets.
+    // This range of the variable is too small to meet the targets.
     let top = "{ hardpoint = \"strut_top\",        axis = \"y\", range = [-20.0";
     assert!(text.contains(top));
     let text = text.replace(top, &top.replace("-20.0", "-10.0"));
@@ -343,7 +343,7 @@ fn missed_targets_are_marked() {
     assert!(!good.contains("class=\"missed\""));
 }
 
-/// Paper omits sections, and names them. It has the table of the side effects once.
+/// A printed page names the sections that it omits. It contains the table of the side effects once.
 #[test]
 fn paper_names_the_sections_that_it_omits() {
     let tuned = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]).page();

@@ -1,4 +1,4 @@
-//! Tests of the pictures.
+//! Tests of the pictures that `--plots` writes.
 
 use super::*;
 use resvg::tiny_skia::Pixmap;

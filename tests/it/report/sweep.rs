@@ -13,7 +13,8 @@ fn designs(data: &Value) -> Vec<u64> {
     shown.iter().map(|d| d.as_u64().unwrap()).collect()
 }
 
-/// Asserts that every value in the page equals the one in the file, and that cells empty there are missing here.
+/// Asserts that every value in the page equals the value in the file. A cell that is empty in the file has no value in
+/// the page.
 fn assert_values_of_the_file(run: &Run) {
     let data = run.data();
     let (header, cells) = run.csv("designs.csv");

@@ -118,7 +118,7 @@ fn rigid(names: &[String], found: &BTreeMap<String, Point>, expected: &Expected)
     }
 }
 
-/// Asserts that the points of a rocker keep their position along its axis and their distance from it.
+/// Asserts that the points of a rocker keep their position along the rocker's axis and their distance from this axis.
 fn hinged(axis: [&str; 2], names: &[String], found: &BTreeMap<String, Point>, parts: &Expected) {
     let read = |[first, second]: [Point; 2], point: Point| {
         let way = minus(second, first);

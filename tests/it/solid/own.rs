@@ -229,7 +229,7 @@ fn compare_positions(axles: usize) {
             }
         }
         println!("single {single}: {worst:e} mm");
-        // NaN fails this check.
+        // If an error is NaN, this assertion fails.
         assert!(worst < 1e-9, "single {single}: {worst:e} mm");
     }
 }

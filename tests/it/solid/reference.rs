@@ -77,7 +77,7 @@ struct Worst(f64, String);
 impl Worst {
     fn note(&mut self, found: f64, expected: f64, scale: f64, what: impl FnOnce() -> String) {
         let error = (found - expected).abs() / expected.abs().max(scale);
-        // This form makes NaN the largest error.
+        // This form of the comparison makes NaN the largest error.
         if error.is_nan() || error > self.0 {
             *self = Worst(error, format!("{}: {found} {expected}", what()));
         }

@@ -1,5 +1,5 @@
-//! Tests of limits of roll: an axle rolls up to them and no farther, and the part that ends the roll also ends the
-//! travel difference.
+//! Tests of limits of roll: an axle can roll up to its limit and no farther. The part that limits the roll angle also
+//! limits the difference of the travels.
 
 use crate::support::random::Random;
 use hardpoint::analyse::RangeEnd;

@@ -192,7 +192,7 @@ fn second_order_is_that_of_builds() {
     }
 }
 
-/// First order and Monte Carlo agree for small scatter.
+/// For small scatter, the standard deviations of the first order agree with those of the Monte Carlo analysis.
 #[test]
 fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     for kind in KINDS {

@@ -476,9 +476,9 @@ fn what_a_twist_beam_lacks_is_refused() {
     }
 }
 
-/// Below the sample's range the arms are vertical. Above it, 3 degrees before the arms are vertical, the path of equal
-/// halves meets that of twisted halves. Every station beyond an end has the reason of that end, whatever stopped the
-/// solver, and no reason names links.
+/// Below the sample's range the arms are vertical. Above the range, 3 degrees before the arms are vertical, the path
+/// of equal halves meets that of twisted halves. Every station beyond an end of the range has the same reason,
+/// whatever stopped the solver. No reason names links, because the beam has none.
 #[test]
 fn heaves_beyond_the_range_have_one_reason_at_each_end() {
     let text = include_str!("../../../studies/twist_beam_solve.toml");

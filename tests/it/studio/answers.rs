@@ -219,7 +219,7 @@ fn the_report_of_a_design_is_served() {
         assert_eq!(page.status, 200, "{name}");
         let text = page.text();
         assert!(text.contains("Content-Security-Policy"), "{name}");
-        // It has the moved coordinate, and a verdict if there are targets.
+        // The report page has the moved coordinate. If the study has targets, the page also states how many are met.
         let points = served.overview()["points"].clone();
         let points = points.as_array().unwrap();
         let centre = points.iter().position(|p| p["name"] == "wheel_centre");

@@ -8,7 +8,7 @@ use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
-/// The server refuses requests that are complete except for a sign that they come from a stranger.
+/// Each request here is complete, but one detail shows that it comes from a stranger. The server refuses it.
 #[test]
 fn strangers_are_refused() {
     let served = Served::of(&sample("macpherson_front.toml"));
@@ -379,7 +379,8 @@ fn assert_private_invitation(is_visited: bool) {
             place.display()
         );
     }
-    // The file with the address disappears after the page was requested, or else with the server.
+    // The server deletes the file with the address after the browser has requested the page, or else when the server
+    // ends.
     let folder_of_it = invitation.parent().unwrap().to_owned();
     if is_visited {
         let port = address.split([':', '/']).nth(4).unwrap().parse().unwrap();

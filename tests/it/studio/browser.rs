@@ -80,7 +80,8 @@ fn points_are_dragged_and_curves_follow() {
     assert!(assert_drawn_as_solved(&browser, &served.study) >= 6);
     assert_line_is_at_values(&browser, "camber_deg");
 
-    // Two steps, a drag in another view and an arrow key, are undone one by one and redone.
+    // The user makes two steps, a drag in another view and an arrow key. The user then undoes them one by one and
+    // redoes them.
     browser.drag(&handle("top", "tie_rod_outer"), [6, 5], 5);
     let dragged = browser.run("return studio.state.design");
     assert_ne!(dragged, moved);
@@ -204,7 +205,7 @@ fn tabs_servers_and_files_come_and_go() {
     assert_eq!(browser.run("return studio.state.design"), unsaved);
     browser
         .wait("document.getElementById('banner').textContent.includes('unsaved changes are back')");
-    // The button in the message leads back to the file.
+    // The button in the message discards the unsaved changes and shows the design of the file.
     browser.click("#banner button");
     assert_ne!(browser.run("return studio.state.design"), unsaved);
     browser.go_to(&second);

@@ -296,7 +296,7 @@ fn one_file_for_both_axles_is_not_torn() {
 }
 
 /// A tuning starts from the moved design, but its ranges are relative to the file. If the design is outside a range,
-/// the proposal reports this. A locked coordinate stays.
+/// the proposal reports this. A locked coordinate keeps its value.
 #[test]
 fn tunings_keep_locks_and_tell_wide_ranges() {
     let served = served("car", as_it_is);

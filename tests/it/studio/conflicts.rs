@@ -109,7 +109,8 @@ fn a_file_is_read_again_under_the_changes_of_the_page() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// If a file cannot take the page's changes, the page does not read it again and keeps its changes.
+/// If the page's changes cannot be applied to the changed file, the page does not read the file again and keeps its
+/// changes.
 #[test]
 fn changes_that_a_file_cannot_take_stay_on_the_page() {
     let Some(browser) = Browser::start() else {

@@ -194,7 +194,8 @@ fn a_text_that_is_no_number_is_refused_in_words() {
             );
         }
         assert_eq!(said[3], json!(false));
-        // In the next field, the coordinate is back. The message stays.
+        // When the user goes to the next field, the refused field shows the earlier coordinate again. The message
+        // stays.
         browser.keys(&["\u{e004}"]);
         let shown = browser.run(&format!(
             "return [{field}.value, {field}.classList.contains('wrong'), {banner}.hidden]"
@@ -258,8 +259,8 @@ fn words_follow_a_save() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// While an edge of a band is dragged, its value stands beside it. A locked point that is dragged says so and stays. The axis
-/// of a chart shows the bands of its targets.
+/// While the user drags an edge of a band, the page shows the value of the edge beside it. If the user drags a locked
+/// point, the page says that it is locked, and the point stays. The axis of a chart shows the bands of its targets.
 #[test]
 fn a_drag_says_what_it_does() {
     let Some((browser, _served)) = opened("macpherson_sweep.toml") else {

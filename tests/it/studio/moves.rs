@@ -83,7 +83,7 @@ fn a_move_is_asked_for_once() {
 }
 
 /// While an answer is late, the point stays under the pointer and the page marks the old curves. A later design does
-/// not wait for it, and the late answer never appears.
+/// not wait for the late answer, and the page never draws that answer.
 #[test]
 fn a_late_answer_gives_way() {
     let Some(browser) = Browser::start() else {

@@ -58,7 +58,8 @@ fn half_of_a_proposal_has_half_of_its_tuned_values() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// An undone move marks an open proposal, and an undone change of a value closes it with a message.
+/// If the user undoes a move while a proposal is open, the proposal states that points have moved. If the user undoes
+/// a change of a value, the page closes the proposal with a message.
 #[test]
 fn an_undo_tells_of_an_open_proposal() {
     let Some(browser) = Browser::start() else {

@@ -99,7 +99,8 @@ fn other_names_stay_beside_the_study() {
     );
 }
 
-/// The server replaces a link in the study's folder that leads elsewhere, and does not follow it.
+/// If a file in the study's folder is a link to another folder, the server replaces the link and does not write to its
+/// target.
 #[cfg(unix)]
 #[test]
 fn links_do_not_lead_out_of_the_folder() {

@@ -144,11 +144,12 @@ fn a_start_that_is_refused_writes_nothing() {
     assert_eq!(served.files(), ["mine.toml"]);
     let mine = fs::read_to_string(served.folder.path().join("mine.toml"));
     assert_eq!(mine.unwrap(), "mine");
-    // Without a study the server has nothing to answer.
+    // Without a study the server refuses requests about a study.
     assert_eq!(served.post("study", &Value::Null).status, 409);
 }
 
-/// A table of OptimumKinematics has no wheel centre. The refusal names the fields that give it, and with them a study is made.
+/// A table of OptimumKinematics has no wheel centre. The refusal names the fields of the form from which the wheel
+/// centre follows. With these fields filled in, the server makes a study.
 #[test]
 fn half_track_and_radius_give_the_wheel_centre() {
     let points = "CHAS_LowFor\t150\t205\t118\nCHAS_LowAft\t-150\t205\t130\nCHAS_UppFor\t140\t250\t300\n\

@@ -123,7 +123,7 @@ fn ranges_count_from_the_file() {
 }
 
 /// The page shows the nominal design: a robust study has the misfits, deviations and slopes of the same study without
-/// builds. Rounding a design uses the same misfit.
+/// builds. When the page rounds a design, it uses the same misfit.
 #[test]
 fn the_misfit_of_a_robust_study_is_that_of_its_nominal_design() {
     let robust = sample("double_wishbone_robust.toml");

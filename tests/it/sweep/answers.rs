@@ -205,7 +205,7 @@ fn gains_of_what_is_made_of_velocities_are_those_of_solve() {
     fs::write(bench.path("rows.csv"), rows).unwrap();
     let asked = "outputs.characteristics=[\"camber\", \"motion_ratio\", \"roll_centre_height\", \
                  \"bump_steer\", \"anti_roll_bar_motion_ratio\"]";
-    // This also holds if the rack is displaced in the design position.
+    // The test also displaces the rack in the design position.
     for rack in ["motion.rack=0.0", "motion.rack=6.0"] {
         let out = ["run", rack].concat();
         let set = ["--set", asked, "--set", rack, "--set", "outputs.loads=[]"];

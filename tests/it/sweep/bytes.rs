@@ -79,7 +79,7 @@ fn parts_are_the_same_whoever_does_them() {
     joined.extend(&rows[header + 1..]);
     assert!(read("merged/designs.csv") == joined);
     assert!(read("merged/summary.json") == read("whole/summary.json"));
-    // The program makes a page of either directory, and also of an incomplete sweep.
+    // The program makes a page for both result directories, and also for an incomplete sweep.
     fs::remove_file(bench.path("whole/part-000000000.csv")).unwrap();
     for run in ["shards", "merged", "whole"] {
         bench.run(&["report", run]).success();

@@ -332,8 +332,8 @@ fn devices_are_no_inputs() {
     assert!(error.contains("it is a device"), "{error}");
 }
 
-/// Only two designs of every group of Saltelli's samples are independent. The mean uses only these, and the program
-/// reports this.
+/// Only two designs of every group of Saltelli's samples are independent. The mean uses only these two designs, and
+/// the program reports this.
 #[test]
 fn it_is_said_which_designs_statistics_are_of() {
     let bench = Bench::new(STUDY);

@@ -49,8 +49,8 @@ fn quantities_of_an_axle_say_so() {
     }
 }
 
-/// The printed largest deviation of each target after a tuning equals that of the curve from the target, in the
-/// target's unit.
+/// After a tuning, the program prints the largest deviation of each target. This number equals the largest distance of
+/// the curve from the target, in the unit of the target.
 #[test]
 fn targets_are_off_by_what_the_curves_say() {
     let called = Called::on("optimise", "macpherson_bump_steer", &[]);

@@ -92,7 +92,8 @@ fn static_characteristics_are_those_of_the_hardpoints() {
         let wanted = expected.map(|(c, _)| c);
         let found = characteristics(&suspension, &design, travel(0.0, 0.0), &wanted).unwrap();
         for (found, (c, expected)) in found.iter().zip(expected) {
-            // Lengths are some hundred millimetres, and angles some tenths of a radian.
+            // The bound covers rounding of lengths of some hundred millimetres and of angles of some tenths of a
+            // radian.
             let error = (found[0] - expected).abs();
             assert!(error < 1e-12, "{}: {error:e}", c.info().name);
         }

@@ -13,7 +13,7 @@ use hardpoint::number::{Jet, Matrix3, Real, Scalar, Vector3};
 
 const STUDY: &str = "double_wishbone_pushrod";
 
-/// Sample study, with its rods on other bodies.
+/// The sample study with a pushrod, and variants with rod, bar or spring on another body.
 fn variants() -> Vec<(&'static str, Suspension)> {
     let plain = template(STUDY);
     let put = |name: &str, body: &str| {
@@ -383,7 +383,8 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
                     for (moved, truth) in truths.iter().enumerate() {
                         let (p, axis) = (moved / 3, moved % 3);
                         let [g, h] = [0, 1].map(|order| all[order][p].to_array()[axis]);
-                        // With u = tan(a/2): u_p = (1 + u^2) a_p/2, and the derivative of this.
+                        // With u = tan(a/2), the derivative of u with respect to a parameter p is u_p = (1 + u^2)
+                        // a_p/2. The rate follows by one more derivative.
                         let found = match k {
                             0 => [g, h],
                             _ => {

@@ -36,7 +36,7 @@ fn about(axis: Vector3<f64>, [from, to]: [Vector3<f64>; 2], v: Vector3<f64>) -> 
     v * turn.cos() + axis.cross(v) * turn.sin() + axis * (axis.dot(v) * (1.0 - turn.cos()))
 }
 
-/// Joint with the part on its other side.
+/// Joint of the carrier, with the arm or rod that it connects.
 enum Joint {
     /// Arm, by the points of its axis.
     Arm(&'static str, [&'static str; 2]),
@@ -198,7 +198,7 @@ fn margins_of_a_drive_shaft_are_degrees() {
     }
 }
 
-/// The angle has a kink at 0: the margin there equals the limit, and the row has a derivative.
+/// The joint angle has a kink at 0. At this angle the margin equals the limit, and the row still has a derivative.
 #[test]
 fn a_joint_that_does_not_turn_has_its_whole_limit() {
     let constraint = "optimise.constraints=[{ articulation = \"lower_ball_joint\", at_most = 18.5, at = \"design\" }]";

@@ -119,9 +119,9 @@ fn builds_of_exact_parts_are_the_drawing() {
     }
 }
 
-/// Lanes of any width give the residuals and derivatives of builds one by one. The test covers every topology, rockers,
-/// bands, several rack displacements, and builds as assembled or aligned. The bits are equal at every width. The same
-/// holds for the nominal design, whether lanes hold its stations or these are solved one by one.
+/// Lanes of any width give the residuals and derivatives of builds one by one. The test covers every topology,
+/// rockers, bands, several rack displacements, and builds as assembled or aligned. The bits are equal at every width.
+/// The test also compares the nominal design, with its stations in lanes and one by one.
 #[test]
 fn what_is_found_in_lanes_is_what_is_found_one_by_one() {
     let angles = "optimise.targets=[\

@@ -1,4 +1,5 @@
-//! Misfit and claim of the design that a search for the smallest change keeps.
+//! Tests of the search for the smallest change: the misfit of the design that it keeps, and the statements of the
+//! program about this design.
 
 use super::edited;
 use super::still::{best, stored, tuned};
@@ -71,8 +72,8 @@ fn below(study: &Study, optimise: &Optimise, offsets: &[f64]) -> f64 {
     best(&tuning).misfit()
 }
 
-/// Where no design is good enough, a descent from the design kept ends within 1 % of its misfit: the search for the smallest
-/// change did not leave the valley of the smallest misfit, or used the deeper valley that it reached.
+/// If no design is good enough, a further descent from the kept design lowers the misfit by at most 1 %. So the search
+/// for the smallest change stayed in the valley of the smallest misfit, or used a deeper valley that it reached.
 #[test]
 fn a_descent_from_the_design_kept_gains_no_more_than_the_allowance() {
     for name in ["two_valleys.toml", "unaffected_camber.toml"] {
@@ -183,7 +184,8 @@ fn a_direction_against_an_axis_is_no_axis() {
     assert_eq!(labels, ["tie_rod_inner_dz", "tie_rod_inner_along"]);
 }
 
-/// A tuning that ends at `good_enough` says why its binding constraint has no price. At the smallest misfit the price is there.
+/// A tuning that ends at `good_enough` says why its binding constraint has no price. A tuning that ends at the
+/// smallest misfit states the price.
 #[test]
 fn a_binding_constraint_without_a_price_is_explained() {
     let of = |good_enough: &str| {

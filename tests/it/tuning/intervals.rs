@@ -116,7 +116,7 @@ impl Kind {
     }
 }
 
-/// Numbers of intervals and of those that contain the truth.
+/// Number of intervals, and number of intervals that contain the true value.
 #[derive(Clone, Copy, Default)]
 struct Count {
     free: usize,

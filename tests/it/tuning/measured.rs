@@ -35,8 +35,9 @@ fn sheet(study: &Study) -> String {
     sheet
 }
 
-/// A design meets a sheet of its own curves at two rack displacements, with a target for each. The program refuses a
-/// single target for both, which would compare each displacement with the mean of both.
+/// A sheet holds the toe of a design at two rack displacements. With one target for each displacement, this design has
+/// zero misfit. The program refuses a single target for both displacements, because it would compare each displacement
+/// with the mean of the two curves.
 #[test]
 fn a_sheet_of_several_racks_has_a_curve_for_each() {
     let directory = tempfile::tempdir().unwrap();
@@ -68,8 +69,9 @@ fn a_sheet_of_several_racks_has_a_curve_for_each() {
     }
 }
 
-/// The program refuses a measurement outside the motion, with its line, as it refuses a single value there. Beyond the
-/// motion a target curve without measurements has no effect.
+/// With `fit = true`, the points of a target are measurements. The program refuses a measured point outside the motion
+/// and names its line in the file. It also refuses a target for a single travel outside the motion. Without `fit`, it
+/// ignores the points of a target curve outside the motion.
 #[test]
 fn measurements_outside_of_the_motion_are_refused() {
     let directory = tempfile::tempdir().unwrap();

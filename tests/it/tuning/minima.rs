@@ -533,14 +533,17 @@ enum Verdict {
     AsLow,
     /// This program's misfit is lower, and the other method ended elsewhere.
     Lower,
-    /// The other methods satisfied the constraints only when started at this program's end, and found nothing lower
-    /// there.
+    /// The other methods satisfied the constraints only when started at the end of this program's search, and found no
+    /// lower misfit from that point.
     NothingLowerThere,
-    /// The other method has a lower misfit at another point. Started there, this program keeps or lowers that misfit.
+    /// The other method has a lower misfit at another point. When started at that point, this program keeps or lowers
+    /// the misfit.
     Elsewhere,
-    /// No method satisfied the constraints, or only this program did and the others lost them even from its end.
+    /// No method satisfied the constraints. Or only this program did, and the others violated them even when started
+    /// at its end.
     Undecided,
-    /// The other method has a lower misfit, and this program started there ends higher.
+    /// The other method has a lower misfit. When started at the end of the other method, this program ends with a
+    /// higher misfit.
     Worse,
     /// The other method satisfies the constraints, but this program does not.
     Lost,
@@ -660,7 +663,7 @@ struct Course {
     kept: usize,
     balanced: usize,
     refused: usize,
-    /// Evaluations of this program and of the other method, problem by problem.
+    /// Numbers of evaluations, one entry for each problem.
     evaluations: Vec<Evaluations>,
 }
 
@@ -703,8 +706,8 @@ impl Course {
         course
     }
 
-    /// Medians of this program's evaluations, and of the other method's to six digits and in total, over problems that
-    /// both solved within the constraints.
+    /// Median numbers of evaluations: of this program, of the other method to six digits, and of the other method in
+    /// total. Only problems that both solved within the constraints count.
     fn medians(&self) -> [u64; 3] {
         let both = self.evaluations.iter();
         let both: Vec<[u64; 3]> = both

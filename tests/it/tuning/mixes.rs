@@ -51,7 +51,7 @@ impl Draw {
     }
 }
 
-/// Contents that a mix may have.
+/// Kinds of mixes of targets and constraints.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum Kind {
     /// Any mix, including mixes that cannot be satisfied.
@@ -68,7 +68,7 @@ pub(super) struct Mix {
     pub file: &'static str,
     /// Overrides of the file.
     pub overrides: Vec<String>,
-    /// Kinds of its constraints.
+    /// Kinds of the constraints of the mix.
     pub kinds: Vec<&'static str>,
 }
 
@@ -112,7 +112,7 @@ fn apart(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 impl Mix {
-    /// Mix with this number; the test states the seed.
+    /// Random mix that follows from the seed of a test and the number of the mix.
     pub(super) fn new(seed: u64, number: u64, kind: Kind) -> Self {
         let file = FILES[number as usize % FILES.len()];
         for attempt in 0..20 {
@@ -306,7 +306,7 @@ fn constraints(
                     (text, "twice")
                 }
             },
-            // No variable changes it, and it is violated.
+            // A violated constraint that no variable changes.
             8 if still.len() > 1 => {
                 let (c, d) = (still[0], still[1 + draw.of(still.len() - 1)]);
                 let most = apart(all[c].1, all[d].1) - draw.between(0.5, 5.0);
@@ -330,7 +330,8 @@ fn constraints(
                 let four: Vec<usize> = if all.len() > 3 {
                     vec![a, other(0), other(1), other(2)]
                 } else {
-                    // Three points always lie in a plane, so the constraint takes all of them.
+                    // The wheel has at most three movable points, and the constraint uses all of them. They always lie
+                    // in a plane.
                     (0..all.len()).collect()
                 };
                 let names: Vec<String> =
@@ -525,9 +526,9 @@ fn three_hundred_rising_levels_are_no_farther() {
     assert!(labelled * 100 <= 3 * count, "{labelled} of {count}");
 }
 
-/// Compares misfits of cases with rows that no variable changes, or with dependent rows, with those of the crate
-/// `slsqp` from the same design. No misfit is higher, unless this program also stays at the end of `slsqp` when started
-/// there, so that both are minima.
+/// Compares misfits of this program with those of the crate `slsqp` from the same design. Each case has rows that no
+/// variable changes, or dependent rows. This program may end with a higher misfit only if the end of `slsqp` is
+/// another minimum: started there, it stays there.
 fn against_slsqp(seed: u64, numbers: std::ops::Range<u64>) {
     let (mut compared, mut others) = (0, 0);
     for number in numbers {

@@ -498,7 +498,8 @@ fn derivatives_are_exact_at_a_random_design_of_every_topology() {
 }
 
 /// The Pareto front of two targets of a strut has the requested number of points, and none dominates another. Each
-/// point is within its ranges and equals the result of a separate tuning with the second target held there.
+/// point is within its ranges and equals the result of a separate tuning in which the second target is held at the
+/// value of the point.
 #[test]
 fn a_front_of_two_targets_is_traced() {
     let goals = "optimise.front=[\"camber\", \"kingpin_inclination\"]";

@@ -46,8 +46,8 @@ fn nominal(study: &Study, optimise: &Optimise) -> DVector<f64> {
     found.residuals
 }
 
-/// Asserts that the derivatives of the builds equal their difference quotients. Richardson's extrapolation makes a
-/// quotient of sixth order from two of fourth order, with these steps and with half of them.
+/// Asserts that the derivatives of the builds equal their difference quotients. Richardson's extrapolation combines
+/// two quotients of fourth order, with `steps` and with half of `steps`, into one of sixth order.
 pub fn assert_derivatives_are_slopes(study: &Study, x: &[f64], steps: &[f64], bound: f64) {
     let x = DVector::from_column_slice(x);
     let here = builds_at(study, &x);

@@ -55,7 +55,8 @@ fn kept_constraints_that_stand_still_change_nothing() {
         let fit = best(&tuning);
         assert_converged(fit);
         assert!(fit.evaluations() < 40, "{}", fit.evaluations());
-        // The two searches approach the same design with the accuracy of their stopping criteria.
+        // The searches with and without these constraints end at the same design, to the accuracy of their stopping
+        // criteria.
         assert!(
             (fit.misfit() - best(&plain).misfit()).abs() < 1e-6,
             "{constraint}"
@@ -88,7 +89,7 @@ fn a_violated_constraint_that_stands_still_is_named() {
 }
 
 /// A length of the carrier that no variable changes must not stop the search short of the optimum. In an earlier
-/// failure it did, and it had a price.
+/// version, such a length stopped the search, and the program stated a price for it.
 #[test]
 fn a_length_that_stands_still_hides_no_optimum() {
     let wrong = tuned(&stored("unmovable_length_wrong_optimum.toml", &[]));

@@ -35,7 +35,7 @@ fn only_the_same_study_and_command_replace_results() {
         }
         assert_eq!(contents(&bench.path(command)), before);
     }
-    // With --force other commands replace them, and no file of the former run stays.
+    // With --force, other commands replace the results, and no file of the former run stays.
     let forced = ["solve", "study.toml", "--out", "sweep", "--force"];
     bench.run(&forced).success();
     let names = |run: &str| -> Vec<String> {
@@ -218,8 +218,8 @@ fn one_run_at_a_time_writes_to_a_directory() {
     assert!(!path.exists());
 }
 
-/// A sweep keeps a copy of its study, from which it can run again. In the study's own directory, the study stays
-/// unchanged, like any input.
+/// A sweep keeps a copy of its study, so that the sweep can run again. If the results go into the directory of the
+/// study, the program does not change the study.
 #[test]
 fn a_sweep_keeps_its_study() {
     let bench = Bench::new();
@@ -242,7 +242,7 @@ fn a_sweep_keeps_its_study() {
         assert_eq!(bench.read("run/study.toml"), kept);
         assert_eq!(bench.read("run/designs.csv"), rows);
     }
-    // A solve that replaces the results of another version of its study keeps a copy too.
+    // A solve keeps a copy of its study too, also if it replaces results of an earlier version of the study.
     bench
         .run(&["solve", "study.toml", "--out", "solved"])
         .success();
@@ -435,8 +435,8 @@ fn removed_pages_and_pictures_are_named() {
     assert!(said(&["--plots", "pictures"]).contains("pictures: camber_deg.svg"));
 }
 
-/// The designs of a sweep are part of its results. So for another command the program does not know whether the study
-/// is the same, and its message claims nothing about this.
+/// If a sweep occupies the directory, another command cannot tell whether the sweep used the same study. The message
+/// states the command and the study of the existing results, and does not compare the studies.
 #[test]
 fn results_in_the_way_are_called_what_is_known_of_them() {
     let bench = Bench::new();

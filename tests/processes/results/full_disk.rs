@@ -47,7 +47,8 @@ fn a_full_disk_loses_nothing_that_was_whole() {
         contents(&bench.path("whole"))
     );
 
-    // A tuning and a solve run over earlier results of their own: each file is either the former or the new one.
+    // A tuning and a solve replace their own earlier results while the disk fills. Each file is then either complete
+    // and old, or complete and new.
     for command in ["solve", "optimise"] {
         let call = [command, "study.toml", "--out", command];
         bench.run(&call).success();

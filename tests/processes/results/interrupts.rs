@@ -185,7 +185,7 @@ fn an_interrupted_tuning_of_a_car_keeps_its_best_design() {
     assert!(tuned != bench.read("car_front.toml"));
     assert!(said.contains("interrupted"), "{said}");
     let summary = json(&bench, "run/summary.json");
-    // On a slow machine there may be time only for the studies.
+    // On a slow machine the run may have written only the studies before the signal.
     if let Some(interrupted) = summary["interrupted_starts"].as_u64() {
         assert!((1..1000).contains(&interrupted) && said.contains(" of 1000 starts done"));
         assert!(summary["misfit"].as_f64().unwrap() < 1.0);
@@ -228,7 +228,7 @@ fn an_interrupted_sweep_of_a_car_keeps_its_parts() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/car.toml");
     let text = fs::read_to_string(path).unwrap();
     let part = |from: &str, to: &str| &text[text.find(from).unwrap()..text.find(to).unwrap()];
-    // Keeps only the static position.
+    // Leaves out the load cases, so that the car has only its static position.
     let few = "[outputs]\ncharacteristics = [\"roll\"]\n";
     let text = [
         part("[car]", "[[cases]]"),
@@ -248,8 +248,8 @@ fn an_interrupted_sweep_of_a_car_keeps_its_parts() {
     }
 }
 
-/// A command that reports its interruption has the exit code of a signal, and one that finished reports no
-/// interruption.
+/// If a comparison reports its interruption, it has the exit code of a signal. If it finishes before the signal, it
+/// reports no interruption.
 #[test]
 fn a_comparison_is_interrupted_or_finished() {
     let bench = Bench::new();

@@ -58,7 +58,8 @@ fn commands_agree_on_what_they_refuse() {
         .success();
 }
 
-/// Motions have a limited number of stations, so that all results fit in memory. The refusal gives the number.
+/// Motions have a limited number of stations, so that all results fit in memory. The refusal names the key, the
+/// largest allowed number of stations (100000) and the requested number.
 #[test]
 fn ten_million_stations_are_refused() {
     let bench = Bench::new();

@@ -83,7 +83,8 @@ fn kc_tests_both_wheels_of_an_axle() {
         .collect();
     assert!(states.contains(&"connected") && states.contains(&"disconnected"));
 
-    // The window is centred on the derivative's position, so secants are near the derivative.
+    // The window of the secant is centred on the load at which the derivative applies, so both slopes are nearly
+    // equal.
     let secants = figures
         .iter()
         .filter(|row| !row["secant"].is_empty() && row["quantity"] == "toe_by_lateral_force");

@@ -25,7 +25,7 @@ use world::{Constraint, Energy, Freedom, GROUND, Load, On, World};
 
 const HELD: HeldQuantity = HeldQuantity::WheelHeight;
 
-/// An axle with its parts.
+/// Axle with its elastic parts, for the program and for the second formulation.
 struct Case {
     suspension: Suspension,
     parts: AxleCompliance,

@@ -393,7 +393,8 @@ fn the_rate_of_a_single_link_scatters_once() {
 const SCATTER: &str = "{ hardpoints = [\"lower_link_axle\", \"upper_link_chassis\"], sigma = 0.2 }, { length = \"lower_link\", sigma = 0.1 }, \
                        { hardpoint = \"wheel_centre\", axis = \"z\", sigma = 0.2 }";
 
-/// First order and Monte Carlo agree for small scatter, and the results do not depend on lanes or number of threads.
+/// For small scatter, the standard deviations of the first order agree with those of the Monte Carlo analysis. The
+/// results do not depend on lanes or number of threads.
 #[test]
 fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     for kind in KINDS {

@@ -1,5 +1,5 @@
-//! Tests of elastic solid axles against mechanics: work and energy, mirror images, links that fit, and the forces of
-//! those that do not.
+//! Tests of elastic solid axles against mechanics: work and energy, mirror images, links that fit without force, and
+//! the forces of links that do not fit.
 
 use super::rigid_limit::{rigid, values};
 use super::{Kind, Made, STILL, Scatter, elastic, made, results, study};

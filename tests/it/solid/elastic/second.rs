@@ -180,7 +180,7 @@ impl Frame {
         each(|i| Second::constant(v[i], self.count))
     }
 
-    /// Direction fixed to the axle, after the motion.
+    /// Direction that is fixed to the axle, rotated by the motion of the axle.
     fn turned(&self, v: &Triple) -> Triple {
         let once = cross(&self.gibbs, v);
         let both = sum(&once, &cross(&self.gibbs, &once));

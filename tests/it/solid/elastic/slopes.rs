@@ -82,7 +82,8 @@ fn derivatives_by_hardpoints_and_rates_are_those_of_the_second_formulation() {
                     scales.push(100.0);
                 }
             }
-            // Both halves share a rate; a separate right rate changes with it.
+            // A rate parameter changes the links of both halves, even if the study gives the right half a separate
+            // rate.
             let own = made.axle.links.iter().enumerate();
             let own: Vec<usize> = own
                 .filter(|(_, l)| l.name == name)

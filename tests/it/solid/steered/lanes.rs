@@ -99,7 +99,7 @@ fn compare(world: &World, motion: &str, scatter: f64) -> [usize; 2] {
                     if *quantity == Quantity::Axle(AxleQuantity::AckermannError)
                         && steer.abs() < 1e-9
                     {
-                        // At zero steer either wheel may count as the inner one.
+                        // At zero steer either wheel may count as the inner one, so such values are not compared.
                         continue;
                     }
                     // The error of a quotient with a small denominator grows with its value.

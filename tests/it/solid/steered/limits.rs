@@ -218,7 +218,7 @@ fn a_fold_along_the_drag_link_has_exact_derivatives() {
                 .iter()
                 .map(|_| generator.vector(1.0))
                 .collect();
-            // The displaced end of the drag link moves with its hardpoint.
+            // The drag link's end as displaced by the steering gear moves together with its hardpoint.
             let mut free = ways.clone();
             let end = id("drag_link_place");
             ways[end] = ways[id("drag_link_body")];

@@ -24,7 +24,7 @@ const OUTPUTS: &str = "outputs of the study";
 const JACOBIAN: &str = "four angles of both wheels by every hardpoint";
 const ONE_BY_ONE: &str = "one by one";
 
-/// Measured quantities, with a sweep of many designs and a sweep of few.
+/// Quantities of one benchmark, with a sweep of many designs and a sweep of few designs.
 struct Question<'s> {
     asked: &'static str,
     many: SweepPlan<'s>,

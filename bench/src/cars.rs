@@ -12,7 +12,7 @@ use std::hint::black_box;
 
 /// Number of accelerations on each axis of the map, if the study has no g-g map.
 const COUNT: usize = 9;
-/// Ranges of the forward and lateral acceleration in that case, g.
+/// Ranges of the forward and of the lateral acceleration of that default map, g.
 const AX: [f64; 2] = [-0.6, 0.3];
 const AY: [f64; 2] = [0.0, 0.6];
 
@@ -25,12 +25,12 @@ pub struct Cars {
 
 /// Number of accelerations on each axis of a whole map.
 const WHOLE: usize = 41;
-/// Largest number of samples of a whole map.
+/// Largest number of timing samples for a whole map.
 const WHOLE_SAMPLES: usize = 5;
 /// Threads of a whole map.
 const THREADS: usize = 2;
 
-/// Numbers at equal distances.
+/// Evenly spaced numbers from `from` to `to`.
 fn between([from, to]: [f64; 2], count: usize) -> Vec<f64> {
     let at = |k: usize| from + (to - from) * k as f64 / (count - 1) as f64;
     (0..count).map(at).collect()
@@ -226,7 +226,7 @@ impl Cars {
     }
 }
 
-/// Prints all results of a state.
+/// Computes the printed value of each quantity in a state, for timing. Prints nothing.
 fn printed(
     solver: &mut CarSolver<'_>,
     quantities: &[CarQuantity],

@@ -27,7 +27,7 @@ pub struct Measurement {
     pub added: Timing,
     /// Work done with this effect alone, per run.
     pub work: Work,
-    /// Poses in that run.
+    /// Number of poses in that run.
     pub poses: usize,
 }
 

@@ -20,7 +20,7 @@ use crate::study::{CarStudy, Study};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Content of `machine.json`: conditions of the measurement.
+/// Content of `machine.json`: conditions of the benchmark.
 #[derive(Serialize)]
 struct Circumstances<'a> {
     benchmark: &'a str,
@@ -30,14 +30,14 @@ struct Circumstances<'a> {
     machine: &'a Machine,
 }
 
-/// Study of a measurement.
+/// Study that the benchmark times.
 enum Subject {
     Study(Box<Study>),
     Car(Box<CarStudy>),
 }
 
 impl Subject {
-    /// Study that the call names, or the template of a strut or a car.
+    /// Study that the command line names, or by default the template of a strut or a car.
     fn of(arguments: &BenchArguments) -> Result<Self, Stop> {
         let changes = &arguments.set;
         Ok(match (&arguments.study, arguments.kind) {
@@ -96,7 +96,7 @@ impl Subject {
         }
     }
 
-    /// Refuses a study that this measurement does not support.
+    /// Refuses a study that this kind of benchmark does not support.
     fn check(&self, kind: BenchKind, path: &Path) -> Result<(), Stop> {
         let Subject::Study(study) = self else {
             return Ok(());

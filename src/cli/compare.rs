@@ -113,7 +113,7 @@ pub(super) fn write(
     };
     let claim = Claim {
         command: "compare",
-        // A comparison has no study of its own: its results say whether it is another one.
+        // A comparison has no study of its own. The digest of its results identifies it.
         digest: digest_of_texts(&[&String::from_utf8_lossy(csv)]),
         files: &["comparison.csv", "report.html"],
         inputs,
@@ -134,7 +134,7 @@ pub(super) fn write(
     written.map_err(Stop::unwritten)
 }
 
-/// True if all sources are runs of `kc`. Refuses a mixture of them and other sources.
+/// True if all sources are runs of `kc`. Refuses a mixture of such runs and other sources.
 fn are_kc_runs(sources: &[PathBuf]) -> Result<bool, Stop> {
     let is_kc = |path: &&PathBuf| path.join(KC).is_file() && !path.join("curves.csv").exists();
     match sources.iter().filter(is_kc).count() {

@@ -16,7 +16,7 @@ pub enum NotDone {
     WrongStudy(StudyErrors),
     /// The call or the input is wrong. Contains the reason in words.
     WrongInput(String),
-    /// A part could not be solved or written. Contains the reason in words.
+    /// Some results could not be computed or written. Contains the reason in words.
     Incomplete(String),
     /// The command was interrupted.
     Interrupted,

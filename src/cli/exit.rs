@@ -36,7 +36,7 @@ fn shortened(reason: &str) -> String {
 pub(super) enum Exit {
     /// The command did everything that was requested.
     Done,
-    /// One part could not be solved or written. The other parts exist.
+    /// Some results could not be computed or written. The other results exist.
     Incomplete,
     /// The input or the call is wrong. Nothing was written.
     WrongInput,

@@ -30,7 +30,7 @@ static SIGNAL: AtomicI32 = AtomicI32::new(0);
 static LISTENS: AtomicBool = AtomicBool::new(false);
 /// Number of SIGINT.
 const INTERRUPT: i32 = 2;
-/// Effect of a signal now.
+/// Present effect of a signal.
 static PHASE: Mutex<Phase> = Mutex::new(Phase::Ends);
 /// Flag for commands inside another program that do not stop by themselves.
 static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);

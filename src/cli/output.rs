@@ -183,8 +183,8 @@ impl Output {
         }
     }
 
-    /// Opens a directory, or standard output for `-`. If the default directory holds results of another version of the study,
-    /// they are moved aside. In any other directory it refuses the run.
+    /// Opens a directory, or standard output for `-`. If the default directory holds results of another version of the study, it
+    /// moves them aside. In a directory that the user has chosen, such results are an error.
     pub(super) fn at(destination: &Destination<'_>, claim: Claim<'_>) -> Result<Self, Stop> {
         let format = destination.format;
         if destination.out == Some(Path::new("-")) {

@@ -4,7 +4,7 @@ use crate::study::keys;
 use clap::builder::StyledStr;
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 
-/// Sections that a command without a section of its own reads, in the order of the search.
+/// Sections in which the key is searched after the command's own section, in this order.
 const SECTIONS: [&str; 6] = [
     "motion",
     "outputs",

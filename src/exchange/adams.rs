@@ -99,7 +99,7 @@ pub(super) fn text_of(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| char::from(*byte)).collect()
 }
 
-/// Converts such a text back to bytes.
+/// Converts a text from [`text_of`] back to bytes.
 pub(super) fn bytes_of(text: &str) -> Vec<u8> {
     text.chars()
         .map(|c| u8::try_from(c).unwrap_or(b'?'))

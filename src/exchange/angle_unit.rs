@@ -48,7 +48,8 @@ impl AngleUnit {
     }
 }
 
-/// Unit of an angle in its name and its remark. Lengths and two different units are [`AngleUnit::Other`].
+/// Returns the unit of an angle that its name or its remark states. [`AngleUnit::Other`] if they state a unit of length, or two
+/// different units.
 pub(super) fn of_angle(name: &str, remark: &str) -> Option<AngleUnit> {
     let is_length = |word: &str| word != "in" && FileUnit::named(word).is_some();
     let unit_of = |word: &String| {
@@ -81,7 +82,7 @@ pub(super) fn of_line(texts: &[&str]) -> Option<AngleUnit> {
     one_of(words.iter().filter_map(of_word))
 }
 
-/// The unit if all are equal. Different units are [`AngleUnit::Other`].
+/// Returns the common unit of all items. [`AngleUnit::Other`] if the items differ.
 fn one_of(mut units: impl Iterator<Item = AngleUnit>) -> Option<AngleUnit> {
     let first = units.next()?;
     let is_same = units.all(|other| other == first);

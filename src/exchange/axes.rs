@@ -281,7 +281,7 @@ impl Declared {
     }
 }
 
-/// Directions of the axes in a reading of the points, for a wheel of this side.
+/// Converts a reading (the coordinates that point forward, outboard and up) to directions of the axes, for a wheel of this side.
 pub(super) fn of_reading(reading: &crate::report::Reading, side: Side) -> Axes {
     let mut ways = [Way::Forward; 3];
     let (along, forward) = reading.forward;
@@ -293,7 +293,7 @@ pub(super) fn of_reading(reading: &crate::report::Reading, side: Side) -> Axes {
     Axes(ways)
 }
 
-/// Reading of the points that corresponds to these axes, for a wheel of this side.
+/// Converts directions of the axes to a reading (the coordinates that point forward, outboard and up), for a wheel of this side.
 pub(super) fn reading_of(axes: Axes, side: Side) -> crate::report::Reading {
     let at = |axis: usize| {
         let column = axes.0.iter().position(|way| way.axis() == axis);

@@ -136,7 +136,7 @@ mod tests {
                 (radius / length(203.2 + 112.75) - 1.0).abs() < 1e-14,
                 "{radius}"
             );
-            // The centre is 40 mm back along (0, 3, 4).
+            // The wheel centre is 40 mm inboard of the hub face, along the spin axis (0, 3, 4).
             let centre = table.points[1].position.clone().unwrap();
             let expected = [0.0, 5.0 - 0.6 * length(40.0), 5.0 - 0.8 * length(40.0)];
             for (found, expected) in centre.iter().zip(expected) {

@@ -57,7 +57,7 @@ pub struct Hardpoint {
     pub position: [f64; 3],
     /// Name in the file.
     pub called: String,
-    /// Place in the file.
+    /// Location in the file.
     pub place: String,
     /// Body that carries the point, according to a column of the file.
     pub body: Option<String>,
@@ -168,7 +168,7 @@ pub(super) fn for_axle(
     let mut figures = figures::read(table, corner, unit, options, is_optimum, &mut notes)?;
     let makes_wheel = is_optimum && figures.half_track().is_some() && figures.radius().is_some();
     let made: &[&str] = if makes_wheel { &["wheel_centre"] } else { &[] };
-    // All other points were there before, so only the wheel centre is missing.
+    // The first check has found all other points, so only the wheel centre can be missing here.
     refuse_missing(table, options, &roles, &picked, made).map_err(|reason| {
         if is_optimum {
             format!("{reason}\n--half-track and --radius give the wheel centre of this table")

@@ -151,8 +151,9 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
 
 /// Splits the keys that lead to a value into the parts of its name, and its wheel and axle.
 ///
-/// A key that only names a wheel or an axle applies to everything below it. So does "front" before all parts that name a
-/// hardpoint. Keys with unknown words ("MyCar", "baja_2021") describe the surroundings and are skipped, except for the last key.
+/// A key that only names a wheel or an axle applies to everything below it. The key "front" also does, if it comes before all
+/// keys that name a hardpoint. Keys with unknown words ("MyCar", "baja_2021") describe the surroundings and are skipped, except
+/// for the last key.
 fn meaning(keys: &[&str]) -> (String, Marks) {
     let mut marks = Marks::default();
     let mut parts: Vec<&str> = Vec::new();
@@ -347,7 +348,7 @@ fn in_words(text: &str) -> Declared {
     Declared::in_text(&format!("axes: {text}"))
 }
 
-/// Place of an entry: the keys that lead to it.
+/// Location of an entry: the keys that lead to it.
 pub(super) fn place(keys: &[&str]) -> String {
     match keys {
         [] => "the outermost list".to_owned(),

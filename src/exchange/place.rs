@@ -60,8 +60,8 @@ pub(super) fn place(
     found(table, side, &directions, notes)
 }
 
-/// Uses axes that the user or the file states. The flag beside the side is true if the user asks for this wheel, and the file has
-/// points without a side. [`mirror`] then makes it from the other wheel.
+/// Uses axes that the user or the file states. `is_asked` is true if the user asks for the wheel `side`, and the file has points
+/// without a side. [`mirror`] then makes the wheel from the other wheel.
 fn stated(
     axes: Axes,
     by_user: bool,

@@ -45,7 +45,7 @@ pub(super) struct NamedPoint {
     pub position: Result<[f64; 3], String>,
     /// Body that carries the point, if the file gives one.
     pub body: Option<String>,
-    /// Place in the file.
+    /// Location in the file.
     pub place: String,
 }
 
@@ -62,7 +62,7 @@ pub(super) struct Figure {
     pub marks: Marks,
     /// Remark in the file after the number.
     pub remark: String,
-    /// Place in the file.
+    /// Location in the file.
     pub place: String,
 }
 

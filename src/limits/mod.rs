@@ -23,7 +23,7 @@ pub use row::{LimitEnd, LimitRow};
 
 /// Limits of the mechanism of a study, as they are shown.
 pub(crate) struct LimitTable {
-    /// A row for each quantity, while the others are held.
+    /// A row for each quantity: its limits while the other quantities are held.
     rows: Vec<LimitRow>,
     /// Sentences below the table.
     pub(crate) notes: Vec<String>,
@@ -213,7 +213,7 @@ fn travel_rows<'l>(axle: &Axle, limits: &'l AxleLimits) -> Vec<(Row, &'l Range)>
                 Row::length_of_axle(axle, "heave", "travel difference 0", 1.0),
                 heave,
             ),
-            // Left minus right.
+            // The travel difference is travel of the left wheel minus travel of the right wheel.
             (
                 Row::length_of_axle(axle, "travel_difference", "heave 0", 2.0),
                 half_difference,

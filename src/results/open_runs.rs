@@ -54,7 +54,7 @@ pub fn exit_interrupted(code: i32) -> ! {
     let mut open = open();
     for run in open.drain(..) {
         if run.computes {
-            // If the disk refuses this, `run.json` still states that the run has not finished, which is true.
+            // If this write fails, `run.json` still states that the run has not finished, which is true.
             let _ = run.record_interruption();
         }
         if run.is_alone {

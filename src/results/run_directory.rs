@@ -85,7 +85,7 @@ impl RunDirectory {
         };
         let replaced: Vec<RunRecord> = manifest.runs.iter().filter(is_replaced).cloned().collect();
         if !is_alone && !replaced.is_empty() {
-            // Other shards of that run are still working there.
+            // Shards of the earlier run are still writing to the directory.
             return Err(Refusal::Busy {
                 directory: path.display().to_string(),
                 owner: None,

@@ -18,7 +18,7 @@ use hardpoint_engine::study::WheelStudy;
 /// Time and error of one method with one setting.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// Family of methods to which this one belongs.
+    /// Family of the method.
     pub family: Family,
     /// Name of the method.
     pub method: String,

@@ -78,7 +78,7 @@ mod tests {
 
     #[test]
     fn a_bomb_is_refused_before_it_goes_off() {
-        // 35 MB of text in about 40 kB.
+        // This workbook has about 40 kB, but unpacks to 35 MB of text.
         let text = "a".repeat(1 << 19);
         let rows = vec![vec![Value::Text(text)]; 70];
         let bytes = workbook(&[page(rows)]);

@@ -185,7 +185,7 @@ impl Archive {
             .expect("writing to memory does not fail");
         let packed = encoder.finish().expect("writing to memory does not fail");
         let offset = self.bytes.len() as u32;
-        // Version 2.0, no flags, deflated, and the earliest time of the format.
+        // Fields of the entry: version 2.0, no flags, deflated, and the earliest time of the format.
         let mut common = Vec::new();
         for field in [20u16, 0, 8, 0, 0x21] {
             common.extend(field.to_le_bytes());
@@ -204,7 +204,7 @@ impl Archive {
         self.directory.extend(0x0201_4b50u32.to_le_bytes());
         self.directory.extend(20u16.to_le_bytes());
         self.directory.extend(&common);
-        // No comment, disk 0, no attributes.
+        // Fields of the directory entry: no comment, disk 0, no attributes.
         self.directory.extend([0; 10]);
         self.directory.extend(offset.to_le_bytes());
         self.directory.extend(name.as_bytes());

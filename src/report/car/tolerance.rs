@@ -48,7 +48,7 @@ struct CarValue {
     remainder: Option<f64>,
     /// Standard error of the remainder.
     remainder_error: Option<f64>,
-    /// Second-order estimate of this fraction.
+    /// Second-order estimate of the remainder.
     remainder_second_order: Option<f64>,
     percentiles: [Option<f64>; PERCENTILES.len()],
     range: [Option<f64>; 2],

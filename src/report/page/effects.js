@@ -28,7 +28,7 @@ const drawEffects = () => {
     .map((v) => [v, Math.max(0, ...moved.map((k) => Math.abs(strengthOf(k, v, measure))))])
     .sort((a, b) => b[1] - a[1] || a[0] - b[0]).slice(0, MOST_VARIABLES).map(([v]) => v);
   const chosen = Number(byId('effect-output').value);
-  // Outputs are rows: a sweep has more of them than of variables.
+  // Each output is a row, because a sweep has more outputs than variables.
   drawShades(byId('effects-map'), {
     rows: moved.map((k) => titled(first.variables + k)), columns: ranked.map((v) => variableTitles[v]), picked: -1,
     pick: () => {},

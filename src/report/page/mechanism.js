@@ -9,7 +9,7 @@ const frameAt = (design, place) => record.designs[design].frames[place.rack * st
 const [forward, outboard, up] = scene ? scene.signs : [1, 1, 1];
 const isAxle = scene?.right_wheel_centre != null;
 const radius = scene?.wheel_radius ?? null;
-// If the study gives no radius of the wheel, a dashed circle shows its place alone.
+// Radius of a dashed circle that marks the position of the wheel if the study gives no wheel radius.
 const ASSUMED_RADIUS = { mm: 300, m: 0.3, in: 12 };
 // Column of the second slider.
 const secondColumn = record?.further?.[0] ?? record?.rack ?? null;
@@ -25,7 +25,7 @@ const centreNames = [['roll_centre', 'roll centre'], ['front_view_centre', 'cent
 // Views in which a centre has a meaning.
 const seenIn = { roll_centre: ['front', 'space'], front_view_centre: ['front', 'space'], side_view_centre: ['side', 'space'] };
 
-// The nearest points of two members: the least of a quadratic in the unit square.
+// Nearest points of two members: the minimum of a quadratic function over the unit square.
 const nearestOf = (p, [[a, b], [c, d]]) => {
   const [p1, q1, p2, q2] = [a, b, c, d].map((i) => p.points[i]);
   const [u, v, w] = [minus(q1, p1), minus(q2, p2), minus(p1, p2)];
@@ -211,7 +211,7 @@ const placeOf = (name) => {
   const now = frameAt(stage.designs.at(-1), stage.place);
   return name === record.drive ? now.drive : now.rack;
 };
-// Values of a slider: drive values of the stations, or racks.
+// Values of a slider: drive values of the stations, or rack displacements.
 const valuesOf = (name) => (name === record.drive
   ? Array.from({ length: stations }, (_, station) => frameAt(stage.designs.at(-1), { station, rack: 0 }).drive)
   : racks);

@@ -41,11 +41,11 @@ fn style() -> String {
 /// Drawing of the mechanism with its controls.
 const STAGE: &str = include_str!("stage.html");
 
-/// Parts of a page. All except the study's name and the line about the run are HTML.
+/// Content of a page. All texts except the study's name and the line about the run are HTML.
 struct Page<'a, Data> {
     study: &'a str,
     about: String,
-    /// Names and values of the key values.
+    /// Key values at the top of the page: name and value of each.
     facts: Vec<(&'static str, String)>,
     /// Remarks above the charts.
     remarks: String,
@@ -60,7 +60,7 @@ struct Page<'a, Data> {
     scripts: &'a [&'a str],
 }
 
-/// Sections that are on the screen only.
+/// Sections that appear on the screen but not on paper: identifier and name.
 const ON_SCREEN: [(&str, &str); 4] = [
     ("turn", "Steering geometry"),
     ("convergence", "Convergence"),
@@ -69,7 +69,7 @@ const ON_SCREEN: [(&str, &str); 4] = [
 ];
 
 impl<Data: Serialize> Page<'_, Data> {
-    /// Note on paper about the sections that it does not have. Sections without a link are on the page only if they have content.
+    /// Note on the printed page that names the omitted sections. It names only sections that the page has on the screen.
     fn omitted(&self) -> String {
         let is_there = |id: &str| match id {
             "prices" => self.main.contains("id=\"prices\""),

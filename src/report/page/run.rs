@@ -481,7 +481,7 @@ fn side_effects(effects: &[SideEffect]) -> String {
     };
     let further = further_in_words(effects);
     let further = further.iter().map(|line| format!("<p>{}</p>", prose(line)));
-    // Paper has the same rows once.
+    // The opening screen already shows a few side effects. Then the printed page leaves out this table.
     let again = if shown.len() <= MOST_EFFECTS {
         " class=\"again\""
     } else {
@@ -520,7 +520,7 @@ fn prices_section(tuning: &TuningSummary, charts: &mut Charts) -> String {
     })
 }
 
-/// Results of the scatter. They follow the fans around the curves.
+/// Pictures and tables of a tolerance analysis: distributions, contributors, values, bands and failures.
 fn tolerance_sections(tolerance: &ToleranceSummary, drive: &str) -> String {
     let mut sections = distributions(tolerance, drive) + &contributors(tolerance);
     sections += &tolerance.values_table().html();

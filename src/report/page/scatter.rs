@@ -344,8 +344,8 @@ mod tests {
         assert_eq!(words(&beside("tie_rod length", 20.0)), ["tie_rod length"]);
     }
 
-    /// Labels of yields on both sides of the present one stand at their bars. Labels on the same side stand above each other,
-    /// outside both bars, at least a line of 10 px apart.
+    /// If the two yields are on different sides of the present yield, each label is at its own bar. If they are on the same side,
+    /// one label is above the other, outside both bars, at least a line of 10 px apart.
     #[test]
     fn labels_at_bars_do_not_overlap() {
         let x = |share: f64| 1000.0 * share;

@@ -68,7 +68,7 @@ fn head(title: &str) -> String {
     format!(r#"<th scope="col">{}</th>"#, breakable(title))
 }
 
-/// A cell. On a narrow page its column's name stands beside it.
+/// HTML of a cell. On a narrow page, the name of the column is beside the value.
 fn cell(cell: &Cell, column: Option<&str>) -> String {
     let column = column.map_or_else(String::new, |name| attribute("data-head", name));
     let class = if cell.is_number() {

@@ -352,7 +352,7 @@ fn unranked(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String
     };
     let number = match count {
         0 => return None,
-        // The statistics have no more of these misfits.
+        // The statistics store at most [`KEPT`] of these misfits.
         KEPT => format!("At least {KEPT} designs"),
         _ => counted(count as u64, "design"),
     };

@@ -53,7 +53,7 @@ pub struct ValueRecord {
     pub remainder: Option<f64>,
     /// Standard error of the remainder.
     pub remainder_error: Option<f64>,
-    /// Second-order estimate of this fraction.
+    /// Second-order estimate of the remainder.
     pub remainder_second_order: Option<f64>,
     /// False if the builds differ only by rounding errors. Earlier versions did not write it.
     #[serde(default = "scatters")]

@@ -290,7 +290,7 @@ const run = async () => {
   } catch (refused) {
     fault = refused;
   }
-  // A later request has taken its place.
+  // A later request has replaced this request.
   if (running !== own) return;
   running = null;
   state.isLate = false;

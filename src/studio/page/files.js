@@ -32,7 +32,7 @@ export const readStudy = async (overview = null) => {
   askGhost();
 };
 
-// Words for the state with which the page compares.
+// Names in the legend the state with which the page compares: the design as opened, or as saved.
 const tellCompared = (words) => write(byId('key-ghost'), words);
 const saved = ({ digest, file }, design) => {
   tellCompared('saved');
@@ -47,7 +47,7 @@ const saved = ({ digest, file }, design) => {
   if (!file) say(`No change was made to ${state.overview.files.join(', ')}.`);
   else say(isTuning() ? `${file} saved with the present points; the running tuning is not included.` : `${file} saved`);
 };
-// A proposal on the page is no part of the design yet.
+// Asks what to do with an open proposal before a save, because it is not yet part of the design.
 const settleProposal = async () => {
   if (!hasProposal()) return true;
   const chosen = await question('A proposal is open', 'Tune has proposed other points. The file gets the points as they are now, unless you accept the proposal first.', [

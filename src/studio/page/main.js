@@ -64,7 +64,7 @@ const startSliders = () => {
   };
   on('study', () => { state.step = null; build(); });
   on('edited', () => {
-    // A list of names may have become shorter.
+    // If a list of names has become shorter, the slider moves to its last entry.
     state.overview.sliders.forEach(({ names, high }, k) => { if (names.length) state.at[k] = Math.min(state.at[k], high); });
     build();
   });

@@ -88,7 +88,7 @@ impl Book {
             let mut value = self.of(&key_path(path, key));
             let description =
                 |section: &str| self.manual.get(&(section.to_owned(), (*key).to_owned()));
-            // The manual describes ranges only once.
+            // The manual describes the keys of ranges only once.
             let description = description(&section).or_else(|| description("motion.travel"));
             if self.root == Root::Suspension
                 && description.is_some_and(|description| description.contains(OF_CARS))

@@ -78,7 +78,7 @@ pub(crate) fn nearest_singularity(
     let size = steering.norm();
     let v = Volumes::of(fixed, moving);
     let toggle = steering.cross(p3 - p5).norm() * tie_rod_arm.norm();
-    // If several margins are zero at once, the first one causes the others.
+    // If several margins are zero at once, the first one in this list is the cause of the others.
     let mut margins = [
         (Singular::BallJointOnArmAxis, driving.arm_share()),
         (Singular::StrutPointsCoincide, ratio(axis.norm(), size)),

@@ -115,7 +115,7 @@ fn clear(directory: &Path) {
 /// contents.
 pub fn write_whole(path: &Path, contents: &[u8]) -> io::Result<()> {
     if is_stream(path) {
-        // The reader determines how long this takes, so a signal may interrupt it.
+        // The reader of the pipe determines how long this write takes, so a signal may interrupt it.
         let mut stream = std::fs::OpenOptions::new().write(true).open(path)?;
         return stream.write_all(contents);
     }

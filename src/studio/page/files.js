@@ -32,7 +32,7 @@ export const readStudy = async (overview = null) => {
   askGhost();
 };
 
-// Names in the legend the state with which the page compares: the design as opened, or as saved.
+// Writes into the legend with which state the page compares the design: as opened, or saved.
 const tellCompared = (words) => write(byId('key-ghost'), words);
 const saved = ({ digest, file }, design) => {
   tellCompared('saved');

@@ -36,7 +36,7 @@ const NONE = [];
 const targetsOf = (columns, rack) => state.overview.targets.filter((target) => target.columns.some((c) => columns.includes(c))
   && target.motion === state.motion && target.over === state.over && (!target.racks.length || target.racks.includes(rack)));
 
-// Width of the band beyond the limits of a target: a wanted value has its tolerance.
+// Width of the shaded band beyond the limits of a target: the tolerance of a target value, 0 for a band.
 const bandOf = ({ tolerance, is_band: isBand }) => (isBand ? 0 : tolerance);
 
 // The columns of both wheels share one chart.

@@ -16,7 +16,7 @@ import { openTab, startLayout } from './layout.js';
 
 const root = document.documentElement;
 
-// Light or dark; at first what the system has.
+// Chooses a light or a dark page: the stored choice, or else that of the system.
 const prefersDark = matchMedia('(prefers-color-scheme: dark)');
 const startTheme = () => {
   const put = (theme) => { if (theme) root.dataset.theme = theme; else delete root.dataset.theme; };

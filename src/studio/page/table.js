@@ -120,7 +120,7 @@ const ends = (cell) => {
   return cell.known.ends;
 };
 
-// Invisible rows are updated when they are scrolled into view, and when the page is at rest.
+// Pause in milliseconds before invisible rows are updated. A row that is scrolled into view is updated at once.
 const PAUSE = 300;
 let late = null;
 const watch = new IntersectionObserver((found) => {

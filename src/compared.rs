@@ -66,7 +66,7 @@ impl FirstMotion {
                 check_drive(motion, own)?;
                 own.motion = motion_in(motion, (*unit, *frame), &own.suspension);
                 if motion.drive == Drive::PaperTheta {
-                    // This drive has no sensitivities and no certificates.
+                    // With this drive, sensitivities and certificates are not available.
                     own.outputs.sensitivities.clear();
                     own.outputs.certify = false;
                 }

@@ -7,8 +7,8 @@ use super::{Moving, Singular};
 /// Signs that distinguish the proper solution from the improper ones at a given position of the arm.
 ///
 /// The first two cannot change along a motion. The other two change where their volume passes zero; for a driven arm such a
-/// position is singular. For a given arm the signs make the pose unique, because only two square roots have a choice of sign: the
-/// strut's length, and the distance of the tie-rod end from the plane 3-4-5. All other points follow rigidly.
+/// position is singular. For a given arm the signs make the pose unique. Only two square roots have a choice of sign: the strut's
+/// length, and the distance of the tie-rod end from the plane 3-4-5. All other points follow rigidly.
 ///
 /// So a check of these signs excludes wrong roots for [`Drive::ArmAngle`]. For [`Drive::PaperTheta`] the check also needs
 /// the side of the arm. The sign of the Jacobian's determinant tells that side. The drive with the wheel travel could
@@ -78,7 +78,7 @@ pub(crate) fn nearest_singularity(
     let size = steering.norm();
     let v = Volumes::of(fixed, moving);
     let toggle = steering.cross(p3 - p5).norm() * tie_rod_arm.norm();
-    // If several margins are zero at once, the first one causes the others.
+    // If several margins are zero at once, the first one in this list is the cause of the others.
     let mut margins = [
         (Singular::BallJointOnArmAxis, driving.arm_share()),
         (Singular::StrutPointsCoincide, ratio(axis.norm(), size)),

@@ -1,7 +1,7 @@
 //! Equations without checks for any number type, tolerance and start, to measure their cost.
 //!
 //! The program itself uses [`Solver`](hardpoint_engine::solve::Solver), which also checks its steps. This module runs the
-//! formulas of the closed form and of the closure equations without checks, so that a measurement can change one thing at a time.
+//! formulas of the closed form and of the closure equations without checks. So a benchmark can change one thing at a time.
 
 use hardpoint_engine::bench_hooks::{ClosedForm, Closure, Driver, Lu6, Roles};
 use hardpoint_engine::mechanism::{Configuration, Pose};

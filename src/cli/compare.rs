@@ -244,7 +244,7 @@ fn of_run(
             ));
             Ok(solved)
         }
-        // The study cannot follow this motion. Its own curves may have some of the stations.
+        // This study cannot follow the motion of the first design. The curves of its own run may share some stations with it.
         Err(_) => Ok((compared, true)),
     }
 }

@@ -97,7 +97,7 @@ fn say_axle_design(
     elastic: &AxleComplianceStudy,
 ) -> Result<bool, Stop> {
     let vehicle = study.axle.on_rig(elastic.tyre_rate);
-    // The study was already built once when it was read, so this does not fail.
+    // Reading the study has already built the axle once, so building it again does not fail.
     let Ok(run) = AxleKcRun::new(vehicle, &elastic.parts) else {
         return Ok(false);
     };
@@ -152,7 +152,7 @@ fn relaxed_in_words(relaxed: Relaxed) -> &'static str {
 
 /// Prints the wheel at the design height. Returns false if it has no equilibrium.
 fn say_design(out: &mut Printer, study: &Study, elastic: &ComplianceStudy) -> Result<bool, Stop> {
-    // The study was already built once when it was read, so this does not fail.
+    // Reading the study has already built the wheel once, so building it again does not fail.
     let Ok(wheel) = ElasticWheel::new(study.wheel(), &elastic.parts) else {
         return Ok(false);
     };

@@ -137,7 +137,7 @@ pub(super) fn run(arguments: &ExportArguments) -> Result<Exit, Stop> {
     run_of(arguments, None)
 }
 
-/// Exports the given study, or without it the source.
+/// Exports the given study. Without a given study, exports the source that the arguments name.
 pub(super) fn run_of(arguments: &ExportArguments, given: Option<&Study>) -> Result<Exit, Stop> {
     check_call(arguments)?;
     let source = match given {

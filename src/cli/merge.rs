@@ -99,8 +99,8 @@ impl Kept {
     }
 }
 
-/// Solves the designs that the page shows, because the best designs of all parts are known only now. Without the study of these
-/// results, the page shows no designs.
+/// Solves the designs that the page shows. The best designs of all parts become known only after the merge. Without the study of
+/// these results, the page shows no designs.
 fn draw_again(output: &Output, study: &Study, parts: &Parts, path: &Path) -> Result<(), Stop> {
     let Some(Ok(plan)) = study
         .sweep

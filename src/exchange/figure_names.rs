@@ -63,7 +63,7 @@ const FIGURES: &[(FigureKind, &str)] = &[
 /// Finds a value by its name: its kind, its wheel, and the unit of length after the name.
 pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<FileUnit>)> {
     let mut cut = cut(name);
-    // These words do not change the meaning, because an angle always belongs to one wheel.
+    // "per side" and "per wheel" do not change the meaning, because an angle always belongs to one wheel.
     if let [.., per, "side" | "wheel"] = cut.iter().map(String::as_str).collect::<Vec<_>>()[..]
         && per == "per"
     {

@@ -2,8 +2,8 @@
 //! from the program itself.
 //!
 //! A table gives the wheel by half track, offsets and tyre diameter at the contact point. R is the loaded radius (half the
-//! diameter), c the static camber, t the toe-in, and the offsets are dx forward, dy outboard and dz up. Then the wheel centre of
-//! the left wheel is
+//! diameter), c the static camber, t the toe-in. The offsets are dx forward, dy outboard and dz up. Then the wheel centre of the
+//! left wheel is
 //!
 //! ```text
 //! (dx, half track + dy, dz) + R (sin c sin t, sin c cos t, cos c)

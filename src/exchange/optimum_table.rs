@@ -1,9 +1,9 @@
 //! Tables in the layout of OptimumKinematics.
 //!
 //! The layout is based on public descriptions and readers of such files, not on an original file. The name is in column B, the
-//! left wheel in C to E, the right wheel in G to I, and a title for each group of points in column A. x points forward, y left
-//! and z up. Toe-out is positive. The half track is that of the contact point. The tyre's diameter leads from there to the wheel
-//! centre. With a spin axis a (outboard), radius R and upward direction z,
+//! left wheel in C to E, the right wheel in G to I. Column A has a title for each group of points. The axes are x forward, y left
+//! and z up. Toe-out is positive. The half track is that of the contact point. In the plane of the wheel, the wheel centre is
+//! half of the tyre's diameter above the contact point. With a spin axis a (outboard), radius R and upward direction z,
 //!
 //! ```text
 //! C = W - R (z - (z.a) a) / |z - (z.a) a|                                                        (1)

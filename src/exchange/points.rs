@@ -142,7 +142,7 @@ impl Rows<'_> {
                 .iter()
                 .any(|word| word == "name" || word == "names")
         {
-            // This is a heading of values, such as "Point Name | Left | | | | Right".
+            // This row is a heading, such as "Point Name | Left | | | | Right".
             return Ok(());
         }
         if !has_number && self.attachment(&texts) {

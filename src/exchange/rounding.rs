@@ -11,10 +11,10 @@
 //! digits.
 //!
 //! The method is *nearest plane* (L. Babai, On Lovász' lattice reduction and the nearest lattice point problem, Combinatorica 6,
-//! 1986). It rounds the coordinates one after the other. With g J = Q R it rounds the last coordinate, passes the resulting
-//! change on to the other coordinates, and continues back to the first one. A weak spring (rows s I below g J) keeps coordinates
-//! that no target depends on near their original values. Each coordinate goes to one of its two neighbours on the grid, so a
-//! coordinate on the grid stays.
+//! 1986). It rounds the coordinates one after the other. With g J = Q R it rounds the last coordinate and passes the resulting
+//! change on to the other coordinates. Then it continues back to the first one. A weak spring (rows s I below g J) keeps
+//! coordinates that no target depends on near their original values. Each coordinate goes to one of its two neighbours on the
+//! grid, so a coordinate on the grid stays.
 //!
 //! The result depends on the order of the coordinates. The program tries three orders and also ordinary rounding, and computes
 //! the misfit of each exactly.

@@ -11,7 +11,7 @@ pub(super) struct Seat {
     pub hardpoint: &'static str,
     /// Usual body of this hardpoint.
     usual: &'static str,
-    /// Body on which it is mounted.
+    /// Body on which the hardpoint is mounted.
     pub body: &'static str,
     /// True if the body is assumed.
     is_assumed: bool,

@@ -17,7 +17,7 @@
 
 use crate::model::{Axis, Frame, FrameConvention, LengthUnit, Side};
 
-/// Conversion of columns from the unit and axes of a study to others.
+/// Conversion of columns from the unit and axes of a study to another unit and other axes.
 #[derive(Clone, Copy, Debug)]
 pub struct ColumnConversion {
     /// Unit of the study.
@@ -125,7 +125,7 @@ impl ColumnAxes {
 
     /// Sign factor from the first axes to the second axes.
     pub(super) fn sign(self, axes: [FrameConvention; 2]) -> f64 {
-        // Both frames are of the same wheel, so its side has no effect.
+        // Both frames belong to the same wheel, so the side of the wheel has no effect.
         let [from, to] = axes.map(|convention| Frame::new(convention, Side::Left));
         let along = |axis: Axis| from.sign(axis) * to.sign(axis);
         let by_rack = if self.is_by_rack { along(Axis::Y) } else { 1.0 };

@@ -41,9 +41,10 @@ const CG_HEIGHT_IN_RADII: [f64; 2] = [0.4, 6.0];
 const WHEEL_AT_CENTRE: f64 = 0.5;
 /// Largest plausible distance of a point from the wheel centre, in wheel radii.
 const FAR: f64 = 12.0;
-/// Plausible range of this distance in metres, for the farthest point of a study without a wheel radius.
+/// Plausible range of the distance of the farthest point from the wheel centre, in metres, for a study without a wheel radius.
 const REACH: [f64; 2] = [0.05, 4.0];
-/// Largest plausible deviation of a wheel from half the track, as a fraction of it.
+/// Largest plausible difference between the track and twice the wheel's distance from the centre plane, as a fraction of the
+/// track.
 const OFF_TRACK: f64 = 0.1;
 
 /// Warnings about a suspension in its design position, one line each. If one coordinate with a wrong sign or decimal place

@@ -149,7 +149,7 @@ impl State {
     }
 }
 
-/// Place of a run's files: a directory or memory.
+/// Location of a run's files: a directory or memory.
 enum Folder<'a> {
     Directory(&'a Path),
     Memory(&'a BTreeMap<String, Vec<u8>>),

@@ -54,7 +54,7 @@ pub fn exit_interrupted(code: i32) -> ! {
     let mut open = open();
     for run in open.drain(..) {
         if run.computes {
-            // If the disk refuses this, `run.json` still states that the run has not finished, which is true.
+            // If this write fails, `run.json` still states that the run has not finished, which is true.
             let _ = run.record_interruption();
         }
         if run.is_alone {
@@ -115,7 +115,7 @@ fn clear(directory: &Path) {
 /// contents.
 pub fn write_whole(path: &Path, contents: &[u8]) -> io::Result<()> {
     if is_stream(path) {
-        // The reader determines how long this takes, so a signal may interrupt it.
+        // The reader of the pipe determines how long this write takes, so a signal may interrupt it.
         let mut stream = std::fs::OpenOptions::new().write(true).open(path)?;
         return stream.write_all(contents);
     }

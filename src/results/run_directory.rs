@@ -85,7 +85,7 @@ impl RunDirectory {
         };
         let replaced: Vec<RunRecord> = manifest.runs.iter().filter(is_replaced).cloned().collect();
         if !is_alone && !replaced.is_empty() {
-            // Other shards of that run are still working there.
+            // Shards of the earlier run are still writing to the directory.
             return Err(Refusal::Busy {
                 directory: path.display().to_string(),
                 owner: None,
@@ -252,7 +252,7 @@ impl RunDirectory {
         let before = state.manifest.clone();
         for name in names {
             if !self.force && self.path.join(name).symlink_metadata().is_ok() {
-                // Another shard of the same sweep may have recorded it in the meantime.
+                // Another shard of the same sweep may have recorded the file in the meantime.
                 if !self.wrote(&state.manifest, name)
                     && let Ok(present) = Manifest::read(&self.path)
                 {

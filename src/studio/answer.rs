@@ -18,7 +18,7 @@ use crate::study::{Drive, Study, Vehicle, WheelStudy};
 use std::borrow::Cow;
 use std::time::Instant;
 
-/// Copy of the study that requests these characteristics, but no certificates, because they take too long here.
+/// Copy of the study that requests these characteristics, but no certificates: they take too long while a point is dragged.
 pub(super) fn asking_for(own: &WheelStudy, names: &[String]) -> Result<WheelStudy, String> {
     let mut asked = own.clone();
     asked.outputs.certify = false;
@@ -94,7 +94,7 @@ fn solved_wheel(
     if let Some(rack) = request.curves_rack {
         plan.racks = vec![rack];
     }
-    // Racks of the motion, if only the shown one is needed.
+    // Rack displacements of the motion, if the page needs only the curve of the shown one.
     let needs_shown = request.shown_only && request.over == 0 && plan.time.is_none();
     let left_out = (needs_shown && plan.racks.len() > 1).then(|| plan.racks.clone());
     if let Some(racks) = &left_out {

@@ -51,7 +51,7 @@ fn values(motion: &AxleMotion, coordinate: Coordinate, axle: &Axle) -> Vec<f64> 
     let values = motion.along(coordinate).into_iter().flatten();
     let mut different = Vec::new();
     for value in values.map(|value| printed(coordinate, *value, axle)) {
-        // Rows may have equal values.
+        // Several rows of a motion may have the same value.
         if !different.contains(&value) {
             different.push(value);
         }

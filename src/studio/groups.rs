@@ -55,7 +55,7 @@ impl Groups {
         let shown = nearest(racks, rack);
         Groups {
             of_stations: (0..stations).map(|station| station / along).collect(),
-            // Within a group only the drive differs, so it has no common value.
+            // Within a group only the drive differs between stations, so a group has no common drive value.
             places: racks.iter().map(|rack| vec![f64::NAN, *rack]).collect(),
             shown: shown.unwrap_or(0),
         }

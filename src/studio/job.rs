@@ -33,8 +33,8 @@ fn panicked(panic: &(dyn Any + Send)) -> String {
     )
 }
 
-/// Converts a range that counts from the design in the file to one that counts from the present design. The points of the
-/// variable have moved by `moved` units since. The result always contains the present position. If these points have moved by
+/// Converts a range that counts from the design in the file to one that counts from the present design. The page has moved the
+/// points of the variable by `moved` units. The result always contains the present position. If the points have moved by
 /// different amounts, the range counts from their present positions. The second value is a note if the tuning may therefore leave
 /// the range in the file.
 pub(super) fn counted_from_file(

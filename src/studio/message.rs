@@ -127,7 +127,7 @@ pub(super) struct CharacteristicOverview {
     pub name: String,
     pub unit: String,
     pub positive: &'static str,
-    /// True if the study requests it, directly or by a target.
+    /// True if the study requests the characteristic, directly or by a target.
     pub asked: bool,
     /// True if the study has all inputs of the characteristic.
     pub available: bool,

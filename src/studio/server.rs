@@ -121,7 +121,7 @@ fn accept(listener: &TcpListener, server: &Arc<ServerState>, closes: &AtomicBool
             return;
         }
         let Ok(stream) = stream else {
-            // For example, there may be too many open files. Then other connections must close first.
+            // The connection failed, for example because too many files are open. Then other connections must close first.
             std::thread::sleep(LOOK);
             continue;
         };

@@ -131,7 +131,7 @@ fn in_form(refusal: &crate::exchange::Refusal) -> String {
     let words = fields
         .iter()
         .fold(words, |words, (flag, field)| words.replace(flag, field));
-    // The form has no file whose name could be the subject.
+    // In this message, "it" means the file. The form has no file, so the message names the pasted text instead.
     let words = match words.strip_prefix("it has no table") {
         Some(rest) => format!("the pasted text has no table{rest}"),
         None => words,

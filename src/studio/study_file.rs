@@ -53,7 +53,7 @@ pub(super) struct Over<'r> {
 pub(super) enum NotSaved {
     /// The file has changed since it was opened, or another file of that name exists.
     Changed(String),
-    /// The name, the design or the disk prevents it.
+    /// The name or the design is not valid, or the file cannot be written.
     Refused(String),
 }
 
@@ -388,7 +388,7 @@ fn has_other_names(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|there| there.is_file() && there.nlink() > 1)
 }
 
-/// On other systems, the standard library cannot find this out.
+/// On other systems, the standard library does not give the number of names of a file.
 #[cfg(not(unix))]
 fn has_other_names(_: &Path) -> bool {
     false

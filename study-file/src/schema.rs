@@ -124,7 +124,7 @@ fn places(root: Root) -> (BTreeMap<String, Place>, BTreeSet<String>) {
             tried.insert((path.clone(), kind));
             let before = notes.borrow().offers.clone();
             notes.borrow_mut().offers.insert(path.clone(), kind);
-            // The keys of a table become known when it is offered for the first time.
+            // The keys of a table become known when this function offers the table for the first time.
             if !read() && std::mem::take(&mut notes.borrow_mut().has_learnt) {
                 read();
             }

@@ -235,8 +235,8 @@ const CENTRAL: &str = "central difference";
 enum Step {
     /// Fraction of the mechanism's size.
     OfSize(f64),
-    /// Usual step of libraries for central differences of an unknown function: the cube root of the rounding unit times the
-    /// coordinate, or times one if that is larger.
+    /// Usual step of libraries for central differences: the cube root of the rounding unit, times the coordinate or times one,
+    /// whichever is larger.
     Usual,
 }
 

@@ -40,7 +40,7 @@ impl Start {
     }
 }
 
-/// A station, with the weights of the previous stations that predict it.
+/// A station, and the weights with which the poses of previous stations predict its pose.
 struct Step {
     station: usize,
     earlier: usize,

@@ -58,8 +58,8 @@ pub struct Throughput {
 }
 
 const ANGLES: &str = "four angles";
-/// Cost of the method itself: one evaluation of the closed form at each pose for a given angle of the arm, and the four angles of
-/// that pose.
+/// Job that shows the cost of the method itself, at a given angle of the arm. At each pose it evaluates the closed form once, and
+/// the four angles.
 const LIMIT: &str = "four angles at a given arm angle (the limit)";
 /// Largest angle of the arm for that measurement (rad).
 const LIMIT_ANGLE: f64 = 0.2;

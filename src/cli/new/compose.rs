@@ -52,7 +52,7 @@ const TWIST_BEAM_TARGETS: &str = r#"  { characteristic = "force_roll_centre_heig
 /// # Errors
 /// The reason in words, if the topology does not have a part.
 pub(super) fn study(topology: &Topology, parts: &[Part]) -> Result<String, String> {
-    // Editors look for the schema in the folder of the study, where `hardpoint schema > hardpoint.schema.json` writes it.
+    // Editors look for the schema in the folder of the study. `hardpoint schema > hardpoint.schema.json` writes it there.
     let own = format!("{}_solve.toml", topology.name);
     let template = topology.template.replace(&own, "STUDY.toml");
     let mut composed = Composed {

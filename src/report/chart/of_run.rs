@@ -258,7 +258,7 @@ impl Chart {
                     told,
                     class,
                     is_main: is_last && family.is_present,
-                    // The page of a sweep shows any design, so each has its deviations.
+                    // The page of a sweep can show any design, so each design has a strip of deviations.
                     in_strip: family.is_present && (is_last || record.command == "sweep"),
                     has_dots: false,
                     source,

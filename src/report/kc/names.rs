@@ -37,9 +37,9 @@
 //!
 //! Sources: Altair MotionView reference, pages of these names; Adams Car, "Output of Suspension Analyses" and the appendix
 //! "Static Vehicle Characteristics", pages of these names. MotionView prints the formulas for two orientations, A and B. In A, x
-//! points rearward and y to the right. This follows from four facts: its camber is positive with the top outboard; its ride
-//! camber of a left wheel is (10) in A; its converging forces point to the inside; and its tread widens by C(8,3) - C(2,3) in A.
-//! B is turned by half a turn about z, and its signs give the same values.
+//! points rearward and y to the right. This follows from four facts in A: camber is positive with the top outboard; the ride
+//! camber of a left wheel is (10); converging forces point to the inside; the tread widens by C(8,3) - C(2,3). B is turned by
+//! half a turn about z, and its signs give the same values.
 
 use crate::compliance::{KcSubject, KcTest, TestLoad, TestMode, TestPlace};
 use crate::model::{Axis, Frame, FrameConvention, LengthUnit, Side};

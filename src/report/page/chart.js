@@ -93,7 +93,7 @@ class LiveChart {
       start = null;
       const sides = [0, 1].map((k) => Math.abs(a[k] - b[k]));
       if (sides[0] < 0.02 && sides[1] < 0.02) return;
-      // A brush along one axis leaves the other as it is.
+      // A brush along one axis does not change the range of the other axis.
       this.zoom([0, 1].map((k) => (sides[k] < 0.04 ? this.view[k] : [Math.min(a[k], b[k]), Math.max(a[k], b[k])].map((s) => this.valueAt(k, s)))));
     });
     this.svg.addEventListener('pointercancel', () => { start = null; set(this.brush, { display: 'none' }); });
@@ -188,7 +188,7 @@ class LiveChart {
       const id = `clip-${clips += 1}`;
       this.clip = svg('clipPath', { id }, svg('rect', { x: left, y: top, width, height }));
       this.svg.append(this.clip);
-      // The clip does not move with the curves inside it.
+      // This group clips the curves. It does not move when the zoom moves the curves inside it.
       const holder = svg('g', { 'clip-path': `url(#${id})` });
       this.inner.replaceWith(holder);
       holder.append(this.inner);

@@ -261,7 +261,7 @@ const setUpStage = () => {
       stage.draw();
     });
   }
-  // Playing goes up and down the motion until it is stopped.
+  // Playing moves the mechanism up and down its motion until the user stops it.
   let playing = null;
   let direction = 1;
   byId('play').addEventListener('click', () => {

@@ -481,7 +481,7 @@ fn side_effects(effects: &[SideEffect]) -> String {
     };
     let further = further_in_words(effects);
     let further = further.iter().map(|line| format!("<p>{}</p>", prose(line)));
-    // The opening screen already shows a few side effects. Then the printed page leaves out this table.
+    // If there are few side effects, the opening screen shows all of them. The printed page then leaves out this table.
     let again = if shown.len() <= MOST_EFFECTS {
         " class=\"again\""
     } else {

@@ -120,7 +120,7 @@ pub fn limits_page(of: &LimitsSheet<'_>) -> String {
     let failed = |line: &String| format!("<p class=\"unmet\">{}</p>", prose(line));
     let failures: String = of.failures.iter().map(failed).collect();
     let drawn = strips(&limit_strips(of), "ranges of the quantities");
-    // The motion of an axle has several quantities, so it has no band.
+    // The motion of an axle has several quantities, so the page shows no band of the motion.
     let band = if of.motion.is_empty() {
         ""
     } else {

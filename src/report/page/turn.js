@@ -10,7 +10,7 @@ const drawTurn = (place) => {
   if (!hasTurn) return;
   const designs = record.designs.map((_, k) => k).filter((k) => record.designs[k].frames.length);
   const turns = designs.map((design) => ({ design, turn: turnOf(design, place) })).filter(({ turn }) => turn);
-  // Forward is up and left is left.
+  // Converts a position to the picture: forward is up, and left is on the left.
   const flatTo = (p) => [-p[1] * outboard, p[0] * forward];
   const all = turns.flatMap(({ turn }) => [...turn.wheels.flat(), ...(turn.centre ? [turn.centre] : []), [turn.other_axle, 0]].map(flatTo));
   const [low, high] = [Math.min, Math.max].map((end) => [0, 1].map((k) => end(...all.map((p) => p[k]))));

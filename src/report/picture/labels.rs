@@ -27,9 +27,9 @@ type Area = [f64; 4];
 /// Both ends of a line.
 type Segment = [[f64; 2]; 2];
 
-/// Places names one after the other. Each name takes the position of lowest cost. An overlap with other names has the highest
-/// cost, followed by overlaps with points and with lines, positions that are nearer to another point, and the distance from the
-/// name's own point. A line leads to a name that is far from its point, or nearer to another point.
+/// Places names one after the other. Each name takes the position of lowest cost. These situations add to the cost, the most
+/// expensive first: an overlap with other names, with points, with lines; a position nearer to another point; the distance from
+/// the name's own point. A line leads to a name that is far from its point, or nearer to another point.
 pub(super) fn place_labels<'a>(
     names: &[(&'a str, [f64; 2])],
     dots: &[[f64; 2]],

@@ -156,7 +156,8 @@ struct TargetSummary {
     /// Smallest and largest target value, in the unit of the tolerance. `None` if a band has no limit.
     #[serde(default)]
     wanted: [Option<f64>; 2],
-    /// True for a band between curves. Then `wanted` has the ends of both.
+    /// True for a band with a curve as a limit. Then `wanted` has the smallest value of the lower limit and the largest value of
+    /// the upper limit.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     between_curves: bool,
     weight: f64,

@@ -190,7 +190,7 @@ fn placement(study: &CarStudy, drawing: &CarDrawing, side: usize) -> SidePlaceme
             .map(|point| turned(*point))
     });
     let wheels = |places: &[[f64; 3]; 4]| [0, 1].map(|axle| turned(places[2 * axle + side]));
-    // Rows and columns both refer to the axes of the study.
+    // Both the rows and the columns of this matrix refer to the axes of the study.
     let signs = turned([1.0; 3]);
     SidePlacement {
         points: points.collect(),

@@ -1,7 +1,7 @@
 //! Misfit of a car and its exact gradient with respect to every coordinate of both axles.
 //!
-//! With d_t the deviation from target t in tolerances and w_t its weight (for a target of a single axle, d_t is the root mean
-//! square over its stations),
+//! d_t is the deviation from target t in tolerances, and w_t its weight. For a target of a single axle, d_t is the root mean
+//! square over the target's stations. Then
 //!
 //! ```text
 //! M^2 = sum w_t d_t^2 / sum w_t          dM/dx = sum w_t d_t d d_t/dx / (M sum w_t)                              (1)

@@ -27,7 +27,7 @@ const deviation = ({ points: [[, low, high]], tolerance }, value) => {
 // A value that is only rounding error, compared with the other values of its row, is shown as 0.
 const shown = (value, size) => (value !== null && Math.abs(value) < 1e-9 * size ? 0 : value);
 
-// Invisible rows are updated when they are scrolled into view, and when the page is at rest.
+// Pause in milliseconds before invisible rows are updated. A row that is scrolled into view is updated at once.
 const PAUSE = 300;
 let late = null;
 const watch = new IntersectionObserver((found) => {

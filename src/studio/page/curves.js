@@ -36,7 +36,7 @@ const NONE = [];
 const targetsOf = (columns, rack) => state.overview.targets.filter((target) => target.columns.some((c) => columns.includes(c))
   && target.motion === state.motion && target.over === state.over && (!target.racks.length || target.racks.includes(rack)));
 
-// Width of the band beyond the limits of a target: a wanted value has its tolerance.
+// Width of the shaded band beyond the limits of a target: the tolerance of a target value, 0 for a band.
 const bandOf = ({ tolerance, is_band: isBand }) => (isBand ? 0 : tolerance);
 
 // The columns of both wheels share one chart.
@@ -162,7 +162,7 @@ class Chart {
     if (!found.every(Boolean)) return;
     const { width, height } = this.size ??= this.svg.getBoundingClientRect();
     if (width < 40) return;
-    // Printed in another size, the picture is scaled.
+    // The view box scales the picture if it is printed in another size.
     set(this.svg, { viewBox: `0 0 ${width} ${height}` });
     const targets = targetsOf(this.series.map(({ column }) => column), answer.rack);
     // A strip under curves with targets shows their deviations.
@@ -171,7 +171,7 @@ class Chart {
     const whole = wholeOf(answer);
     const family = familyOf(whole, group);
     const of = (other, column) => (other && knownOf(other).columns.has(column) ? curveOf(other, column, group) : NONE);
-    // The line shows the curve after a move of the coordinate by ten steps.
+    // The line of influence shows the curve after a move of the coordinate by ten steps.
     const far = influence ? 10 * state.step : 0;
     const lines = found.map(({ column, values }, k) => {
       // Slopes of all stations do not fit an answer that has only some of the stations.

@@ -76,7 +76,7 @@ export const takeMotion = (overview) => {
 let timeline = [];
 let present = 0;
 let gesture = null;
-// Key presses on one point in quick succession are one action.
+// Longest time in milliseconds between two key presses on one point that count as one action.
 const SOON = 1500;
 let keys = null;
 export const history = () => ({ timeline, present });
@@ -196,7 +196,7 @@ const companions = (point, axis) => {
   return [];
 };
 
-// Coordinates a move starts from.
+// Coordinates from which a move starts.
 export const grip = () => copy(state.design);
 
 // Moves a point from its position at the start of a gesture. Locked coordinates stay, coupled coordinates follow.
@@ -253,7 +253,7 @@ export const ask = (event) => {
   cause ??= event?.timeStamp ?? null;
   if (!running || running.isSlow || running.isRest) run();
 };
-// After a pause, the page asks again for an answer that contains all curves of a family.
+// Pause in milliseconds after which the page asks for an answer that contains all curves of a family.
 const PAUSE = 60;
 const isPartial = () => Boolean(state.answer?.is_partial) && !state.fault;
 export const isSettled = () => !running && answered === wanted && !isPartial();
@@ -290,7 +290,7 @@ const run = async () => {
   } catch (refused) {
     fault = refused;
   }
-  // A later request has taken its place.
+  // A later request has replaced this request.
   if (running !== own) return;
   running = null;
   state.isLate = false;

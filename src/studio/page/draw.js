@@ -85,8 +85,8 @@ export const fitted = (input) => {
   fill(input, input.value);
   return input;
 };
-// The number of a typed text, with a decimal point or comma; null if the text is none. Other notations of programs, such as
-// hexadecimal digits, are none.
+// Number in a typed text, with a decimal point or comma; null if the text is not a number. Other notations, such as hexadecimal
+// digits, are not accepted.
 const NUMBER = /^[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?$/i;
 export const parsed = (text) => {
   const plain = text.trim().replace('−', '-').replace(',', '.');
@@ -115,12 +115,12 @@ export const renew = (element, ...children) => {
 const UNIT = '(?:mm|m|in|deg|rad|N|lbf|kg|g|Hz|percent)';
 const UNIT_AT_END = new RegExp(`_(${UNIT}(?:_${UNIT})*(?:_per_${UNIT}(?:_${UNIT})*)?)$`);
 export const quantity = (column) => column.replace(UNIT_AT_END, (_, unit) => ` [${inDegrees(unit.replace('_per_', '/').replaceAll('_', ' '))}]`).replaceAll('_', ' ');
-// A text with the sign of degrees, as at the curves.
+// Replaces `deg` in a text by the degree sign, as in the labels of curves.
 export const inDegrees = (text) => text.replace(/\bdeg\b/g, '°');
-// A table that scrolls sideways. The keyboard reaches it.
+// A box that scrolls its content sideways. The keyboard can reach the box.
 export const scroller = (label, ...children) => html('div', { class: 'scroll', tabindex: 0, role: 'group', 'aria-label': label }, ...children);
 
-// Five significant digits at most.
+// Formats a number with at most this many significant digits.
 export const brief = (value, digits = 5) => {
   if (value === null || value === undefined || !Number.isFinite(value)) return '–';
   const text = value !== 0 && Math.abs(value) < 1e-4 ? value.toExponential(1) : String(Number(value.toPrecision(digits)));

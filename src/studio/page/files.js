@@ -32,7 +32,7 @@ export const readStudy = async (overview = null) => {
   askGhost();
 };
 
-// Words for the state with which the page compares.
+// Writes into the legend with which state the page compares the design: as opened, or saved.
 const tellCompared = (words) => write(byId('key-ghost'), words);
 const saved = ({ digest, file }, design) => {
   tellCompared('saved');
@@ -47,7 +47,7 @@ const saved = ({ digest, file }, design) => {
   if (!file) say(`No change was made to ${state.overview.files.join(', ')}.`);
   else say(isTuning() ? `${file} saved with the present points; the running tuning is not included.` : `${file} saved`);
 };
-// A proposal on the page is no part of the design yet.
+// Asks what to do with an open proposal before a save, because it is not yet part of the design.
 const settleProposal = async () => {
   if (!hasProposal()) return true;
   const chosen = await question('A proposal is open', 'Tune has proposed other points. The file gets the points as they are now, unless you accept the proposal first.', [
@@ -159,7 +159,7 @@ const askForName = async (wanted) => {
   if (!sure) await askForName(chosen.text);
 };
 
-// Checks at intervals if another program has changed the file.
+// Interval in milliseconds at which the page checks whether another program has changed the file.
 const WATCH = 5000;
 let told = null;
 const watchFile = async () => {
@@ -231,7 +231,7 @@ const offerDraft = () => {
   say(`Unsaved changes from ${when}.`, 'ask', action('Restore', restore), action('Discard', discard));
 };
 
-// Exports pictures of the drawings with their appearance on the screen.
+// Style properties that an exported picture copies from the drawing on the screen.
 const LOOKS = ['stroke', 'stroke-width', 'stroke-dasharray', 'stroke-linecap', 'stroke-linejoin', 'fill', 'fill-opacity', 'stroke-opacity', 'opacity', 'font-size', 'font-family', 'font-weight', 'paint-order', 'display'];
 const still = (source) => {
   const image = source.cloneNode(true);
@@ -245,7 +245,7 @@ const still = (source) => {
   from.forEach((element, i) => { if (element.matches('.edge text, .edge .hit')) to[i].remove(); });
   return image;
 };
-// Marks of lines in a legend: name of the colour, and further attributes.
+// Entries of the legends of exported pictures: text, name of the colour, and attributes of the line.
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 const PIN_COLOURS = { A: '--hue2', B: '--hue1', C: '--hue5' };
 const COMPARED = (dashes) => [byId('key-ghost').textContent, '--ghost', { 'stroke-width': 2, 'stroke-dasharray': dashes }];

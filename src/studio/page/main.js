@@ -16,7 +16,7 @@ import { openTab, startLayout } from './layout.js';
 
 const root = document.documentElement;
 
-// Light or dark; at first what the system has.
+// Chooses a light or a dark page: the stored choice, or else that of the system.
 const prefersDark = matchMedia('(prefers-color-scheme: dark)');
 const startTheme = () => {
   const put = (theme) => { if (theme) root.dataset.theme = theme; else delete root.dataset.theme; };
@@ -64,7 +64,7 @@ const startSliders = () => {
   };
   on('study', () => { state.step = null; build(); });
   on('edited', () => {
-    // A list of names may have become shorter.
+    // If a list of names has become shorter, the slider moves to its last entry.
     state.overview.sliders.forEach(({ names, high }, k) => { if (names.length) state.at[k] = Math.min(state.at[k], high); });
     build();
   });

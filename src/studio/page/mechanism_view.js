@@ -61,7 +61,7 @@ export class MechanismView {
     const { width, height } = this.svg.getBoundingClientRect();
     const is = width !== this.width || height !== this.height;
     [this.width, this.height] = [width, height];
-    // Printed in another size, the picture is scaled.
+    // The view box scales the picture if it is printed in another size.
     if (width > 0) set(this.svg, { viewBox: `0 0 ${width} ${height}` });
     return is && width > 0;
   }

@@ -28,7 +28,7 @@ const buildChips = () => {
   widen('misfit', { note: ' from 00.0' });
   byId('figures').replaceChildren(...[...chips.values()].map(({ chip }) => chip));
 };
-// Opens the tab of a chip, and selects the point of the member that it is about.
+// Opens the tab of a chip, and selects a point of the member that the chip describes.
 const lead = (place) => {
   openTab(place, true);
   const broken = place === 'constraints' && state.answer?.misfit?.constraints.find((c) => c.is_violated);

@@ -24,7 +24,7 @@ export const curveOf = (answer, column, group) => {
   if (!curves.has(key)) curves.set(key, runs(answer, columns.get(column).values, group));
   return curves.get(key);
 };
-// Stations of one group by rising place, in runs without gaps.
+// Splits the stations of one group into runs without gaps, in the order of their positions.
 export const runs = (answer, values, group) => {
   const places = knownOf(answer).order.get(group) ?? [];
   const found = [];

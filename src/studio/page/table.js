@@ -64,7 +64,7 @@ const cell = (p, axis) => {
       input: () => { input.dataset.typed = ''; },
       change: () => typed(input, p, axis),
       focus: () => { take(input); input.value = String(state.design[p][axis]); select(p); point(p, axis); },
-      // A text that is no number gives way to the coordinate; its message stays.
+      // If the text is not a number, the field shows the coordinate again. The message over the page stays.
       blur: () => { take(input); unmark(input); point(null); draw(); },
       keydown: (event) => {
         const by = { ArrowUp: 1, ArrowDown: -1 }[event.key];
@@ -120,7 +120,7 @@ const ends = (cell) => {
   return cell.known.ends;
 };
 
-// Invisible rows are updated when they are scrolled into view, and when the page is at rest.
+// Pause in milliseconds before invisible rows are updated. A row that is scrolled into view is updated at once.
 const PAUSE = 300;
 let late = null;
 const watch = new IntersectionObserver((found) => {

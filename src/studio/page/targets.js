@@ -40,7 +40,7 @@ const at = (...path) => ['optimise', ...path];
 const nameOf = (k) => (state.overview.is_car ? goalName(writtenTarget(k) ?? {}) : quantity(state.overview.targets[k]?.column ?? `target ${k + 1}`));
 // Name of a target or a constraint of a car in the study. The page lists targets of load cases before targets of a single axle.
 const goalName = (own) => words([own.characteristic ?? own.load ?? 'target', own.case ? `in ${[].concat(own.case).join(', ')}` : `of the ${own.axle} axle`].join(' '));
-// `between` has two ends.
+// `between` has two limits, so the name depends on the index of the limit.
 const endOf = ([key, end]) => (key === 'between' ? LIMITS.between[end] : words(key));
 export const setTarget = (k, path, value) => edit([{ path: at('targets', k, ...path), value }], `Target ${nameOf(k)}: ${endOf(path)} ${brief(value)}`);
 
@@ -223,7 +223,7 @@ const subjectOf = (column, others) => {
 const labelled = (text, input) => html('label', { class: 'direction' }, html('span', { text }), input);
 const number = (value) => html('input', { type: 'text', inputmode: 'decimal', value: String(value), autocomplete: 'off' });
 
-// Fields of a new target on a chart: a band, over a part of the motion if both ends are given, or a value at one place.
+// Fields of a new target on a chart: a band, over a part of the motion if both ends are given, or a value at one position.
 const placesOnChart = () => {
   const slider = state.overview.sliders[state.over];
   const place = number(Number(state.at[state.over].toPrecision(4)));

@@ -75,7 +75,7 @@ const retune = () => {
   };
   return retuning ??= follow();
 };
-// While the slider moves, requests are delayed, because the server stores the text of every request.
+// Delay of a request in milliseconds while the slider moves. It keeps requests few, because the server stores the text of each.
 const PAUSE = 150;
 let pause = null;
 const retuneSoon = () => {

@@ -1,4 +1,4 @@
-// Front, side, top and a view in space: the mechanism at the sliders' place, with points that can be dragged.
+// Front, side, top and a view in space: the mechanism at the positions of the sliders, with points that can be dragged.
 import { along, AXES, brief, byId, centred, cross, dot, heldByFinger, html, minus, norm, placed, set, show, signed, svg, tenth, write } from './draw.js';
 import { MechanismView } from './mechanism_view.js';
 import { flat, rims } from './space.js';
@@ -22,13 +22,13 @@ const otherWheel = (frame) => {
   const { points, spin_axis: axis, contact } = frame;
   return { points: points.map(mirrored), spin_axis: mirrored(axis), contact: contact && mirrored(contact) };
 };
-// Circles of a placement. All views draw the same.
+// Circles of the wheels in a position of the mechanism. All views share them.
 const circles = new WeakMap();
 const circlesOf = (at, scene) => {
   if (!circles.has(at)) circles.set(at, rims(at, scene));
   return circles.get(at);
 };
-// The rims of the wheels that are drawn.
+// Circles of the visible wheels.
 const rimsOf = (at, scene) => circlesOf(at, scene).filter((_, k) => !at.spin_axes || isDrawn(scene.wheels[k].centre));
 const contactsOf = (frame, other) => (frame?.contacts ? [...frame.contacts, ...(other?.contacts ?? [])] : [frame?.contact, frame?.contact && other?.contact].filter(Boolean));
 // Converts a displacement in the drawing to the axes of the body, because the body of a car rolls and pitches relative to the
@@ -198,7 +198,7 @@ class View extends MechanismView {
     this.places = [];
     this.mirrorPlaces = [];
     points.forEach(({ name }, p) => {
-      // Without a pose, handles stay at the places of the design, so that the user can move them back.
+      // Without a pose, handles stay at the design positions of their points, so that the user can move them back.
       const at = placeIn(frame, p);
       const [x, y] = this.project(at);
       const handle = this.handles[p];

@@ -12,7 +12,7 @@ pub(super) fn manual(root: Root) -> BTreeMap<(String, String), String> {
         let (name, rows) = section.split_once('\n').unwrap_or((section, ""));
         let (name, sibling) = name.split_once(" (and ").unwrap_or((name, ""));
         let name = name.split(" (").next().unwrap_or(name);
-        // `gg_map.ax (and ay)` describes both keys.
+        // A heading such as `gg_map.ax (and ay)` stands for both keys.
         let sibling = sibling
             .strip_suffix(')')
             .map(|sibling| match name.rsplit_once('.') {
@@ -88,7 +88,7 @@ impl Book {
             let mut value = self.of(&key_path(path, key));
             let description =
                 |section: &str| self.manual.get(&(section.to_owned(), (*key).to_owned()));
-            // The manual describes ranges only once.
+            // The manual describes the keys of ranges only once.
             let description = description(&section).or_else(|| description("motion.travel"));
             if self.root == Root::Suspension
                 && description.is_some_and(|description| description.contains(OF_CARS))
@@ -107,7 +107,7 @@ impl Book {
             "properties": properties,
             "additionalProperties": false,
         });
-        // Draft 4 does not allow an empty list here.
+        // Draft 4 does not allow an empty list of required keys.
         if !needed.is_empty() {
             table["required"] = json!(needed);
         }

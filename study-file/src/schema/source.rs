@@ -39,7 +39,7 @@ pub(super) struct Place {
     pub(super) takes_any: bool,
 }
 
-/// Offers for one reading, and the records from it.
+/// Offers for one run of the reader, and the records of this run.
 #[derive(Debug, Default)]
 pub(super) struct Notes {
     pub(super) places: BTreeMap<String, Place>,
@@ -47,15 +47,15 @@ pub(super) struct Notes {
     pub(super) offers: BTreeMap<String, Kind>,
     /// Keys of tables whose type did not announce them.
     keys: BTreeMap<String, Vec<&'static str>>,
-    /// Key that is withheld in this reading.
+    /// Key that is withheld in this run.
     pub(super) withheld: Option<String>,
     /// Path of the refused offer.
     pub(super) refused: Option<String>,
-    /// True if the reading found new keys. Then the same offer may now succeed.
+    /// True if the run found new keys. Then the same offer may now succeed.
     pub(super) has_learnt: bool,
 }
 
-/// Reason why a reading ended.
+/// Reason why a run of the reader ended.
 #[derive(Debug)]
 pub(super) enum Refusal {
     /// A key is unknown. The known keys are given.

@@ -342,13 +342,9 @@ impl Targets<'_> {
     /// Violation of each constraint in its unit. Zero if the constraint is satisfied.
     fn missed(&self, design: &[Vector3<f64>]) -> Result<Vec<f64>, String> {
         let margins = self.margins(design)?;
-        let missed = margins.iter().map(|own| {
-            if own.is_violated {
-                -own.margin
-            } else {
-                0.0
-            }
-        });
+        let missed = margins
+            .iter()
+            .map(|own| if own.is_violated { -own.margin } else { 0.0 });
         Ok(missed.collect())
     }
 

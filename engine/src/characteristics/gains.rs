@@ -144,7 +144,7 @@ fn slope_outlined<F: Formula, T: Real>(inputs: &Inputs<T>, direction: Vector3<T>
 macro_rules! gains {
     ($($gain:ident, $angle:ident, $name:literal, $positive:literal, $formula:literal, $slot:ident, $rate:ident;)*) => {
         $(
-            #[doc = concat!("Derivative of ", stringify!($angle), " by wheel travel.")]
+            #[doc = concat!("Derivative of ", stringify!($angle), " with respect to wheel travel.")]
             pub(super) struct $gain;
             impl Formula for $gain {
                 const INFO: Info = Info {
@@ -152,7 +152,7 @@ macro_rules! gains {
                     unit: Unit::AnglePerLength,
                     positive: $positive,
                     formula: $formula,
-                    source: "derivative of the angle by wheel travel, from the velocity analysis",
+                    source: "derivative of the angle with respect to wheel travel, from the velocity analysis",
                     reads: &[Slot::$slot, Slot::$rate, Slot::CentreRate],
                     needs: <angles::$angle as Formula>::INFO.needs,
                     ..Info::EMPTY

@@ -328,7 +328,7 @@ fn remarks(run: &SweepRun) -> String {
     if summary.done < summary.designs {
         remarks += &format!(
             "<p class=\"notice\">Interrupted after {} of {} designs: <code>hardpoint sweep</code> with \
-             <code>--resume</code> goes on. All below is of the designs done.</p>",
+             <code>--resume</code> continues. Everything below refers to the finished designs.</p>",
             summary.done, summary.designs
         );
     }

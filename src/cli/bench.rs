@@ -43,7 +43,7 @@ impl Subject {
         Ok(match (&arguments.study, arguments.kind) {
             (Some(path), BenchKind::Cars) => {
                 if path.is_file() && !CarStudy::is_at(path) {
-                    let message = "cars are measured for a study with [car]";
+                    let message = "`bench cars` needs a study with [car]";
                     return Err(Stop::in_file(path, message));
                 }
                 Subject::Car(Box::new(CarStudy::read(path, changes)?))
@@ -236,11 +236,9 @@ fn measure(
 fn refuse_for_axle(kind: BenchKind, study: &Study, path: &Path) -> Result<(), Stop> {
     let why = match kind {
         BenchKind::Throughput | BenchKind::Equilibria | BenchKind::Cars => return Ok(()),
-        BenchKind::Accuracy => {
-            "accuracy compares formulations, starts and precisions of one wheel's equations"
-        }
+        BenchKind::Accuracy => "`bench accuracy` compares ways to solve the equations of one wheel",
         BenchKind::Effects => {
-            "effects measures the time that each output adds to the position of one wheel, in an order for one wheel"
+            "`bench effects` measures the time that each output adds to the position of one wheel"
         }
     };
     let remedy = if study.wheel().mechanism.rigid_axle.is_some() {

@@ -79,7 +79,7 @@ fn say_wheel(out: &mut Printer, study: &Study, own: &WheelStudy, path: &Path) ->
         out.say(&format!("{line}\n\n"))?;
     }
     let derivatives = if plan.outputs.iter().any(|o| o.highest > 0) {
-        format!(", derivatives by {}", drive_name(&plan))
+        format!(", derivatives with respect to {}", drive_name(&plan))
     } else {
         String::new()
     };
@@ -170,7 +170,7 @@ fn asked(study: &Study) -> Vec<String> {
         ));
         lines.extend(optimise.scatter.as_ref().map(robust));
         let effects = if optimise.side_effects {
-            "changes that no target requests are reported"
+            "changes that no target asks for are reported"
         } else {
             "off, by side_effects = false"
         };

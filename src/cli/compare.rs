@@ -238,7 +238,7 @@ fn of_run(
     match crate::compared::of_study(study.clone(), label, motion) {
         Ok(solved) => {
             note(&format!(
-                "{}: its stations are others than those of {}, so its study is solved again over the same motion\n",
+                "{}: its stations differ from those of {}, so its study is solved again over the same motion\n",
                 path.display(),
                 first.label
             ));

@@ -189,7 +189,7 @@ fn check_call(arguments: &ExportArguments) -> Result<(), Stop> {
     only(arguments.bushing.is_some(), "--bushing", Target::Bus, "bus")?;
     if to == Target::Bus && (arguments.frame.is_some() || arguments.round.is_some()) {
         return Err(Stop::wrong_input(
-            "a property file has laws and no points: leave out --frame and --round",
+            "a property file contains force laws, not points: leave out --frame and --round",
         ));
     }
     only(arguments.curves, "--curves", Target::Csv, "csv")?;

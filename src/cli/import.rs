@@ -408,8 +408,7 @@ pub(super) fn roles(imported: &Imported) -> String {
 fn names(path: &Path) -> Result<BTreeMap<String, String>, Stop> {
     let refused = |reason: String| Stop::in_file(path, reason);
     let text = bytes_of(path).map_err(refused)?;
-    let text =
-        String::from_utf8(text).map_err(|_| refused("it is not a text in UTF-8".to_owned()))?;
+    let text = String::from_utf8(text).map_err(|_| refused("it is not UTF-8 text".to_owned()))?;
     toml::from_str(&text).map_err(|error| {
         refused(format!(
             "expected lines such as lower_arm_front = \"LCA 1\": {}",

@@ -126,9 +126,9 @@ pub(super) fn meanings(links: &[Link]) -> Result<(Vec<Meaning>, Option<String>),
                 end.place[0] = 0.0;
             }
             let note = format!(
-                "the upper links ({} and its mirror image) are one link in the middle: with both \
-                 and a Panhard rod the axle could not move in roll. In heave the motion is the \
-                 same; in roll the link has the mean motion of both",
+                "one link in the middle replaces the upper links ({} and its mirror image): with both \
+                 links and a Panhard rod the axle could not move in roll. In heave the motion is the \
+                 same; in roll the link has the mean motion of both links",
                 upper.name()
             );
             Ok((

@@ -146,7 +146,7 @@ impl Imported {
             }
         }
         Err(explained(format!(
-            "the suspension that these points make cannot move {LEAST_TRAVEL} mm up and down from the \
+            "a suspension with these points cannot move {LEAST_TRAVEL} mm up and down from the \
              given position: is it {}, and are the names correct?",
             self.topology.name
         )))

@@ -119,9 +119,7 @@ fn stated(
         let shown = directions.describe(&other);
         if !by_user {
             return Err(open_axes(
-                format!(
-                    "according to the file, x, y and z point {axes}, but in its points {shown}"
-                ),
+                format!("the file states that x, y and z point {axes}, but in its points {shown}"),
                 of_reading(&other, placed.side),
             ));
         }

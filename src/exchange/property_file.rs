@@ -103,7 +103,7 @@ fn remarks(part: &NamedBushing<'_>, relaxed: Relaxed) -> Vec<String> {
     ];
     if part.preload.iter().any(|preload| *preload != 0.0) {
         remarks.push(format!(
-            "preload is omitted, because it belongs into the subsystem: {}",
+            "preload is omitted, because it belongs in the subsystem: {}",
             part.preload.map(shortest).join(", ")
         ));
     }

@@ -162,7 +162,13 @@ fn without_bodies(outgoing: &Outgoing<'_>, sides: &[Side]) -> Vec<String> {
         names.sort_unstable();
         names.dedup();
         names.retain(|name| body(*first, name) != body(*side, name));
-        say(&format!("the {} wheel that differ", side.name()), names);
+        say(
+            &format!(
+                "the {} wheel that differ from those of the other wheel",
+                side.name()
+            ),
+            names,
+        );
     }
     notes
 }

@@ -65,7 +65,7 @@ pub(super) fn margin(
     }
     let mut text = format!(
         "{stations} the wheel's links stay about {} {unit} or more away from a toggle or fold. This is an estimate from the \
-         conditioning of their equations. They are nearest at {} {}.",
+         conditioning of their equations. The distance is smallest at {} {}.",
         brief(distance),
         plan.drive.name(),
         as_written(plan.drive.printed(at))

@@ -205,11 +205,14 @@ impl CertificateSummary {
 
     /// Summary in words.
     pub(super) fn remark(&self, stations: usize, length_unit: &str) -> String {
-        let mut text = format!("certificate: {} of {stations} stations proved", self.proved);
+        let mut text = format!(
+            "certificate: {} of {stations} stations certified",
+            self.proved
+        );
         text += &match (self.one_branch, self.unproved) {
             (true, _) => "; the whole curve is on one branch".to_owned(),
             (false, 0) => "; all poses that can be reached are on one branch".to_owned(),
-            (false, n) => format!("; {n} with a pose that could not be proved"),
+            (false, n) => format!("; {n} with a pose that could not be certified"),
         };
         if let Some(error) = self.largest_position_error {
             // The value is rounded up, so that the printed number is also a bound.

@@ -102,8 +102,16 @@ pub fn accuracy_summary(accuracy: &Accuracy) -> Table {
         ("pose, by its start", Family::Start, 1e-9),
         ("curve", Family::Curve, 1e-3),
         ("curve", Family::Curve, 1e-6),
-        ("derivatives by hardpoints", Family::Derivative, 1e-5),
-        ("derivatives by hardpoints", Family::Derivative, 1e-10),
+        (
+            "derivatives with respect to hardpoints",
+            Family::Derivative,
+            1e-5,
+        ),
+        (
+            "derivatives with respect to hardpoints",
+            Family::Derivative,
+            1e-10,
+        ),
         ("derivatives, by direction", Family::Sensitivity, 1e-10),
     ];
     for (measured, family, bound) in asked {

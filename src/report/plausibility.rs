@@ -104,7 +104,8 @@ pub fn rack_doubt(study: &Study) -> Option<String> {
     let moves = racks.chain(of_axle).any(|rack| *rack != 0.0);
     (moves && !mechanism.is_steered()).then(|| {
         format!(
-            "please check: the motion displaces the rack, but no part of a {} is attached to it: its curves are the same at every rack position",
+            "please check: the motion displaces the rack, but no part of a {} is attached to the rack: the \
+             curves are the same at every rack position",
             mechanism.topology.name
         )
     })

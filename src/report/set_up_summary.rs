@@ -409,8 +409,8 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String
         SetUpError::Fault(reason) => reason.describe(&study.wheel().mechanism),
         SetUpError::NoEquilibrium(reason) => reason.describe(length, study.wheel().frame),
         SetUpError::AssemblyError(AssemblyError::OutOfReach { share }) => format!(
-            "the links are too short or too long: they allow {:.0} % of the way from the design \
-             to the target height and the adjusted parts",
+            "the links are too short or too long: the mechanism can be assembled for {:.0} % of the change \
+             from the design to the target height and the adjusted parts",
             100.0 * share
         ),
         SetUpError::AssemblyError(reject) => reject.to_string(),
@@ -426,7 +426,10 @@ pub fn set_up_refusal(study: &Study, setup: &Setup, none: &SetUpError) -> String
                 if miss.value.is_finite() {
                     format!("{column} {}", ends_at(miss.value, miss.wanted))
                 } else {
-                    format!("{column} has no value, not {}", brief(miss.wanted))
+                    format!(
+                        "{column} has no value, but the target is {}",
+                        brief(miss.wanted)
+                    )
                 }
             };
             let missed: Vec<String> = missed.iter().map(words).collect();

@@ -201,7 +201,7 @@ impl ToleranceSummary {
             .collect();
         if let Some(first) = self.first_incomplete {
             lines.push(format!(
-                "{} {} no pose somewhere in the motion, first build {first}; there {} no values",
+                "{} {} no pose at one or more stations (first: build {first}); {} no values at these stations",
                 counted(self.incomplete, "build"),
                 if self.incomplete == 1 { "has" } else { "have" },
                 if self.incomplete == 1 {

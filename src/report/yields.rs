@@ -139,8 +139,8 @@ impl YieldRecord {
         let error = (variance / self.builds as f64).sqrt();
         (plain - after > error).then(|| {
             format!(
-                "with the optimum without scatter, more builds are within all bands ({} against \
-                 {}): the robust tuning minimises the mean squared misfit, not the number of \
+                "the optimum without scatter has more builds within all bands ({} against {}): the robust \
+                 tuning minimises the mean squared misfit, not the number of \
                  builds outside the bands. Choose targets and tolerances that agree with the \
                  bands, or use robust = \"yield\"",
                 percent(plain),

@@ -123,7 +123,7 @@ fn solved_wheel(
     if plan.stations() < all {
         let drawn = plan.stations();
         lines.push(format!(
-            "{drawn} of {all} stations are drawn, evenly chosen and without loads; `hardpoint \
+            "{drawn} of {all} stations are shown, evenly chosen and without loads; `hardpoint \
              solve` computes all"
         ));
     }

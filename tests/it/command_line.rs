@@ -158,7 +158,7 @@ fn a_tuning_says_what_is_known_of_its_accuracy() {
     let certificate = &summary["certificate"];
     assert_eq!(certificate["proved"], 41);
     assert_eq!(certificate["one_branch"], true);
-    assert!(said.contains("41 of 41 stations proved"), "{said}");
+    assert!(said.contains("41 of 41 stations certified"), "{said}");
     // A run with positions alone, solved by the closed form, also reports a condition number.
     let (directory, _) = run("solve", "macpherson_front.toml", &[]);
     let summary = json(&directory, "summary.json");
@@ -559,7 +559,7 @@ fn an_unreachable_target_travel_is_a_reason_not_a_crash() {
 fn a_certificate_covers_the_whole_curve() {
     let certify = ["--set", "outputs.certify=true"];
     let (directory, said) = run("solve", "macpherson_solve.toml", &certify);
-    let proved = "certificate: 41 of 41 stations proved; the whole curve is on one branch";
+    let proved = "certificate: 41 of 41 stations certified; the whole curve is on one branch";
     assert!(said.contains(proved), "{said}");
     let table = csv(&directory, "curves.csv");
     let errors = column(&table, "position_error_mm");
@@ -631,10 +631,10 @@ fn stations_at_a_fold_are_flagged_or_not_proved() {
     assert_eq!(status, ["ok", "ok", "uncertified"], "{said}");
     assert!(rows.lines().last().unwrap().contains(",,,"), "{rows}");
     assert!(
-        said.contains("travel 349.667807035834 mm: the pose is not proved"),
+        said.contains("travel 349.667807035834 mm: the pose is not certified"),
         "{said}"
     );
-    assert!(said.contains("2 of 3 stations proved"), "{said}");
+    assert!(said.contains("2 of 3 stations certified"), "{said}");
 }
 
 /// The program reports loads that the mechanism cannot carry, and its exit code is that of incomplete results.

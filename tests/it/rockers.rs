@@ -459,7 +459,7 @@ fn mistakes_are_named() {
             &pullrod,
             "pullrod_outer",
             &[
-                "pullrod_outer is given beside pushrod_outer: expected one or the other for the rocker",
+                "pullrod_outer and pushrod_outer are both given: expected only one of them for the rocker",
             ],
         ),
         (
@@ -493,7 +493,7 @@ fn mistakes_are_named() {
             "pushrod_inner = [0.0, 205.0, 420.0]",
             "pushrod_inner",
             &[
-                "pushrod_inner is in line with rocker_pivot_front and rocker_pivot_rear: it could not turn the rocker",
+                "pushrod_inner lies on the line through rocker_pivot_front and rocker_pivot_rear, so it has no lever arm to turn the rocker",
             ],
         ),
         // The lever points from the pivot straight towards the outer end.

@@ -287,7 +287,7 @@ fn geometry_that_cannot_be() {
         ("strut_top        = [ -35.0, 575.0, 850.0]\n", "", "[suspension.hardpoints]", "suspension.hardpoints", &["missing for macpherson: strut_top (upper strut mount on the body)"]),
         ("lower_arm_rear   = [-260.0, 350.0, 205.0]", "lower_arm_rear = [120.0, 360.0, 195.0]", "lower_arm_rear", "suspension.hardpoints.lower_arm_rear", &["lower_arm_rear coincides with lower_arm_front: they define the axis of the lower arm", "the same place"]),
         ("strut_lower      = [ -11.0, 623.0, 370.0]", "strut_lower = [-35.0, 575.0, 850]", "strut_top", "suspension.hardpoints.strut_top", &["the strut would have no length"]),
-        ("lower_ball_joint = [   5.0, 705.0, 190.0]", "lower_ball_joint = [-70.0, 355.0, 200.0]", "lower_ball_joint", "suspension.hardpoints.lower_ball_joint", &["in line with lower_arm_front and lower_arm_rear"]),
+        ("lower_ball_joint = [   5.0, 705.0, 190.0]", "lower_ball_joint = [-70.0, 355.0, 200.0]", "lower_ball_joint", "suspension.hardpoints.lower_ball_joint", &["on the line through lower_arm_front and lower_arm_rear"]),
         ("side = \"left\"", "side = \"right\"", "wheel_centre", "suspension.hardpoints.wheel_centre", &["inboard", "side and frame must fit"]),
         ("frame = \"iso8855\"", "frame = \"sae_j670\"", "wheel_centre", "suspension.hardpoints.wheel_centre", &["inboard"]),
         ("length_unit = \"mm\"", "length_unit = \"m\"", "length_unit", "suspension.length_unit", &["impossible for a suspension", "length_unit is the unit"]),

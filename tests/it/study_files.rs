@@ -23,7 +23,7 @@ fn directory(name: &str) -> PathBuf {
 
 /// File, line of the first mistake and a phrase of its message.
 const CORPUS: &[(&str, usize, &str)] = &[
-    ("ball_joint_on_arm_axis", 10, "the arm could not move it"),
+    ("ball_joint_on_arm_axis", 10, "the arm cannot move it"),
     (
         "solver_accuracy",
         22,

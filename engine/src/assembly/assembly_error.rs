@@ -23,7 +23,7 @@ pub enum AssemblyError {
     #[error("{0} would have no length")]
     NoLength(String),
     /// The spring does not have its length at any height near the nominal height.
-    #[error("at all heights near the design height the spring has another length")]
+    #[error("the spring does not have its required length at any height near the design height")]
     Spring,
     /// Toe and camber cannot be set to their nominal values.
     #[error("toe and camber cannot be set to their design values")]

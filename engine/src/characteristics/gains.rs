@@ -152,7 +152,7 @@ macro_rules! gains {
                     unit: Unit::AnglePerLength,
                     positive: $positive,
                     formula: $formula,
-                    source: "derivative of the angle by wheel travel, from the velocity analysis",
+                    source: "derivative of the angle with respect to wheel travel, from the velocity analysis",
                     reads: &[Slot::$slot, Slot::$rate, Slot::CentreRate],
                     needs: <angles::$angle as Formula>::INFO.needs,
                     ..Info::EMPTY

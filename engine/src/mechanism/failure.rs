@@ -137,8 +137,8 @@ impl LimitCause {
             LimitCause::TieRodToggle => "the tie rod is at toggle",
             LimitCause::UpperArmStraight => "the upper arm is in line with the steering axis",
             LimitCause::StrutSquare => "the strut is perpendicular to the steering axis",
-            LimitCause::DependentLinks => "links are at a dead centre with each other",
-            LimitCause::AxleFolds => "the links of the axle are at a dead centre",
+            LimitCause::DependentLinks => "links are at toggle: their lines are linearly dependent",
+            LimitCause::AxleFolds => "the links of the axle are at toggle",
             LimitCause::BeamFolds => {
                 "the wheel centres move no further: the arms are vertical, or the halves block each other"
             }
@@ -197,7 +197,7 @@ impl fmt::Display for Unproven {
             Unproven::TooClose => {
                 "another assembly is too close to be distinguished in double precision"
             }
-            Unproven::Branch => "the path from the design position could not be proved",
+            Unproven::Branch => "the path from the design position could not be certified",
         })
     }
 }
@@ -271,7 +271,7 @@ impl DesignFault {
                 name(end)
             ),
             DesignFault::Coincident { first, second } => format!(
-                "{} and {} coincide, but what runs between them needs a length",
+                "{} and {} coincide, but the member between them needs a length",
                 name(first),
                 name(second)
             ),
@@ -357,7 +357,7 @@ impl Failure {
                 "the {rod} is at toggle there or nearer to the design position, and turns {} no further",
                 rod.turns()
             ),
-            Failure::Uncertified(reason) => format!("the pose is not proved: {reason}"),
+            Failure::Uncertified(reason) => format!("the pose is not certified: {reason}"),
             Failure::DeadCentre => {
                 "theta takes the arm to its highest or lowest position or beyond, where this drive \
                                     is singular"

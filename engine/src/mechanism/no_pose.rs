@@ -39,11 +39,11 @@ pub enum NoPose {
     NoLoad,
     /// A certificate was requested. The poses of both wheels are certified, but not that the ground under them is
     /// unique.
-    #[error("both poses are proved, but not the uniqueness of the ground position")]
+    #[error("both poses are certified, but not the uniqueness of the ground position")]
     Unproven,
     /// The elastic parts have no equilibrium.
     #[error(
-        "no equilibrium: equilibria exist for {share:.6} of the way from the design position; \
+        "no equilibrium: equilibria exist for {share:.6} of the path from the design position; \
          `hardpoint kc` names the part that limits them"
     )]
     NoEquilibrium {

@@ -36,7 +36,7 @@ pub enum HardpointFault {
         missing: Vec<String>,
     },
     /// The given hardpoints belong to two alternatives of a group.
-    #[error("{first} is given beside {second}: expected one or the other for {group}")]
+    #[error("{first} and {second} are both given: expected only one of them for {group}")]
     Both {
         /// A hardpoint of one alternative.
         first: &'static str,
@@ -125,7 +125,7 @@ pub enum GeometryFault {
         reason: &'static str,
     },
     /// An arm's outer joint is on the arm's axis.
-    #[error("{outer} is in line with {front} and {rear}: the arm could not move it")]
+    #[error("{outer} lies on the line through {front} and {rear}, so the arm cannot move it")]
     ArmInLine {
         /// Outer joint of the arm.
         outer: String,
@@ -135,7 +135,9 @@ pub enum GeometryFault {
         rear: String,
     },
     /// The end of a rod lies on the axis of the body that the rod rotates.
-    #[error("{inner} is in line with {first} and {second}: it could not turn {turned}")]
+    #[error(
+        "{inner} lies on the line through {first} and {second}, so it has no lever arm to turn {turned}"
+    )]
     LeverInLine {
         /// End of the rod on this body.
         inner: String,

@@ -174,7 +174,7 @@ impl fmt::Display for Termination {
             }
             Termination::LargestYield => "converged: no small change raises the yield",
             Termination::YieldNotConverged => {
-                "a larger yield than without scatter, not known to be the largest"
+                "the yield is larger than without scatter, but may not be the largest"
             }
             Termination::NotStationary => {
                 "not converged: no step improves the design, but the slope is not zero"

@@ -95,7 +95,7 @@ pub enum Infeasible {
         value: f64,
     },
     /// A derivative is not a usable number.
-    #[error("the derivative of residual {row} by variable {column} is {value}")]
+    #[error("the derivative of residual {row} with respect to variable {column} is {value}")]
     Derivative {
         /// Index of the residual.
         row: usize,

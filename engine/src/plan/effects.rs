@@ -172,7 +172,7 @@ impl Plan {
     fn certificate(&self, study: &Study) -> Option<(String, String, f64)> {
         self.certify.then(|| {
             (
-                "proof of every pose, and that they are one branch".to_owned(),
+                "certificate of every pose, and that all poses are on one branch".to_owned(),
                 written(study, &["outputs", "certify"], "outputs.certify"),
                 cost::CERTIFICATE,
             )
@@ -267,7 +267,7 @@ impl Plan {
             0.0
         };
         let what = format!(
-            "of {} by {} ({} coordinates)",
+            "of {} with respect to {} ({} coordinates)",
             outputs.join(", "),
             points.join(", "),
             3 * points.len()

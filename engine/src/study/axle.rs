@@ -279,8 +279,7 @@ fn setup(file: &File, left: &Suspension, problems: &mut Problems) -> Option<Setu
                        missing";
         let error = problems.add(section.span(), message);
         error.help(
-            "drop_link_outer, drop_link_inner, anti_roll_bar_inner and anti_roll_bar_outer define \
-             one",
+            "drop_link_outer, drop_link_inner, anti_roll_bar_inner and anti_roll_bar_outer define an anti-roll bar",
         );
         bar_rate = None;
     }
@@ -455,7 +454,7 @@ fn check_needs(file: &File, axle: &Axle, plan: &AxlePlan, problems: &mut Problem
         let place = made_of_most.map_or(file.motion.span(), Text::span);
         let name = made_of_most.map_or("an output", |text| text.get_ref());
         let message = format!(
-            "{name} contains second derivatives, and an axle has derivatives up to the third only"
+            "{name} contains second derivatives, but derivatives of an axle are available up to the third order only"
         );
         let error = problems.add(place, message);
         error.help("use order = \"velocity\"");

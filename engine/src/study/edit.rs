@@ -160,7 +160,8 @@ impl Study {
             document.to_string()
         } else {
             format!(
-                "# Without {}: rates there apply to both wheels, which have their own rates here.\n{document}",
+                "# Without {}: rates in these sections apply to both wheels, but the wheels have different \
+                 rates here.\n{document}",
                 left_out.join(", ")
             )
         }

@@ -236,7 +236,7 @@ pub(super) fn refuse_in_outputs(section: &file::Outputs, problems: &mut Problems
         ),
         (
             is_on(&section.certify),
-            "certify proves poses of the rigid mechanism; with [compliance] it is not available",
+            "certify works for the rigid mechanism only; with [compliance] it is not available",
         ),
         (
             order.map(Text::span),

@@ -34,7 +34,7 @@ pub(super) fn check(
         if let Some((_, motion)) = motions.iter().find(same) {
             motion::check_drive(section, motion, suspension, problems);
             if motion.drive == Drive::PaperTheta || motion.time.is_some() {
-                let message = "a named motion is by travel or arm_angle, without time";
+                let message = "a named motion needs travel or arm_angle, and no time";
                 problems.add(section.span(), message);
             }
         }

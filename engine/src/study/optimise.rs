@@ -129,7 +129,9 @@ pub(super) fn scatter(
     let travels = |motion: &Motion| motion.drive == Drive::Travel;
     let motions = context.motions.iter().map(|(_, motion)| motion);
     if !motions.chain(context.motion).all(travels) {
-        wrong("scatter needs motions by travel: the same angle gives another pose in each build");
+        wrong(
+            "scatter needs motions with drive = \"travel\": at the same arm angle, each build has a different pose",
+        );
         return None;
     }
     if let (true, Some(robust)) = (seeks_yield, &section.robust) {
@@ -355,7 +357,8 @@ fn rigid(
     });
     let cost = cost(written, problems);
     if shift.is_none() && turn.is_none() {
-        let message = "expected shift, turn or both: the largest movement of the body, both ways";
+        let message =
+            "expected shift, turn or both: the largest movement of the body in both directions";
         problems.add(variable.span(), message);
         return vec![None];
     }

@@ -72,7 +72,7 @@ pub(super) fn outputs(
             ElasticQuantity::Characteristic(own) => {
                 if elastic.is_some() && order > Order::Position && own.info().reads_rates() {
                     let message = format!(
-                        "{} is a derivative by travel: with [compliance] expected order = \"position\"",
+                        "{} is a derivative with respect to travel: with [compliance] expected order = \"position\"",
                         text.get_ref()
                     );
                     return problems.refuse(text.span(), &message);

@@ -29,8 +29,7 @@ pub(super) fn rocker_springs(
             let message = "[heave_spring] is given, but the hardpoint of its end is missing";
             let error = problems.add(section.span(), message);
             error.help(
-                "the hardpoint heave_spring, with a rocker and its rod, is its end on the left \
-                 side",
+                "the hardpoint heave_spring is the end on the left rocker; it needs the rocker and its rod",
             );
             sound = false;
         }
@@ -40,7 +39,7 @@ pub(super) fn rocker_springs(
             let message = format!("{key} acts on rockers, but the study has no rockers");
             let error = problems.add(place, message);
             error.help(
-                "pushrod_outer, pushrod_inner, rocker_pivot_front and rocker_pivot_rear define one",
+                "pushrod_outer, pushrod_inner, rocker_pivot_front and rocker_pivot_rear define a rocker",
             );
             sound = false;
         }

@@ -162,7 +162,7 @@ fn adjustment(
         }
     };
     if let (Some(per_turn), Some(_)) = (&written.per_turn, &written.step) {
-        let message = "expected per_turn, of a thread, or step, of shims, found both";
+        let message = "expected per_turn (thread) or step (shims), found both";
         problems.add(per_turn.span.clone(), message);
     }
     let increment = match (per_turn?, step?) {

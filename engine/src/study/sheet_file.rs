@@ -171,7 +171,7 @@ fn of_sheet(
     };
     match read.targets() {
         Ok(found) if found.is_empty() => {
-            let message = "the sheet has no row with a value of these figures";
+            let message = "the sheet has no row with a value for the requested results";
             problems.refuse(spanned.span(), message)
         }
         Ok(found) => Some(found),

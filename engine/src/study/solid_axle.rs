@@ -31,7 +31,7 @@ pub(super) fn steer(
     let direction = three(written, "components [x, y, z]", problems)?;
     let length = direction.norm();
     if length == 0.0 || !length.is_finite() {
-        let message = "the direction of the drag link has no length";
+        let message = "the direction of the drag link is a zero vector";
         return problems.refuse(written.span(), message);
     }
     // A displacement is positive along the study's y axis, which may point opposite to the kernel's y axis.
@@ -151,8 +151,8 @@ fn bushings_of_five_links(file: &File, suspension: &Suspension) -> Refused<'stat
     let is_assembled = file.tolerance.is_some() || file.setup.is_some();
     let is_refused = is_assembled && suspension.mechanism.has_extra_links();
     let names = file.bushings.keys().filter(|_| is_refused);
-    let message = "[tolerance] and [setup] of an axle on five links need axial_stiffness in [links.NAME], with the rubber of both joints, \
-                   in place of bushings";
+    let message = "[tolerance] and [setup] of an axle on five links do not support bushings. Give \
+                   axial_stiffness in [links.NAME] instead, and include the rubber of both joints in it";
     names.map(|name| (Some(name.span()), message)).collect()
 }
 

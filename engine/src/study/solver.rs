@@ -56,10 +56,9 @@ pub(super) fn formulation(
 /// Refuses the key `accuracy`, because every study is solved to rounding.
 pub(super) fn refuse_accuracy(file: &File, problems: &mut Problems) {
     if let Some(accuracy) = &file.solver.accuracy {
-        let message = "poses always have full double precision: lower precision saved no time, so \
-                       accuracy is no longer an option";
+        let message = "the option accuracy was removed: poses always have full double precision";
         let error = problems.add(accuracy.span(), message);
-        error.help("leave accuracy out");
+        error.help("delete this line");
     }
 }
 

@@ -226,7 +226,7 @@ fn curve(
         [[drive, value]] => {
             let error = problems.add(place, "a curve has at least two points, found one");
             error.help(format!(
-                "a single value is at = {drive:?}, value = {value:?}"
+                "write a single value as at = {drive:?}, value = {value:?}"
             ));
             None
         }

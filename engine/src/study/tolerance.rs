@@ -68,8 +68,8 @@ pub(super) fn tolerance(
     if let Some(motion) = context.motion
         && motion.drive != Drive::Travel
     {
-        let message =
-            "[tolerance] needs a motion by travel: the same angle gives another pose in each build";
+        let message = "[tolerance] needs a motion with drive = \"travel\": at the same arm angle, each build has a \
+             different pose";
         problems.add(place, message);
     }
     let written = some(&section.scatter, "scatter", problems)?;

@@ -149,7 +149,10 @@ impl Composed<'_> {
             .filter(|(part, ..)| self.has(*part))
             .collect();
         if lateral.len() > 1 {
-            return Err("one of panhard, watt and five_links holds an axle sideways".to_owned());
+            return Err(
+                "choose only one of panhard, watt and five_links: each holds the axle sideways"
+                    .to_owned(),
+            );
         }
         for (part, name, points, places) in lateral {
             if self.topology.hardpoint("panhard_axle").is_none() {

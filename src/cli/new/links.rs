@@ -77,7 +77,7 @@ fn is_of_spring(line: &str) -> bool {
 const SECTIONS: &str = "\n[spring]\n\
     rate = 32.0                      # N/mm along the spring\n\
     force = 4200.0                   # N in the design position\n\n\
-    # Elastic links: `hardpoint kc` loads the wheels as a rig does. Rigid links are those without a section.\n\
+    # Elastic links: `hardpoint kc` loads the wheels as a rig does. Links without a section are rigid.\n\
     [compliance]\n\
     relaxed = \"at_design_load\"       # the hardpoints describe the loaded car; or \"free\": no link has a force there\n\n\
     # Stiffness in N/mm between both ends, with the rubber of both joints in series.\n";

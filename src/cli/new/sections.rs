@@ -50,8 +50,9 @@ pub(super) fn with_axle(text: &str) -> String {
                     written,
                     "[outputs]                        # of a wheel: columns for left and right\n\
                      characteristics = [{}]\n\
-                     # order = \"velocity\"             # derivatives by roll, heave and rack as well\n\
-                     # sensitivities = [\"wheel_centre\"]   # derivatives by hardpoint coordinates; true: all hardpoints",
+                     # order = \"velocity\"             # also derivatives with respect to roll, heave and rack\n\
+                     # sensitivities = [\"wheel_centre\"]   # derivatives with respect to hardpoint \
+                     coordinates; true: all hardpoints",
                     names.join(", ")
                 );
             }

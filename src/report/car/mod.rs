@@ -192,7 +192,7 @@ impl<'s> CarResults<'s> {
                 let demand = demand.evaluate(solved);
                 if demand > 2.0 {
                     warnings.push(format!(
-                        "warning: case {}: {} needs a friction coefficient of {demand:.1}; no tyre has it",
+                        "warning: case {}: {} needs a friction coefficient of {demand:.1}; no tyre reaches this value",
                         case.name,
                         place.words()
                     ));

@@ -50,7 +50,7 @@ pub fn no_equilibrium(why: &NoEquilibrium) -> String {
         (true, None) => "found, but it is not stable".to_owned(),
         (false, motion) => {
             let motion = motion.unwrap_or_else(|| "no equilibrium is found".to_owned());
-            format!("exists for {:.6} of the way; then {motion}", why.share)
+            format!("exists for {:.6} of the path; then {motion}", why.share)
         }
     }
 }

@@ -64,7 +64,7 @@ impl KcResults<'_> {
             if count > 0 {
                 warnings.push(format!(
                     "warning: {name} is beyond its curve, or turned by more than 60 degrees, in \
-                     {} of {} states; the law is extended by a straight line",
+                     {} of {} states; the force law is extended by a straight line",
                     count,
                     states.len()
                 ));

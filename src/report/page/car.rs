@@ -251,7 +251,7 @@ fn side_effects(record: &CarRecord) -> String {
         let rest = table(&seen[shown.len()..]);
         content += &format!("<details><summary>{words}</summary>{rest}</details>");
     }
-    let note = "Changes that no target requests, in the load cases and of each changed axle over \
+    let note = "Changes that no target asks for, in the load cases and of each changed axle over \
                 its own motion. Changes beyond a customary tolerance come first.";
     section("side_effects", "Side effects", note, &content)
 }

@@ -84,7 +84,7 @@ const drawScatter = (state) => {
   scatter.replaceChildren(...parts);
   noteDrawn(scatter);
   const absent = scatterPlaces.filter((place) => !place).length;
-  byId('scatter-absent').textContent = absent ? `${absent} of the designs drawn have no value in one of these columns and are omitted from this plot.` : '';
+  byId('scatter-absent').textContent = absent ? `${absent} of the designs shown have no value in one of these columns and are omitted from this plot.` : '';
 };
 
 const placeIn = (element, size, event) => {

@@ -116,7 +116,7 @@ fn effects(effects: &[SideEffect]) -> String {
     }
     let mut shown = visible_side_effects(effects);
     if shown.is_empty() {
-        return "<p class=\"note\">No output without a target changes unasked.</p>".to_owned();
+        return "<p class=\"note\">No output without a target changes noticeably.</p>".to_owned();
     }
     let more = effects.len() - shown.len().min(MOST_EFFECTS);
     shown.truncate(MOST_EFFECTS);

@@ -255,7 +255,7 @@ fn drawn(run: &Run) -> (Vec<CurveTable>, String) {
     let all = run.curves.iter().map(CurveTable::rows).max().unwrap_or(0);
     let note = if all > most {
         format!(
-            r#"<p class="notice">{most} of {all} stations are drawn, evenly chosen; the files have all.</p>"#
+            r#"<p class="notice">{most} of {all} stations are shown, evenly chosen; the files have all stations.</p>"#
         )
     } else {
         String::new()
@@ -431,7 +431,7 @@ fn tuning_sections(tuning: &TuningSummary, history: String, charts: &mut Charts)
         unseen
     } else {
         format!(
-            "<p>The moves of each line together {}:</p><ul>{unseen}</ul>",
+            "<p>The moves in each line, made together, {}:</p><ul>{unseen}</ul>",
             tuning.unseen_guarantee()
         )
     };

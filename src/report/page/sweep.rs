@@ -161,7 +161,7 @@ fn figures(record: &Record, charts: &mut Charts) -> String {
 fn not_drawn(run: &SweepRun) -> &'static str {
     match &run.drawn {
         Some(_) => {
-            "Curves and mechanism are drawn for the best designs and some designs of the front, \
+            "Curves and mechanism are shown for the best designs and some designs of the front, \
              or, without targets, for designs at the ends of the ranges; <code>hardpoint solve \
              --report</code> draws them for the study of any design."
         }
@@ -328,7 +328,7 @@ fn remarks(run: &SweepRun) -> String {
     if summary.done < summary.designs {
         remarks += &format!(
             "<p class=\"notice\">Interrupted after {} of {} designs: <code>hardpoint sweep</code> with \
-             <code>--resume</code> goes on. All below is of the designs done.</p>",
+             <code>--resume</code> continues. Everything below refers to the finished designs.</p>",
             summary.done, summary.designs
         );
     }
@@ -360,7 +360,7 @@ fn choice(run: &SweepRun) -> String {
         None => "the frame".to_owned(),
     };
     if run.choice.every == 1 {
-        return format!("All {shown} designs are drawn, with the values of {file}.");
+        return format!("All {shown} designs are shown, with the values of {file}.");
     }
     let front = match summary.on_front() {
         None => String::new(),
@@ -380,7 +380,7 @@ fn choice(run: &SweepRun) -> String {
         "examples of every failure listed above, "
     };
     format!(
-        "<strong>{shown} of {} designs are drawn:</strong> {best}{front}{failures}and those whose numbers are multiples \
+        "<strong>{shown} of {} designs are shown:</strong> {best}{front}{failures}and those whose numbers are multiples \
          of {}. {file} has all designs. The tables count all of them.",
         summary.done, run.choice.every
     )

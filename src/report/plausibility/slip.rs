@@ -24,7 +24,7 @@ pub(super) fn explains(suspension: &Suspension) -> Option<String> {
         written(Vector3::from(likely[slip.point])),
     );
     Some(format!(
-        "please check: {} seems to have {words}: this value leaves no doubt about the suspension",
+        "please check: {} seems to have {words}: with this value the suspension is plausible",
         suspension.mechanism.name(id)
     ))
 }

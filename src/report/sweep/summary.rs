@@ -314,10 +314,11 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
         let without = if names.is_empty() {
             String::new()
         } else {
-            format!("; they would be known without {}", names.join(", "))
+            format!("; leave out {} to get them", names.join(", "))
         };
         notes.push(format!(
-            "Main effects are not known: they need designs that have every output, and none has{without}."
+            "Main effects are not known: they need designs that have a value for every output, and no design \
+             has all values{without}."
         ));
     }
     if count > 0 && count < drawn && record.method != "file" {

@@ -100,8 +100,8 @@ impl TuningSummary {
         let binds = self.constraints.iter().any(has_none);
         (is_good_enough && binds).then(|| {
             format!(
-                "no prices of binding constraints: they belong to the smallest misfit, and this tuning ended at \
-                 good_enough = {}. Set good_enough = 0 to get them",
+                "no prices of binding constraints: prices are valid at the smallest misfit only, but this \
+                 tuning ended at good_enough = {}. Set good_enough = 0 to get them",
                 brief(self.good_enough)
             )
         })
@@ -113,9 +113,9 @@ impl TuningSummary {
             return Vec::new();
         };
         let mut remarks = vec![format!(
-            "measurements scatter by {} of their tolerances about the fit; the true move is \
-             within the interval \"moved, 95 %\" with 95 % confidence, if the true values are \
-             within all ranges; \"not determined\": anywhere in its range",
+            "measurements scatter by {} of their tolerances about the fit. The true move is within the \
+             interval \"moved, 95 %\" with 95 % confidence, if the true values are within all ranges. \"not \
+             determined\": the true move may be anywhere in its range",
             brief(scatter)
         )];
         if self.variables.iter().any(|v| v.at_bound.is_some()) {

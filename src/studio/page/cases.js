@@ -112,7 +112,7 @@ const key = () => {
   const { influence, proposed } = state;
   const axis = influence && `${state.overview.points[influence.point].name} ${AXES[influence.axis]}`;
   const below = influence ? `change by ${axis}, per ${state.overview.unit}` : proposed ? 'value of the proposal' : 'change against the file';
-  write(byId('cases-key'), state.fault ? 'This design is not solved (see Warnings). The values are those of the last one that was.' : `Below each value: ${below}.`);
+  write(byId('cases-key'), state.fault ? 'This design is not solved (see Warnings). The values are those of the last solved design.' : `Below each value: ${below}.`);
   document.getElementById('cases')?.classList.toggle('stale', Boolean(state.fault));
 };
 

@@ -427,7 +427,7 @@ const offerAxes = () => {
   const over = targets.filter((t) => t.motion === state.motion && t.over !== null && t.over !== state.over).map((t) => `over ${sliders[t.over].name}`);
   const others = targets.filter((t) => t.motion !== state.motion).map((t) => `in ${t.motion ?? '[motion]'}`);
   const elsewhere = [...new Set([...over, ...others])];
-  byId('elsewhere').textContent = elsewhere.length ? `Targets ${elsewhere.join(', ')} are not drawn here.` : '';
+  byId('elsewhere').textContent = elsewhere.length ? `Targets ${elsewhere.join(', ')} are not shown here.` : '';
 };
 const clear = () => {
   charts = [];

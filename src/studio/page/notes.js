@@ -103,7 +103,7 @@ const figures = () => {
 
 const targets = () => {
   const misfit = state.answer?.misfit;
-  if (!misfit) return [panel('Targets', html('p', { class: 'hint', text: state.overview.is_car ? 'The study has no targets. Write [optimise] with variables and targets into the file; then every point shows which way lowers the misfit.' : 'The study has no targets. Press “+ target” on a chart to add one; then every point shows which way lowers the misfit.' }))];
+  if (!misfit) return [panel('Targets', html('p', { class: 'hint', text: state.overview.is_car ? 'The study has no targets. Write [optimise] with variables and targets into the file; then every point shows the direction that lowers the misfit.' : 'The study has no targets. Press “+ target” on a chart to add one; then every point shows the direction that lowers the misfit.' }))];
   if (misfit.value === null) return [panel('Targets', html('p', { class: 'bad', text: `no misfit: ${misfit.reason}` }))];
   const body = misfit.targets.map((t, k) => html('tr', { class: state.arrows === k ? 'selected' : null },
     html('th', { scope: 'row' }, html('button', { class: 'name', text: quantity(t.column), title: 'Arrows for this target', 'aria-pressed': String(state.arrows === k), on: { click: () => { state.arrows = state.arrows === k ? null : k; emit('options'); } } })),

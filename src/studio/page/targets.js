@@ -114,7 +114,7 @@ const variableAdder = () => {
   const point = choice('point of the new variable', points.map(({ name }) => name));
   if (state.selected !== null) point.value = points[state.selected].name;
   const axis = choice('axis of the new variable', AXES);
-  const range = fitted(html('input', { type: 'text', value: unit === 'mm' ? '10' : unit === 'm' ? '0.01' : '0.4', 'aria-label': 'range of the new variable, either way' }));
+  const range = fitted(html('input', { type: 'text', value: unit === 'mm' ? '10' : unit === 'm' ? '0.01' : '0.4', 'aria-label': 'range of the new variable in both directions' }));
   const add = () => {
     const by = parsed(range.value);
     markNumber(range, by === null, range.getAttribute('aria-label'));
@@ -232,7 +232,7 @@ const placesOnChart = () => {
     always: [],
     onBand: ends.map((end, k) => labelled(`${k ? 'To' : 'From'} ${slider.name} [${slider.unit}] (empty: whole motion)`, end)),
     onValue: [labelled(`Position, ${slider.name} [${slider.unit}]`, place)],
-    words: ['stays between two limits', 'has a value at one place'],
+    words: ['stays between two limits', 'has a value at one position'],
     // The keys of the target; null if a field has no number.
     keys: (isBand, low, high) => {
       const drive = ({ value }) => (parsed(value) === null ? null : parsed(value) / degreesPerDrive(state.motion));

@@ -108,10 +108,10 @@ const tune = async () => {
       message.textContent = `${now.iterations} iterations${misfit}`;
     }
     if (now.error) throw new Error(now.error);
-    if (digest !== state.overview.digest) throw new Error('the study was read anew meanwhile');
+    if (digest !== state.overview.digest) throw new Error('the study was read again in the meantime');
     const { edits } = now.proposal;
     const tuned = edits.length ? { share: 1, overview: await post('edit', { digest, edits }), edits } : null;
-    if (digest !== state.overview.digest) throw new Error('the study was read anew meanwhile');
+    if (digest !== state.overview.digest) throw new Error('the study was read again in the meantime');
     propose(base, now.proposal, tuned);
   } catch (refused) {
     show(html('div', { class: 'heading' }, html('h2', { text: 'Tune' }), html('button', { text: 'Close', on: { click: close } })), html('p', { class: 'bad', text: refused.message }));
@@ -144,7 +144,7 @@ const preview = () => {
     const isTaken = proposal.rates.checked;
     to.textContent = !isTaken ? now : proposal.share === 1 ? then : brief(mixed(Number(now), Number(then), proposal.share), 6);
   }
-  byId('proposal-note').textContent = isSame(proposal.base, state.design) ? '' : 'Points have moved since this proposal was made. “Now” and Apply refer to the design before.';
+  byId('proposal-note').textContent = isSame(proposal.base, state.design) ? '' : 'Points have moved since this proposal was made. “Now” and Apply refer to the earlier design.';
   askProposal(design, digestTaken());
   askExact();
 };

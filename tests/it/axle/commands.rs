@@ -213,7 +213,7 @@ fn an_axle_is_certified() {
     arguments.extend(set(&[]));
     let (said, _) = run(&arguments, 0);
     assert!(
-        said.contains("26 of 26 stations proved; the whole curve is on one branch"),
+        said.contains("26 of 26 stations certified; the whole curve is on one branch"),
         "{said}"
     );
     let csv = fs::read_to_string(out.join("curves.csv")).unwrap();
@@ -234,7 +234,7 @@ fn an_axle_is_certified() {
     assert!(csv.contains("roll_error_deg,uniqueness_mm,status"), "{csv}");
     assert!(csv.trim_end().ends_with(",,,,unreachable"), "{csv}");
     assert!(
-        said.contains("1 of 2 stations proved; all poses that can be reached are on one branch"),
+        said.contains("1 of 2 stations certified; all poses that can be reached are on one branch"),
         "{said}"
     );
 }
@@ -529,8 +529,8 @@ fn what_an_axle_lacks_is_said_with_the_wheel() {
     );
     let few = "outputs.characteristics=[\"camber\", \"ackermann\"]";
     let found = swept(&[few, "motion={ heave = [0.0, 10.0] }"]);
-    let why = "Main effects are not known: they need designs that have every output, and none has; \
-               they would be known without ackermann.";
+    let why = "Main effects are not known: they need designs that have a value for every output, \
+               and no design has all values; leave out ackermann to get them.";
     assert!(found.contains(why), "{found}");
 }
 

@@ -267,7 +267,7 @@ fn quantities_of_the_rigid_mechanism_are_refused_by_name() {
         (
             dw,
             "characteristics = [\"bump_steer\"]\norder = \"velocity\"",
-            "derivative by travel",
+            "derivative with respect to travel",
         ),
         (
             dw,

@@ -42,7 +42,7 @@ fn a_large_run_still_makes_a_small_page() {
     );
     let page = run.page();
     assert!(page.len() < MOST_BYTES, "{} bytes", page.len());
-    assert!(page.contains("of 20001 stations are drawn"));
+    assert!(page.contains("of 20001 stations are shown"));
     let travel = &run.data()["curves"][0]["columns"][0];
     let travel = travel.as_array().unwrap();
     assert_eq!(travel[0], -80.0);

@@ -35,7 +35,7 @@ fn assert_values_of_the_file(run: &Run) {
 fn a_small_sweep_is_shown_whole() {
     let run = sweep("plain", &["--set", "sweep.samples=700"]);
     let page = run.page();
-    assert!(page.contains("All 700 designs are drawn"));
+    assert!(page.contains("All 700 designs are shown"));
     assert!(page.len() < MOST_BYTES, "{} bytes", page.len());
     assert_values_of_the_file(&run);
     let own = own_text(&page);
@@ -58,7 +58,7 @@ fn a_large_sweep_is_thinned_and_the_page_says_so() {
     assert!(page.len() < MOST_BYTES, "{} bytes", page.len());
     let data = run.data();
     let shown = designs(&data);
-    assert!(page.contains(&format!("{} of 30000 designs are drawn", shown.len())));
+    assert!(page.contains(&format!("{} of 30000 designs are shown", shown.len())));
     assert!((1000..3000).contains(&shown.len()), "{}", shown.len());
     let numbers_of = |name: &str| -> Vec<u64> {
         let (_, cells) = run.csv(name);

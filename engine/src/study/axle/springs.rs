@@ -52,7 +52,7 @@ pub(in crate::study) fn springs(
     if left.mechanism.spring.is_none() {
         let message = "[spring] is given, but the hardpoints of a spring are missing";
         let error = problems.add(section.span(), message);
-        error.help("spring_upper and spring_lower in [suspension.hardpoints] define one");
+        error.help("spring_upper and spring_lower in [suspension.hardpoints] define a spring");
         return None;
     }
     let common = section.get_ref();

@@ -232,7 +232,7 @@ impl Resolver<'_> {
                 };
                 let message = match (wanted, rates) {
                     (Some(true), [None, None]) => {
-                        "elastic tyres need [tyre] in both axle studies, which do not have it"
+                        "elastic tyres need [tyre] in the front and in the rear study, but neither has it"
                             .to_owned()
                     }
                     _ => format!(

@@ -157,7 +157,7 @@ fn right_parts(
     let unknown = |name: &Text, section: &str, problems: &mut Problems| {
         let name = (name.get_ref(), name.span());
         let message = format!(
-            "[axle.right.{section}] has rates that differ from [{section}.NAME], which has no {:?} of a wheel",
+            "[axle.right.{section}] gives different rates for the right wheel, but [{section}.NAME] has no {:?} of a wheel",
             name.0
         );
         problems.add(name.1, message);

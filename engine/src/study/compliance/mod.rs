@@ -117,7 +117,7 @@ fn section<'f>(
                  without [compliance]"
             }
             (None, _) => {
-                "`hardpoint kc` of a study without [compliance] has the tests of the rigid mechanism"
+                "without [compliance], `hardpoint kc` runs the tests of the rigid mechanism"
             }
         });
         return None;

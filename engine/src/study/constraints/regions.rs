@@ -52,7 +52,7 @@ impl Reader<'_> {
         }
         if shape.rim.is_some() && self.is_on_spin_axis(id) {
             let message = format!(
-                "{} lies on the spin axis, so nothing moves it out of the rim; expected a point that may come near it",
+                "{} lies on the spin axis, so its distance from this axis is always 0; expected a point off the axis",
                 name.get_ref()
             );
             return problems.refuse(name.span(), message);
@@ -312,6 +312,7 @@ fn room_beside(room: f64, gap: f64, place: Span<usize>, problems: &mut Problems)
     if room > gap {
         return Some(room - gap);
     }
-    let message = format!("the region is empty: {room} with a clearance of {gap}");
+    let message =
+        format!("the region is empty: its dimension {room} is not above the clearance {gap}");
     problems.refuse(place, message)
 }

@@ -152,8 +152,8 @@ impl Pass<'_> {
         let has_rows = table.get("combine").and_then(Item::as_str) == Some("rows");
         let rack = table.get("rack").and_then(Item::as_table_like);
         if has_rows && rack.is_some() && along_y(&self.facts.ends[0]).reverses() {
-            let reason =
-                "a range along a turned axis would exchange the rows; write its values as a list";
+            let reason = "the direction of the rack changes, so a range would reverse the order of the rows; write its \
+                 values as a list";
             self.refuse(&at.and("rack"), reason);
         }
         let keys: Vec<String> = table.iter().map(|(key, _)| key.to_owned()).collect();

@@ -109,7 +109,7 @@ pub(super) fn want(
 fn no_static_value(quantity: Quantity) -> Option<&'static str> {
     if let Quantity::Figure(_) = quantity {
         return Some(
-            "is a figure of a test, and a set-up is one of static values; tune it with [optimise]",
+            "is a result of a test, but a set-up adjusts static values only; tune it with [optimise]",
         );
     }
     let sprung = [

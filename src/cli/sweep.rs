@@ -1,5 +1,7 @@
 //! `hardpoint sweep`
 
+mod finish;
+
 use super::SweepArguments;
 use super::exit::{Exit, Stop};
 use super::output::{Destination, Output, STUDY_COPY, design_fault, inputs, pool};
@@ -17,6 +19,9 @@ use std::io::{ErrorKind, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
+
+pub(super) use finish::finish;
+use finish::finish_shard;
 
 /// Interval between two checks of a part that another process is computing.
 const WAIT: Duration = Duration::from_millis(200);
@@ -370,110 +375,6 @@ fn to_standard_output(swept: Swept<'_>, text: &SweepText) -> Result<SweepStatist
     out.finish()?;
     line.finish_and_clear();
     Ok(all)
-}
-
-/// Prints the progress of one shard while the sweep is unfinished.
-fn finish_shard(
-    output: &Output,
-    record: &SweepRecord,
-    [shard, shards]: [u64; 2],
-    parts: Range<u64>,
-    missing: &[u64],
-) -> Result<Exit, Stop> {
-    let own = missing.iter().filter(|part| parts.contains(part)).count() as u64;
-    let count = parts.end - parts.start;
-    let what = match count {
-        0 => ", nothing to compute".to_owned(),
-        1 => format!(", part {}", parts.start),
-        _ => format!(", parts {} to {}", parts.start, parts.end - 1),
-    };
-    output.say(&format!(
-        "{}: shard {shard}/{shards}{what}; {} of the sweep's {} are complete\n",
-        record.study,
-        record.parts() - missing.len() as u64,
-        match record.parts() {
-            1 => "one part".to_owned(),
-            parts => format!("{parts} parts"),
-        },
-    ))?;
-    if count == 0 {
-        return Ok(Exit::Done);
-    }
-    let names = SweepDirectory::part_files(record);
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    output.print_files(&names)?;
-    Ok(Exit::of(own == 0))
-}
-
-/// Writes and prints the results of a sweep, or of its finished parts.
-pub(super) fn finish(
-    output: &Output,
-    record: &SweepRecord,
-    statistics: &SweepStatistics,
-    with_page: bool,
-) -> Result<Exit, Stop> {
-    let summary = SweepSummary::of(record, statistics);
-    if let Some(directory) = output.directory() {
-        let written = SweepDirectory::write_summary(directory, record, statistics);
-        written.map_err(Stop::unwritten)?;
-    }
-    let mut files = match statistics.designs {
-        0 => Vec::new(),
-        _ => SweepDirectory::part_files(record),
-    };
-    files.extend(summary.on_front().map(|_| "pareto.csv".to_owned()));
-    files.extend(["summary.json", "sweep.json"].map(str::to_owned));
-    let drawn = output
-        .directory()
-        .map(|d| d.path().join("shown_designs.json"));
-    if drawn.is_some_and(|drawn| drawn.is_file()) {
-        files.push("shown_designs.json".to_owned());
-    }
-    if let Some(directory) = output
-        .directory()
-        .filter(|_| with_page && statistics.designs > 0)
-    {
-        show_sweep(directory)?;
-        files.push("report.html".to_owned());
-    }
-    if summary.is_done() {
-        output.finish()?
-    } else {
-        output.leave_unfinished()?
-    }
-
-    output.say(&format!("{}: {}\n", record.study, summary.headline()))?;
-    if statistics.designs > 0 {
-        output.text_only("\n")?;
-    }
-    let failures = summary.failures_table();
-    if !(output.is_text() && failures.is_empty()) {
-        output.table("not_solved", &failures)?;
-        output.text_only("\n")?;
-    }
-    if statistics.designs > 0 || !output.is_text() {
-        output.table("outputs", &summary.outputs_table())?;
-    }
-    output.say_remarks(summary.of_which())?;
-    output.table_for_programs("effects", || summary.effects_table());
-    output.say_remarks(summary.notes())?;
-    let best = summary.best_table();
-    if !best.is_empty() {
-        output.text_only("\nBest by misfit, in tolerances:\n\n")?;
-    }
-    if !(output.is_text() && best.is_empty()) {
-        output.table("best", &best)?;
-    }
-    if let Some(count) = summary.on_front().filter(|_| statistics.designs > 0) {
-        output.say(&format!(
-            "\nOn the Pareto front of {} targets: {}\n",
-            record.targets.len(),
-            counted(count, "design")
-        ))?;
-    }
-    let files: Vec<&str> = files.iter().map(String::as_str).collect();
-    output.print_files(&files)?;
-    Ok(Exit::of(summary.is_complete()))
 }
 
 /// Prints the study with the hardpoints of one design.

@@ -33,7 +33,7 @@ pub(crate) fn constraint_margins(
     let margin = |number: usize| {
         let labels = layout.labels().iter().enumerate();
         let own = labels.filter(|(_, label)| label.constraint == number);
-        own.map(|(row, _)| layout.room(row, rows[row]))
+        own.map(|(row, _)| layout.margin(row, rows[row]))
             .fold(f64::INFINITY, f64::min)
     };
     constraints

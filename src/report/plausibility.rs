@@ -3,11 +3,13 @@
 
 mod axle;
 mod carrier;
+mod rack;
 mod slip;
 mod spring;
 mod tuning;
 
 pub use axle::{axle_plausibility, both_wheels_plausibility};
+pub use rack::rack_doubt;
 pub use spring::spring_doubts;
 
 use super::figure::{brief, with_decimals};
@@ -87,28 +89,6 @@ pub fn study_doubts(study: &Study) -> Result<Vec<String>, (Side, DesignFault)> {
     found.extend(rack_doubt(study));
     found.extend(variable_plausibility(study));
     Ok(found)
-}
-
-/// Warning about a rack that moves although no part of the suspension is attached to it. The curves are then equal at every
-/// displacement.
-pub fn rack_doubt(study: &Study) -> Option<String> {
-    let mechanism = &study.wheel().mechanism;
-    let motions = study.motions.iter().map(|(_, motion)| motion);
-    let racks = motions
-        .chain([study.motion()])
-        .flat_map(|motion| &motion.rack);
-    let of_axle = study
-        .axle()
-        .into_iter()
-        .flat_map(|both| &both.plan.motion.racks);
-    let moves = racks.chain(of_axle).any(|rack| *rack != 0.0);
-    (moves && !mechanism.is_steered()).then(|| {
-        format!(
-            "please check: the motion displaces the rack, but no part of a {} is attached to the rack: the \
-             curves are the same at every rack position",
-            mechanism.topology.name
-        )
-    })
 }
 
 /// Warnings about the variables and targets of a study, one per line: coordinates where the key expects offsets, offsets where it

@@ -119,16 +119,6 @@ const MOST_ROUNDS: usize = 4;
 /// rounding.
 const NEAR: f64 = 1e-4;
 
-/// Returns true if the wheels rise with their travels. The arguments are the slopes of both heights. Both wheels of an
-/// independent axle must rise. A rigid axle needs a positive sum of the slopes. Returns false for NaN.
-fn rise(is_rigid: bool, [left, right]: [f64; 2]) -> bool {
-    if is_rigid {
-        left + right > 0.0
-    } else {
-        left > 0.0 && right > 0.0
-    }
-}
-
 /// Number whose gradient is requested.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Sought {

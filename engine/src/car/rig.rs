@@ -122,7 +122,7 @@ impl RigGoals {
         let mut margins = vec![f64::INFINITY; self.optimise.constraints.len()];
         for (row, label) in labels {
             let margin = &mut margins[label.constraint];
-            *margin = margin.min(layout.room(row, values[row]));
+            *margin = margin.min(layout.margin(row, values[row]));
         }
         Ok(RigOutcome {
             targets: layout.deviations(&rows.assessment.goal.residuals),

@@ -3,6 +3,7 @@
 mod draft;
 mod rows;
 
+use rows::parts;
 pub(super) use rows::{Check, LimitedValue};
 
 use super::Linearisation;
@@ -10,7 +11,7 @@ use super::axle::AxleLayout;
 use super::elastic::ElasticLayout;
 use super::trade::Criterion;
 use crate::characteristics::{Measure, Slots};
-use crate::model::{Drive, Mechanism, Suspension};
+use crate::model::{Drive, Suspension};
 use crate::solve::StationOrder;
 use crate::study::{Limited, Optimise, Sample, Site, Target, Vehicle};
 use draft::{Draft, TargetPlace, draft_of, legs_of};
@@ -316,7 +317,7 @@ impl TargetLayout {
     }
 
     /// Margin between a row's value and its limit, in the constraint's unit; negative if the limit is violated.
-    pub fn room(&self, row: usize, value: f64) -> f64 {
+    pub fn margin(&self, row: usize, value: f64) -> f64 {
         let part = &self.parts[self.labels[row].part].limited;
         part.margin(self.violation(row, value))
     }
@@ -474,19 +475,6 @@ struct TargetRow {
     target: usize,
     at: f64,
     rack: f64,
-}
-
-/// Parts of all constraints.
-fn parts(optimise: &Optimise, mechanism: &Mechanism) -> Vec<Part> {
-    let constraints = optimise.constraints.iter().enumerate();
-    let parts = constraints.flat_map(|(number, constraint)| {
-        constraint.parts.iter().map(move |part| Part {
-            constraint: number,
-            is_at_design: constraint.site.is_none() || part.of.is_fixed(mechanism),
-            limited: part.clone(),
-        })
-    });
-    parts.collect()
 }
 
 /// Deviation from a target, in tolerances of the target.

@@ -400,7 +400,7 @@ impl<'a> Tuner<'a> {
             let (mut room, mut at, mut pulls, mut visible) = (f64::INFINITY, None, [0.0; 2], 1.0);
             for (row, label) in own {
                 let value = state.values[row];
-                let left = self.layout.room(row, value);
+                let left = self.layout.margin(row, value);
                 if left < room {
                     room = left;
                     at = self.layout.place_of(label);
@@ -435,7 +435,7 @@ impl<'a> Tuner<'a> {
             return Vec::new();
         };
         let labels = self.layout.labels().iter().enumerate();
-        let is_missed = |row: usize| self.layout.room(row, state.values[row]) < -KEPT;
+        let is_missed = |row: usize| self.layout.margin(row, state.values[row]) < -KEPT;
         let missed = labels.filter(|(row, _)| !state.movable[*row] && is_missed(*row));
         let mut missed: Vec<usize> = missed.map(|(_, label)| label.constraint).collect();
         missed.sort_unstable();

@@ -19,6 +19,7 @@ mod strips;
 mod sweep;
 mod table;
 mod tuning_charts;
+mod tuning_sections;
 
 pub use car::car_page;
 pub use compare::comparison_page;

@@ -1,8 +1,8 @@
 //! Opening screen of a tuned design: the result before the details.
 
 use super::escape::html;
-use super::run::deviations_in_words;
 use super::table::table;
+use super::tuning_sections::deviations_in_words;
 use crate::SideEffect;
 use crate::curves::Placement;
 use crate::report::record::{DesignRecord, Record};

@@ -3,12 +3,10 @@
 use super::charts::Charts;
 use super::escape::{html, prose};
 use super::motions::{controls, figures, of_motions};
-use super::opening::{MOST_EFFECTS, opening};
-use super::scatter::{contributors, distributions};
-use super::table::table;
-use super::tuning_charts::{front_charts, history_chart, prices_chart};
+use super::opening::opening;
+use super::tuning_charts::{front_charts, history_chart};
+use super::tuning_sections::{tolerance_sections, tuning_sections};
 use super::{Page, STAGE};
-use crate::SideEffect;
 use crate::report::chart::{Charted, Layout, Line, Source, families, moving_beside};
 use crate::report::curve_table::CurveTable;
 use crate::report::failures::FailureRange;
@@ -16,10 +14,7 @@ use crate::report::figure::brief;
 use crate::report::record::{DesignRecord, OutputRecord, Record};
 use crate::report::run::{Run, Summary};
 use crate::report::table::Table;
-use crate::report::{FrontPoint, ToleranceSummary, TuningSummary, YieldRecord};
-use crate::report::{
-    further_in_words, side_effects_in_words, side_effects_table, visible_side_effects,
-};
+use crate::report::{FrontPoint, TuningSummary, YieldRecord};
 use serde::Serialize;
 
 /// Parts of the page's own script.
@@ -405,12 +400,12 @@ fn has_turn(run: &Run) -> bool {
 }
 
 /// Missed targets: column, and size and position of the deviation.
-fn missed(tuning: &TuningSummary) -> Vec<(&str, String)> {
+pub(super) fn missed(tuning: &TuningSummary) -> Vec<(&str, String)> {
     let missed = tuning.missed().into_iter();
     missed.map(|(_, column, by)| (column, by)).collect()
 }
 
-fn missed_in_words(missed: &[(&str, String)]) -> String {
+pub(super) fn missed_in_words(missed: &[(&str, String)]) -> String {
     let item = |(column, by): &(&str, String)| format!("{}, by up to {}", html(column), prose(by));
     let items: Vec<String> = missed.iter().map(item).collect();
     if items.is_empty() {
@@ -418,119 +413,4 @@ fn missed_in_words(missed: &[(&str, String)]) -> String {
     } else {
         format!(r#"<p class="unmet">Missed: {}.</p>"#, items.join("; "))
     }
-}
-
-/// Targets, moved hardpoints and convergence history of an optimisation.
-fn tuning_sections(tuning: &TuningSummary, history: String, charts: &mut Charts) -> String {
-    let unseen: String = tuning
-        .unseen()
-        .iter()
-        .map(|u| format!("<li>{}</li>", html(u)))
-        .collect();
-    let unseen = if unseen.is_empty() {
-        unseen
-    } else {
-        format!(
-            "<p>The moves in each line, made together, {}:</p><ul>{unseen}</ul>",
-            tuning.unseen_guarantee()
-        )
-    };
-    let unmet: Vec<usize> = tuning.missed().iter().map(|(row, ..)| *row).collect();
-    format!(
-        include_str!("tuning.html"),
-        deviations = deviations_in_words(tuning),
-        targets = table(&tuning.targets_table(), |row| unmet
-            .contains(&row)
-            .then_some("unmet")),
-        missed = missed_in_words(&missed(tuning)),
-        variables = tuning.variables_table().html(),
-        constraints = constraints(tuning),
-        unseen = unseen,
-        starts = tuning.starts_table().html(),
-        history = history,
-        prices = prices_section(tuning, charts),
-        side_effects = side_effects(&tuning.side_effects),
-        yields = tuning.yields.as_ref().map_or_else(String::new, |yields| {
-            format!(
-                "<p class=\"note\">{}</p>{}",
-                prose(&yields.headline()),
-                yields.table().html()
-            )
-        }),
-    )
-}
-
-/// Meaning of the deviations in the table of the targets.
-pub(super) fn deviations_in_words(tuning: &TuningSummary) -> String {
-    format!(
-        "Largest deviations from the targets{}, in the unit of each target.",
-        tuning.over_builds(" over")
-    )
-}
-
-/// Section about changes that no target requests. The table has the visible changes; the other outputs follow in words.
-fn side_effects(effects: &[SideEffect]) -> String {
-    let Some(words) = side_effects_in_words(effects) else {
-        return String::new();
-    };
-    let shown = visible_side_effects(effects);
-    let flagged = |row: usize| shown[row].flagged.then_some("unmet");
-    let rows = match shown.len() {
-        0 => String::new(),
-        _ => table(&side_effects_table(&shown), flagged),
-    };
-    let further = further_in_words(effects);
-    let further = further.iter().map(|line| format!("<p>{}</p>", prose(line)));
-    // If there are few side effects, the opening screen shows all of them. The printed page then leaves out this table.
-    let again = if shown.len() <= MOST_EFFECTS {
-        " class=\"again\""
-    } else {
-        ""
-    };
-    format!(
-        r#"<div{again}><p class="note">Side effects: changes that no target asks for; {}.</p>{rows}</div>{}"#,
-        prose(&words),
-        further.collect::<String>()
-    )
-}
-
-/// Section about the constraints, with remarks on constraints and targets.
-fn constraints(tuning: &TuningSummary) -> String {
-    let violated = tuning.violated();
-    let mark = |row| violated.contains(&row).then_some("unmet");
-    let mut shown = tuning.constraints_table().map_or_else(String::new, |of| {
-        let about = "Constraints with the margin to each limit; the price is in tolerances of misfit per unit of the limit.";
-        format!(r#"<p class="note">{about}</p>{}"#, table(&of, mark))
-    });
-    for remark in tuning.remarks() {
-        shown += &format!("<p>{}</p>", prose(&remark));
-    }
-    shown
-}
-
-/// Section about the misfit against the size of the change.
-fn prices_section(tuning: &TuningSummary, charts: &mut Charts) -> String {
-    tuning.prices_table().map_or_else(String::new, |table| {
-        let chart = prices_chart(&tuning.prices, charts);
-        format!(
-            include_str!("prices.html"),
-            chart = chart,
-            table = table.html()
-        )
-    })
-}
-
-/// Pictures and tables of a tolerance analysis: distributions, contributors, values, bands and failures.
-fn tolerance_sections(tolerance: &ToleranceSummary, drive: &str) -> String {
-    let mut sections = distributions(tolerance, drive) + &contributors(tolerance);
-    sections += &tolerance.values_table().html();
-    if !tolerance.bands.is_empty() {
-        sections += &tolerance.bands_table().html();
-        sections += "<p>Predicted yield by tolerance</p>";
-        sections += &tolerance.ranking_table().html();
-    }
-    for line in tolerance.failures() {
-        sections += &format!("<p>{}</p>", prose(&line));
-    }
-    sections
 }

@@ -138,7 +138,7 @@ fn margins_are_those_of_studs_fixed_in_the_carrier() {
                     let largest = all.iter().flatten().copied().fold(0.0, f64::max);
                     let labels = layout.labels().iter().enumerate();
                     let own = labels.filter(|(_, label)| label.constraint == number);
-                    let margins = own.map(|(row, _)| layout.room(row, at.rows.residuals[row]));
+                    let margins = own.map(|(row, _)| layout.margin(row, at.rows.residuals[row]));
                     let margin = margins.fold(f64::INFINITY, f64::min);
                     assert!(largest > 2.0, "{file} {number}: {largest}");
                     assert!(
@@ -188,7 +188,7 @@ fn margins_of_a_drive_shaft_are_degrees() {
     for (number, limit) in [31.0, 27.0].into_iter().enumerate() {
         let labels = layout.labels().iter().enumerate();
         let own = labels.filter(|(_, label)| label.constraint == number);
-        let margins = own.map(|(row, _)| layout.room(row, at.rows.residuals[row]));
+        let margins = own.map(|(row, _)| layout.margin(row, at.rows.residuals[row]));
         let margin = margins.fold(f64::INFINITY, f64::min);
         let wanted = limit - largest[number];
         assert!(
@@ -210,7 +210,7 @@ fn a_joint_that_does_not_turn_has_its_whole_limit() {
     let x = DVector::zeros(optimise.variables.len());
     problem.assess(&x, &mut at).unwrap();
     assert_eq!(at.rows.residuals.len(), 1);
-    let margin = layout.room(0, at.rows.residuals[0]);
+    let margin = layout.margin(0, at.rows.residuals[0]);
     assert!((margin - 18.5).abs() < 1e-6, "{margin}");
     assert!(at.rows.jacobian.iter().all(|slope| slope.abs() < 1e-7));
 }

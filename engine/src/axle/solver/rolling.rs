@@ -3,6 +3,16 @@
 use super::corner::{WheelSeries, solve_level};
 use super::*;
 
+/// Returns true if the wheels rise with their travels. The arguments are the slopes of both heights. Both wheels of an
+/// independent axle must rise. A rigid axle needs a positive sum of the slopes. Returns false for NaN.
+fn rise(is_rigid: bool, [left, right]: [f64; 2]) -> bool {
+    if is_rigid {
+        left + right > 0.0
+    } else {
+        left > 0.0 && right > 0.0
+    }
+}
+
 impl<const N: usize> AxleSolver<'_, N> {
     /// Finds positions for all placements. Placements in roll at one rack displacement are solved together. Each round
     /// solves both wheels at the travels that the series of the last round predict.

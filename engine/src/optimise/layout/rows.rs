@@ -2,7 +2,8 @@
 
 use super::super::Linearisation;
 use super::{Extremes, Part, RowLabel};
-use crate::study::Limited;
+use crate::model::Mechanism;
+use crate::study::{Limited, Optimise};
 
 /// A part of a constraint at one station, and its rows.
 #[derive(Clone, Copy, Debug)]
@@ -149,4 +150,17 @@ impl<'p> RowNumbers<'p> {
     pub(super) fn into_labels(self) -> (Vec<RowLabel>, usize) {
         (self.labels, self.equalities)
     }
+}
+
+/// Parts of all constraints.
+pub(super) fn parts(optimise: &Optimise, mechanism: &Mechanism) -> Vec<Part> {
+    let constraints = optimise.constraints.iter().enumerate();
+    let parts = constraints.flat_map(|(number, constraint)| {
+        constraint.parts.iter().map(move |part| Part {
+            constraint: number,
+            is_at_design: constraint.site.is_none() || part.of.is_fixed(mechanism),
+            limited: part.clone(),
+        })
+    });
+    parts.collect()
 }

@@ -378,7 +378,7 @@ fn bodies_of_both_wheels_are_named() {
         .replace("right = \"mirrored\"", "");
     let right = said(&differs);
     assert!(
-        right.contains("right wheel that differ: spring_lower"),
+        right.contains("right wheel that differ from those of the other wheel: spring_lower"),
         "{right}"
     );
 }

@@ -221,7 +221,7 @@ fn a_rack_out_of_reach_has_no_range() {
 #[test]
 fn a_rack_that_nothing_is_on_is_doubted() {
     let moved = "motion.rack=[-10.0, 0.0, 10.0]";
-    let doubt = "please check: the motion displaces the rack, but no part of a semi_trailing_arm is attached to it";
+    let doubt = "please check: the motion displaces the rack, but no part of a semi_trailing_arm is attached to the rack";
     for command in ["check", "solve"] {
         let with = said(&run(command, "semi_trailing_arm_solve.toml", &[moved]));
         assert!(with.contains(doubt), "{command}: {with}");

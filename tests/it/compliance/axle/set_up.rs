@@ -150,5 +150,5 @@ fn what_cannot_be_set_up_is_refused() {
     assert!(said.contains("lifts one side"), "{said}");
     let figure = format!("{adjust}\nwant = {{ toe_by_aligning_moment = 0.1 }}");
     let said = refusal(SUBFRAME, &figure, soft);
-    assert!(said.contains("figure of a test"), "{said}");
+    assert!(said.contains("result of a test"), "{said}");
 }

@@ -67,7 +67,7 @@ fn sections_and_points_that_do_not_fit_are_refused() {
         (
             direction.clone(),
             "direction = [0.0, 0.0, 0.0]\n".to_owned(),
-            "no length",
+            "a zero vector",
         ),
         (
             direction.clone(),

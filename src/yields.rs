@@ -2,7 +2,7 @@
 
 use crate::optimise::{Control, ExpectedYield, tune};
 use crate::report::YieldRecord;
-use crate::study::{Optimise, Study, Tolerance};
+use crate::study::{Optimise, Study};
 use crate::tolerance::{MonteCarlo, Problem, monte_carlo};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,7 +25,7 @@ pub fn yields(
         Some(expected) => Some(study.moved(&expected.plain)),
         None => plain_optimum(study, optimise, stop),
     };
-    let of = |study: &Study| builds(study, tolerance, stop);
+    let of = |study: &Study| builds(study, stop);
     let yields = YieldRecord::of(
         tolerance,
         of(study),
@@ -53,9 +53,9 @@ fn plain_optimum(study: &Study, optimise: &Optimise, stop: &AtomicBool) -> Optio
     Some(study.moved(&tuning.best?.offsets))
 }
 
-/// Monte Carlo builds of a study. `None` if the study cannot be built.
-fn builds(study: &Study, tolerance: &Tolerance, stop: &AtomicBool) -> Option<MonteCarlo> {
-    let problem = Problem::of(study, tolerance).ok()?;
+/// Monte Carlo builds of a study, with the scatter of its own rates. `None` if the study cannot be built.
+fn builds(study: &Study, stop: &AtomicBool) -> Option<MonteCarlo> {
+    let problem = Problem::of(study, study.tolerance.as_ref()?).ok()?;
     let problem = problem.interruptible(stop);
     let nominal = problem.drawn().ok()?;
     let found = monte_carlo(&problem, &nominal, |_| {

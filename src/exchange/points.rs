@@ -217,8 +217,8 @@ impl Rows<'_> {
         Ok(())
     }
 
-    /// Refuses a row of whole numbers with more cells than titles. There a comma is probably both the separator and the
-    /// decimal sign.
+    /// Refuses a row with more numbers than titles, if a comma is probably more than the separator: also the decimal sign, or a
+    /// sign between groups of digits.
     fn check_decimals(&self, row: u32) -> Result<(), String> {
         let Some(last) = self.last_title else {
             return Ok(());
@@ -230,6 +230,17 @@ impl Rows<'_> {
         });
         let numbers: Vec<(u32, f64)> = numbers.collect();
         let surplus = numbers.iter().filter(|(column, _)| *column > last).count();
+        // "1,130.5" in a table with commas between its cells: 1 and 130.5.
+        let mut pairs = numbers.windows(2).map(|pair| [pair[0].1, pair[1].1]);
+        let groups = |[left, right]: [f64; 2]| {
+            left != 0.0 && left.fract() == 0.0 && left.abs() < 1e3 && (0.0..1e3).contains(&right)
+        };
+        if surplus == 1 && pairs.any(groups) && !self.is_usual_beyond(last) {
+            return Err(format!(
+                "{}: one number has no column title. If a comma groups the digits of a number (1,130), remove it",
+                self.sheet.row_place(row)
+            ));
+        }
         if surplus < 2 || numbers.iter().any(|(_, number)| number.fract() != 0.0) {
             return Ok(());
         }
@@ -238,6 +249,20 @@ impl Rows<'_> {
              the cells by semicolons",
             self.sheet.row_place(row)
         ))
+    }
+
+    /// True if most rows with numbers have one beyond the last title: the sheet has a column without a title.
+    fn is_usual_beyond(&self, last: u32) -> bool {
+        const EXAMINED: usize = 100;
+        let is_number = |cell: &Cell| self.decimals.number(cell).is_ok();
+        let (mut rows, mut beyond) = (0, 0);
+        for row in self.sheet.rows().into_iter().take(EXAMINED) {
+            let columns = self.sheet.row(row).filter(|(_, cell)| is_number(cell));
+            let columns: Vec<u32> = columns.map(|(column, _)| column).collect();
+            rows += usize::from(columns.len() > 2);
+            beyond += usize::from(columns.iter().any(|column| *column > last));
+        }
+        2 * beyond > rows
     }
 
     /// Wheel and axle of the section, for a name without a side.

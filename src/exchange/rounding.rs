@@ -21,15 +21,17 @@
 //!
 //! Constraints and ranges come before the misfit. A coordinate with a range takes a neighbour within its range, if there is one.
 //! Of the candidates, the program keeps the one with the smallest violation of the constraints, and among equals the one with the
-//! smallest misfit. If this candidate violates a constraint, single coordinates go to their other neighbour while that is better.
+//! smallest misfit. Then single coordinates and pairs of them go to their other neighbours while that is better.
 
-use crate::model::LengthUnit;
+use crate::model::{Axis, LengthUnit, PointId};
 use crate::number::Vector3;
 use crate::optimise::{Linearisation, TargetLayout, assessed, evaluated};
-use crate::report::{ConstraintMargin, constraint_margins};
+use crate::report::{ConstraintMargin, brief, constraint_margins};
 use crate::study::{Optimise, Study, Variable};
 use nalgebra::{DMatrix, DVector};
 
+/// Largest number of roundings that the search for a better neighbour evaluates.
+const MOST_TRIALS: usize = 2000;
 /// Stiffness of the spring against moves that leave the targets unchanged, in tolerances per step.
 const SPRING: f64 = 1e-3;
 
@@ -44,7 +46,7 @@ pub struct Rounded {
     pub grid: Grid,
     /// Change of the misfit by rounding, if the study has targets.
     pub loss: Option<Loss>,
-    /// Constraints that the rounded design violates.
+    /// Constraints that the rounded design violates, and ranges without a multiple.
     pub broken: Vec<Broken>,
 }
 
@@ -61,10 +63,10 @@ pub struct Loss {
     pub otherwise: usize,
 }
 
-/// A constraint that the rounded design violates. Lengths and angles in its unit.
+/// A constraint or a range that the rounded design violates. Lengths and angles in its unit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
-    /// Name of the constraint, with its limits.
+    /// Name of the constraint with its limits, or of the coordinate with its range.
     pub name: String,
     /// Distance between the value and the nearest limit.
     pub missed: f64,
@@ -89,7 +91,8 @@ pub fn rounded(
     let problem = Problem::new(study, grid, free, ranges);
     let ordinary = problem.nearest();
     let Some(optimise) = &study.optimise else {
-        return Ok(problem.result(&problem.within_ranges(&ordinary), None));
+        let steps = problem.within_ranges(&ordinary);
+        return Ok(problem.result(&steps, None));
     };
     let targets = problem.targets(optimise);
     let at_design = targets.evaluated(&study.wheel().design)?;
@@ -120,7 +123,7 @@ pub fn rounded(
         }
     }
     let best = best.ok_or("the design cannot be solved if it is rounded to this grid")?;
-    let best = targets.repaired(&problem, best);
+    let best = targets.improved(&problem, best);
     let (steps, pairs) = (&best.steps, best.steps.iter().zip(&ordinary));
     let of_ordinary = targets.evaluated(&problem.result(&ordinary, None).design);
     let loss = Loss {
@@ -141,6 +144,7 @@ pub fn rounded(
             missed_before,
             unit: margin.unit,
         })
+        .chain(problem.outside_ranges(steps))
         .collect();
     Ok(rounded)
 }
@@ -229,6 +233,37 @@ impl<'a> Problem<'a> {
             (false, true) => (above, above),
             _ => (below, above),
         }
+    }
+
+    /// Rounded coordinates outside their ranges.
+    fn outside_ranges(&self, steps: &[f64]) -> Vec<Broken> {
+        let wheel = self.study.wheel();
+        let unit = self.grid.unit.symbol();
+        let free = (0..steps.len()).filter(|coordinate| self.free[*coordinate]);
+        let outside = free.filter_map(|coordinate| {
+            let [least, most] = self.ranges[coordinate];
+            let missed = |steps: f64| (least - steps).max(steps - most);
+            // The ends of a range have rounding errors of their own.
+            let slack = 1e-9 * most.abs().max(least.abs()).max(1.0);
+            let [before, after] =
+                [self.grid.steps(self.before[coordinate]), steps[coordinate]].map(missed);
+            let name = wheel.mechanism.name(PointId(coordinate / 3));
+            let [low, high] = [least, most].map(|end| brief(self.grid.length(end)));
+            (after > slack).then(|| Broken {
+                name: format!(
+                    "{} of {name} in its range from {low} to {high}",
+                    Axis::ALL[coordinate % 3].name()
+                ),
+                missed: self.grid.length(after),
+                missed_before: if before > slack {
+                    self.grid.length(before)
+                } else {
+                    0.0
+                },
+                unit: unit.to_owned(),
+            })
+        });
+        outside.collect()
     }
 
     /// Moves each free coordinate into its range.
@@ -360,30 +395,35 @@ impl Targets<'_> {
         })
     }
 
-    /// Moves single coordinates to their other neighbour while the violation of the constraints falls. Each pass over the
-    /// coordinates must improve the rounding, and there are at most as many passes as coordinates.
-    fn repaired(&self, problem: &Problem<'_>, mut best: Candidate) -> Candidate {
-        for _ in 0..problem.before.len() {
-            let mut improves = false;
-            for coordinate in 0..problem.before.len() {
-                if best.violation == 0.0 {
-                    return best;
-                }
-                let (least, most) = problem.neighbours(coordinate);
-                if !problem.free[coordinate] || least == most {
-                    continue;
-                }
-                let mut steps = best.steps.clone();
-                steps[coordinate] = least + most - steps[coordinate];
-                if let Some(other) = self.candidate(problem, steps)
-                    && other.is_better(&best)
-                {
-                    best = other;
-                    improves = true;
-                }
-            }
-            if !improves {
+    /// Moves single coordinates and pairs of coordinates to their other neighbours while that improves the rounding. It ends
+    /// without an improvement, or after [`MOST_TRIALS`] roundings.
+    fn improved(&self, problem: &Problem<'_>, mut best: Candidate) -> Candidate {
+        let ends = |coordinate: usize| problem.neighbours(coordinate);
+        let movable: Vec<usize> = (0..problem.before.len())
+            .filter(|coordinate| problem.free[*coordinate])
+            .filter(|coordinate| ends(*coordinate).0 < ends(*coordinate).1)
+            .collect();
+        let singles = movable.iter().map(|one| vec![*one]);
+        let pairs = movable.iter().enumerate().flat_map(|(k, one)| {
+            let others = movable[..k].iter();
+            others.map(move |other| vec![*other, *one])
+        });
+        let flips: Vec<Vec<usize>> = singles.chain(pairs).collect();
+        let (mut trials, mut since_improvement) = (0, 0);
+        for flip in flips.iter().cycle() {
+            if since_improvement == flips.len() || trials == MOST_TRIALS {
                 break;
+            }
+            let mut steps = best.steps.clone();
+            for coordinate in flip {
+                let (least, most) = ends(*coordinate);
+                steps[*coordinate] = least + most - steps[*coordinate];
+            }
+            (trials, since_improvement) = (trials + 1, since_improvement + 1);
+            if let Some(other) = self.candidate(problem, steps)
+                && other.is_better(&best)
+            {
+                (best, since_improvement) = (other, 0);
             }
         }
         best

@@ -14,36 +14,39 @@ pub(crate) struct Slip {
 }
 
 impl Slip {
-    /// Finds the slip that explains all warnings. `fits` returns true if points cause no warning. Only the point that is farthest
-    /// from the others may have the slip, and the change must bring it much nearer to them.
+    /// Finds the slip that explains all warnings. `fits` returns true if points cause no warning. The change must bring the point
+    /// much nearer to the others. `None` if changes of different points explain the warnings: then any of them may be wrong.
     pub(crate) fn of(points: &[[f64; 3]], fits: impl Fn(&[[f64; 3]]) -> bool) -> Option<Slip> {
-        const NEARER: f64 = 0.6;
-        let distances: Vec<f64> = (0..points.len()).map(|k| away(points, k)).collect();
-        let point = (0..points.len()).max_by(|a, b| distances[*a].total_cmp(&distances[*b]))?;
+        const NEARER: f64 = 0.75;
         let mut found: Vec<(f64, Slip)> = Vec::new();
-        for axis in 0..3 {
-            let now = points[point][axis];
-            for (likely, is_sign) in [
-                (-now, true),
-                (shifted(now, -1), false),
-                (shifted(now, 1), false),
-            ] {
-                let mut changed = points.to_vec();
-                changed[point][axis] = likely;
-                let distance = away(&changed, point);
-                if distance < NEARER * distances[point] && fits(&changed) {
-                    let slip = Slip {
-                        point,
-                        axis,
-                        likely,
-                        is_sign,
-                    };
-                    found.push((distance, slip));
+        for (point, at) in points.iter().enumerate() {
+            let before = away(points, point);
+            for (axis, now) in at.iter().copied().enumerate() {
+                let changes = [
+                    (-now, true),
+                    (shifted(now, -1), false),
+                    (shifted(now, 1), false),
+                ];
+                for (likely, is_sign) in changes {
+                    let mut changed = points.to_vec();
+                    changed[point][axis] = likely;
+                    let distance = away(&changed, point);
+                    if distance < NEARER * before && fits(&changed) {
+                        let slip = Slip {
+                            point,
+                            axis,
+                            likely,
+                            is_sign,
+                        };
+                        found.push((distance, slip));
+                    }
                 }
             }
         }
-        let nearest = found.into_iter().min_by(|(a, _), (b, _)| a.total_cmp(b));
-        nearest.map(|(_, slip)| slip)
+        let nearest = found.iter().min_by(|(a, _), (b, _)| a.total_cmp(b));
+        let (_, slip) = *nearest?;
+        let is_only_one = found.iter().all(|(_, other)| other.point == slip.point);
+        is_only_one.then_some(slip)
     }
 
     /// Describes the slip: `y = 22.52 instead of -22.52 (a wrong sign)`. `now` is the coordinate as written, and `likely` its

@@ -21,6 +21,8 @@ use crate::number::{Each, Vector3};
 pub(super) const LOAD_TERMS: usize = 3;
 /// Largest number of Newton steps, including steps back to a reachable travel.
 const MOST_STEPS: usize = 60;
+/// Shortest step along the roll angle, as a share of it.
+const LEAST_STEP: f64 = 1.0 / 64.0;
 
 /// Wheel loads whose sum stays constant.
 const LOADS: [Quantity; 2] = [
@@ -53,10 +55,41 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
     }
 
     /// Finds the pose in which the axle carries the same load as when it is level at the travel `level`.
+    ///
+    /// Newton's method starts at the mean travel of the level axle. If it fails there, for example because a wheel cannot reach
+    /// its travel, the method follows the roll angle from zero in steps, each from the mean travel of the last one.
     fn found(&mut self, level: f64, roll: f64, rack: f64) -> Result<AxlePose, NoPose> {
-        let size = self.size();
         let wanted = self.carried(level, 0.0, 0.0)?.load;
-        let (mut heave, mut reached, mut smallest) = (level, None, f64::INFINITY);
+        let (mut heave, mut reached, mut step) = (level, 0.0, 1.0);
+        // Reached share of the roll angle. The next step ends at the whole angle, or is twice as long as the last one.
+        while reached < 1.0 {
+            let next = f64::min(reached + step, 1.0);
+            match self.descend(heave, wanted, next * roll, rack) {
+                Ok(mut placed) if next == 1.0 => {
+                    placed.at_load = Some(level);
+                    return Ok(placed);
+                }
+                Ok(placed) => {
+                    let [left, right] = placed.travels;
+                    (heave, reached, step) = (0.5 * (left + right), next, 2.0 * step);
+                }
+                Err(failure) if step <= LEAST_STEP => return Err(failure),
+                Err(_) => step *= 0.5,
+            }
+        }
+        Err(NoPose::NoLoad)
+    }
+
+    /// Newton's method for the mean travel with the load `wanted`.
+    fn descend(
+        &mut self,
+        start: f64,
+        wanted: f64,
+        roll: f64,
+        rack: f64,
+    ) -> Result<AxlePose, NoPose> {
+        let size = self.size();
+        let (mut heave, mut reached, mut smallest) = (start, None, f64::INFINITY);
         for _ in 0..MOST_STEPS {
             let here = match self.carried(heave, roll, rack) {
                 Ok(here) => here,
@@ -73,9 +106,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
             let step: f64 = (wanted - here.load) / here.by_heave;
             let is_rounding = step.abs() <= 4.0 * f64::EPSILON * size;
             if is_rounding || step.abs() >= smallest && smallest <= 1e-9 * size {
-                let mut placed = here.placed;
-                placed.at_load = Some(level);
-                return Ok(placed);
+                return Ok(here.placed);
             }
             smallest = smallest.min(step.abs());
             reached = Some(heave);

@@ -102,16 +102,36 @@ pub fn moved_design(
 
 impl Study {
     /// Returns the study with the variables of its tuning moved by `offsets`. A right wheel with different hardpoints moves
-    /// by the same offsets. If one body carries both wheels, its far half (at the other wheel) follows the near half.
+    /// by the same offsets. If one body carries both wheels, its far half (at the other wheel) follows the near half. A tuned
+    /// rate scatters about its new value.
     pub fn moved(&self, offsets: &[f64]) -> Study {
         let Some(optimise) = &self.optimise else {
             return self.clone();
         };
         let x = DVector::from_column_slice(offsets);
-        Study {
+        let mut moved = Study {
             vehicle: self.vehicle.moved(&optimise.variables, &x),
             ..self.clone()
+        };
+        let of_builds = moved
+            .optimise
+            .iter_mut()
+            .filter_map(|own| own.scatter.as_mut());
+        let of_tolerance = moved.tolerance.iter_mut().flat_map(|own| &mut own.scatter);
+        let scatter = of_builds
+            .flat_map(|own| &mut own.contributors)
+            .chain(of_tolerance);
+        let sources = scatter.flat_map(|contributor| &mut contributor.sources);
+        for scattered in sources.filter_map(|source| source.rate.as_mut()) {
+            for (variable, offset) in optimise.variables.iter().zip(&x) {
+                if let Some(rate) = &variable.rate
+                    && rate.parameter == scattered.parameter
+                {
+                    scattered.design += rate.at(*offset)[0] - rate.design;
+                }
+            }
         }
+        moved
     }
 }
 

@@ -137,6 +137,9 @@ fn commas_between_and_inside_of_numbers_are_refused() {
         refused.contains("separate the cells by semicolons"),
         "{refused}"
     );
+    // A comma between groups of digits shifts the numbers of one row.
+    let refused = refusal("name,x,y,z\na,110,5,240\nb,1,130.5,385,225\nc,90,5,240\n");
+    assert!(refused.contains("groups the digits"), "{refused}");
     // Numbers of a sheet in addition to the points, with or without a title.
     assert_eq!(table("name,x,y,z,mass\na,110,5,240,3\n").points.len(), 1);
     assert_eq!(table("name,x,y,z\na,110,5,240,3\n").points.len(), 1);

@@ -159,3 +159,74 @@ fn rounding_keeps_constraints_and_ranges() {
     assert!((broken[0] - 1.0).abs() < 1e-9, "{broken:?}");
     assert_eq!(millimetres(5.0, 60.0, 344.0), (345.0, vec![]));
 }
+
+/// A coordinate whose range has no multiple is named with its distance from the range.
+#[test]
+fn a_range_without_a_multiple_is_named() {
+    let (study, _) = arm(60.0, 300.0);
+    let free = tuned_coordinates(&study);
+    let mut ranges = vec![[f64::NEG_INFINITY, f64::INFINITY]; free.len()];
+    ranges[3] = [346.0, 348.0];
+    let unit = LengthUnit::Millimetre;
+    let rounded = rounded(&study, Grid { step: 5.0, unit }, &free, &ranges).unwrap();
+    let [broken] = &rounded.broken[..] else {
+        panic!("{:?}", rounded.broken);
+    };
+    assert_eq!(
+        broken.name,
+        "x of arm_pivot_outer in its range from 346 to 348"
+    );
+    assert_eq!(rounded.coordinates[1][0], 345.0);
+    assert!((broken.missed - 1.0).abs() < 1e-9, "{}", broken.missed);
+}
+
+/// No rounding of one or two other coordinates is better than the chosen one, also if bands are inactive at the design and
+/// nearest plane sees no slope.
+#[test]
+fn no_flip_of_one_or_two_coordinates_is_better() {
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
+    let text = std::fs::read_to_string(directory.join("formula_student_front.toml")).unwrap();
+    let study = Study::from_text("front", &text, &directory).unwrap();
+    let tuned = crate::optimise::tune(
+        &study.vehicle,
+        study.optimise.as_ref().unwrap(),
+        Default::default(),
+    );
+    let study = study.moved(&tuned.unwrap().best.unwrap().offsets);
+    let free = tuned_coordinates(&study);
+    let ranges = vec![[f64::NEG_INFINITY, f64::INFINITY]; free.len()];
+    let unit = LengthUnit::Millimetre;
+    let problem = Problem::new(&study, Grid { step: 0.5, unit }, &free, &ranges);
+    let rounded = rounded(&study, problem.grid, &free, &ranges).unwrap();
+    let best = rounded.loss.unwrap().best;
+    let chosen: Vec<f64> = rounded
+        .coordinates
+        .iter()
+        .flatten()
+        .map(|x| x / 0.5)
+        .collect();
+    let targets = problem.targets(study.optimise.as_ref().unwrap());
+    let movable: Vec<usize> = (0..free.len())
+        .filter(|k| free[*k] && problem.neighbours(*k).0 < problem.neighbours(*k).1)
+        .collect();
+    assert!(movable.len() > 5, "{movable:?}");
+    for (k, one) in movable.iter().enumerate() {
+        for other in &movable[..=k] {
+            let mut steps = chosen.clone();
+            for coordinate in if one == other {
+                vec![*one]
+            } else {
+                vec![*one, *other]
+            } {
+                let (least, most) = problem.neighbours(coordinate);
+                steps[coordinate] = least + most - steps[coordinate];
+            }
+            if let Some(candidate) = targets.candidate(&problem, steps) {
+                assert!(
+                    candidate.violation > 0.0 || candidate.misfit >= best,
+                    "{one} {other}"
+                );
+            }
+        }
+    }
+}

@@ -2,9 +2,10 @@
 
 use super::commands::{run, study as sample};
 use super::tuning::study;
-use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity, WheelQuantity};
+use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity, WheelQuantity, axle_curves};
 use hardpoint::model::{PointId, Side};
 use hardpoint::number::Vector3;
+use hardpoint::study::Study;
 
 const LOADS: [Quantity; 2] = [
     Quantity::Wheel(Side::Left, WheelQuantity::WheelLoad),
@@ -169,6 +170,12 @@ fn a_load_is_held_where_the_motion_says_so() {
         ),
         (motion, "outputs.certify=true", "certify does not work"),
         (motion, "outputs.certify=false", ""),
+        // Derivatives of the poses would hold the mean travel.
+        (
+            motion,
+            "outputs.order=\"velocity\"",
+            "does not work with derivatives",
+        ),
         ("motion={ roll = 1.0, hold = \"weight\" }", "", "expected"),
     ] {
         let mut arguments = vec!["check", path, "--set", motion, "--set", outputs];
@@ -183,4 +190,29 @@ fn a_load_is_held_where_the_motion_says_so() {
     let arguments = ["check", alone.to_str().unwrap(), "--set", motion];
     let (_, said) = run(&arguments, 2);
     assert!(said.contains("needs [spring]"), "{said}");
+}
+
+/// The search follows the roll angle if the mean travel of the level axle is out of reach at the roll angle: at a heave of -30 mm
+/// and 6 degrees of roll, a wheel would be beyond its travel. The held load is found at a smaller droop.
+#[test]
+fn the_load_is_found_where_the_level_travel_is_out_of_reach() {
+    let loads = |motion: &str| -> Vec<f64> {
+        let path = sample("double_wishbone_axle.toml");
+        let outputs = "outputs={ characteristics = [\"wheel_load\"] }";
+        let study = Study::read(&path, &[motion, outputs].map(str::to_owned)).unwrap();
+        let both = study.axle().unwrap();
+        let curves = axle_curves(&both.axle, &both.plan).unwrap().curves;
+        let stations = curves.stations.iter();
+        stations
+            .map(|at| at.value(0).unwrap_or(f64::NAN) + at.value(1).unwrap_or(f64::NAN))
+            .collect()
+    };
+    let level = loads("motion={ heave = [-30.0], roll = [0.0] }")[0];
+    for load in loads(
+        "motion={ heave = [-30.0], roll = [-6.4, -6.0, 5.8, 6.0, 6.4], hold = \"wheel_load\" }",
+    ) {
+        assert!((load - level).abs() < 1e-9 * level, "{load} {level}");
+    }
+    let out_of_reach = loads("motion={ heave = [-30.0], roll = [6.0] }")[0];
+    assert!(out_of_reach.is_nan(), "{out_of_reach}");
 }

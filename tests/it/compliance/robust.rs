@@ -158,3 +158,33 @@ fn the_robust_design_has_the_larger_yield() {
         );
     }
 }
+
+/// A tuned rate that scatters does so about its tuned value. So the yield after the tuning is that of the tuned study, read again
+/// from its text.
+#[test]
+fn yields_of_a_tuned_rate_are_those_of_the_tuned_study() {
+    const SECTIONS: &str = r#"
+[tolerance]
+builds = 120
+scatter = [{ link = "toe_link", sigma = 0.1, relative = true }]
+bands = [{ characteristic = "toe_by_lateral_force_trail_30", at = 0.0, at_most = 0.0945 }]
+[optimise]
+scatter = 8
+good_enough = 0.0
+variables = [{ link = "toe_link", range = [0.2, 5.0], relative = true }]
+targets = [{ figure = "toe_by_lateral_force_trail_30", value = 0.094, tolerance = 0.001 }]
+"#;
+    let study = elastic(&with("five_link_compliance.toml", SECTIONS));
+    let optimise = study.optimise.as_ref().unwrap();
+    let tuning = tune(&study.vehicle, optimise, Control::default()).unwrap();
+    let tuned = study.moved(&tuning.best.unwrap().offsets);
+    let yields = hardpoint::yields::yields(&study, optimise, Some(&tuned), None, &false.into());
+    let [before, after] = yields.unwrap().all.map(Option::unwrap);
+    let again = elastic(&study.with_points_of(&tuned));
+    let problem = Problem::of(&again, again.tolerance.as_ref().unwrap()).unwrap();
+    let nominal = problem.drawn().unwrap();
+    let builds = monte_carlo(&problem, &nominal, |_| ControlFlow::Continue(())).unwrap();
+    let share = builds.in_all_bands as f64 / builds.builds as f64;
+    assert!((after - share).abs() < 1e-12, "{after} {share}");
+    assert!(before < 0.3 && after > 0.6, "{before} {after}");
+}

@@ -29,10 +29,15 @@ fn at_load(
         _ => choose(text, "hold", &holds, problems)?,
     };
     let certifies = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
-    let message = if section.roll.is_none() {
+    let order = file.outputs.as_ref().and_then(|o| o.order.as_ref());
+    let has_derivatives = order.is_some_and(|order| order.get_ref() != "position");
+    // Derivatives of the poses hold the mean travel, which is another motion.
+    let message = if at_load && (has_derivatives || section.time.is_some()) {
+        "hold = \"wheel_load\" does not work with derivatives; expected order = \"position\" and no time law, or hold = \"mean_travel\""
+    } else if section.roll.is_none() {
         "hold applies to roll, and this motion has no roll"
     } else if at_load && !axle.setup.is_sprung() {
-        "hold = \"wheel_load\" needs [spring] for the wheel loads"
+        "hold = \"wheel_load\" needs [spring] or [heave_spring] for the wheel loads"
     } else if at_load && certifies.is_some_and(|c| *c.get_ref()) {
         "certify does not work with hold = \"wheel_load\"; expected hold = \"mean_travel\", or no certify"
     } else if at_load && file.tolerance.is_some() {

@@ -223,6 +223,7 @@ pub(super) fn for_axle(
         let (topology, axes) = (options.topology, placed.axes);
         right_half::own(topology, &named, corner, axes, &hardpoints, &mut left_out)?
     } else {
+        left_out.extend(right_half::differs(&named, corner, placed.axes, &as_read));
         Vec::new()
     };
     let both = [&mut hardpoints, &mut right_half];

@@ -1,10 +1,11 @@
-//! Right half of an imported solid axle or twist beam.
+//! Right half of an imported solid axle or twist beam, and points of the other wheel that an import omits.
 
 use super::Hardpoint;
 use super::axes::Axes;
-use super::corner::{self, Corner, Named};
+use super::corner::{self, Corner, Named, Picked};
 use super::refusal::Refusal;
 use crate::model::{Side, Topology};
+use crate::report::brief;
 
 /// Hardpoints that the file gives for the right half, without mirror images of the left half. `left` is the left half in the axes
 /// of the file.
@@ -55,4 +56,47 @@ pub(super) fn own(
         ));
     }
     Ok(found)
+}
+
+/// Describes the points of the other wheel that differ from the mirror images of the imported wheel's points. `None` if the file has
+/// no other wheel, or exact mirror images. `picked` are the points as written in the file.
+pub(super) fn differs(
+    named: &[Named<'_>],
+    corner: Corner,
+    axes: Axes,
+    picked: &[Picked],
+) -> Option<String> {
+    let (across, _) = axes.across();
+    let mut names = Vec::new();
+    let mut most = 0.0_f64;
+    let mut omitted = None;
+    for near in picked {
+        let Some(other) = near.origin.map(Side::other) else {
+            continue;
+        };
+        let side = Some(other);
+        let far = corner::pick(near.hardpoint.name, named, Corner { side, ..corner });
+        let Ok(Some(far)) = far else { continue };
+        if far.origin != side {
+            continue;
+        }
+        let mut mirrored = far.hardpoint.position;
+        mirrored[across] = 0.0 - mirrored[across];
+        let pairs = mirrored.iter().zip(near.hardpoint.position);
+        let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let size = mirrored.iter().map(|c| c.abs()).fold(0.0, f64::max);
+        // Smaller differences come from conversions of units.
+        if apart > 1e-9 * size {
+            names.push(near.hardpoint.name);
+            most = most.max(apart);
+            omitted = side;
+        }
+    }
+    let omitted = omitted?;
+    Some(format!(
+        "points of the {0} wheel that are not the mirror images of the imported wheel (by up to {2}): {1}. --side {0} imports that wheel",
+        omitted.name(),
+        names.join(", "),
+        brief(most)
+    ))
 }

@@ -573,6 +573,35 @@ fn a_slip_that_stops_the_suspension_is_named() {
     );
 }
 
+/// The import of one wheel names the points of the other wheel that are not its mirror images.
+#[test]
+fn another_right_wheel_is_named() {
+    let sheet = |shift: f64| {
+        let mut text = String::from("name,side,x,y,z\n");
+        for (name, [x, y, z]) in FRONT {
+            text += &format!("{name},left,{x},{y},{z}\n");
+            let x = if name == "UBJ" { x + shift } else { x };
+            text += &format!("{name},right,{x},{},{z}\n", -y);
+        }
+        text
+    };
+    let left_out = |shift: f64| {
+        of("points.csv", &sheet(shift), &Said::default())
+            .unwrap()
+            .left_out
+    };
+    assert!(left_out(0.0).iter().all(|line| !line.contains("mirror")));
+    let named = left_out(2.5);
+    let named = named
+        .iter()
+        .find(|line| line.contains("right wheel"))
+        .unwrap();
+    assert!(
+        named.contains("by up to 2.5") && named.contains(": upper_ball_joint."),
+        "{named}"
+    );
+}
+
 /// A sheet of the right wheel without a side gives the left wheel as its mirror image.
 #[test]
 fn the_other_wheel_is_the_mirror_image() {

@@ -23,12 +23,15 @@
 //! Of the candidates, the program keeps the one with the smallest violation of the constraints, and among equals the one with the
 //! smallest misfit. Then single coordinates and pairs of them go to their other neighbours while that is better.
 
+mod targets;
+
 use crate::model::{Axis, LengthUnit, PointId};
 use crate::number::Vector3;
-use crate::optimise::{Linearisation, TargetLayout, assessed, evaluated};
-use crate::report::{ConstraintMargin, brief, constraint_margins};
+use crate::optimise::{Linearisation, TargetLayout};
+use crate::report::brief;
 use crate::study::{Optimise, Study, Variable};
 use nalgebra::{DMatrix, DVector};
+use targets::Targets;
 
 /// Largest number of roundings that the search for a better neighbour evaluates.
 const MOST_TRIALS: usize = 2000;
@@ -335,98 +338,6 @@ impl<'a> Problem<'a> {
             layout: TargetLayout::nominal(optimise, &study.vehicle),
             optimise: optimise.clone(),
         }
-    }
-}
-
-/// Targets and constraints of a study as functions of all its coordinates.
-struct Targets<'a> {
-    study: &'a Study,
-    optimise: Optimise,
-    variables: Vec<Variable>,
-    layout: TargetLayout,
-}
-
-impl Targets<'_> {
-    /// Residuals of a design and their derivatives.
-    fn evaluated(&self, design: &[Vector3<f64>]) -> Result<Linearisation, String> {
-        let mut suspension = self.study.wheel().clone();
-        suspension.design = design.to_vec();
-        let here = vec![0.0; self.variables.len()];
-        evaluated(&suspension, &self.variables, &self.layout, &here)
-            .map_err(|fault| fault.describe(&suspension.mechanism))?
-            .map_err(|infeasible| infeasible.to_string())
-    }
-
-    /// Margins of the constraints.
-    fn margins(&self, design: &[Vector3<f64>]) -> Result<Vec<ConstraintMargin>, String> {
-        if self.optimise.constraints.is_empty() {
-            return Ok(Vec::new());
-        }
-        let mut suspension = self.study.wheel().clone();
-        suspension.design = design.to_vec();
-        let found = assessed(&suspension, &[], &self.layout)
-            .map_err(|fault| fault.describe(&suspension.mechanism))?
-            .map_err(|infeasible| infeasible.to_string())?;
-        Ok(constraint_margins(
-            &self.optimise,
-            &self.layout,
-            &found.rows.residuals,
-        ))
-    }
-
-    /// Violation of each constraint in its unit. Zero if the constraint is satisfied.
-    fn missed(&self, design: &[Vector3<f64>]) -> Result<Vec<f64>, String> {
-        let margins = self.margins(design)?;
-        let missed = margins
-            .iter()
-            .map(|own| if own.is_violated { -own.margin } else { 0.0 });
-        Ok(missed.collect())
-    }
-
-    /// Evaluates a rounding. `None` if the design cannot be solved.
-    fn candidate(&self, problem: &Problem<'_>, steps: Vec<f64>) -> Option<Candidate> {
-        let design = problem.result(&steps, None).design;
-        let missed = self.missed(&design).ok()?;
-        let missed = missed.iter().zip(&self.optimise.constraints);
-        Some(Candidate {
-            violation: missed.map(|(m, own)| m / own.parts[0].visible).sum(),
-            misfit: self.evaluated(&design).ok()?.misfit(),
-            steps,
-        })
-    }
-
-    /// Moves single coordinates and pairs of coordinates to their other neighbours while that improves the rounding. It ends
-    /// without an improvement, or after [`MOST_TRIALS`] roundings.
-    fn improved(&self, problem: &Problem<'_>, mut best: Candidate) -> Candidate {
-        let ends = |coordinate: usize| problem.neighbours(coordinate);
-        let movable: Vec<usize> = (0..problem.before.len())
-            .filter(|coordinate| problem.free[*coordinate])
-            .filter(|coordinate| ends(*coordinate).0 < ends(*coordinate).1)
-            .collect();
-        let singles = movable.iter().map(|one| vec![*one]);
-        let pairs = movable.iter().enumerate().flat_map(|(k, one)| {
-            let others = movable[..k].iter();
-            others.map(move |other| vec![*other, *one])
-        });
-        let flips: Vec<Vec<usize>> = singles.chain(pairs).collect();
-        let (mut trials, mut since_improvement) = (0, 0);
-        for flip in flips.iter().cycle() {
-            if since_improvement == flips.len() || trials == MOST_TRIALS {
-                break;
-            }
-            let mut steps = best.steps.clone();
-            for coordinate in flip {
-                let (least, most) = ends(*coordinate);
-                steps[*coordinate] = least + most - steps[*coordinate];
-            }
-            (trials, since_improvement) = (trials + 1, since_improvement + 1);
-            if let Some(other) = self.candidate(problem, steps)
-                && other.is_better(&best)
-            {
-                (best, since_improvement) = (other, 0);
-            }
-        }
-        best
     }
 }
 

@@ -228,14 +228,17 @@ fn of_run(
 ) -> Result<(Compared, bool), Stop> {
     let study = kept_study(path, &[])?;
     let compared = curves_of_run(path, label.clone(), study.as_ref())?;
-    let Some((first, study)) = first.zip(study.as_ref()) else {
+    let Some(first) = first else {
         *motion = study.as_ref().map(FirstMotion::of);
         return Ok((compared, true));
     };
-    if motion.is_none() || Comparison::has_all_stations(first, &compared) {
+    let Some(study) = study.filter(|_| motion.is_some()) else {
+        return Ok((compared, true));
+    };
+    if Comparison::has_all_stations(first, &compared) {
         return Ok((compared, true));
     }
-    match crate::compared::of_study(study.clone(), label, motion) {
+    match crate::compared::of_study(study, label, motion) {
         Ok(solved) => {
             note(&format!(
                 "{}: its stations differ from those of {}, so its study is solved again over the same motion\n",

@@ -3,6 +3,7 @@
 use super::bushings;
 use super::import::{Hardpoint, Imported, is_held_across};
 use super::seats::Seat;
+use super::slips::in_words;
 use crate::model::{AxlePosition, LengthUnit};
 use crate::report::Slip;
 use crate::solved::Solved;
@@ -167,11 +168,7 @@ impl Imported {
         let points: Vec<[f64; 3]> = self.hardpoints.iter().map(|h| h.position).collect();
         let slip = Slip::of(&points, |points| moves(points) == Some(true))?;
         let point = &self.hardpoints[slip.point];
-        let words = slip.describe(point.position[slip.axis], slip.likely);
-        Some(format!(
-            "{:?} ({}), {}, seems to have {words}: with this value the suspension moves. Correct it in the file",
-            point.called, point.place, point.name
-        ))
+        Some(in_words(point, &slip, "the suspension moves"))
     }
 
     fn text(&self, origin: &str, part: Part<'_>, travel_mm: f64, outputs: &[&str]) -> String {

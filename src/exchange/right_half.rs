@@ -41,8 +41,7 @@ pub(super) fn own(
         if far.origin != Some(Side::Right) || far.hardpoint.place == near.place {
             continue;
         }
-        let mut mirrored = far.hardpoint.position;
-        mirrored[across] = 0.0 - mirrored[across];
+        let mirrored = mirrored(far.hardpoint.position, across);
         if !is_paired(near.name) {
             single.push(near.name);
         } else if mirrored != near.position {
@@ -80,8 +79,7 @@ pub(super) fn differs(
         if far.origin != side {
             continue;
         }
-        let mut mirrored = far.hardpoint.position;
-        mirrored[across] = 0.0 - mirrored[across];
+        let mirrored = mirrored(far.hardpoint.position, across);
         let pairs = mirrored.iter().zip(near.hardpoint.position);
         let apart = pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let size = mirrored.iter().map(|c| c.abs()).fold(0.0, f64::max);
@@ -99,4 +97,10 @@ pub(super) fn differs(
         names.join(", "),
         brief(most)
     ))
+}
+
+/// Mirror image of a position. `across` is the index of the lateral coordinate.
+fn mirrored(mut position: [f64; 3], across: usize) -> [f64; 3] {
+    position[across] = 0.0 - position[across];
+    position
 }

@@ -28,7 +28,7 @@ mod targets;
 use crate::model::{Axis, LengthUnit, PointId};
 use crate::number::Vector3;
 use crate::optimise::{Linearisation, TargetLayout};
-use crate::report::brief;
+use crate::report::{ConstraintMargin, brief};
 use crate::study::{Optimise, Study, Variable};
 use nalgebra::{DMatrix, DVector};
 use targets::Targets;
@@ -94,13 +94,12 @@ pub fn rounded(
     let problem = Problem::new(study, grid, free, ranges);
     let ordinary = problem.nearest();
     let Some(optimise) = &study.optimise else {
-        let steps = problem.within_ranges(&ordinary);
-        return Ok(problem.result(&steps, None));
+        return Ok(problem.result(&ordinary, None));
     };
     let targets = problem.targets(optimise);
     let at_design = targets.evaluated(&study.wheel().design)?;
     let exact = at_design.misfit();
-    let missed_before = targets.missed(&study.wheel().design)?;
+    let (_, margins_before) = targets.assessed(&study.wheel().design)?;
     let mut best: Option<Candidate> = None;
     let mut candidates = vec![problem.within_ranges(&ordinary)];
     let lengths: Vec<f64> = at_design
@@ -128,28 +127,32 @@ pub fn rounded(
     let best = best.ok_or("the design cannot be solved if it is rounded to this grid")?;
     let best = targets.improved(&problem, best);
     let (steps, pairs) = (&best.steps, best.steps.iter().zip(&ordinary));
-    let of_ordinary = targets.evaluated(&problem.result(&ordinary, None).design);
+    let of_ordinary = targets.assessed(&problem.result(&ordinary, None).design);
     let loss = Loss {
         exact,
         // A design outside the limits of the motion has no misfit.
-        ordinary: of_ordinary.ok().map(|evaluation| evaluation.misfit()),
+        ordinary: of_ordinary.ok().map(|(misfit, _)| misfit),
         best: best.misfit,
         otherwise: pairs.filter(|(a, b)| a != b).count(),
     };
     let mut rounded = problem.result(steps, Some(loss));
-    let margins = targets.margins(&rounded.design)?;
-    let margins = margins.into_iter().zip(missed_before);
-    let violated = margins.filter(|(margin, _)| margin.is_violated);
+    let margins = best.margins.iter().zip(&margins_before);
+    let violated = margins.filter(|(own, _)| own.is_violated);
     rounded.broken = violated
-        .map(|(margin, missed_before)| Broken {
-            name: margin.name,
-            missed: -margin.margin,
-            missed_before,
-            unit: margin.unit,
+        .map(|(own, before)| Broken {
+            name: own.name.clone(),
+            missed: missed(own),
+            missed_before: missed(before),
+            unit: own.unit.clone(),
         })
         .chain(problem.outside_ranges(steps))
         .collect();
     Ok(rounded)
+}
+
+/// Distance of a constraint's value from its nearest limit, in its unit. Zero if the constraint is satisfied.
+fn missed(own: &ConstraintMargin) -> f64 {
+    if own.is_violated { -own.margin } else { 0.0 }
 }
 
 /// A rounding with its misfit.
@@ -158,6 +161,7 @@ struct Candidate {
     /// Sum of the violations of all constraints, each in visible units.
     violation: f64,
     misfit: f64,
+    margins: Vec<ConstraintMargin>,
 }
 
 impl Candidate {
@@ -227,15 +231,21 @@ impl<'a> Problem<'a> {
     /// leave it.
     fn neighbours(&self, coordinate: usize) -> (f64, f64) {
         let (below, above) = neighbours(self.grid.steps(self.before[coordinate]));
-        let [least, most] = self.ranges[coordinate];
-        // The ends of a range have rounding errors of their own.
-        let slack = 1e-9 * most.abs().max(least.abs()).max(1.0);
-        let is_within = |steps: f64| steps >= least - slack && steps <= most + slack;
+        let is_within = |steps: f64| self.outside(coordinate, steps) == 0.0;
         match (is_within(below), is_within(above)) {
             (true, false) => (below, below),
             (false, true) => (above, above),
             _ => (below, above),
         }
+    }
+
+    /// Distance of a coordinate from its range, in steps. Zero within the range.
+    fn outside(&self, coordinate: usize, steps: f64) -> f64 {
+        let [least, most] = self.ranges[coordinate];
+        let missed = (least - steps).max(steps - most);
+        // The ends of a range have rounding errors of their own.
+        let slack = 1e-9 * most.abs().max(least.abs()).max(1.0);
+        if missed > slack { missed } else { 0.0 }
     }
 
     /// Rounded coordinates outside their ranges.
@@ -244,25 +254,17 @@ impl<'a> Problem<'a> {
         let unit = self.grid.unit.symbol();
         let free = (0..steps.len()).filter(|coordinate| self.free[*coordinate]);
         let outside = free.filter_map(|coordinate| {
-            let [least, most] = self.ranges[coordinate];
-            let missed = |steps: f64| (least - steps).max(steps - most);
-            // The ends of a range have rounding errors of their own.
-            let slack = 1e-9 * most.abs().max(least.abs()).max(1.0);
-            let [before, after] =
-                [self.grid.steps(self.before[coordinate]), steps[coordinate]].map(missed);
+            let [before, after] = [self.grid.steps(self.before[coordinate]), steps[coordinate]]
+                .map(|steps| self.grid.length(self.outside(coordinate, steps)));
             let name = wheel.mechanism.name(PointId(coordinate / 3));
-            let [low, high] = [least, most].map(|end| brief(self.grid.length(end)));
-            (after > slack).then(|| Broken {
+            let [low, high] = self.ranges[coordinate].map(|end| brief(self.grid.length(end)));
+            (after > 0.0).then(|| Broken {
                 name: format!(
                     "{} of {name} in its range from {low} to {high}",
                     Axis::ALL[coordinate % 3].name()
                 ),
-                missed: self.grid.length(after),
-                missed_before: if before > slack {
-                    self.grid.length(before)
-                } else {
-                    0.0
-                },
+                missed: after,
+                missed_before: before,
                 unit: unit.to_owned(),
             })
         });

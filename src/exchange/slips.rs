@@ -1,13 +1,22 @@
 //! Slips in the points of a file: one coordinate with a wrong sign or decimal place. A slip may explain why the axes or the half
 //! track are uncertain. Then the importer names the slip instead of asking about the whole file.
 
-use super::ImportOptions;
 use super::corner::Picked;
 use super::place;
 use super::refusal::{Question, Refusal};
 use super::table::PointTable;
+use super::{Hardpoint, ImportOptions};
 use crate::model::Side;
 use crate::report::Slip;
+
+/// Describes a slip in a point of the file. `outcome` says what the likely value achieves.
+pub(super) fn in_words(point: &Hardpoint, slip: &Slip, outcome: &str) -> String {
+    let words = slip.describe(point.position[slip.axis], slip.likely);
+    format!(
+        "{:?} ({}), {}, seems to have {words}: with this value {outcome}. Correct it in the file",
+        point.called, point.place, point.name
+    )
+}
 
 /// Checks of a wheel's points: axes, side and half track.
 pub(super) struct Checks<'a> {
@@ -49,11 +58,10 @@ impl Checks<'_> {
         let Some(slip) = Slip::of(&points, |points| self.pass(changed(points))) else {
             return refusal;
         };
-        let point = &picked[slip.point].hardpoint;
-        let words = slip.describe(point.position[slip.axis], slip.likely);
-        let reason = format!(
-            "{:?} ({}), {}, seems to have {words}: with this value all points fit together. Correct it in the file",
-            point.called, point.place, point.name
+        let reason = in_words(
+            &picked[slip.point].hardpoint,
+            &slip,
+            "all points fit together",
         );
         match refusal {
             Refusal::Wrong(_) => Refusal::Wrong(reason),

@@ -130,14 +130,9 @@ impl Comparison {
     ///
     /// If the designs have no common station or no common column, or if unknown axes determine the sign of a value.
     pub fn of(designs: &[Compared]) -> Result<Self, String> {
-        let first = &designs[0];
-        let tables: Result<Vec<CurveTable>, String> = designs
-            .iter()
-            .map(|design| like_first(design, first))
-            .collect();
-        let tables = tables?;
+        let all: Vec<&Compared> = designs.iter().collect();
         let labels: Vec<&str> = designs.iter().map(|d| d.label.as_str()).collect();
-        let motion = CommonMotion::of(&tables, &labels, first.unit)?;
+        let (tables, motion) = side_by_side(&all)?;
         let rows = motion.common_rows(&tables);
         if rows.is_empty() {
             return Err(format!(
@@ -195,7 +190,7 @@ impl Comparison {
             own_stations,
             own_outputs,
             partial,
-            unit: first.unit,
+            unit: designs[0].unit,
             moved: moved(designs),
             mechanisms: mechanisms(designs),
         })
@@ -203,8 +198,8 @@ impl Comparison {
 
     /// True if the second design has every station of the first one.
     pub fn has_all_stations(first: &Compared, second: &Compared) -> bool {
-        Comparison::of(&[first.clone(), second.clone()])
-            .is_ok_and(|both| both.stations.len() == first.curves.rows())
+        side_by_side(&[first, second])
+            .is_ok_and(|(tables, motion)| motion.common_rows(&tables).len() == first.curves.rows())
     }
 
     /// Note on the stations that only some of the designs have. `None` if all designs have the same stations.
@@ -398,6 +393,19 @@ impl Comparison {
         });
         csv_of_rows([header].into_iter().chain(rows))
     }
+}
+
+/// Curves of all designs in the unit and axes of the first one, and the columns of their motion.
+fn side_by_side(designs: &[&Compared]) -> Result<(Vec<CurveTable>, CommonMotion), String> {
+    let first = designs[0];
+    let tables: Result<Vec<CurveTable>, String> = designs
+        .iter()
+        .map(|design| like_first(design, first))
+        .collect();
+    let tables = tables?;
+    let labels: Vec<&str> = designs.iter().map(|d| d.label.as_str()).collect();
+    let motion = CommonMotion::of(&tables, &labels, first.unit)?;
+    Ok((tables, motion))
 }
 
 /// Curves of a design in the unit and axes of the first design.

@@ -62,7 +62,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         let wanted = self.carried(level, 0.0, 0.0)?.load;
         let (mut heave, mut reached, mut step) = (level, 0.0, 1.0);
         // Reached share of the roll angle. The next step ends at the whole angle, or is twice as long as the last one.
-        while reached < 1.0 {
+        loop {
             let next = f64::min(reached + step, 1.0);
             match self.descend(heave, wanted, next * roll, rack) {
                 Ok(mut placed) if next == 1.0 => {
@@ -77,7 +77,6 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
                 Err(_) => step *= 0.5,
             }
         }
-        Err(NoPose::NoLoad)
     }
 
     /// Newton's method for the mean travel with the load `wanted`.

@@ -205,8 +205,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         columns: impl Iterator<Item = &'c AxleColumn>,
     ) -> Option<Vec<ByGear>> {
         let position = self.series_position(placed, read)?;
-        // In the solver's designs, the drag link is displaced. Here it returns to its hardpoint, and moves again as a
-        // series.
+        // In these designs, the drag link is at its hardpoint. It moves from there as a series.
         let designs = self.designs().map(|design| {
             let series = design.iter().map(|place| place.map(Jet::constant));
             series.collect::<Vec<_>>()

@@ -339,20 +339,14 @@ impl<'a> Tuner<'a> {
         let mut problem = self.problem();
         let shape = problem.shape();
         let mut at = Assessment::new(&shape);
-        let size = |row: usize, value: f64| {
-            if row < shape.equalities {
-                value.abs()
-            } else {
-                value
-            }
-        };
+        let violation = |row: usize, value: f64| self.layout.violation(row, value);
         // A constraint that the design violates may not become worse.
         let mut most = vec![MOVED_KEPT; shape.rows];
         let mut kept = DMatrix::zeros(0, shape.variables);
         if shape.rows > 0 && problem.assess(&fit.x, &mut at).is_ok() {
             kept = at.rows.jacobian.rows(0, shape.equalities).into_owned();
             for (row, most) in most.iter_mut().enumerate() {
-                *most = most.max(size(row, at.rows.residuals[row]));
+                *most = most.max(violation(row, at.rows.residuals[row]));
             }
         }
         let mut found = Identifiability::keeping(&fit.evaluation, &kept, &self.bounds, UNSEEN);
@@ -363,7 +357,7 @@ impl<'a> Tuner<'a> {
                 }
                 problem.assess(x, &mut at).ok()?;
                 let mut rows = at.rows.residuals.iter().enumerate();
-                let is_kept = rows.all(|(row, value)| size(row, *value) <= most[row]);
+                let is_kept = rows.all(|(row, value)| violation(row, *value) <= most[row]);
                 is_kept.then(|| at.goal.misfit())
             });
         }

@@ -1,6 +1,6 @@
 //! Misfit and constraints of roundings.
 
-use super::{Candidate, MOST_TRIALS, Problem};
+use super::{Candidate, MOST_TRIALS, Problem, missed};
 use crate::number::Vector3;
 use crate::optimise::{Linearisation, TargetLayout, assessed, evaluated};
 use crate::report::{ConstraintMargin, constraint_margins};
@@ -25,40 +25,32 @@ impl Targets<'_> {
             .map_err(|infeasible| infeasible.to_string())
     }
 
-    /// Margins of the constraints.
-    pub(super) fn margins(&self, design: &[Vector3<f64>]) -> Result<Vec<ConstraintMargin>, String> {
-        if self.optimise.constraints.is_empty() {
-            return Ok(Vec::new());
-        }
+    /// Misfit of a design, and margins of its constraints.
+    pub(super) fn assessed(
+        &self,
+        design: &[Vector3<f64>],
+    ) -> Result<(f64, Vec<ConstraintMargin>), String> {
         let mut suspension = self.study.wheel().clone();
         suspension.design = design.to_vec();
+        // Without variables, the evaluation computes no derivatives.
         let found = assessed(&suspension, &[], &self.layout)
             .map_err(|fault| fault.describe(&suspension.mechanism))?
             .map_err(|infeasible| infeasible.to_string())?;
-        Ok(constraint_margins(
-            &self.optimise,
-            &self.layout,
-            &found.rows.residuals,
-        ))
-    }
-
-    /// Violation of each constraint in its unit. Zero if the constraint is satisfied.
-    pub(super) fn missed(&self, design: &[Vector3<f64>]) -> Result<Vec<f64>, String> {
-        let margins = self.margins(design)?;
-        let missed = margins
-            .iter()
-            .map(|own| if own.is_violated { -own.margin } else { 0.0 });
-        Ok(missed.collect())
+        let margins = constraint_margins(&self.optimise, &self.layout, &found.rows.residuals);
+        Ok((found.goal.misfit(), margins))
     }
 
     /// Evaluates a rounding. `None` if the design cannot be solved.
     pub(super) fn candidate(&self, problem: &Problem<'_>, steps: Vec<f64>) -> Option<Candidate> {
         let design = problem.result(&steps, None).design;
-        let missed = self.missed(&design).ok()?;
-        let missed = missed.iter().zip(&self.optimise.constraints);
+        let (misfit, margins) = self.assessed(&design).ok()?;
+        let constraints = margins.iter().zip(&self.optimise.constraints);
         Some(Candidate {
-            violation: missed.map(|(m, own)| m / own.parts[0].visible).sum(),
-            misfit: self.evaluated(&design).ok()?.misfit(),
+            violation: constraints
+                .map(|(own, of)| missed(own) / of.parts[0].visible)
+                .sum(),
+            misfit,
+            margins,
             steps,
         })
     }

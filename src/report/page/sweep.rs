@@ -149,7 +149,7 @@ fn figures(record: &Record, charts: &mut Charts) -> String {
             line.label = None;
             let is_given = line.source.table == 0;
             line.is_main = line.in_strip && !is_given;
-            let colour = if !is_given { "chosen strong" } else { "given" };
+            let colour = if is_given { "given" } else { "chosen strong" };
             line.class = format!("{colour} of-{}", line.source.table);
         }
         figures += &charts.figure(chart, " data-by-design", "");

@@ -1,7 +1,7 @@
 //! Warnings about the positions of the carrier's joints and of the arms' pivots.
 
 use super::{FAR, PlausibilityRemarks};
-use crate::model::{Body, Constraint, PointId, Suspension};
+use crate::model::{Body, Constraint, Mechanism, PointId, Suspension};
 use crate::number::Vector3;
 use crate::report::figure::brief;
 
@@ -32,14 +32,9 @@ impl PlausibilityRemarks<'_> {
         }
         let unit = length_unit.symbol();
         let centre = self.at(mechanism.wheel_centre);
-        let outer = |constraint: &Constraint| match *constraint {
-            Constraint::Link { outer, .. } => Some(outer),
-            Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => Some(at),
-            _ => None,
-        };
-        let outer = mechanism.constraints.iter().filter_map(outer);
-        let outer = outer.filter(|id| mechanism.body(*id) == Body::Knuckle);
-        for id in without_repetition(outer) {
+        let mut outer = carrier_joints(mechanism);
+        outer.retain(|id| mechanism.body(*id) == Body::Knuckle);
+        for id in outer {
             let away = (self.at(id) - centre).norm();
             // Another warning names points that are even farther away.
             if wheel_radius.is_some_and(|radius| away > JOINT * radius && away <= FAR * radius) {
@@ -89,14 +84,7 @@ impl PlausibilityRemarks<'_> {
         let Some(radius) = wheel_radius.filter(|_| mechanism.rigid_axle.is_none()) else {
             return;
         };
-        let joint = |constraint: &Constraint| match *constraint {
-            Constraint::Link { outer, .. } => Some(outer),
-            Constraint::StrutLine { top, .. } => Some(top),
-            Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => Some(at),
-            _ => None,
-        };
-        let mut joints: Vec<PointId> = mechanism.constraints.iter().filter_map(joint).collect();
-        joints.dedup();
+        let joints = carrier_joints(mechanism);
         let points: Vec<Vector3<f64>> = joints.into_iter().map(|id| design[id.0]).collect();
         if points.len() < 2 {
             return;
@@ -127,6 +115,17 @@ impl PlausibilityRemarks<'_> {
             }
         }
     }
+}
+
+/// Joints of the wheel carrier: outer ends of links and arms, and the top mount of a strut.
+fn carrier_joints(mechanism: &Mechanism) -> Vec<PointId> {
+    let joint = |constraint: &Constraint| match *constraint {
+        Constraint::Link { outer, .. } => Some(outer),
+        Constraint::StrutLine { top, .. } => Some(top),
+        Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => Some(at),
+        _ => None,
+    };
+    without_repetition(mechanism.constraints.iter().filter_map(joint))
 }
 
 /// The points, each once, in the order of their first occurrence.

@@ -534,6 +534,14 @@ fn runs_with_other_stations_are_compared_at_all_stations_of_the_first() {
         said.contains("those of 4 common stations only (first has 5, other has 10)"),
         "{said}"
     );
+    // Such a run changes nothing for the studies after it: the command still solves them over the motion of the first.
+    let three = ["compare", "first.toml", "other", "other.toml", "--out", "-"];
+    let [_, said] = run(directory, &three, 0);
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(
+        said.contains("(first has 5, other has 10, other.toml has 5)"),
+        "{said}"
+    );
 }
 
 /// The default directory keeps an earlier comparison of other designs.

@@ -39,6 +39,8 @@ pub(super) struct Overview {
     /// Signs of the study's axes in the kernel's frame.
     pub axes: [f64; 3],
     pub points: Vec<PointOverview>,
+    pub members: Vec<MemberOverview>,
+    pub joints: Vec<JointOverview>,
     pub design: Coordinates,
     pub scene: WholeScene,
     /// The catalogue.
@@ -120,6 +122,26 @@ pub(super) struct PointOverview {
     pub shift: [f64; 3],
     /// True for a point of a solid axle's right half, which follows the left half. Nobody edits it.
     pub follows: bool,
+}
+
+/// A member that constraints can name: a rod, a leg of an arm, a strut, a spring or a drive shaft.
+#[derive(Serialize)]
+pub(super) struct MemberOverview {
+    pub name: String,
+    /// Axle of a car to which the member belongs.
+    pub axle: Option<String>,
+    /// Indices of the points at its ends.
+    pub ends: [usize; 2],
+}
+
+/// A joint with a limit on its angle in constraints.
+#[derive(Serialize)]
+pub(super) struct JointOverview {
+    pub name: String,
+    /// Axle of a car to which the joint belongs.
+    pub axle: Option<String>,
+    /// Index of the joint's point.
+    pub point: usize,
 }
 
 #[derive(Serialize)]

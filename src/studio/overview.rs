@@ -1,8 +1,8 @@
 //! Data of the study that do not change while points move.
 
 use super::message::{
-    CharacteristicOverview, Coordinates, MotionOverview, Overview, PointOverview, Slider,
-    TargetOverview, VariableOverview, WheelDrawn, WholeScene,
+    CharacteristicOverview, Coordinates, JointOverview, MemberOverview, MotionOverview, Overview,
+    PointOverview, Slider, TargetOverview, VariableOverview, WheelDrawn, WholeScene,
 };
 use super::study_file::Opened;
 use crate::attia::PaperTheta;
@@ -12,7 +12,10 @@ use crate::model::{Axis, PointId, Suspension};
 use crate::number::Vector3;
 use crate::plan::Plan;
 use crate::report::{Scene, wanted_between};
-use crate::study::{Drive, Optimise, Study, Target, TargetKind, Variable, Vehicle, WheelStudy};
+use crate::study::{
+    Drive, Optimise, Study, Target, TargetKind, Variable, Vehicle, WheelStudy, named_joints,
+    named_members,
+};
 
 /// Overview of a study that was read.
 pub(super) fn overview(opened: &Opened) -> Overview {
@@ -56,6 +59,8 @@ pub(super) fn overview(opened: &Opened) -> Overview {
         unit: unit.symbol().to_owned(),
         axes: Axis::ALL.map(|axis| suspension.frame.sign(axis)),
         points: names.enumerate().map(point).collect(),
+        members: member_overviews(suspension, None, 0),
+        joints: joint_overviews(suspension, None, 0),
         design: coordinates(suspension, &suspension.design),
         scene: scene(suspension),
         characteristics: match &study.vehicle {
@@ -99,6 +104,37 @@ pub(super) fn variable(variable: &Variable) -> VariableOverview {
     }
 }
 
+/// Members of a suspension whose points start at index `first` of the page's points.
+pub(super) fn member_overviews(
+    suspension: &Suspension,
+    axle: Option<&str>,
+    first: usize,
+) -> Vec<MemberOverview> {
+    let overview = |(name, ends): (String, [PointId; 2])| MemberOverview {
+        name,
+        axle: axle.map(str::to_owned),
+        ends: ends.map(|end| first + end.0),
+    };
+    named_members(suspension)
+        .into_iter()
+        .map(overview)
+        .collect()
+}
+
+/// Joints of a suspension whose points start at index `first` of the page's points.
+pub(super) fn joint_overviews(
+    suspension: &Suspension,
+    axle: Option<&str>,
+    first: usize,
+) -> Vec<JointOverview> {
+    let overview = |joint: PointId| JointOverview {
+        name: suspension.mechanism.name(joint).to_owned(),
+        axle: axle.map(str::to_owned),
+        point: first + joint.0,
+    };
+    named_joints(suspension).into_iter().map(overview).collect()
+}
+
 fn scene(suspension: &Suspension) -> WholeScene {
     let scene = Scene::of(suspension);
     let wheel = scene.wheel_radius.map(|radius| WheelDrawn {
@@ -130,6 +166,7 @@ fn written(text: &str) -> serde_json::Value {
             "spring",
             "anti_roll_bar",
             "steering",
+            "compliance",
         ],
     );
     shown["mass_unit"] = mass.into();

@@ -15,6 +15,8 @@ pub(super) fn file(name: &str) -> Option<Response> {
         "server.js" => (SCRIPT, include_str!("page/server.js")),
         "design.js" => (SCRIPT, include_str!("page/design.js")),
         "cases.js" => (SCRIPT, include_str!("page/cases.js")),
+        "constraints.js" => (SCRIPT, include_str!("page/constraints.js")),
+        "picking.js" => (SCRIPT, include_str!("page/picking.js")),
         "draw.js" => (SCRIPT, include_str!("page/draw.js")),
         "runs.js" => (SCRIPT, include_str!("page/runs.js")),
         "speech.js" => (SCRIPT, include_str!("page/speech.js")),

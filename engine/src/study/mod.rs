@@ -58,6 +58,7 @@ pub use car::{
     CarBand, CarContributor, CarOptimise, CarStudy, CarSweep, CarTolerance, GgMap, TunedCar, edited,
 };
 pub use compliance::{AxleComplianceStudy, ComplianceStudy, NamedBushing, NamedLink, NamedParts};
+pub use constraints::named_joints;
 pub use convert::{UnitChoice, Units};
 pub use designs_file::DesignTable;
 pub use hardpoint_study_file::bushing_file;
@@ -71,6 +72,7 @@ pub(crate) use optimise::{GOOD_ENOUGH, MAX_ITERATIONS};
 pub use samples::{AxleSample, Sample};
 pub use scatter::{Adjustment, Band, Contributor, Increment, Law, Setup, Source, Tolerance, Want};
 pub use schema::{keys, schema};
+pub use subject::named_members;
 pub use sweep::MOST_DESIGNS;
 pub(crate) use sweep::MOST_EXCHANGED;
 pub use target::{

@@ -30,7 +30,7 @@ pub(super) fn point(
 
 /// Members of a suspension, with the names from the columns of loads: rods, legs of arms, spring. The drive shaft between
 /// two extra points is included.
-pub(super) fn members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
+pub fn named_members(suspension: &Suspension) -> Vec<(String, [PointId; 2])> {
     let mechanism = &suspension.mechanism;
     let mut members: Vec<(String, [PointId; 2])> = Vec::new();
     for constraint in &mechanism.constraints {
@@ -64,7 +64,7 @@ pub(super) fn member(
     suspension: &Suspension,
     problems: &mut Problems,
 ) -> Option<[PointId; 2]> {
-    let members = members(suspension);
+    let members = named_members(suspension);
     let options: Vec<_> = members.iter().map(|(n, m)| (n.as_str(), *m)).collect();
     choose(text, "member", &options, problems)
 }

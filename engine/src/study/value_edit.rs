@@ -261,9 +261,28 @@ fn set_table(tables: &mut ArrayOfTables, at: usize, value: Option<&Json>) -> Opt
     }
 }
 
+/// Writes each entry of a list on its own line.
+fn in_lines(list: &mut Array) {
+    for entry in list.iter_mut() {
+        entry.decor_mut().set_prefix("\n  ");
+    }
+    list.set_trailing_comma(true);
+    list.set_trailing("\n");
+}
+
 /// Entries of a table. Keys that identify its subject come first.
 fn in_usual_order(values: &serde_json::Map<String, Json>) -> Vec<(&String, &Json)> {
-    const FIRST: [&str; 5] = ["hardpoint", "characteristic", "side", "over", "axis"];
+    const FIRST: [&str; 9] = [
+        "axle",
+        "hardpoint",
+        "characteristic",
+        "members",
+        "length",
+        "articulation",
+        "side",
+        "over",
+        "axis",
+    ];
     let mut entries: Vec<_> = values.iter().collect();
     let rank = |key: &str| FIRST.iter().position(|first| *first == key);
     sort_by_key(&mut entries, |(key, _)| rank(key).unwrap_or(FIRST.len()));
@@ -280,7 +299,13 @@ fn written(value: &Json) -> Option<Value> {
             Some(whole) => whole.into(),
             None => number.as_f64()?.into(),
         },
-        Json::Array(values) => Value::Array(values.iter().map(written).collect::<Option<_>>()?),
+        Json::Array(values) => {
+            let mut list: Array = values.iter().map(written).collect::<Option<_>>()?;
+            if !list.is_empty() && values.iter().all(Json::is_object) {
+                in_lines(&mut list);
+            }
+            Value::Array(list)
+        }
         Json::Object(values) => {
             let mut table = InlineTable::new();
             for (key, value) in in_usual_order(values) {
@@ -315,6 +340,18 @@ mod tests {
             .replace("[60.0, -0.1]", "[60.0, 0.2]")
             .replace("to = 60.0", "to = 70.0");
         assert_eq!(new, expected);
+    }
+
+    #[test]
+    fn entries_of_a_new_list_have_their_own_lines() {
+        let constraint = serde_json::json!({"clearance": 5, "members": ["tie_rod", "spring"]});
+        let new = edited(serde_json::json!([
+            {"path": ["optimise", "constraints"], "value": [constraint]},
+            {"path": ["optimise", "constraints", 1], "value": {"kept": true, "length": "strut"}},
+        ]));
+        let expected = "constraints = [\n  { members = [\"tie_rod\", \"spring\"], clearance = 5 },\n  \
+                        { length = \"strut\", kept = true },\n]";
+        assert!(new.contains(expected), "{new}");
     }
 
     #[test]

@@ -3,13 +3,13 @@
 use super::misfit::{name_of, name_on_rig};
 use super::{OpenedCar, coordinates};
 use crate::car::{AXLE_NAMES, AxleParameter, Car, CarQuantity, CarVariable, rate_key};
-use crate::model::{Axis, PointId};
+use crate::model::{Axis, PointId, Suspension};
 use crate::report::{Scene, readable_unit};
 use crate::studio::message::{
     CharacteristicOverview, Overview, PointOverview, Slider, TargetOverview, VariableOverview,
     WheelDrawn, WholeScene,
 };
-use crate::studio::overview::sections;
+use crate::studio::overview::{joint_overviews, member_overviews, sections};
 use crate::study::{CarOptimise, CarStudy};
 
 /// Results that are shown at first if the study requests none.
@@ -46,6 +46,8 @@ pub(super) fn overview(opened: &OpenedCar) -> Overview {
         unit: study.car.length_unit.symbol().to_owned(),
         axes: Axis::ALL.map(|axis| study.frame().sign(axis)),
         points: points(study),
+        members: of_axles(study, member_overviews),
+        joints: of_axles(study, joint_overviews),
         design: coordinates(study),
         scene: scene(study),
         characteristics: catalogue(study),
@@ -150,6 +152,18 @@ fn points(study: &CarStudy) -> Vec<PointOverview> {
             });
         }
     }
+    found
+}
+
+/// Members or joints of both axles. `of` gives those of one axle whose points start at an index.
+fn of_axles<T>(
+    study: &CarStudy,
+    of: impl Fn(&Suspension, Option<&str>, usize) -> Vec<T>,
+) -> Vec<T> {
+    let [front, rear] = study.car.axles.each_ref().map(|axle| &axle.left);
+    let first = front.mechanism.points.len();
+    let mut found = of(front, Some(AXLE_NAMES[0]), 0);
+    found.extend(of(rear, Some(AXLE_NAMES[1]), first));
     found
 }
 

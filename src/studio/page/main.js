@@ -7,6 +7,7 @@ import { drawnPlaces, drawnValues, startCurves } from './curves.js';
 import { startCases } from './cases.js';
 import { startTable } from './table.js';
 import { startNotes } from './notes.js';
+import { startPicking } from './picking.js';
 import { startTuning } from './tuning.js';
 import { hideMessage, say } from './dialog.js';
 import { startSpeech } from './speech.js';
@@ -178,6 +179,7 @@ const start = async () => {
   startSliders();
   startDeeds();
   startViews();
+  startPicking();
   startCurves();
   startCases();
   startTable();

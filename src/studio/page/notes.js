@@ -3,7 +3,9 @@ import { brief, byId, html, inDegrees, measured, quantity, renew, scroller, set,
 import { of, begin, copy, emit, finish, isInGesture, isSame, on, onRest, snapped, state } from './design.js';
 import { openTab, tellTab } from './layout.js';
 import { post } from './server.js';
-import { constraintForms, partForms, targetForms } from './targets.js';
+import { constraintForms } from './constraints.js';
+import { markMembersIn } from './picking.js';
+import { partForms, targetForms } from './targets.js';
 import { select } from './views.js';
 
 let limits = null;
@@ -37,6 +39,7 @@ const lead = (place) => {
 // Selects the first point whose name occurs in a text.
 const selectNamed = (text) => {
   const { points } = state.overview;
+  markMembersIn(text);
   const found = points.findIndex(({ name }) => text.includes(name));
   if (found >= 0) return select(found);
   const body = state.overview.scene.bodies.find(({ name }) => text.includes(name) || text.includes(name.replaceAll(' ', '_')));
@@ -116,7 +119,7 @@ const targets = () => {
 
 const constraints = () => {
   const margins = state.answer?.misfit?.constraints ?? [];
-  if (!margins.length) return [panel('Constraints', html('p', { class: 'hint', text: state.overview.is_car ? 'The study has no constraints. Write [[optimise.constraints]] into the file to add one.' : 'The study has no constraints. Write [[optimise.constraints]] into the file to add one: a clearance between members, a length, an articulation. The page then shows its margin, and its limits can be changed here.' }))];
+  if (!margins.length) return [panel('Constraints', html('p', { class: 'hint', text: 'The study has no constraints.' }))];
   const rows = margins.map((c) => html('tr', { class: c.is_violated ? 'violated' : null },
     html('th', { scope: 'row' }, html('button', { class: 'name', text: inDegrees(c.is_violated ? `${c.name}, violated` : c.name), title: 'Show it in the views', on: { click: () => selectNamed(c.name) } })),
     html('td', { class: `number ${c.is_violated ? 'bad' : ''}`, text: `${brief(c.margin, 3)} ${inDegrees(c.unit)}` })));

@@ -5,8 +5,8 @@ import { placeAfter, state, takeOverview } from './design.js';
 import { markNumber, question, refuse, retract } from './dialog.js';
 import { post } from './server.js';
 
-const words = (text) => text.replaceAll(/[_.]/g, ' ');
-const optimise = () => state.overview.written.optimise;
+export const words = (text) => text.replaceAll(/[_.]/g, ' ');
+export const optimise = () => state.overview.written.optimise;
 // Degrees on a chart per unit of a target's drive value. A study may write the angles of a motion in radians.
 export const degreesPerDrive = (motion) => {
   const { motion: own, motions } = state.overview.written;
@@ -17,7 +17,7 @@ export const writtenTarget = (k) => optimise()?.targets?.[k];
 
 // Sends edits, and takes the study that they give. Returns the reason of a refusal, or null.
 let busy = Promise.resolve();
-const tried = (edits, label) => {
+export const tried = (edits, label) => {
   busy = busy.then(async () => {
     try {
       const overview = await post('edit', { digest: state.overview.digest, edits });
@@ -36,10 +36,10 @@ export const edit = async (edits, label) => {
   if (refused !== null) refuse(`Not changed: ${refused}`);
   return refused === null;
 };
-const at = (...path) => ['optimise', ...path];
+export const at = (...path) => ['optimise', ...path];
 const nameOf = (k) => (state.overview.is_car ? goalName(writtenTarget(k) ?? {}) : quantity(state.overview.targets[k]?.column ?? `target ${k + 1}`));
 // Name of a target or a constraint of a car in the study. The page lists targets of load cases before targets of a single axle.
-const goalName = (own) => words([own.characteristic ?? own.load ?? 'target', own.case ? `in ${[].concat(own.case).join(', ')}` : `of the ${own.axle} axle`].join(' '));
+export const goalName = (own) => words([own.characteristic ?? own.load ?? 'target', own.case ? `in ${[].concat(own.case).join(', ')}` : `of the ${own.axle} axle`].join(' '));
 // `between` has two limits, so the name depends on the index of the limit.
 const endOf = ([key, end]) => (key === 'between' ? LIMITS.between[end] : words(key));
 export const setTarget = (k, path, value) => edit([{ path: at('targets', k, ...path), value }], `Target ${nameOf(k)}: ${endOf(path)} ${brief(value)}`);
@@ -60,13 +60,13 @@ const field = (label, value, change, isOptional = false) => {
   input.addEventListener('keydown', (event) => { if (event.key === 'Escape') { fill(input, written); markNumber(input, false, label); input.blur(); } });
   return input;
 };
-const remover = (label, path, name) => html('button', { class: 'small', text: '✕', title: label, 'aria-label': label, on: { click: () => edit([{ path, value: null }], `Removed ${name}`) } });
-const headed = (title, head, rows, ...more) => html('div', { class: head.length > 5 ? 'panel form wide' : 'panel form' }, html('h2', { text: title }), scroller(title,
+export const remover = (label, path, name) => html('button', { class: 'small', text: '✕', title: label, 'aria-label': label, on: { click: () => edit([{ path, value: null }], `Removed ${name}`) } });
+export const headed = (title, head, rows, ...more) => html('div', { class: head.length > 5 ? 'panel form wide' : 'panel form' }, html('h2', { text: title }), scroller(title,
   html('table', {}, html('thead', {}, html('tr', {}, ...head.map((text) => html(text ? 'th' : 'td', { text })))), html('tbody', {}, ...rows))), ...more);
 
 // Fields for the numbers in a table of the study that are limits or target values.
 const LIMITS = { between: ['from', 'to'], at_least: 'at least', at_most: 'at most', clearance: 'clearance', value: 'value', at: 'at' };
-const limitFields = (entry, path, name) => Object.entries(LIMITS).flatMap(([key, label]) => {
+export const limitFields = (entry, path, name) => Object.entries(LIMITS).flatMap(([key, label]) => {
   const value = entry[key];
   const one = (text, number, ...step) => html('label', { class: 'limit' }, `${text} `, field(`${name}: ${text}`, number, (to) => edit([{ path: [...path, key, ...step], value: to }], `${name}: ${text} ${brief(to)}`)), ' ');
   if (Number.isFinite(value)) return [one(label, value)];
@@ -192,19 +192,11 @@ const carForms = () => {
   const loads = cases.map((own, k) => row(own.name, ...used.map((key) => rateField(words(`${own.name} ${key}`), ['cases', k, key], own[key]))));
   return [headed('Car', ['value', ''], values), headed('Axles', ['value', 'front', 'rear'], rates), ...(loads.length ? [headed('Load cases', ['case', ...used.map((key) => words(key) + unitOf(key))], loads)] : [])];
 };
-// Keys that name the subject of a constraint.
-const SUBJECTS = ['length', 'members', 'articulation', 'point', 'characteristic', 'plunge', 'angle', 'load'];
-const constraintName = (constraint) => {
-  const kind = SUBJECTS.find((key) => constraint[key] !== undefined);
-  return kind ? words(`${kind} ${[].concat(constraint[kind]).join(', ')}`) : 'constraint';
-};
-// Forms of the Constraints tab.
-export const constraintForms = () => {
-  const rows = (optimise()?.constraints ?? []).map((constraint, k) => {
-    const name = state.overview.is_car && constraint.characteristic ? goalName(constraint) : constraintName(constraint);
-    return html('tr', {}, html('th', { scope: 'row', text: name }), html('td', {}, ...limitFields(constraint, at('constraints', k), name)), html('td', {}, remover(`Remove ${name}`, at('constraints', k), name)));
-  });
-  return rows.length ? [headed('Change constraints', ['constraint', 'limit', ''], rows)] : [];
+// Adds a constraint. Returns the reason of a refusal, or null.
+export const addConstraint = (constraint, name) => {
+  const { constraints } = optimise();
+  const change = constraints ? { path: at('constraints', constraints.length), value: constraint } : { path: at('constraints'), value: [constraint] };
+  return tried([change], `Added constraint ${name}`);
 };
 
 // The keys by which a study names a column of the curves.
@@ -220,8 +212,8 @@ const subjectOf = (column, others) => {
   if (state.overview.is_axle && !state.overview.is_car) own.over = state.overview.sliders[state.over].key;
   return own;
 };
-const labelled = (text, input) => html('label', { class: 'direction' }, html('span', { text }), input);
-const number = (value) => html('input', { type: 'text', inputmode: 'decimal', value: String(value), autocomplete: 'off' });
+export const labelled = (text, input) => html('label', { class: 'direction' }, html('span', { text }), input);
+export const number = (value) => html('input', { type: 'text', inputmode: 'decimal', value: String(value), autocomplete: 'off' });
 
 // Fields of a new target on a chart: a band, over a part of the motion if both ends are given, or a value at one position.
 const placesOnChart = () => {
@@ -233,6 +225,7 @@ const placesOnChart = () => {
     onBand: ends.map((end, k) => labelled(`${k ? 'To' : 'From'} ${slider.name} [${slider.unit}] (empty: whole motion)`, end)),
     onValue: [labelled(`Position, ${slider.name} [${slider.unit}]`, place)],
     words: ['stays between two limits', 'has a value at one position'],
+    limits: (low, high) => ({ between: [low, high] }),
     // The keys of the target; null if a field has no number.
     keys: (isBand, low, high) => {
       const drive = ({ value }) => (parsed(value) === null ? null : parsed(value) / degreesPerDrive(state.motion));
@@ -257,10 +250,11 @@ const placesInCases = (values, put) => {
     onBand: [],
     onValue: [],
     words: ['lies between two limits', 'has a value'],
+    limits: (low, high) => ({ case: names[Number(own.value)], between: [low, high] }),
     keys: (isBand, low, high) => ({ case: names[Number(own.value)], ...(isBand ? { between: [low, high] } : { value: low }) }),
   };
 };
-const rounded = (value) => Number(value.toPrecision(3));
+export const rounded = (value) => Number(value.toPrecision(3));
 // A point that is usually moved for a quantity: the inner joint of the tie rod or toe link for toe and steer.
 const usualPoint = (column) => (/toe|steer/.test(column) ? state.overview.points.find(({ name }) => /(tie_rod|toe_link)_inner$/.test(name)) : undefined);
 
@@ -277,29 +271,38 @@ export const askForTarget = async (series, answer) => {
   // The default band of a new target of a load case is around the present value.
   const around = (value) => [fields.low, fields.high].forEach((field, k) => { if (value !== null) field.value = String(rounded(value + (k - 0.5) * 0.1 * Math.max(Math.abs(value), 1e-2))); });
   const places = state.overview.is_car ? placesInCases(columns[0].values, around) : placesOnChart();
-  const kind = html('select', {}, ...['band', 'value'].map((value, k) => html('option', { value, text: places.words[k] })));
+  const isFirst = !optimise();
+  const kinds = isFirst ? ['band', 'value'] : ['band', 'value', 'limit'];
+  const kind = html('select', {}, ...kinds.map((value, k) => html('option', { value, text: places.words[k] ?? 'must stay between two limits: a constraint' })));
   const [lower, upper] = [labelled('', fields.low), labelled(`Upper limit [${unit}]`, fields.high)];
+  const tolerated = labelled(`Tolerance [${unit}]`, fields.tolerance);
   const arrange = () => {
-    const isBand = kind.value === 'band';
-    for (const row of [upper, ...places.onBand]) row.hidden = !isBand;
-    for (const row of places.onValue) row.hidden = isBand;
-    lower.querySelector('span').textContent = isBand ? `Lower limit [${unit}]` : `Value [${unit}]`;
+    const isValue = kind.value === 'value';
+    upper.hidden = isValue;
+    for (const row of places.onBand) row.hidden = kind.value !== 'band';
+    for (const row of places.onValue) row.hidden = !isValue;
+    tolerated.hidden = kind.value === 'limit';
+    lower.querySelector('span').textContent = isValue ? `Value [${unit}]` : `Lower limit [${unit}]`;
   };
   kind.addEventListener('change', arrange);
   arrange();
   const point = html('select', {}, ...state.overview.points.filter(({ follows }) => !follows).map(({ name }) => html('option', { value: name, text: words(name) })));
-  const first = !optimise();
-  if (first) point.value = (state.overview.points[state.selected] ?? usualPoint(column) ?? state.overview.points[0]).name;
+  if (isFirst) point.value = (state.overview.points[state.selected] ?? usualPoint(column) ?? state.overview.points[0]).name;
   const add = () => {
     const isBand = kind.value === 'band';
     const [lowest, highest, tolerance] = ['low', 'high', 'tolerance'].map((key) => parsed(fields[key].value));
+    if (kind.value === 'limit') {
+      if (lowest === null || highest === null) return 'A field has no number.';
+      const { over, ...own } = subject;
+      return addConstraint({ ...own, ...places.limits(lowest, highest) }, title);
+    }
     const wanted = lowest === null || tolerance === null || (isBand && highest === null) ? null : places.keys(isBand, lowest, highest);
     if (!wanted) return 'A field has no number.';
     const target = { ...subject, ...wanted, tolerance };
-    return tried(first ? firstTarget(target, point.value) : [{ path: at('targets', optimise().targets?.length ?? 0), value: target }], `Added target ${title}`);
+    return tried(isFirst ? firstTarget(target, point.value) : [{ path: at('targets', optimise().targets?.length ?? 0), value: target }], `Added target ${title}`);
   };
-  await question(`Add a target for ${title}`, first ? 'The study has no variables yet. Tune may move the point that you choose, in y and z.' : 'Limits and values can be changed afterwards.', [['add', 'Add target', add], ['', 'Cancel']],
-    labelled('The quantity', kind), ...places.always, lower, upper, ...places.onBand, ...places.onValue, labelled(`Tolerance [${unit}]`, fields.tolerance), ...(first ? [labelled('Point that may move', point)] : []));
+  await question(isFirst ? `Add a target for ${title}` : `Add a target or a constraint for ${title}`, isFirst ? 'The study has no variables yet. Tune may move the point that you choose, in y and z.' : 'Limits and values can be changed afterwards.', [['add', 'Add target', add], ['', 'Cancel']],
+    labelled('The quantity', kind), ...places.always, lower, upper, ...places.onBand, ...places.onValue, tolerated, ...(isFirst ? [labelled('Point that may move', point)] : []));
 };
 const firstTarget = (target, point) => {
   const by = { mm: 10, m: 0.01, in: 0.4 }[state.overview.unit];

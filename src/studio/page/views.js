@@ -2,6 +2,7 @@
 import { along, AXES, brief, byId, centred, cross, dot, heldByFinger, html, minus, norm, placed, set, show, signed, svg, tenth, write } from './draw.js';
 import { MechanismView } from './mechanism_view.js';
 import { flat, rims } from './space.js';
+import { MemberLines } from './picking.js';
 import { announce } from './speech.js';
 import { begin, emit, finish, gradient, grip, isEdited, moveTo, on, snapped, state, stepped } from './design.js';
 
@@ -90,9 +91,10 @@ class View extends MechanismView {
     super({
       name, basis,
       title: `${title}. Arrow keys ${basis ? 'move' : 'turn'} the picture, plus and minus zoom, Home fits. The points follow.`, scene: () => state.overview?.scene,
-      layers: ['grid', 'ghost', 'pins', 'proposal', 'other', 'bodies', 'marks', 'arrows', 'handles', 'words'],
+      layers: ['grid', 'ghost', 'pins', 'proposal', 'other', 'bodies', 'marks', 'arrows', 'handles', 'members', 'words'],
     });
     this.title = title;
+    this.members = new MemberLines(this.layers.members);
     set(this.svg, { tabindex: 0 });
     this.svg.addEventListener('keydown', (event) => { if (event.target === this.svg) this.keyOfPicture(event); });
     const zoom = this.zoomButton = html('button', { class: 'zoom', 'aria-pressed': 'false', title: `${title} alone`, 'aria-label': `${title} alone`, text: '⤢', on: { click: () => this.enlarge() } });
@@ -143,6 +145,7 @@ class View extends MechanismView {
       arrow.group.addEventListener('pointerenter', () => write(title, arrow.words()));
       return arrow;
     });
+    this.members.build();
     // Circle of the selected point, above overlapping points.
     this.top = this.layers.words.appendChild(svg('circle', { class: 'top', r: 7 }));
     this.words = points.map(({ name }) => this.layers.words.appendChild(svg('text', { text: name })));
@@ -223,6 +226,7 @@ class View extends MechanismView {
     const top = state.selected === null ? null : this.places[state.selected];
     show(this.top, top);
     if (top) set(this.top, centred(...top));
+    this.members.draw(isDrawn, (ends) => this.path(ends.map((p) => placeIn(frame, p))));
     this.drawWords(frame);
   }
 

@@ -2,7 +2,7 @@
 
 use super::browser::{READY, SETTLED, assert_drawn_as_solved, handle};
 use super::webdriver::Browser;
-use super::{Served, sample};
+use super::{Served, columns, sample, solved};
 use serde_json::json;
 
 const TUNED_RATES: &str = r#"
@@ -244,5 +244,121 @@ fn a_target_limits_a_part_of_the_motion() {
         assert_eq!((&point[1], &point[2]), (&json!(3.1), &json!(3.9)));
     }
     browser.wait(SETTLED);
+    assert_eq!(browser.console(), Vec::<String>::new());
+}
+
+/// A script that clicks the middle of a member in a view.
+fn click_member(view: &str, name: &str) -> String {
+    format!(
+        "const line = document.querySelector('[data-view={view}] [data-member={name}] .hit'); \
+         line.dispatchEvent(new PointerEvent('pointerdown', {{ bubbles: true }}))"
+    )
+}
+
+/// A script that clicks the button with this text in an element.
+fn click_button(within: &str, text: &str) -> String {
+    format!(
+        "[...document.querySelectorAll('{within} button')].find((b) => b.textContent.startsWith('{text}')).click()"
+    )
+}
+
+/// The user adds a clearance by clicking two members, a kept length from the list, a joint angle, and limits of a quantity.
+/// The page shows the margins that `hardpoint optimise` checks, and saves the constraints.
+#[test]
+fn constraints_are_added_by_clicking_members() {
+    let Some(browser) = Browser::start() else {
+        return;
+    };
+    let served = Served::of(&sample("double_wishbone_front.toml"));
+    browser.open(&served.address);
+    browser.wait(READY);
+    browser.click("#tab-constraints");
+    let begin = |text: &str| browser.run(&click_button("#pane-constraints", text));
+    let add = || {
+        browser.run(&click_button("#dialog", "Add constraint"));
+    };
+    let count = "studio.state.overview.written.optimise.constraints?.length";
+
+    // Escape gives the choice up.
+    begin("Clearance");
+    browser.wait("document.documentElement.dataset.picking");
+    browser.keys(&["\u{E00C}"]);
+    browser.wait("!document.documentElement.dataset.picking");
+
+    begin("Clearance");
+    browser.run(&click_member("front", "tie_rod"));
+    browser.run(&click_member("space", "lower_arm_front"));
+    browser.wait("document.getElementById('dialog').open");
+    add();
+    browser.wait(&format!("{count} === 1"));
+    browser.wait(SETTLED);
+    let margin =
+        browser.run("return studio.state.answer.misfit.constraints.map((c) => [c.name, c.margin])");
+    assert_eq!(
+        margin[0][0],
+        json!("clearance of tie_rod and lower_arm_front")
+    );
+
+    // Two members that meet in a joint have no clearance: the dialog stays open with the reason.
+    begin("Clearance");
+    browser.run(&click_member("top", "lower_arm_rear"));
+    browser.run(&click_member("top", "lower_arm_front"));
+    browser.wait("document.getElementById('dialog').open");
+    add();
+    browser.wait("document.querySelector('#dialog .bad').textContent.includes('meet in a joint')");
+    browser.run(&click_button("#dialog", "Cancel"));
+    browser.wait("!document.getElementById('dialog').open");
+
+    begin("Length");
+    browser.run(&click_button("#banner", "Choose from a list"));
+    browser.wait("document.getElementById('dialog').open");
+    add();
+    browser.wait(&format!("{count} === 2"));
+    begin("Angle");
+    browser.wait("document.getElementById('dialog').open");
+    add();
+    browser.wait(&format!("{count} === 3"));
+
+    // A limit of a quantity, from its chart.
+    browser.run(&click_button(
+        ".chartbox[data-column^=camber_deg]",
+        "+ target",
+    ));
+    browser.wait("document.getElementById('dialog').open");
+    browser.run(
+        "const kind = document.querySelector('#dialog select'); kind.value = 'limit'; kind.dispatchEvent(new Event('change'))",
+    );
+    browser.run(&click_button("#dialog", "Add target"));
+    browser.wait(&format!("{count} === 4"));
+    browser.wait(SETTLED);
+
+    // A click on the name of a constraint marks its members.
+    browser.run(&click_button("#pane-constraints .panel", "clearance of"));
+    let marked = "return [...document.querySelectorAll('[data-view=front] .member.marked')].map((m) => m.dataset.member)";
+    let marked = browser.run(marked);
+    assert_eq!(marked, json!(["lower_arm_front", "tie_rod"]));
+
+    browser.click("#save");
+    browser.wait("document.getElementById('dialog').open");
+    browser.click("#dialog button[value=yes]");
+    browser.wait("document.getElementById('banner').textContent.includes('saved')");
+
+    // The margin of the clearance is the smallest one of `hardpoint solve` minus the limit of 5 mm. Between stations it may be
+    // slightly smaller.
+    let asked = "\n[outputs]\ncharacteristics = [\"camber\"]\nclearances = [[\"tie_rod\", \"lower_arm_front\"]]\n";
+    let saved = served.text();
+    let outputs = saved.find("\n[outputs]").unwrap();
+    let rest = outputs + 1 + saved[outputs + 1..].find("\n[").unwrap();
+    let study = [&saved[..outputs], &saved[rest..], asked].concat();
+    std::fs::write(&served.study, study).unwrap();
+    let curves = columns(&solved(&served.study));
+    let (_, gaps) = curves
+        .iter()
+        .find(|(name, _)| name.contains("clearance"))
+        .unwrap();
+    let least = gaps.iter().flatten().copied().fold(f64::INFINITY, f64::min);
+    let margin = margin[0][1].as_f64().unwrap();
+    let excess = least - 5.0 - margin;
+    assert!((-1e-9..0.1).contains(&excess), "{least} {margin}");
     assert_eq!(browser.console(), Vec::<String>::new());
 }

@@ -12,6 +12,9 @@ use crate::model::{Body, Constraint as Holds, Mechanism, PointId, SteeringAxis, 
 use crate::number::Each;
 use toml::Spanned;
 
+/// Names of the extra points at the joints of a drive shaft.
+const SHAFT: [&str; 2] = ["drive_shaft_inner", "drive_shaft_outer"];
+
 impl Reader<'_> {
     pub(super) fn articulation(
         &self,
@@ -89,22 +92,13 @@ pub(crate) fn joint_angle(
         return Some(of);
     }
     let stud = stud(name, joint, file, suspension, problems)?;
-    let arm = mechanism.arms.iter().find(|arm| arm.outer == joint);
-    let rod = mechanism.constraints.iter().find_map(|c| match *c {
-        Holds::Link { inner, outer } if outer == joint => Some(inner),
-        _ => None,
-    });
-    match (arm, rod) {
-        (Some(arm), _) if mechanism.body(joint) == Body::Knuckle => Some(Measure::BallJoint {
-            joint,
-            axis: [arm.front, arm.rear],
-            stud,
-        }),
-        (None, Some(other)) => Some(Measure::RodEnd {
+    match Housing::of(joint, mechanism) {
+        Some(Housing::Arm(axis)) => Some(Measure::BallJoint { joint, axis, stud }),
+        Some(Housing::Rod(other)) => Some(Measure::RodEnd {
             rod: [joint, other],
             stud,
         }),
-        _ => {
+        None => {
             let message = format!(
                 "{} is not a joint of the wheel carrier with an arm or a rod",
                 name.get_ref()
@@ -112,6 +106,44 @@ pub(crate) fn joint_angle(
             problems.refuse(name.span(), message)
         }
     }
+}
+
+/// Part that has the housing of a joint of the wheel carrier.
+enum Housing {
+    /// An arm, with its two pivots.
+    Arm([PointId; 2]),
+    /// A rod, with its other end.
+    Rod(PointId),
+}
+
+impl Housing {
+    /// Part at a joint. `None` if the point is not a joint of the wheel carrier with an arm or a rod.
+    fn of(joint: PointId, mechanism: &Mechanism) -> Option<Self> {
+        let arm = mechanism.arms.iter().find(|arm| arm.outer == joint);
+        let rod = mechanism.constraints.iter().find_map(|c| match *c {
+            Holds::Link { inner, outer } if outer == joint => Some(inner),
+            _ => None,
+        });
+        match (arm, rod) {
+            (Some(arm), _) if mechanism.body(joint) == Body::Knuckle => {
+                Some(Housing::Arm([arm.front, arm.rear]))
+            }
+            (None, Some(other)) => Some(Housing::Rod(other)),
+            _ => None,
+        }
+    }
+}
+
+/// Joints with a limit on their angle: joints of the wheel carrier with an arm or a rod, and both joints of a drive shaft.
+pub fn named_joints(suspension: &Suspension) -> Vec<PointId> {
+    let mechanism = &suspension.mechanism;
+    let points = (0..mechanism.points.len()).map(PointId);
+    let points = points.filter(|point| !mechanism.is_far(*point));
+    let shaft = SHAFT.each(|end| mechanism.point(end));
+    let is_of_shaft = |point| shaft.iter().all(Option::is_some) && shaft.contains(&Some(point));
+    points
+        .filter(|point| is_of_shaft(*point) || Housing::of(*point, mechanism).is_some())
+        .collect()
 }
 
 /// Joint of a drive shaft with this name. `None` for another name.
@@ -130,7 +162,7 @@ fn shaft_joint(
         let message = format!("{} must be a point of the {expected}", name.get_ref());
         return problems.refuse(name.span(), message);
     }
-    let ends = ["drive_shaft_inner", "drive_shaft_outer"].each(|end| mechanism.point(end));
+    let ends = SHAFT.each(|end| mechanism.point(end));
     let [Some(inner), Some(outer)] = ends else {
         let message = "a drive shaft has two ends: expected the extra points drive_shaft_inner and \
                        drive_shaft_outer";

@@ -22,6 +22,7 @@ use crate::compliance::KcValue;
 use crate::model::{LengthUnit, Side, Suspension};
 use crate::number::{Each, Vector3};
 pub(super) use joints::joint_angle;
+pub use joints::named_joints;
 use limits::{LIMITS, Limits, words};
 use std::ops::Range as Span;
 use toml::Spanned;

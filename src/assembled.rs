@@ -32,7 +32,7 @@ pub struct Assembled {
 
 /// Assemblies of one wheel.
 pub struct WheelAssemblies {
-    /// Side of the wheel on its axle. `None` in a study of one wheel.
+    /// Left or right wheel of an axle. `None` in a study of one wheel.
     pub side: Option<Side>,
     /// Number of assemblies.
     pub found: usize,
@@ -155,7 +155,7 @@ struct Search<'w> {
     solver: Solver<'w>,
     travel: f64,
     all: Assemblies,
-    /// Pose that is connected to the design position.
+    /// Pose that can be reached from the design position by a continuous motion.
     connected: Option<Pose<f64>>,
 }
 

@@ -79,11 +79,11 @@ enum Command {
     /// Tune the hardpoints until they meet the targets
     #[command(alias = "optimize")]
     Optimise(OptimiseArguments),
-    /// Compute adjustments that give the target static values, and the effect of a turn of each
+    /// Compute adjustments that give the target static values, and the effect of one turn of each adjustment
     Setup(RunArguments),
     /// Compute the effect of manufacturing scatter: sigma, percentiles, yield, contributors
     Tolerance(ToleranceArguments),
-    /// Find the limits of travel, rack and arm, with the cause of each
+    /// Find the limits of travel, rack and arm, with the cause of each limit
     Limits(LimitsArguments),
     /// Find every way to assemble the design's lengths at a given travel
     Assemblies(AssembliesArguments),
@@ -305,7 +305,7 @@ fn up_to<const MOST: usize>(text: &str) -> Result<usize, String> {
 /// Benchmarks.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum BenchKind {
-    /// Poses per second by lanes, threads and outputs, compared with the formulation of Attia's paper
+    /// Poses per second by number of SIMD lanes, threads and outputs, compared with the formulation of Attia's paper
     Throughput,
     /// Computing time against true error of poses, curves and derivatives
     Accuracy,
@@ -416,7 +416,7 @@ pub fn forget_interrupt() {
 }
 
 /// Runs like [`run`] with these arguments. The first one is the program's name. Returns the exit code. A second signal ends the
-/// process. The first signal also ends it if there are no results to keep.
+/// process. The first signal also ends the process if there are no results to keep.
 pub fn run_with<A: Into<std::ffi::OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
     interrupt::listen();
     let code = run_embedded(arguments);

@@ -82,7 +82,7 @@ pub(super) fn template(topology: &str, parts: &[String]) -> Result<String, Strin
 fn write_car((name, files): &CarTemplate, arguments: &NewArguments) -> Result<Exit, Stop> {
     if !arguments.with.is_empty() {
         return Err(Stop::wrong_input(format!(
-            "{name} has no parts to add: leave --with out"
+            "{name} has no parts to add: omit --with"
         )));
     }
     let directory = arguments.out.as_deref().unwrap_or(Path::new("."));

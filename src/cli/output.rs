@@ -445,7 +445,7 @@ pub(super) fn inputs(study: &Study, path: &Path) -> Vec<PathBuf> {
 }
 
 /// Thread pool of a run with this number of pieces of work. It has at most one thread per core and per piece, because more
-/// threads would only use memory. If the request was for more, it prints the smaller number.
+/// threads would only use memory. If more threads were requested, the function prints the smaller number.
 pub(super) fn pool(asked: Option<NonZeroUsize>, pieces: u64) -> Result<rayon::ThreadPool, Stop> {
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let useful = cores

@@ -121,7 +121,7 @@ fn load_row(test: &KcTest, unit: LengthUnit, at: &str) -> Row {
     }
 }
 
-/// Appends the rows of all loads. Tests that differ only in window or levels have one row. `unit` is the study's.
+/// Appends the rows of all loads. Tests that differ only in window or levels have one row. `unit` is the study's length unit.
 fn append_loads(
     rows: &mut Vec<ElasticRow>,
     unit: LengthUnit,

@@ -27,8 +27,8 @@ pub fn brief(value: f64) -> String {
     without_zeros(&format!("{value:.decimals$}")).to_owned()
 }
 
-/// Compares the end of a range with its wanted value: `ends at 7.5, not 8`. If both have the same six digits, it gives their
-/// difference: `ends 0.000002 below 8`. A rounding error does not count: `reaches 8`.
+/// Compares the end of a range with its wanted value: `ends at 7.5, not 8`. If both values have the same six digits, the text
+/// states the difference: `ends 0.000002 below 8`. A rounding error does not count: `reaches 8`.
 pub fn ends_at(value: f64, wanted: f64) -> String {
     let (reached, target) = (brief(value), brief(wanted));
     if reached != target {

@@ -68,8 +68,8 @@ struct FailedStation {
 }
 
 impl SolveSummary {
-    /// Summarises curves. `design` has the curves of the design position alone. Without them, the design position is taken from
-    /// the stations, if it is one of them.
+    /// Summarises curves. `design` has the curves of the design position alone. Without these curves, the values come from the
+    /// station at the design position, if there is one.
     pub fn of(study: &Study, curves: &Curves, design: Option<&Curves>) -> Self {
         let wheel = study.wheel();
         let stations = curves.stations.iter().enumerate();

@@ -1,7 +1,7 @@
 //! An axle on the live page: its sliders, its curves, and the positions of its wheels.
 //!
-//! The page moves points of the left wheel. If the right wheel has its own hardpoints, they move as mirror images, as with a
-//! variable of a tuning.
+//! The page moves points of the left wheel. If the right wheel has its own hardpoints, these move as mirror images of the left
+//! points, as with a variable of a tuning.
 
 use super::answer::columns;
 use super::beside::beside;
@@ -258,7 +258,7 @@ pub(super) fn solved(
 }
 
 /// Stations of a motion in the group nearest to the sliders at `at`: only the coordinate with the index `over` moves. A motion
-/// over time and a motion of rows stay whole.
+/// over time, and a motion given as a table of rows, keep all stations.
 fn shown_alone(motion: &AxleMotion, (over, at): (usize, &[f64]), axle: &Axle) -> AxleMotion {
     let mut shown = motion.clone();
     if motion.time.is_some() || motion.has_rows() {

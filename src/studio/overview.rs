@@ -224,8 +224,8 @@ fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     (vec![drive, rack], 0)
 }
 
-/// Slider of the rack, or of the drag link that steers a solid axle. Its range is the range of the motion, or of a usual rack. If
-/// nothing steers the wheels, the range is empty.
+/// Slider of the rack, or of the drag link that steers a solid axle. The range of the slider is the range of the motion, or of
+/// a usual rack. If nothing steers the wheels, the range is empty.
 pub(super) fn rack_slider(suspension: &Suspension, home: f64, racks: &[f64]) -> Slider {
     let (unit, mechanism) = (suspension.length_unit, &suspension.mechanism);
     let name = match mechanism.axle_steering() {

@@ -103,7 +103,7 @@ mod tests {
                 }
             }
             assert!(contrast(palette["on-accent"], palette["accent"]) >= 4.5);
-            // Lines of a family are transparent.
+            // The lines for the other values of a slider are partly transparent.
             for side in ["accent", "right"] {
                 let is = contrast(&mixed(palette[side], paper, 0.75), paper);
                 assert!(is >= 3.0, "{side}: {is:.2}");

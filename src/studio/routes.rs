@@ -361,7 +361,7 @@ impl ServerState {
         let (_, html) = reports.iter().find(|(n, _)| *n == number)?;
         let body = html.as_bytes().to_vec();
         Some(Response {
-            // The report contains its own policy for scripts. It loads nothing and connects to nothing.
+            // The report contains its own policy for scripts. The report loads nothing and connects to nothing.
             policy: "frame-ancestors 'none'".into(),
             ..Response::new(200, "text/html; charset=utf-8", body)
         })

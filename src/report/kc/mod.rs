@@ -1,5 +1,5 @@
-//! Results of `kc` tests on one wheel or an axle: `kc.csv` and `compliance_matrix.csv`. The modules below have levels, tables,
-//! sensitivities and remarks.
+//! Results of `kc` tests on one wheel or an axle: `kc.csv` and `compliance_matrix.csv`. The submodules write the load levels,
+//! tables, sensitivities and remarks.
 
 mod levels;
 mod names;
@@ -25,9 +25,9 @@ use names::{OtherFigure, StationMatrix};
 pub struct KcResults<'a> {
     /// The suspension.
     pub suspension: &'a Suspension,
-    /// Names of the bushings, in the order of their readings.
+    /// Names of the bushings, in the order of the bushing values in the results.
     pub bushings: Vec<String>,
-    /// Names of the links, in the order of their tensions.
+    /// Names of the links, in the order of the link tensions in the results.
     pub links: Vec<String>,
     /// Vertical force at each contact point in the design position, if that is an equilibrium.
     pub design_loads: Vec<f64>,
@@ -90,7 +90,7 @@ fn bar(test: &KcTest) -> &'static str {
     }
 }
 
-/// Part of the steering that is held in a test of an axle.
+/// Part of the steering that is fixed in a test of an axle.
 fn steering(test: &KcTest) -> &'static str {
     if test.locks_rack {
         "locked_rack"
@@ -99,7 +99,7 @@ fn steering(test: &KcTest) -> &'static str {
     }
 }
 
-/// Mode of a load test: the quantity that is held.
+/// Mode of a load test: the quantity that stays constant.
 fn mode(test: &KcTest) -> &'static str {
     if test.load.is_motion() {
         ""
@@ -238,8 +238,8 @@ impl KcResults<'_> {
         value.map(|value| value * figure.unit.printed_factor(self.length()))
     }
 
-    /// Result by the definition of another program. `None` if the test has another anti-roll bar or steering than the
-    /// matrix.
+    /// Result by the definition of another program. `None` if the anti-roll bar or the steering has another state in the test
+    /// than in the compliance matrix.
     fn other_figure(
         &self,
         program: OtherProgram,
@@ -343,7 +343,8 @@ impl KcResults<'_> {
         }
     }
 
-    /// Properties that distinguish tests with the same load, such as `trail 30 mm`. Empty for the plain test.
+    /// Properties that distinguish tests with the same load, such as `trail 30 mm` (the force acts 30 mm behind the contact
+    /// point). Empty if the test has no such property.
     pub(in crate::report) fn test_apart(&self, test: &KcTest) -> String {
         let mut parts = Vec::new();
         if test.trail != 0.0 {

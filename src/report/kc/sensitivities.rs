@@ -113,7 +113,7 @@ impl KcResults<'_> {
         let inputs = self.inputs(parts, &[], points);
         let parameters: Vec<Parameter> = inputs.iter().map(|input| input.parameter).collect();
         let gradients = |station: &KcStation, outcomes: &[KcOutcome]| {
-            // One result after the other. Its secant follows if the test has levels.
+            // Lists one result after the other. If the test has load levels, each result is followed by its secant.
             let mut wanted = Vec::new();
             let mut places: Vec<Vec<FigureGradients>> = Vec::new();
             let mut of_wanted = Vec::new();

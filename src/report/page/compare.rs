@@ -116,8 +116,8 @@ fn figures(comparison: &Comparison, moving: &[String], charts: &mut Charts) -> S
     figures
 }
 
-/// Curves of a design without their columns. There is one curve with its rows for each value of the second moving coordinate. The
-/// name of the design is given in full and in short form.
+/// Curves of a design, without the columns. For each value of the second moving coordinate, there is one curve with the rows of
+/// the table. The name of the design is given in full and in short form.
 fn lines_of_design(
     table: &CurveTable,
     apart: &[&String],

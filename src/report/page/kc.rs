@@ -17,7 +17,7 @@ const FIRST: [&str; 5] = [
     "compliant_wheel_rate",
 ];
 
-/// Columns of a table of levels.
+/// Columns of a table of load levels.
 const COLUMNS: [&str; 4] = ["load", "toe", "camber", "shift"];
 
 /// Page with the tests of a study.
@@ -92,7 +92,8 @@ fn verdict(results: &KcResults<'_>) -> String {
     }
 }
 
-/// Charts of the station with levels that is nearest to the design position, and the position of this station.
+/// Charts for one station, and the position of this station. Among the stations with load levels, it is the nearest to the
+/// design position.
 fn charts(results: &KcResults<'_>) -> (String, String) {
     let stations = results.nearest_stations();
     let found = stations
@@ -115,7 +116,7 @@ fn charts(results: &KcResults<'_>) -> (String, String) {
     (results.station_name(station), figures)
 }
 
-/// Adds the levels of a test to the columns of a table. Loads are divided by `scale`.
+/// Adds the load levels of a test to the columns of a table. Loads are divided by `scale`.
 fn add_levels(test: &KcOutcome, load: TestLoad, scale: f64, columns: &mut [Vec<Option<f64>>]) {
     let wheel = match test.test.mode {
         TestMode::Single(side) => side as usize,
@@ -180,7 +181,7 @@ fn charts_of_load(
         ("camber", "camber", "°"),
         ("shift", shift, length.symbol()),
     ];
-    // A moment turns the wheel, and the test holds its height. So there is no chart of displacement.
+    // A moment turns the wheel, and the test keeps the height of the wheel constant. So there is no chart of displacement.
     let count = if is_moment { 2 } else { 3 };
     let mut figures = String::new();
     for (column, title, of) in quantities.into_iter().take(count) {

@@ -10,7 +10,7 @@ use crate::report::tolerance_summary::{
 };
 use std::fmt::Write;
 
-/// Width of a picture. The next constants are the widths of its names and of the numbers at its right end.
+/// Width of a picture. The next constants are the width of the names on the left, and the width of the numbers on the right.
 const WIDTH: f64 = 760.0;
 const NAMES: f64 = 250.0;
 const NUMBERS: f64 = 110.0;
@@ -168,8 +168,8 @@ fn spread(svg: &mut String, middle: f64, value: &ValueRecord, x: impl Fn(f64) ->
 /// Largest number of letters of a name next to a picture.
 const LETTERS: usize = 36;
 
-/// Name beside a picture, at half of its height `y`. A longer name has two lines. If it is longer still, its tooltip has the full
-/// name.
+/// Name beside a picture, at half of its height `y`. A longer name has two lines. If two lines are not enough, a tooltip has
+/// the full name.
 fn beside(name: &str, y: f64) -> String {
     const HALF_LINE: f64 = 6.5;
     let name = with_minus_signs(name);

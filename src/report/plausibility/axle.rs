@@ -1,4 +1,4 @@
-//! Warnings about an axle, over its motion and between its wheels.
+//! Warnings about an axle: about the curves, the springs, the steering, and the hardpoints of both wheels.
 
 use super::plausibility;
 use crate::ask::{Need, Unit};

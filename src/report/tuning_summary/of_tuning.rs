@@ -67,7 +67,7 @@ struct TunedStudy<'a> {
 }
 
 impl TunedStudy<'_> {
-    /// Name of a target: its column, motion, racks and held coordinates.
+    /// Name of a target: column, motion, rack displacements, and coordinates that stay constant.
     fn name(&self, target: &Target) -> String {
         let motion = target.site.motion.as_ref();
         let motion = motion.map_or(String::new(), |(name, _)| format!(", {name}"));

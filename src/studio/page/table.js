@@ -1,4 +1,5 @@
-// Table of coordinates. The user can type and lock them. Each has its slope and its effect on the curves.
+// Table of coordinates. The user can type and lock coordinates. The table shows the slope of the misfit for each coordinate.
+// Pointing at a coordinate shows the effect on the curves.
 import { AXES, brief, byId, html, parsed, set, write } from './draw.js';
 import { askInfluence, emit, gradient, isInGesture, isMoved, on, onRest, placeAfter, put, setCoordinate, state, stepped } from './design.js';
 import { select } from './views.js';
@@ -7,7 +8,7 @@ import { markNumber } from './dialog.js';
 
 let rows = [];
 let asked = null;
-// The point in a view from which the fields were opened.
+// The point in a view from which the user opened the fields. The focus returns to this point.
 let origin = null;
 let timer = null;
 

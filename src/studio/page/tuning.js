@@ -12,7 +12,7 @@ let proposal = null;
 let exact = null;
 
 const box = () => byId('proposal');
-// Keeps the focus in the box when its control disappears.
+// Keeps the focus in the box when the control with the focus disappears.
 const show = (...children) => {
   const held = box().contains(document.activeElement);
   box().replaceChildren(...children);

@@ -337,7 +337,7 @@ class View extends MechanismView {
     for (const [name, handler] of Object.entries(handlers)) target.addEventListener(name, handler);
   }
 
-  // Name of a point. While the point is dragged, its locked axes and its moved coordinates follow.
+  // Name of a point. While the point is dragged, the text also has the locked axes and the moved coordinates.
   wordOf(point) {
     const { name } = state.overview.points[point];
     const start = this.dragged?.point === point ? this.dragged.start[point] : [];

@@ -18,8 +18,8 @@ const ANGLES: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
-/// Width of a range of the arm angle (rad). A wider undecided range means that the search gave up there. Ranges that interval
-/// arithmetic cannot decide are much narrower.
+/// Width of a range of the arm angle (rad). In a wider undecided range, the search was stopped. Ranges that interval arithmetic
+/// cannot decide are much narrower.
 const GIVEN_UP: f64 = 1e-6;
 
 /// Assemblies that the search found.
@@ -50,7 +50,7 @@ impl WheelAssemblies {
 }
 
 impl Assembled {
-    /// Descriptions of the undecided ranges. For an axle, each one names its wheel.
+    /// Descriptions of the undecided ranges. For an axle, each description names the wheel.
     pub fn undecided(&self) -> Vec<String> {
         let wheels = self.wheels.iter();
         let places =

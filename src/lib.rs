@@ -78,9 +78,9 @@
 //! | `threads` | thread pools with large stacks |
 //! | `number` | Taylor series, gradients and SIMD registers as numbers, for formulas with derivatives or with several poses at once |
 //!
-//! Two more crates use the engine: `attia` (`hardpoint-attia`) has the fifteen equations of Attia's paper as a formulation, which
-//! the program registers. `bench` (`hardpoint-bench`) measures poses per second, and the time for each correct digit and each
-//! effect, on this machine.
+//! Two more crates use the engine: `attia` (`hardpoint-attia`) has the fifteen equations of Attia's paper as a formulation,
+//! which the program registers. `bench` (`hardpoint-bench`) measures on this machine: poses per second, the time for a number
+//! of correct digits, and the time for each requested result.
 //!
 //! This crate has the modules that show results:
 //!

@@ -20,8 +20,8 @@ pub struct FoundSetUp {
 pub enum Refusal {
     /// The design cannot be solved.
     Design(String),
-    /// The target values cannot be met. The set-ups contain the effects of the adjustments on the design. They are empty if an
-    /// effect cannot be computed.
+    /// The target values cannot be met. The set-ups contain the effects of the adjustments on the design. The list of set-ups
+    /// is empty if an effect cannot be computed.
     NotMet(String, Vec<SetUpSummary>),
 }
 

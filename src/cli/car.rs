@@ -97,7 +97,7 @@ fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Out
     }
     if arguments.report && command == "tolerance" {
         return Err(Stop::wrong_input(
-            "--report: `tolerance` makes no page for a car; its tables and files have all results",
+            "--report: `tolerance` makes no page for a car; the tables and files have all results",
         ));
     }
     if arguments.report && arguments.out.as_deref() == Some(Path::new("-")) {

@@ -93,8 +93,8 @@ pub(super) fn end() -> ! {
     exit_interrupted(i32::from(exit_code()))
 }
 
-/// Stops a command that runs inside another program, as Ctrl-C does. If it does not stop by itself, it ends at the next
-/// checkpoint of the numerics.
+/// Stops a command that runs inside another program, as Ctrl-C does. If the command does not stop by itself, it ends at the
+/// next checkpoint of the numerics.
 pub(super) fn raise() {
     SIGNAL.store(INTERRUPT, Ordering::SeqCst);
     FLAG.store(true, Ordering::SeqCst);

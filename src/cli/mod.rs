@@ -66,7 +66,7 @@ struct Arguments {
 enum Command {
     /// Print a commented study that runs
     New(new::NewArguments),
-    /// Validate a study, list what it will compute and why, and solve the design position
+    /// Validate a study, list the computations with their reasons, and solve the design position
     Check(StudyArguments),
     /// Compute curves over the motion
     Solve(RunArguments),
@@ -85,7 +85,7 @@ enum Command {
     Tolerance(ToleranceArguments),
     /// Find the limits of travel, rack and arm, with the cause of each limit
     Limits(LimitsArguments),
-    /// Find every way to assemble the design's lengths at a given travel
+    /// Find all positions in which the parts of the design can be assembled at a given travel
     Assemblies(AssembliesArguments),
     /// Measure this program on this machine
     Bench(BenchArguments),
@@ -152,7 +152,7 @@ struct RunArguments {
 struct KcArguments {
     #[command(flatten)]
     run: RunArguments,
-    /// Add names and values by the definitions of another program to kc.csv
+    /// Add results with the names and definitions of another program to kc.csv
     #[arg(long, value_enum, value_name = "PROGRAM")]
     names: Option<Names>,
 }

@@ -166,8 +166,8 @@ mod tests {
         }
     }
 
-    /// Each template runs over its whole motion: with each part, with all parts together, and with all parts of one wheel. A
-    /// solid axle gets a Panhard rod or a Watt linkage.
+    /// Each template runs over its whole motion: with each additional part alone, with all parts together, and with all parts
+    /// of one wheel. A solid axle gets a Panhard rod or a Watt linkage.
     #[test]
     fn every_template_runs_with_every_part() {
         for topology in Topology::ALL {

@@ -106,7 +106,7 @@ impl<'a> Destination<'a> {
         })
     }
 
-    /// Path of the directory. Meaningless if the output is standard output.
+    /// Path of the directory. Without a meaning if the output is standard output.
     pub(super) fn path(&self) -> &Path {
         self.out.unwrap_or(&self.default)
     }
@@ -133,7 +133,7 @@ fn default_directory(name: &str) -> Result<PathBuf, Stop> {
 }
 
 impl Output {
-    /// Opens the output of a command. It happens before the work, so that a directory without write access is found early.
+    /// Opens the output of a command. This happens before the work, so that a directory without write access is found early.
     pub(super) fn open(
         arguments: &RunArguments,
         study: &Study,

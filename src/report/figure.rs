@@ -9,7 +9,7 @@ use super::shortest;
 /// Number of digits shown for the largest of some numbers.
 const DIGITS: i32 = 6;
 
-/// Differences up to this share of a number's inputs are rounding errors. Rates are accurate to 1e-11.
+/// Differences up to this fraction of the inputs of a number are rounding errors. Rates are accurate to 1e-11.
 const ROUNDING: f64 = 1e-11;
 
 /// Formats with six significant digits.

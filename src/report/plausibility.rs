@@ -155,8 +155,8 @@ impl<'a> PlausibilityRemarks<'a> {
         ));
     }
 
-    /// Warning about a wheel centre at the centre plane with the points of the body beyond it. Probably the file's origin is at
-    /// the wheel.
+    /// Warning if the wheel centre is at the centre plane and the points of the body are beyond that plane. Probably the file's
+    /// origin is at the wheel.
     fn wheel_at_the_centre_plane(&mut self) {
         let mechanism = &self.suspension.mechanism;
         let wheel = self.at(mechanism.wheel_centre).y;

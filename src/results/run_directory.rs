@@ -283,7 +283,7 @@ impl RunDirectory {
         }
     }
 
-    /// Writes a file and records it as written by this run. If the run has been interrupted, a summary states it. Only
+    /// Writes a file and records it as written by this run. If the run has been interrupted, a summary states this. Only
     /// [`RunDirectory::finish`] records that the run has finished.
     pub fn write(&self, name: &str, contents: &[u8]) -> Result<(), WriteError> {
         self.record(&[name])?;
@@ -295,7 +295,7 @@ impl RunDirectory {
         self.put(name, restated(&text, false, interrupted).as_bytes())
     }
 
-    /// Records that a signal has ended the work. Later summaries and [`RunDirectory::finish`] state it.
+    /// Records that a signal has ended the work. Later summaries and [`RunDirectory::finish`] state this.
     pub fn mark_interrupted(&self) {
         self.state().interrupted = true;
     }

@@ -74,7 +74,8 @@ pub(super) fn in_motion<'s>(
     Ok(Cow::Owned(moved))
 }
 
-/// Solves a wheel over its motion. `study` has the study's own motion, in which targets without a named motion are compared.
+/// Solves a wheel over its motion. `study` has the study's own motion. Targets without a named motion are compared over this
+/// motion.
 fn solved_wheel(
     opened: &Opened,
     study: &Study,

@@ -24,7 +24,7 @@ use crate::report::{FailureRange, axle_plausibility, plausibility};
 use crate::study::{AxleStudy, Study};
 use std::time::Instant;
 
-/// Coordinates of a motion. A coordinate without values is held at 0.
+/// Coordinates of a motion. A coordinate without values stays at 0.
 fn coordinates(motion: &AxleMotion) -> Vec<Coordinate> {
     let mut found = match motion.wheels {
         WheelMotion::Heave(_) => vec![Coordinate::Heave],
@@ -89,7 +89,7 @@ pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize) {
                 Slider::over(other.key(), name, length.symbol(), 0.0, &values)
             }
         };
-        // A coordinate that the study holds also gets a slider, so that the user can try it.
+        // A coordinate that the study keeps constant also gets a slider, so that the user can try it.
         if values.len() < 2 {
             let is_roll = *coordinate == Coordinate::Roll;
             let reach = if is_roll { 3.0 } else { far };

@@ -55,7 +55,7 @@ pub(super) struct Overview {
     pub targets: Vec<TargetOverview>,
     pub variables: Vec<VariableOverview>,
     pub tunes: bool,
-    /// Number of builds whose misfit a tuning lowers. `None` if it lowers the misfit of the nominal design.
+    /// Number of builds whose misfit a tuning lowers. `None` if the tuning lowers the misfit of the nominal design.
     pub builds: Option<usize>,
     pub has_constraints: bool,
     pub starts: usize,

@@ -13,7 +13,8 @@
 //! d rms/dx = r . J / (s^2 n rms),    over its own rows.                     (2)
 //! ```
 //!
-//! A misfit of zero has no gradient. Zero is reported, because the square of the misfit has its minimum there.
+//! A misfit of zero has no gradient. In this case, the gradient is given as zero, because the square of the misfit has its
+//! minimum there.
 //!
 //! The page solves the nominal design. The misfit on the page is the misfit of this design, even if a tuning improves builds.
 

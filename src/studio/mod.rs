@@ -8,8 +8,8 @@
 //! keeps the design in progress. So several tabs do not disturb each other, and a stopped server loses nothing.
 //!
 //! The server accepts requests to a loopback address whose path begins with a token of 128 random bits. `Host` must be the
-//! printed address. So must `Origin`, except when the page itself is requested (`access.rs`). The server only writes the study,
-//! and files with plain names in the same folder (`study_file.rs`).
+//! printed address. `Origin` must be the printed address, too, except in a request for the page itself (`access.rs`). The
+//! server only writes the study, and files with plain names in the same folder (`study_file.rs`).
 
 mod access;
 mod answer;

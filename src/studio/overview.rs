@@ -214,7 +214,7 @@ fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     let values: Vec<f64> = printed.collect();
     let home = home(study);
     let drive = Slider::over(key, name, unit, home, &values);
-    // If the study holds the rack, the held value is the home position of the slider.
+    // If the study keeps the rack constant, this rack position is the home position of the slider.
     let rack_home = if motion.rack_moves {
         0.0
     } else {

@@ -114,7 +114,8 @@ mod tests {
         ));
     }
 
-    /// Identifiers are unique, and every reference leads to an identifier. Scripts make the tabs and the heading of the dialog.
+    /// Identifiers are unique, and every reference leads to an identifier. Scripts make the tabs and the heading of the dialog,
+    /// so their identifiers are not in the HTML.
     #[test]
     fn references_lead_somewhere() {
         let tabs = INDEX.matches("role=\"tabpanel\"").count();

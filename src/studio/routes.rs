@@ -20,7 +20,8 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Number of study texts that the server stores. With them, tabs opened before a save keep working, and changes can be undone.
+/// Number of study texts that the server stores. With these texts, tabs opened before a save keep working, and changes can be
+/// undone.
 const TEXTS: usize = 40;
 /// Media types of exported files.
 const CSV: &str = "text/csv; charset=utf-8";

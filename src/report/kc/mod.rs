@@ -46,11 +46,14 @@ pub fn no_equilibrium(why: &NoEquilibrium) -> String {
     let softest = why.softest.as_ref();
     let motion = softest.map(|(part, motion)| weakest_motion(part, *motion));
     match (why.is_unstable, motion) {
-        (true, Some(motion)) => format!("found, but it is not stable: {motion}"),
-        (true, None) => "found, but it is not stable".to_owned(),
+        (true, Some(motion)) => format!("an equilibrium was found, but it is not stable: {motion}"),
+        (true, None) => "an equilibrium was found, but it is not stable".to_owned(),
         (false, motion) => {
             let motion = motion.unwrap_or_else(|| "no equilibrium is found".to_owned());
-            format!("exists for {:.6} of the path; then {motion}", why.share)
+            format!(
+                "an equilibrium exists for only {:.6} of the change from the last one; then {motion}",
+                why.share
+            )
         }
     }
 }
@@ -295,8 +298,8 @@ impl KcResults<'_> {
         }
     }
 
-    /// Content of `compliance_matrix.csv`: six rows per station, or twelve for an axle. `None` if the wheel load cannot be held
-    /// at any station.
+    /// Content of `compliance_matrix.csv`: six rows per station, or twelve for an axle. `None` if the wheel load cannot be kept
+    /// constant at any station.
     pub fn matrix_csv(&self) -> Option<Vec<u8>> {
         let u = self.length().symbol();
         let sides: &[&str] = if self.is_axle {

@@ -21,7 +21,7 @@ struct Input {
 }
 
 impl KcResults<'_> {
-    /// Inputs of a suspension: coordinates of these points, inputs of its elastic parts, and inputs of these mounts of a
+    /// Inputs of a suspension: coordinates of these points, values of the elastic parts, and values of these mounts of a
     /// subframe.
     fn inputs(
         &self,

@@ -196,7 +196,7 @@ pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[
     let stage = comparison.mechanisms.as_ref().map_or("", |_| STAGE);
     let mut sections = vec![("curves", "Curves")];
     sections.extend((!stage.is_empty()).then_some(("mechanism", "Mechanism")));
-    sections.extend([("figures", "Figures"), ("hardpoints", "Hardpoints")]);
+    sections.extend([("figures", "Key values"), ("hardpoints", "Hardpoints")]);
     let main = format!(
         include_str!("compare.html"),
         key = key(&comparison.labels),

@@ -49,7 +49,7 @@ pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
     }
     for (place, table) in results.tables_for_readers() {
         sections.push(Section {
-            title: format!("Figures at {place}"),
+            title: format!("Results at {place}"),
             note: "Value: derivative at the station. Secant: over the whole window of the load."
                 .to_owned(),
             table: table.html(),
@@ -70,7 +70,7 @@ pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
     sheet(study, "kc", &verdict(results), &sections)
 }
 
-/// Main results, each from the nearest station to the design position that has it.
+/// Main results. Each comes from the nearest station to the design position among those that have the result.
 fn verdict(results: &KcResults<'_>) -> String {
     let failed = match results.failures().len() {
         0 => "Every state has an equilibrium.".to_owned(),
@@ -211,7 +211,7 @@ fn charts_of_load(
     figures
 }
 
-/// Label of the line of a test among `count` tests of the same load. A single plain test needs none.
+/// Label of the line of a test among `count` tests of the same load. A single test without special properties needs no label.
 fn label(results: &KcResults<'_>, test: &KcTest, count: usize) -> Option<String> {
     let apart = results.test_apart(test);
     match test.load {

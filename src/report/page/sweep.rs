@@ -262,7 +262,7 @@ impl<'a> Column<'a> {
     }
 }
 
-/// Unit of a variable. It is a length; for a car, the name of the column ends with the unit.
+/// Unit of a variable. For a car, the unit is at the end of the column name. Otherwise, all variables are lengths.
 fn unit_of_variable(record: &SweepRecord, column: &str) -> String {
     let length = &record.length_unit;
     if !record.is_of_car() {

@@ -222,7 +222,7 @@ impl TunedStudy<'_> {
             .collect()
     }
 
-    /// Largest moves along each direction that raises the misfit by at most [`Direction::RISE`] and keeps the constraints.
+    /// For each direction, the largest move that raises the misfit by at most [`Direction::RISE`] and keeps the constraints.
     fn unseen(&self) -> Vec<Vec<f64>> {
         let Some(best) = &self.tuning.best else {
             return Vec::new();

@@ -7,7 +7,8 @@
 //! M^2 = sum w_t d_t^2 / sum w_t          dM/dx = sum w_t d_t d d_t/dx / (M sum w_t)                              (1)
 //! ```
 //!
-//! A misfit of zero has no gradient. Zero is reported, because the square of the misfit has its minimum there.
+//! A misfit of zero has no gradient. In this case, the gradient is given as zero, because the square of the misfit has its
+//! minimum there.
 
 use super::OpenedCar;
 use crate::car::{

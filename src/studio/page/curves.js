@@ -36,7 +36,7 @@ const NONE = [];
 const targetsOf = (columns, rack) => state.overview.targets.filter((target) => target.columns.some((c) => columns.includes(c))
   && target.motion === state.motion && target.over === state.over && (!target.racks.length || target.racks.includes(rack)));
 
-// Width of the shaded band beyond the limits of a target: the tolerance of a target value, 0 for a band.
+// Width of the shaded area beyond the limits of a target. For a target value it is the tolerance, for a band it is 0.
 const bandOf = ({ tolerance, is_band: isBand }) => (isBand ? 0 : tolerance);
 
 // The columns of both wheels share one chart.
@@ -136,8 +136,8 @@ class Chart {
       emit('place', event);
       announce(() => this.svg.getAttribute('aria-label'), 500);
     });
-    // The size is measured when it changes. To read it while drawing would cause one layout of the page for each chart. An
-    // invisible chart is drawn after the drag ends.
+    // The size is measured when it changes. Reading the size during drawing would cause one layout of the page for each chart.
+    // An invisible chart is drawn after the drag ends.
     this.isSeen = true;
     new IntersectionObserver(([{ isIntersecting }]) => {
       this.isSeen = isIntersecting;
@@ -171,10 +171,10 @@ class Chart {
     const whole = wholeOf(answer);
     const family = familyOf(whole, group);
     const of = (other, column) => (other && knownOf(other).columns.has(column) ? curveOf(other, column, group) : NONE);
-    // The line of influence shows the curve after a move of the coordinate by ten steps.
+    // The line for the influence of a coordinate shows the curve after a move of the coordinate by ten steps.
     const far = influence ? 10 * state.step : 0;
     const lines = found.map(({ column, values }, k) => {
-      // Slopes of all stations do not fit an answer that has only some of the stations.
+      // The slopes belong to all stations. They cannot be used with an answer that has only some of the stations.
       const known = influence?.columns.get(column);
       const slopes = known?.length === values.length ? known : undefined;
       const bent = slopes ? runs(answer, values.map((v, i) => (v === null || slopes[i] === null ? null : v + slopes[i] * far)), group) : NONE;

@@ -26,7 +26,7 @@ export const state = {
   answer: null,
   // The last answer with all stations. While a point moves, an answer has only the stations of the shown curves.
   whole: null,
-  // Coordinates of the answer, and a flag that is true if the answer for later coordinates is late.
+  // Coordinates to which the answer belongs. The flag is true if the answer for later coordinates is late.
   answered: null,
   isLate: false,
   ghost: null,
@@ -260,7 +260,7 @@ export const isSettled = () => !running && answered === wanted && !isPartial();
 const askRest = () => setTimeout(() => { if (!running && answered === wanted && isPartial()) ask(); }, PAUSE);
 // Pinned designs and the effect of a coordinate need all stations.
 const isEnough = (own) => own.since !== null && !state.influence && !Object.keys(state.pins).length;
-// Draws after an action. If an answer is expected, it causes the same drawing, so nothing is drawn now.
+// Draws after an action. If an answer is expected, the answer will cause the same drawing, so nothing is drawn now.
 export const onRest = (draw) => on('deed', () => { if (isSettled()) draw(); });
 const tellLate = (isLate) => {
   if (state.isLate === isLate) return;

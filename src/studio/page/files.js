@@ -86,7 +86,7 @@ const settleConflict = async (message) => {
   if (chosen?.answer === 'as') return saveAs();
   if (chosen?.answer === 'reload') return reload();
 };
-// Unsaved moves and edits of this page. Moves are coordinates by the names of points.
+// Unsaved moves and edits of this page. Moves are stored as coordinates, by the names of points.
 const unsaved = () => {
   const { points, from, edits } = state.overview;
   const moves = points.flatMap(({ name }, p) => state.design[p].map((c, axis) => [name, axis, c, state.opened[p][axis]])).filter(([, , c, was]) => c !== was);
@@ -103,8 +103,8 @@ const withMoves = ({ points, design: opened }, moves) => {
   }
   return { design, missing };
 };
-// Reads the changed file, and applies the moves and edits of this page as one action. If they do not fit the file, the page does
-// not change. Returns true if the file was read.
+// Reads the changed file, and applies the moves and edits of this page as one action. If the moves or edits do not fit the
+// file, the page does not change. Returns true if the file was read.
 const rebase = async () => {
   try {
     const { moves, from, edits } = unsaved();

@@ -9,7 +9,7 @@ const FAR_OUT = 4;
 const ends = (values) => (values.length ? [Math.min(...values), Math.max(...values)] : [Infinity, -Infinity]);
 const span = ([low, high]) => high - low;
 
-// Range of most values. So a bad pose at one station does not flatten the other stations.
+// Range of most values. With it, a bad pose at one station does not flatten the rest of the curve.
 const robust = (values) => {
   const all = ends(values);
   if (values.length < 8) return all;

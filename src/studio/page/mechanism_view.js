@@ -205,7 +205,7 @@ export class MechanismView {
     });
   }
 
-  // Handles drags, rotations and zooms of the picture. On a page that scrolls, zooming needs the focus.
+  // Handles drags, rotations and zooms of the picture. On a page that scrolls, the picture zooms only if it has the focus.
   listen() {
     const fingers = new Map();
     this.svg.addEventListener('pointerdown', (event) => {

@@ -21,7 +21,7 @@ const point = (p, axis, wait = 90) => {
   }, p === null ? 30 : wait);
 };
 
-// Shows all digits if they fit. Otherwise it shows as many as fit, with a mark. A field with the focus shows all digits.
+// Shows all digits if they fit. Otherwise it shows as many as fit, and an ellipsis. A field with the focus shows all digits.
 const MOST_DIGITS = 9;
 const short = (value) => {
   const whole = String(value);

@@ -75,7 +75,8 @@ const retune = () => {
   };
   return retuning ??= follow();
 };
-// Delay of a request in milliseconds while the slider moves. It keeps requests few, because the server stores the text of each.
+// Delay of a request in milliseconds while the slider moves. The delay reduces the number of requests, because the server
+// stores the text of each request.
 const PAUSE = 150;
 let pause = null;
 const retuneSoon = () => {

@@ -238,7 +238,7 @@ fn refuse_for_axle(kind: BenchKind, study: &Study, path: &Path) -> Result<(), St
         BenchKind::Throughput | BenchKind::Equilibria | BenchKind::Cars => return Ok(()),
         BenchKind::Accuracy => "`bench accuracy` compares ways to solve the equations of one wheel",
         BenchKind::Effects => {
-            "`bench effects` measures the time that each output adds to the position of one wheel"
+            "`bench effects` measures the time that each output of one wheel takes in addition to the position"
         }
     };
     let remedy = if study.wheel().mechanism.rigid_axle.is_some() {

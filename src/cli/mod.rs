@@ -290,7 +290,8 @@ struct BenchArguments {
     samples: usize,
 }
 
-/// Largest number of threads of a measurement. It starts threads for each number up to this one.
+/// Largest number of threads of a measurement. The measurement is repeated with every number of threads up to the requested
+/// number.
 const MOST_THREADS: usize = 128;
 
 /// Largest number of samples of each time. A measurement keeps all of them in memory.

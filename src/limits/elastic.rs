@@ -273,7 +273,7 @@ pub(super) fn of_axle(
     let mut notes = Vec::new();
     if axle.left.mechanism.has_extra_links() {
         notes.push(
-            "Five rigid links do not move in roll: there are no limits with all parts rigid."
+            "Five rigid links allow no roll, so the table has no limits with all parts rigid."
                 .to_owned(),
         )
     } else {

@@ -61,7 +61,7 @@ pub(super) fn margin(
         ),
     };
     if reached == 0 {
-        return Ok("The mechanism can reach no station of the study's motion.".to_owned());
+        return Ok("The mechanism cannot reach any station of the study's motion.".to_owned());
     }
     let mut text = format!(
         "{stations} the wheel's links stay about {} {unit} or more away from a toggle or a turning point of the path. \

@@ -151,7 +151,7 @@ impl Composed<'_> {
             .collect();
         if lateral.len() > 1 {
             return Err(
-                "choose only one of panhard, watt and five_links: each holds the axle sideways"
+                "choose only one of panhard, watt and five_links: each locates the axle laterally"
                     .to_owned(),
             );
         }

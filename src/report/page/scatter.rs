@@ -47,7 +47,7 @@ pub(super) fn distributions(summary: &ToleranceSummary, drive: &str) -> String {
         row(&mut svg, ROW * number as f64, &name, band, value);
     }
     format!(
-        "<h3>Distributions in the bands</h3><p class=\"note\">Bars: number of builds by value. Line: least to greatest of the builds. \
+        "<h3>Distributions in the bands</h3><p class=\"note\">Bars: number of builds by value. Line: smallest to largest value of the builds. \
          Light box: 1 % to 99 %. Dark box: 5 % to 95 %. Stroke: median. Dot: nominal. Shaded: the band. Cp and Cpk: width of the band, and margin of the \
          mean to the nearer limit, in six and in three standard deviations of the builds. Where a band holds over the motion, the \
          position with the least margin is shown.</p><div class=\"scatter\" tabindex=\"0\" role=\"group\">{svg}</svg></div>"

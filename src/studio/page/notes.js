@@ -139,7 +139,7 @@ const freeDirections = () => {
     slider.addEventListener('change', () => { slider.began = false; finish(); });
     return html('label', { class: 'direction' }, html('span', { text: name }), slider);
   });
-  return [panel('Free directions', html('p', { class: 'hint', text: 'Directions that leave all targets unchanged to first order, each across its range.' }), ...rows)];
+  return [panel('Free directions', html('p', { class: 'hint', text: 'Each slider moves the points in a direction that leaves all targets unchanged to first order.' }), ...rows)];
 };
 
 const limitsPanel = () => {

@@ -18,8 +18,8 @@ const ANGLES: [Characteristic; 4] = [
     Characteristic::Caster,
 ];
 
-/// Width of a range of the arm angle (rad). A wider undecided range means that the search gave up there. Ranges that interval
-/// arithmetic cannot decide are much narrower.
+/// Width of a range of the arm angle (rad). In a wider undecided range, the search was stopped. Ranges that interval arithmetic
+/// cannot decide are much narrower.
 const GIVEN_UP: f64 = 1e-6;
 
 /// Assemblies that the search found.
@@ -32,7 +32,7 @@ pub struct Assembled {
 
 /// Assemblies of one wheel.
 pub struct WheelAssemblies {
-    /// Side of the wheel on its axle. `None` in a study of one wheel.
+    /// Left or right wheel of an axle. `None` in a study of one wheel.
     pub side: Option<Side>,
     /// Number of assemblies.
     pub found: usize,
@@ -50,7 +50,7 @@ impl WheelAssemblies {
 }
 
 impl Assembled {
-    /// Descriptions of the undecided ranges. For an axle, each one names its wheel.
+    /// Descriptions of the undecided ranges. For an axle, each description names the wheel.
     pub fn undecided(&self) -> Vec<String> {
         let wheels = self.wheels.iter();
         let places =
@@ -155,7 +155,7 @@ struct Search<'w> {
     solver: Solver<'w>,
     travel: f64,
     all: Assemblies,
-    /// Pose that is connected to the design position.
+    /// Pose that can be reached from the design position by a continuous motion.
     connected: Option<Pose<f64>>,
 }
 

@@ -11,7 +11,7 @@ use crate::study::{Study, Vehicle};
 pub struct Checked<'s> {
     /// The curves of the study's own motion.
     pub solved: Solved<'s>,
-    /// The curves of its named motions.
+    /// The curves of the study's named motions.
     pub of_motions: Vec<NamedCurves>,
     plausibility: Vec<String>,
 }
@@ -57,7 +57,7 @@ impl<'s> Checked<'s> {
 }
 
 /// Curves of a study's own motion and of its named motions. A quantity may be undefined throughout one motion, for example the
-/// Ackermann percentage without steering. It counts as missing only if it has no value in any motion.
+/// Ackermann percentage without steering. The quantity counts as missing only if it has no value in any motion.
 pub(crate) struct AllMotions<'c> {
     pub(crate) own: &'c Curves,
     pub(crate) named: &'c [NamedCurves],
@@ -70,8 +70,8 @@ impl AllMotions<'_> {
         self.all().all(Curves::are_whole) && names.all(|column| self.has_value(&column.name))
     }
 
-    /// Remarks on the curves, one per line: their accuracy, and missing values. Each remark on a named motion begins with its
-    /// name.
+    /// Remarks on the curves, one per line: their accuracy, and missing values. A remark on a named motion begins with the name
+    /// of that motion.
     pub(crate) fn remarks(&self, wheel: &Suspension) -> Vec<String> {
         let of =
             |curves| remarks_on_motion(curves, wheel.length_unit, |column| self.has_value(column));
@@ -156,7 +156,7 @@ pub fn motion_file(name: &str) -> String {
     format!("curves_{name}.csv")
 }
 
-/// Copy of the study that computes its motion as `solve` does, but without sensitivities and certificates.
+/// Copy of the study for curves of the study's motion, as `solve` computes them, but without sensitivities and certificates.
 pub fn motion_alone(study: &Study) -> Study {
     let mut alone = study.clone();
     match &mut alone.vehicle {

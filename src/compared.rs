@@ -143,7 +143,7 @@ pub fn of_study(
     Ok((compared, is_complete))
 }
 
-/// Makes a design with these curves. If the right wheel of its axle is not mirrored, the points of both wheels are included.
+/// Makes a design with these curves. For an axle whose right wheel is not mirrored, the points of both wheels are included.
 pub fn compared(label: String, study: &Study, mut curves: CurveTable) -> Compared {
     let suspension = study.wheel();
     if let Some(motion) = study.one_wheel().map(|own| &own.motion)

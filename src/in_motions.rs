@@ -18,8 +18,8 @@ pub struct InMotion {
 }
 
 impl InMotion {
-    /// Curves over every named motion of a study, in the order of the names. `designs` are the label of each design and its
-    /// study. With `with_targets` the curves include the quantities of targets.
+    /// Curves over every named motion of a study, in the order of the names. `designs` contains a label and a study for each
+    /// design. With `with_targets` the curves include the quantities of targets.
     ///
     /// # Errors
     ///

@@ -60,7 +60,7 @@
 //! |---|---|
 //! | `study` | the meaning of a study file, and its mistakes |
 //! | `model` | hardpoints, bodies, constraints; one file for each topology |
-//! | `mechanism` | a design in a pose, its constraint rows, the reasons for a missing pose |
+//! | `mechanism` | a design in a pose, its constraint equations, the reasons for a missing pose |
 //! | `derive` | derivatives of a pose with respect to the drive, the rack and every hardpoint coordinate |
 //! | `solve` | poses connected to the design position, one design at a time or many side by side |
 //! | `analyse` | limits, loads, assemblies, certificates |
@@ -76,11 +76,11 @@
 //! | `tolerance` | effects of manufacturing scatter, and their contributors |
 //! | `linear` | elimination with series, for every number of unknowns |
 //! | `threads` | thread pools with large stacks |
-//! | `number` | Taylor series, gradients and SIMD registers as numbers, so that one formula serves all derivatives and lanes |
+//! | `number` | Taylor series, gradients and SIMD registers as numbers, for formulas with derivatives or with several poses at once |
 //!
-//! Two more crates use the engine: `attia` (`hardpoint-attia`) has the fifteen equations of Attia's paper as a formulation, which
-//! the program registers. `bench` (`hardpoint-bench`) measures poses per second, and the time for each correct digit and each
-//! effect, on this machine.
+//! Two more crates use the engine: `attia` (`hardpoint-attia`) has the fifteen equations of Attia's paper as a formulation,
+//! which the program registers. `bench` (`hardpoint-bench`) measures on this machine: poses per second, the time for a number
+//! of correct digits, and the time for each requested result.
 //!
 //! This crate has the modules that show results:
 //!

@@ -11,7 +11,7 @@ use std::borrow::Cow;
 /// Name of a file and its contents.
 pub type RigFile = (&'static str, Vec<u8>);
 
-/// Further tables in addition to `kc.csv`, which only some studies have.
+/// Tables in addition to `kc.csv`. Only some studies have them.
 pub const OTHER_TABLES: [&str; 3] = ["levels.csv", "compliance_matrix.csv", "sensitivities.csv"];
 
 /// Tests of a study at its stations.

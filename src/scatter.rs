@@ -22,7 +22,8 @@ pub const FAN_FILES: [&str; 5] = [
     "curves.csv",
 ];
 
-/// Copy of the study that computes the curves of the nominal design only, with the quantities of its builds.
+/// Copy of the study that computes curves of the nominal design only. It outputs the same quantities as the builds of the
+/// study.
 pub fn curves_alone(study: &Study) -> Study {
     let mut plain = study.clone();
     match &mut plain.vehicle {

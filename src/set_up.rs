@@ -20,8 +20,8 @@ pub struct FoundSetUp {
 pub enum Refusal {
     /// The design cannot be solved.
     Design(String),
-    /// The target values cannot be met. The set-ups contain the effects of the adjustments on the design. They are empty if an
-    /// effect cannot be computed.
+    /// The target values cannot be met. The set-ups contain the effects of the adjustments on the design. The list of set-ups
+    /// is empty if an effect cannot be computed.
     NotMet(String, Vec<SetUpSummary>),
 }
 
@@ -142,8 +142,8 @@ fn refusal(
 /// A wheel that needs a set-up, or an axle.
 struct WheelToSetUp {
     side: Option<SetUpSide>,
-    /// Study of this wheel alone. It is the study of the axle if the axle is set up as a whole, or if elastic parts can couple
-    /// its wheels.
+    /// Study of this wheel alone. If the axle is set up as a whole, or if elastic parts can couple the wheels, this is the
+    /// study of the axle.
     study: Study,
     assembler: Assembler,
     /// Assembler of the right wheel of an axle that is set up as a whole. `None` for one wheel, and if both wheels are alike.

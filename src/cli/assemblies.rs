@@ -54,7 +54,7 @@ fn print_number(
 ) -> Result<(), Stop> {
     let proof = match wheel.unproved {
         0 => String::new(),
-        n => format!("; {n} not certified: another assembly is too close, or the same"),
+        n => format!("; {n} not certified: another assembly is identical or too close"),
     };
     let number = match wheel.found {
         0 => {

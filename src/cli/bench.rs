@@ -30,7 +30,7 @@ struct Circumstances<'a> {
     machine: &'a Machine,
 }
 
-/// Study that the benchmark times.
+/// Study whose computing time the benchmark measures.
 enum Subject {
     Study(Box<Study>),
     Car(Box<CarStudy>),
@@ -49,11 +49,11 @@ impl Subject {
                 Subject::Car(Box::new(CarStudy::read(path, changes)?))
             }
             (None, BenchKind::Cars) => {
-                let message = "cars need a study: `hardpoint new car` writes one";
+                let message = "`bench cars` needs a study: `hardpoint new car` writes one";
                 return Err(Stop::wrong_input(message));
             }
             (None, BenchKind::Equilibria) => {
-                let message = "equilibria need a study with [compliance]: `hardpoint new double_wishbone --with bushings` writes one";
+                let message = "`bench equilibria` needs a study with [compliance]: `hardpoint new double_wishbone --with bushings` writes one";
                 return Err(Stop::wrong_input(message));
             }
             (Some(path), BenchKind::Equilibria) => {
@@ -238,7 +238,7 @@ fn refuse_for_axle(kind: BenchKind, study: &Study, path: &Path) -> Result<(), St
         BenchKind::Throughput | BenchKind::Equilibria | BenchKind::Cars => return Ok(()),
         BenchKind::Accuracy => "`bench accuracy` compares ways to solve the equations of one wheel",
         BenchKind::Effects => {
-            "`bench effects` measures the time that each output adds to the position of one wheel"
+            "`bench effects` measures the time that each output of one wheel takes in addition to the position"
         }
     };
     let remedy = if study.wheel().mechanism.rigid_axle.is_some() {

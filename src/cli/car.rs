@@ -97,12 +97,12 @@ fn open(arguments: &RunArguments, study: &CarStudy, command: &str) -> Result<Out
     }
     if arguments.report && command == "tolerance" {
         return Err(Stop::wrong_input(
-            "--report: `tolerance` makes no page for a car; its tables and files have all results",
+            "--report: `tolerance` makes no page for a car; the tables and files have all results",
         ));
     }
     if arguments.report && arguments.out.as_deref() == Some(Path::new("-")) {
         return Err(Stop::wrong_input(
-            "--report makes a page in a directory, so it does not go with --out -",
+            "--report makes a page in a directory, so it does not work with --out -",
         ));
     }
     let (out, format) = (arguments.out.as_deref(), arguments.study.format);
@@ -223,7 +223,7 @@ pub(super) fn solve(arguments: &RunArguments) -> Result<Exit, Stop> {
     if map_failures > 0 {
         let states = counted(map_failures, "state");
         output.say(&format!(
-            "\n{states} of gg_map have no equilibrium: see status in gg.csv\n"
+            "\n{states} of gg_map have no equilibrium: see the column status in gg.csv\n"
         ))?;
     }
     if let Some(words) = &unfinished {

@@ -197,7 +197,7 @@ fn robust(scatter: &Scatter) -> String {
     }
 }
 
-/// Sentence about the scatter. If builds do not use SIMD lanes, it gives the reason.
+/// Sentence about the scatter. If builds do not use SIMD lanes, the sentence states the reason.
 fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     let mut text = format!(
         "Tolerances (tolerance only): {}, {}, {}.",
@@ -213,7 +213,7 @@ fn scattered(study: &Study, tolerance: &Tolerance) -> String {
     text
 }
 
-/// Sentence about a sweep. If its designs do not use SIMD lanes, it gives the reason.
+/// Sentence about a sweep. If the designs do not use SIMD lanes, the sentence states the reason.
 fn swept(study: &Study, sweep: &Sweep) -> String {
     let mut text = match &sweep.designs {
         Designs::Sampled(sampled) => format!(
@@ -269,7 +269,7 @@ fn rods(suspension: &Suspension) -> impl Iterator<Item = String> {
     })
 }
 
-/// Table of all effects: on or off, the requests that need it, and its approximate cost.
+/// Table of all effects. Each row states whether the effect is on, the requests that need it, and its approximate cost.
 fn plan_table(study: &Study, plan: &Plan) -> Table {
     let mut table = Table::with_columns([
         Column::from("effect"),

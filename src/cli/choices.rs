@@ -61,7 +61,7 @@ impl Choices {
         if let Some(front) = &self.front {
             let names = optimise.front.iter().map(|goal| goal.name.as_str());
             output.say(&format!(
-                "\nTrade-off between {}, misfits in tolerances: {}, none better in every target\n\n",
+                "\nTrade-off between {} (misfits in multiples of the tolerance): {}, none better in every target\n\n",
                 names.collect::<Vec<_>>().join(" and "),
                 counted(front.choices.len(), "design")
             ))?;

@@ -218,8 +218,8 @@ fn of_study(
     crate::compared::of_study(study, label, first).map_err(|why| Stop::in_file(path, why))
 }
 
-/// Returns a finished run, and true if every curve is complete. If the run has other stations than the first design, its study is
-/// solved again over the motion of the first design.
+/// Returns a finished run, and true if every curve is complete. If the run has other stations than the first design, the study
+/// of the run is solved again over the motion of the first design.
 fn of_run(
     path: &Path,
     label: String,
@@ -247,12 +247,13 @@ fn of_run(
             ));
             Ok(solved)
         }
-        // This study cannot follow the motion of the first design. The curves of its own run may share some stations with it.
+        // This study cannot follow the motion of the first design. The curves of the study's own run may have some stations in
+        // common with the first design.
         Err(_) => Ok((compared, true)),
     }
 }
 
-/// Reads the curves that a run wrote, and the points of the study that it keeps.
+/// Reads the curves that a run wrote, and the points of the study that is kept with the run.
 fn curves_of_run(path: &Path, label: String, study: Option<&Study>) -> Result<Compared, Stop> {
     let file = path.join("curves.csv");
     if !file.exists() {

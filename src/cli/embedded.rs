@@ -60,7 +60,7 @@ fn parsed(arguments: &[String]) -> Result<Command, NotDone> {
     Ok(arguments.command)
 }
 
-/// `hardpoint export` of a study in memory. The source in `arguments` only serves as a name in messages. Returns the remarks.
+/// `hardpoint export` of a study in memory. The source in `arguments` is only a name for messages. Returns the remarks.
 pub fn export_study(study: &Study, arguments: &[String]) -> Result<String, NotDone> {
     let Command::Export(arguments) = parsed(arguments)? else {
         return Err(NotDone::WrongInput("expected an export".to_owned()));
@@ -82,7 +82,7 @@ pub fn import_study(
     Ok(found)
 }
 
-/// `hardpoint sweep` of a study in memory. The study in `arguments` only serves as a name in messages. Returns true if every
+/// `hardpoint sweep` of a study in memory. The study in `arguments` is only a name for messages. Returns true if every
 /// requested part is complete.
 pub fn sweep_study(study: &Study, arguments: &[String]) -> Result<bool, NotDone> {
     let Command::Sweep(arguments) = parsed(arguments)? else {

@@ -158,7 +158,7 @@ impl From<io::Error> for Stop {
 mod tests {
     use super::*;
 
-    /// Messages of usual length stay unchanged. A cell of millions of characters does not fill the terminal.
+    /// Messages of usual length stay unchanged. If a cell has millions of characters, the message is shortened.
     #[test]
     fn reasons_have_a_bounded_length() {
         let usual = "line 4: expected a number,\n  found \"1.5 mm\"";

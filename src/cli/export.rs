@@ -30,8 +30,8 @@ pub(super) struct ExportArguments {
     /// Axes of the file: iso8855, sae_j670 or x_rear [default: the study's, or those of the format]
     #[arg(long, value_parser = frame)]
     pub(super) frame: Option<FrameConvention>,
-    /// Round coordinates that were moved or tuned to multiples of this length, in the file's unit, with the least loss
-    /// against the targets
+    /// Round the moved or tuned coordinates so that each is a multiple of this length (in the file's unit), with the smallest
+    /// increase of the misfit
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     pub(super) round: Option<f64>,
     /// With --round: round every coordinate
@@ -40,7 +40,7 @@ pub(super) struct ExportArguments {
     /// With --to csv: the curves instead of the points
     #[arg(long)]
     pub(super) curves: bool,
-    /// With --to csv: the curves under the names of another tool, as far as its definitions are the same
+    /// With --to csv: the curves under the names of another tool, as far as the definitions of that tool are the same
     #[arg(long, value_enum)]
     pub(super) names: Option<Names>,
     /// With --to stl: wheel travel, as in --travel -30..30; /N behind it gives the number of values [default: 9]

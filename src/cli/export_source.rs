@@ -374,7 +374,7 @@ fn say_loss(before: &Study, after: &Study, rounded: &Rounded, free: &[bool]) {
             let otherwise = match loss.otherwise {
                 0 => "each coordinate rounded to its nearest multiple".to_owned(),
                 count => format!(
-                    "nearest multiples give {ordinary}, so the other neighbour is used for {}",
+                    "rounding to the nearest multiples gives {ordinary}, so the other neighbour is used for {}",
                     counted(count, "coordinate")
                 ),
             };

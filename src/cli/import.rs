@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct ImportArguments {
     /// Points: a table (.csv, .xlsx), a map (.json, .yaml), an Adams/Car subsystem (.sub) or suspensions.ini
     pub(super) file: PathBuf,
-    /// Kind of suspension, such as double_wishbone; of a car FRONT,REAR or one for both [default: from the file]
+    /// Kind of suspension, such as double_wishbone; for a car FRONT,REAR or one for both [default: from the file]
     #[arg(long, value_parser = topology, value_delimiter = ',', value_name = "TOPOLOGY")]
     pub(super) topology: Vec<&'static Topology>,
     /// Both axles of the file: three studies in the directory of --out
@@ -50,7 +50,7 @@ pub(super) struct ImportArguments {
     /// Distance of the wheel centre from the centre plane, for a file with its origin at the wheel
     #[arg(long, value_name = "LENGTH", value_parser = length)]
     half_track: Option<f64>,
-    /// Loaded radius of the wheels, in the file's unit; of a car FRONT,REAR or one for both
+    /// Loaded radius of the wheels, in the file's unit; for a car FRONT,REAR or one for both
     #[arg(long, value_name = "LENGTH", value_parser = length, value_delimiter = ',')]
     pub(super) radius: Vec<f64>,
     /// Body that carries an end of a spring or rod, as in drop_link_outer=rocker; may be given more than once
@@ -421,7 +421,7 @@ fn names(path: &Path) -> Result<BTreeMap<String, String>, Stop> {
 mod tests {
     use super::*;
 
-    /// A question accepts an answer by number or by value. If its choices are fixed, it accepts nothing else.
+    /// A question accepts the number of a choice, or a value. If the choices are fixed, the question accepts no other value.
     #[test]
     fn questions_take_answers_that_flags_take() {
         let of_axle = Question {

@@ -1,7 +1,8 @@
 //! Signals. The first signal stops the command, the second one ends the process at once.
 //!
-//! A command that has results to keep checks the [`flag`], stops, and writes them. Every other command ends immediately. This is
-//! safe: it ends between two writes, and its directories are recorded as interrupted. Both cases end within [`MOST_WORK`].
+//! A command that has results to keep checks the [`flag`], stops, and writes them. Every other command ends immediately. This
+//! is safe: the command ends between two writes, and its directories are recorded as interrupted. Both cases end within
+//! [`MOST_WORK`].
 
 use super::terminal;
 use crate::results::exit_interrupted;
@@ -14,7 +15,8 @@ use std::time::{Duration, Instant};
 /// Processor time that a command may use to stop by itself.
 const MOST_WORK: Duration = Duration::from_millis(200);
 
-/// Elapsed time that a command may use to stop by itself. It covers waiting for the disk or for the reader of its output.
+/// Elapsed time that a command may use to stop by itself. This time includes waiting for the disk or for the reader of the
+/// output.
 const MOST_WAIT: Duration = Duration::from_secs(2);
 
 /// Interval between two checks of these limits.
@@ -30,7 +32,7 @@ static SIGNAL: AtomicI32 = AtomicI32::new(0);
 static LISTENS: AtomicBool = AtomicBool::new(false);
 /// Number of SIGINT.
 const INTERRUPT: i32 = 2;
-/// Present effect of a signal.
+/// Effect that a signal has now.
 static PHASE: Mutex<Phase> = Mutex::new(Phase::Ends);
 /// Flag for commands inside another program that do not stop by themselves.
 static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
@@ -40,7 +42,7 @@ static STOP: LazyLock<Arc<AtomicBool>> = LazyLock::new(Arc::default);
 enum Phase {
     /// The signal ends the command.
     Ends,
-    /// The command checks the flag, or has all of its results. The signal waits for it.
+    /// The command checks the flag, or has all of its results. After a signal, the program waits for the command.
     StopsByItself,
     /// A signal is ending the process.
     Ending,
@@ -82,7 +84,8 @@ pub(super) fn exit_code() -> u8 {
 /// Payload of the unwinding that ends a command inside another program.
 pub(super) struct Ended;
 
-/// Ends the command after a signal if it has no results to keep. Ends the process, or inside another program unwinds the stack.
+/// Ends a command without results to keep after a signal. The function ends the process. Inside another program, it unwinds the
+/// stack instead.
 pub(super) fn end() -> ! {
     if !LISTENS.load(Ordering::SeqCst) {
         std::panic::resume_unwind(Box::new(Ended));
@@ -90,8 +93,8 @@ pub(super) fn end() -> ! {
     exit_interrupted(i32::from(exit_code()))
 }
 
-/// Stops a command that runs inside another program, as Ctrl-C does. If it does not stop by itself, it ends at the next
-/// checkpoint of the numerics.
+/// Stops a command that runs inside another program, as Ctrl-C does. If the command does not stop by itself, it ends at the
+/// next checkpoint of the numerics.
 pub(super) fn raise() {
     SIGNAL.store(INTERRUPT, Ordering::SeqCst);
     FLAG.store(true, Ordering::SeqCst);

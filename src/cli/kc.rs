@@ -16,7 +16,7 @@ pub(super) fn run(arguments: &KcArguments) -> Result<Exit, Stop> {
         Some(Names::Spmm) => {
             return Err(Stop::wrong_input(
                 "--names spmm is not available: no published definition of these sheets gives all \
-                 signs, and sheets differ in the sign of toe and side force. kc.csv has the signs \
+                 signs, and sheets differ in the sign of toe and side force. kc.csv uses the signs \
                  in docs/compliance.md",
             ));
         }

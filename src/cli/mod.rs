@@ -66,7 +66,7 @@ struct Arguments {
 enum Command {
     /// Print a commented study that runs
     New(new::NewArguments),
-    /// Validate a study, list what it will compute and why, and solve the design position
+    /// Validate a study, list the computations with their reasons, and solve the design position
     Check(StudyArguments),
     /// Compute curves over the motion
     Solve(RunArguments),
@@ -79,13 +79,13 @@ enum Command {
     /// Tune the hardpoints until they meet the targets
     #[command(alias = "optimize")]
     Optimise(OptimiseArguments),
-    /// Compute adjustments that give the target static values, and the effect of a turn of each
+    /// Compute adjustments that give the target static values, and the effect of one turn of each adjustment
     Setup(RunArguments),
     /// Compute the effect of manufacturing scatter: sigma, percentiles, yield, contributors
     Tolerance(ToleranceArguments),
-    /// Find the limits of travel, rack and arm, with the cause of each
+    /// Find the limits of travel, rack and arm, with the cause of each limit
     Limits(LimitsArguments),
-    /// Find every way to assemble the design's lengths at a given travel
+    /// Find all positions in which the parts of the design can be assembled at a given travel
     Assemblies(AssembliesArguments),
     /// Measure this program on this machine
     Bench(BenchArguments),
@@ -152,7 +152,7 @@ struct RunArguments {
 struct KcArguments {
     #[command(flatten)]
     run: RunArguments,
-    /// Add names and values by the definitions of another program to kc.csv
+    /// Add results with the names and definitions of another program to kc.csv
     #[arg(long, value_enum, value_name = "PROGRAM")]
     names: Option<Names>,
 }
@@ -290,7 +290,8 @@ struct BenchArguments {
     samples: usize,
 }
 
-/// Largest number of threads of a measurement. It starts threads for each number up to this one.
+/// Largest number of threads of a measurement. The measurement is repeated with every number of threads up to the requested
+/// number.
 const MOST_THREADS: usize = 128;
 
 /// Largest number of samples of each time. A measurement keeps all of them in memory.
@@ -305,7 +306,7 @@ fn up_to<const MOST: usize>(text: &str) -> Result<usize, String> {
 /// Benchmarks.
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum BenchKind {
-    /// Poses per second by lanes, threads and outputs, compared with the formulation of Attia's paper
+    /// Poses per second by number of SIMD lanes, threads and outputs, compared with the formulation of Attia's paper
     Throughput,
     /// Computing time against true error of poses, curves and derivatives
     Accuracy,
@@ -416,7 +417,7 @@ pub fn forget_interrupt() {
 }
 
 /// Runs like [`run`] with these arguments. The first one is the program's name. Returns the exit code. A second signal ends the
-/// process. The first signal also ends it if there are no results to keep.
+/// process. The first signal also ends the process if there are no results to keep.
 pub fn run_with<A: Into<std::ffi::OsString> + Clone>(arguments: impl IntoIterator<Item = A>) -> u8 {
     interrupt::listen();
     let code = run_embedded(arguments);

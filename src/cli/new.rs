@@ -82,7 +82,7 @@ pub(super) fn template(topology: &str, parts: &[String]) -> Result<String, Strin
 fn write_car((name, files): &CarTemplate, arguments: &NewArguments) -> Result<Exit, Stop> {
     if !arguments.with.is_empty() {
         return Err(Stop::wrong_input(format!(
-            "{name} has no parts to add: leave --with out"
+            "{name} has no parts to add: omit --with"
         )));
     }
     let directory = arguments.out.as_deref().unwrap_or(Path::new("."));
@@ -166,8 +166,8 @@ mod tests {
         }
     }
 
-    /// Each template runs over its whole motion: with each part, with all parts together, and with all parts of one wheel. A
-    /// solid axle gets a Panhard rod or a Watt linkage.
+    /// Each template runs over its whole motion: with each additional part alone, with all parts together, and with all parts
+    /// of one wheel. A solid axle gets a Panhard rod or a Watt linkage.
     #[test]
     fn every_template_runs_with_every_part() {
         for topology in Topology::ALL {

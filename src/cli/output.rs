@@ -106,7 +106,7 @@ impl<'a> Destination<'a> {
         })
     }
 
-    /// Path of the directory. Meaningless if the output is standard output.
+    /// Path of the directory. Without a meaning if the output is standard output.
     pub(super) fn path(&self) -> &Path {
         self.out.unwrap_or(&self.default)
     }
@@ -133,7 +133,7 @@ fn default_directory(name: &str) -> Result<PathBuf, Stop> {
 }
 
 impl Output {
-    /// Opens the output of a command. It happens before the work, so that a directory without write access is found early.
+    /// Opens the output of a command. This happens before the work, so that a directory without write access is found early.
     pub(super) fn open(
         arguments: &RunArguments,
         study: &Study,
@@ -445,7 +445,7 @@ pub(super) fn inputs(study: &Study, path: &Path) -> Vec<PathBuf> {
 }
 
 /// Thread pool of a run with this number of pieces of work. It has at most one thread per core and per piece, because more
-/// threads would only use memory. If the request was for more, it prints the smaller number.
+/// threads would only use memory. If more threads were requested, the function prints the smaller number.
 pub(super) fn pool(asked: Option<NonZeroUsize>, pieces: u64) -> Result<rayon::ThreadPool, Stop> {
     let cores = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
     let useful = cores

@@ -63,7 +63,7 @@ pub(super) struct ReportOptions {
 }
 
 impl ReportOptions {
-    /// Checks before the run of a command that the pictures can be written. `record` describes their curves.
+    /// Checks before the run of a command that the pictures can be written. `record` describes the curves in the pictures.
     pub(super) fn open(
         arguments: &RunArguments,
         study: &Study,
@@ -87,7 +87,7 @@ impl ReportOptions {
             let (out, format) = (arguments.out.as_deref(), arguments.study.format);
             let results = Destination::of(out, &study.name, arguments.force, format)?;
             if is_same(&pictures.path, results.path()) {
-                // In the run's own directory, the pictures of a run belong to its results.
+                // Pictures in the run's own directory belong to the results of the run.
                 let drawn = Manifest::read(&pictures.path).unwrap_or_default();
                 names.retain(|name| drawn.author(name).is_none());
             }

@@ -99,7 +99,8 @@ fn are_one_inode(_: &Path, _: &Path) -> bool {
 mod tests {
     use super::*;
 
-    /// A named pipe receives the text and stays. A symbolic link stays, and its target is replaced, also if it did not exist.
+    /// A named pipe receives the text and stays. A symbolic link stays, and its target is replaced. If the target did not
+    /// exist, it is created.
     #[cfg(unix)]
     #[test]
     fn pipes_and_links_stay() {

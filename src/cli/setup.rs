@@ -19,7 +19,7 @@ pub(super) fn run(arguments: &RunArguments) -> Result<Exit, Stop> {
     if arguments.plots.is_some() {
         return Err(Stop::wrong_input(
             "`hardpoint setup` writes tables, curves.csv and with --report a page, but no \
-             pictures: leave --plots out",
+             pictures: omit --plots",
         ));
     }
     if arguments.report && arguments.out.as_deref() == Some(std::path::Path::new("-")) {

@@ -31,7 +31,7 @@ pub(super) fn run(arguments: &StudioArguments) -> Result<Exit, Stop> {
         None => Studio::choose(std::env::current_dir()?, arguments.port),
     };
     let studio = studio.map_err(|why| {
-        // Errors of a study begin with their kind, and the printed line adds the kind again.
+        // The text of a study error begins with `error: `. The printed line adds this word again, so it is removed here.
         let why = why.to_string();
         Stop::wrong_input(why.strip_prefix("error: ").unwrap_or(&why))
     })?;

@@ -36,7 +36,7 @@ pub(super) struct Ready<'s> {
     pub inputs: Vec<PathBuf>,
     /// Names of the copies of studies that are kept with the results.
     pub kept_names: &'s [&'static str],
-    /// Returns the texts of these copies for an existing directory.
+    /// Returns the contents of these copies. The argument is the directory of the results, which must exist.
     pub kept: &'s dyn Fn(&Path) -> Vec<String>,
     /// Writes data of single designs for the page, at the end.
     pub draw: &'s dyn Fn(&Output, &SweepStatistics) -> Result<(), Stop>,
@@ -106,7 +106,7 @@ pub(super) fn two_columns(path: &Path, name: &str) -> Stop {
     )
 }
 
-/// True if the designs go to standard output. Then it refuses options that need a directory.
+/// Returns true if the designs go to standard output. In this case, refuses options that need a directory.
 pub(super) fn is_to_stdout(arguments: &SweepArguments, format: FileFormat) -> Result<bool, Stop> {
     let to_stdout = arguments.out.as_deref() == Some(Path::new("-"));
     if to_stdout {
@@ -397,7 +397,7 @@ pub(super) fn shard(text: &str) -> Result<[u64; 2], String> {
         .and_then(|(i, n)| Some([i.trim().parse().ok()?, n.trim().parse().ok()?]));
     match parts {
         Some([i, n]) if (1..=n).contains(&i) => Ok([i, n]),
-        _ => Err("expected a part and the number of parts, from 1/4 to 4/4".to_owned()),
+        _ => Err("expected I/N with I from 1 to N, as in 3/8".to_owned()),
     }
 }
 

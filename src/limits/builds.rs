@@ -10,7 +10,8 @@ use crate::tolerance::Problem;
 /// Limits of one vehicle: the vehicle of a study, or a build of its `[tolerance]`.
 #[derive(Clone, Debug)]
 pub struct VehicleLimits {
-    /// A row for each quantity: its limits while the other quantities are held. All builds of a study have the same rows.
+    /// A row for each quantity, with the limits of this quantity while the other quantities stay constant. All builds of a
+    /// study have the same rows.
     pub rows: Vec<LimitRow>,
     /// Distance from the study's motion to the nearest limit; negative if the motion goes beyond it. `None` with the drive of
     /// Attia's paper, and for an elastic wheel whose limit is not known. Also `None` for axles, because their motion has several

@@ -1,7 +1,7 @@
 //! Limits of a study with elastic parts: the values beyond which there is no equilibrium.
 //!
-//! A range of travel or rack displacement ends where a motion of a part loses its stiffness. A load ends at the largest value
-//! that the suspension carries. The table also shows the limits of the mechanism with rigid parts.
+//! A range of travel or rack displacement ends where the stiffness against a motion of a part falls to zero. A load ends at the
+//! largest value that the suspension carries. The table also shows the limits of the mechanism with rigid parts.
 
 use super::row::{LOST, LimitRow, Row};
 use super::{Found, travel_rows};
@@ -19,7 +19,7 @@ use crate::study::{AxleComplianceStudy, AxleStudy, ComplianceStudy, Study, Wheel
 /// Words for the limits of the mechanism whose parts are all rigid.
 const RIGID: &str = "all parts rigid";
 
-/// Ends of equilibrium, or the reason why the design position has no equilibrium.
+/// Lower and upper limit of equilibrium, or the reason why the design position has no equilibrium.
 type Ends = Result<[EquilibriumEnd; 2], NoEquilibrium>;
 
 /// Limits of one quantity.
@@ -91,7 +91,7 @@ fn cause(end: &EquilibriumEnd, factor: f64, unit: &str) -> String {
     text
 }
 
-/// Row of the load of a test. `at` describes the held quantities.
+/// Row of the load of a test. `at` describes the quantities that stay constant.
 fn load_row(test: &KcTest, unit: LengthUnit, at: &str) -> Row {
     let trail = test.trail_suffix();
     let (factor, symbol) = match test.load {
@@ -121,7 +121,8 @@ fn load_row(test: &KcTest, unit: LengthUnit, at: &str) -> Row {
     }
 }
 
-/// Appends the rows of all loads. Tests that differ only in window or levels have one row. `unit` is the study's.
+/// Appends a row for each test load. Tests that differ only in the window or in the load levels share one row. `unit` is the
+/// study's length unit.
 fn append_loads(
     rows: &mut Vec<ElasticRow>,
     unit: LengthUnit,
@@ -247,7 +248,8 @@ pub(super) fn rows_of_wheel(
     Ok((rows, margin(&own.motion.values, &by_rack)))
 }
 
-/// Distance of travels from the nearest limit. It is negative if they go beyond the limit, and `None` without an equilibrium.
+/// Distance of travels from the nearest limit. It is negative if the travels go beyond the limit, and `None` without an
+/// equilibrium.
 fn margin(travels: &[f64], by_rack: &[Ends]) -> Option<f64> {
     let mut least = f64::INFINITY;
     for ends in by_rack {
@@ -271,7 +273,7 @@ pub(super) fn of_axle(
     let mut notes = Vec::new();
     if axle.left.mechanism.has_extra_links() {
         notes.push(
-            "Five rigid links do not move in roll: there are no limits with all parts rigid."
+            "Five rigid links allow no roll, so the table has no limits with all parts rigid."
                 .to_owned(),
         )
     } else {

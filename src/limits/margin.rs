@@ -11,7 +11,7 @@ use crate::solve::Solver;
 use crate::study::Study;
 use std::ops::ControlFlow;
 
-/// Distance from the drive values to the nearest limit of all these ranges. Negative if a value is beyond it.
+/// Distance from the drive values to the nearest limit of all these ranges. Negative if a value is beyond the limit.
 pub(super) fn travel_left<'r>(ranges: impl Iterator<Item = &'r Range>, values: &[f64]) -> f64 {
     let left = ranges.flat_map(|range| values.iter().map(move |value| range.margin(*value)));
     left.fold(f64::INFINITY, f64::min)
@@ -61,11 +61,11 @@ pub(super) fn margin(
         ),
     };
     if reached == 0 {
-        return Ok("The mechanism can reach no station of the study's motion.".to_owned());
+        return Ok("The mechanism cannot reach any station of the study's motion.".to_owned());
     }
     let mut text = format!(
-        "{stations} the wheel's links stay about {} {unit} or more away from a toggle or fold. This is an estimate from the \
-         conditioning of their equations. The distance is smallest at {} {}.",
+        "{stations} the wheel's links stay about {} {unit} or more away from a toggle or a turning point of the path. \
+         This is an estimate from the conditioning of their equations. The distance is smallest at {} {}.",
         brief(distance),
         plan.drive.name(),
         as_written(plan.drive.printed(at))
@@ -94,8 +94,8 @@ pub(super) fn margin(
     Ok(text)
 }
 
-/// Sentences about the toggles of rockers at the ends of the travel. The bar's lever follows the rocker of the pushrod. So both
-/// end at the same toggle, which is named once.
+/// Sentences about the toggles of rockers at the ends of the travel. The rocker of the pushrod also moves the lever of the
+/// anti-roll bar. So the rocker and the lever end at the same toggle, which is named once.
 fn toggles(rockers: &[RockerRange], moved: &Curves, unit: &str) -> String {
     let travels = || moved.along("travel").flatten();
     let least = travels().fold(0.0, f64::min);

@@ -23,7 +23,7 @@ pub use row::{LimitEnd, LimitRow};
 
 /// Limits of the mechanism of a study, as they are shown.
 pub(crate) struct LimitTable {
-    /// A row for each quantity: its limits while the other quantities are held.
+    /// A row for each quantity, with the limits of this quantity while the other quantities stay constant.
     rows: Vec<LimitRow>,
     /// Sentences below the table.
     pub(crate) notes: Vec<String>,
@@ -160,7 +160,7 @@ fn of_axle(study: &Study, both: &AxleStudy) -> Result<Found, String> {
     Ok((axle_rows(study, axle, &limits), notes))
 }
 
-/// Row of each quantity of a rigid axle. The row for roll needs the wheel radius.
+/// Rows of the table of limits, one for each quantity of a rigid axle. The row for roll needs the wheel radius.
 fn axle_rows(study: &Study, axle: &Axle, limits: &AxleLimits) -> Vec<LimitRow> {
     let travels = travel_rows(axle, limits).into_iter();
     let mut rows: Vec<LimitRow> = travels
@@ -237,7 +237,7 @@ fn straight(limits: &Limits) -> &'static str {
     }
 }
 
-/// Range of each quantity while the others are held. Rockers have their own rows, because other parts limit them.
+/// Range of each quantity while the others stay constant. Rockers have their own rows, because other parts limit the rockers.
 fn ranges<'l>(
     study: &Study,
     limits: &'l Limits,
@@ -290,7 +290,8 @@ fn rod_travel(study: &Study, rocker: RockerId) -> String {
     format!("{}_travel_{unit}", rod.replace(' ', "_"))
 }
 
-/// Row of the travels at which the rod of a rocker is at toggle. An end of the wheel's travel replaces a toggle beyond it.
+/// Row of the travels at which the rod of a rocker is at toggle. If a toggle is beyond the end of the wheel's travel, the row
+/// has that end instead.
 fn toggles(quantity: String, at: &str, range: &RockerRange, travel: &Range) -> LimitRow {
     let end = |toggle: Option<Toggle>, end: &RangeEnd| match toggle {
         Some(Toggle { travel, rod }) => {
@@ -308,7 +309,7 @@ fn toggles(quantity: String, at: &str, range: &RockerRange, travel: &Range) -> L
     }
 }
 
-/// Row of each quantity of a rigid wheel while the others are held.
+/// Rows of the table of limits, one for each quantity of a rigid wheel while the others stay constant.
 fn wheel_rows(study: &Study, limits: &Limits, by_rack: &[(f64, Range)]) -> Vec<LimitRow> {
     let ranges = ranges(study, limits, by_rack).into_iter();
     let mut rows: Vec<LimitRow> = ranges.map(|(row, range)| row.of(study, range)).collect();

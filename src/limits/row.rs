@@ -13,7 +13,7 @@ pub(crate) const LOST: &str = "the path could not be followed further";
 /// Cause of a limit at which a rod is in toggle position.
 pub(super) fn at_toggle(rod: Rod) -> String {
     format!(
-        "the {rod} is at toggle: it turns {} no further",
+        "the {rod} is at toggle: it cannot turn {} any further",
         rod.turns()
     )
 }
@@ -36,12 +36,12 @@ impl LimitEnd {
     }
 }
 
-/// Limits of a quantity while others are held.
+/// Limits of a quantity while the others stay constant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LimitRow {
     /// Quantity with its unit, such as `travel_mm`.
     pub quantity: String,
-    /// Positions at which the other quantities are held.
+    /// Constant values of the other quantities.
     pub at: String,
     /// Lower limit and upper limit.
     pub ends: [LimitEnd; 2],
@@ -72,7 +72,7 @@ pub(super) fn table(rows: &[LimitRow]) -> Table {
     table
 }
 
-/// Quantity of a row, and the positions at which the other quantities are held.
+/// Quantity of a row, and the constant values of the other quantities.
 pub(crate) struct Row {
     pub(crate) quantity: String,
     pub(crate) at: String,
@@ -122,7 +122,7 @@ impl Row {
         }
     }
 
-    /// Row for a length of an axle, in its unit.
+    /// Row for a length of an axle, in the length unit of the axle.
     pub(super) fn length_of_axle(axle: &Axle, quantity: &str, at: &str, factor: f64) -> Self {
         Row {
             quantity: format!("{quantity}_{}", axle.left.length_unit.symbol()),

@@ -79,8 +79,8 @@ fn toggled(curves: &Curves) -> Vec<String> {
             warnings.extend(nearest.map(|(nearest, _)| {
                 format!(
                     "warning: the {of}{rod} is at toggle or beyond it at {}, the nearest at {}: \
-                     it turns {} no further there, so quantities of its rocker or bar have no \
-                     values",
+                     it cannot turn {} any further there, so quantities of the rocker or \
+                     bar have no values",
                     stations_in_words(stuck().count()),
                     place_in_words(curves, nearest),
                     rod.turns()
@@ -149,11 +149,12 @@ impl ConditionSummary {
 /// Summary of the certificates of poses.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct CertificateSummary {
-    /// Number of stations with a certificate that their pose exists and is on the branch of the design position.
+    /// Number of stations with a certificate. It states that the pose exists and lies on the solution branch of the design
+    /// position.
     proved: usize,
     /// Number of stations whose pose could not be certified.
     unproved: usize,
-    /// True if every station is certified, so that the whole curve is one branch.
+    /// True if every station is certified. Then the whole curve lies on one solution branch.
     one_branch: bool,
     /// Largest certified bound on the position error of points of the wheel carrier.
     largest_position_error: Option<f64>,

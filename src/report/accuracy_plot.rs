@@ -14,7 +14,7 @@ const CAPTION: u32 = 34;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Failed = Box<dyn std::error::Error>;
 
-/// Diagram of one family of measurements.
+/// Diagram of one kind of measurements.
 struct Panel {
     title: &'static str,
     across: &'static str,
@@ -56,7 +56,7 @@ fn panels(accuracy: &Accuracy) -> [Panel; 4] {
         let mut series: Vec<(String, Vec<(f64, f64)>)> = Vec::new();
         for m in accuracy.measurements.iter().filter(|m| m.family == family) {
             let point = place(m);
-            // Both axes are logarithmic, so points with other values are left out.
+            // Both axes are logarithmic, so points with values of 0 or below are left out.
             if !(point.0 > 0.0 && point.1 > 0.0 && point.0.is_finite() && point.1.is_finite()) {
                 continue;
             }

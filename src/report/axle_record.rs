@@ -37,7 +37,7 @@ impl Record {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             study: study.name.clone(),
             topology: match axle.left.mechanism.topology.name {
-                // A solid axle has the word in its name.
+                // The name of a solid axle already contains the word "axle".
                 name if name.ends_with("axle") => name.to_owned(),
                 name => format!("{name}_axle"),
             },
@@ -67,7 +67,7 @@ impl MotionRecord {
         let moving = plan.motion.moving();
         let column = |coordinate: &Coordinate| coordinate.column(length);
         let further: Vec<String> = moving[1..].iter().map(column).collect();
-        // Every coordinate that changes can be on the horizontal axis, of rows too.
+        // Every coordinate that changes can be on the horizontal axis, also for a motion that is given as a table of rows.
         let abscissae = plan.motion.all_moving();
         let abscissae = abscissae.iter().filter(|c| **c != moving[0]).map(column);
         let frames = frames.into_iter().chain(std::iter::repeat_with(Vec::new));
@@ -138,7 +138,7 @@ fn frames(
     drawn(axle, &placements, places)
 }
 
-/// Frames of some rows of a motion, evenly chosen.
+/// Frames for a motion that is given as a table of rows: for some of the rows, evenly spaced.
 fn frames_of_rows(
     axle: &Axle,
     motion: &AxleMotion,

@@ -224,7 +224,7 @@ pub struct PriceRecord {
 }
 
 impl PriceRecord {
-    /// Records of a price list. `kept` holds the offsets of the kept design.
+    /// Records of a price list. `kept` contains the offsets of the design that the tuning keeps.
     pub fn all(optimise: &Optimise, list: &[Choice], kept: Option<&[f64]>) -> Vec<Self> {
         let record = |choice: &Choice| {
             let [misfit, moved] = choice.amounts[..] else {

@@ -10,7 +10,8 @@ const SAME: f64 = 1e-9;
 /// Columns of angles that can drive a wheel.
 const ANGLES: [&str; 2] = ["arm_angle_deg", "theta_deg"];
 
-/// Column that gives the stations of a wheel in addition to the rack: the time, the angle that drives it, or the travel.
+/// Column that identifies the stations of a wheel, together with the rack. It is the time, the angle that drives the wheel, or
+/// the travel.
 fn drive(table: &CurveTable) -> &str {
     let mut given = ["time_s"].iter().chain(&ANGLES);
     let given = given.find(|name| table.column(name).is_some()).copied();

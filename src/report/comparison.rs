@@ -54,7 +54,7 @@ pub struct Compared {
     pub topology: Option<String>,
     /// Curves. Lengths are in `unit`.
     pub curves: CurveTable,
-    /// Unit of its lengths.
+    /// Unit of the lengths in the curves and points.
     pub unit: LengthUnit,
     /// Axes of the curves. `None` for a run that keeps no study.
     pub axes: Option<FrameConvention>,

@@ -9,7 +9,7 @@ use super::shortest;
 /// Number of digits shown for the largest of some numbers.
 const DIGITS: i32 = 6;
 
-/// Differences up to this share of a number's inputs are rounding errors. Rates are accurate to 1e-11.
+/// Differences up to this fraction of the inputs of a number are rounding errors. Rates are accurate to 1e-11.
 const ROUNDING: f64 = 1e-11;
 
 /// Formats with six significant digits.
@@ -27,8 +27,8 @@ pub fn brief(value: f64) -> String {
     without_zeros(&format!("{value:.decimals$}")).to_owned()
 }
 
-/// Compares the end of a range with its wanted value: `ends at 7.5, not 8`. If both have the same six digits, it gives their
-/// difference: `ends 0.000002 below 8`. A rounding error does not count: `reaches 8`.
+/// Compares the end of a range with its wanted value: `ends at 7.5, not 8`. If both values have the same six digits, the text
+/// states the difference: `ends 0.000002 below 8`. A rounding error does not count: `reaches 8`.
 pub fn ends_at(value: f64, wanted: f64) -> String {
     let (reached, target) = (brief(value), brief(wanted));
     if reached != target {

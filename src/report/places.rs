@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 /// Number of corners of a circle.
 const ROUND: usize = 36;
 
-/// Regions of constraints in the study's axes. They are limits for the point itself, so they include the clearances.
+/// Regions of constraints in the study's axes. They limit the point itself, so the clearances are already included.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Places {
     /// Boxes, spheres, cylinders and planes.

@@ -38,8 +38,8 @@ const CG_HEIGHT: [f64; 2] = [0.01, 5.0];
 /// Plausible ranges in wheel radii. Wheels of a wheelbase below two radii would overlap.
 const WHEELBASE_IN_RADII: [f64; 2] = [2.0, 30.0];
 const CG_HEIGHT_IN_RADII: [f64; 2] = [0.4, 6.0];
-/// Smallest plausible distance of a wheel from the centre plane, relative to its distance from the points on the
-/// body.
+/// Smallest plausible distance of a wheel from the centre plane, relative to the distance between the wheel and the points on
+/// the body.
 const WHEEL_AT_CENTRE: f64 = 0.5;
 /// Largest plausible distance of a point from the wheel centre, in wheel radii.
 const FAR: f64 = 12.0;
@@ -155,8 +155,8 @@ impl<'a> PlausibilityRemarks<'a> {
         ));
     }
 
-    /// Warning about a wheel centre at the centre plane with the points of the body beyond it. Probably the file's origin is at
-    /// the wheel.
+    /// Warning if the wheel centre is at the centre plane and the points of the body are beyond that plane. Probably the file's
+    /// origin is at the wheel.
     fn wheel_at_the_centre_plane(&mut self) {
         let mechanism = &self.suspension.mechanism;
         let wheel = self.at(mechanism.wheel_centre).y;
@@ -446,7 +446,8 @@ impl<'a> PlausibilityRemarks<'a> {
             value: Jet::variable(0.0),
             rack: Jet::constant(0.0),
         };
-        // A design position at a fold has no rates. The solver reports it elsewhere.
+        // At a turning point of the path, where the travel reverses, the design position has no rates. Another check reports
+        // this case.
         let Ok(at) = solver.configuration_series(&design_series, &solver.design_pose(), &motion)
         else {
             return Ok(());

@@ -70,7 +70,7 @@ pub struct MotionRecord {
     pub designs: Vec<DesignRecord>,
 }
 
-/// Curves over a motion of `[motions.NAME]`. Its designs have no poses.
+/// Curves over a motion of `[motions.NAME]`. The designs in this record have no poses.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NamedMotionRecord {
     /// Name of the motion.
@@ -145,7 +145,7 @@ pub struct DrawnDesign<'a> {
     pub file: &'a str,
     /// Curves of the design.
     pub curves: &'a Curves,
-    /// Poses along its motion. Empty if the mechanism equals that of the last design.
+    /// Poses along the motion of the design. Empty if the mechanism equals that of the last design.
     pub frames: Vec<Frame>,
 }
 

@@ -21,7 +21,7 @@ pub enum SetUpSide {
     Both,
     /// The left wheel.
     Left,
-    /// Right wheel. Amounts along y are those of its mirror image on the left.
+    /// Right wheel. Amounts along y refer to the mirror image of the right wheel on the left.
     Right,
 }
 
@@ -334,7 +334,7 @@ impl SetUpSummary {
         table.keyed(2)
     }
 
-    /// Static values that miss their targets by more than half steps.
+    /// Static values that miss the target by more than half a step of the adjustments.
     pub fn not_met(&self) -> impl Iterator<Item = &StaticRecord> {
         self.statics.iter().filter(|s| !(s.met && s.met_rounded))
     }

@@ -66,7 +66,8 @@ fn place(effect: &SideEffect) -> String {
     coordinates.chain(wheel).collect::<Vec<_>>().join(", ")
 }
 
-/// Station of the largest change in a short form. A single travel has no name. Otherwise, coordinates that are 0 are left out.
+/// Station of the largest change in a short form. If wheel travel is the only coordinate, its name is left out. Otherwise,
+/// coordinates that are 0 are left out.
 fn short_place(effect: &SideEffect) -> String {
     match (effect.at.as_slice(), &effect.wheel) {
         ([only], None) if only.name == "travel" => {

@@ -40,12 +40,13 @@ pub struct SolveSummary {
     /// Counts of the computing work. `None` for an axle.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     work: Option<Work>,
-    /// Reasons why the continuation, not the tracker, solved stations.
+    /// Reasons why stations were solved by the solver for difficult stations (continuation) instead of the usual solver
+    /// (tracker).
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     left_to_continuation: Vec<Left>,
 }
 
-/// Number of stations that the continuation solved instead of the tracker, for one reason.
+/// Number of stations that the continuation solved instead of the tracker for the same reason.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Left {
     reason: String,
@@ -68,8 +69,8 @@ struct FailedStation {
 }
 
 impl SolveSummary {
-    /// Summarises curves. `design` has the curves of the design position alone. Without them, the design position is taken from
-    /// the stations, if it is one of them.
+    /// Summarises curves. `design` has the curves of the design position alone. Without these curves, the values come from the
+    /// station at the design position, if there is one.
     pub fn of(study: &Study, curves: &Curves, design: Option<&Curves>) -> Self {
         let wheel = study.wheel();
         let stations = curves.stations.iter().enumerate();

@@ -254,7 +254,7 @@ impl ToleranceSummary {
                     Some(true) => "",
                     _ => words,
                 };
-                // Sampled numbers are rounded to the digits that are certain for sigma.
+                // Numbers from random builds are rounded to the reliable digits of sigma.
                 let digits = value
                     .sigma_error
                     .filter(|error| *error > 0.0 && words != "does not scatter");
@@ -339,8 +339,8 @@ impl ToleranceSummary {
         table
     }
 
-    /// Table of the shares of the builds' variance at the design position, with the remainder. It is used if there are no bands
-    /// for a ranking.
+    /// Table of the shares of the builds' variance at the design position, with the remainder. This table is used if there are
+    /// no bands for a ranking.
     pub fn shares_table(&self, contributors: &[String]) -> Table {
         let rest: Vec<&ValueRecord> = self.values.iter().filter(|v| v.at_rest).collect();
         let outputs = rest.iter().map(|v| v.output.clone());

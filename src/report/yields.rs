@@ -21,7 +21,7 @@ pub struct YieldRecord {
     pub plain: Option<f64>,
     /// Yields of the single bands.
     pub bands: Vec<BandShares>,
-    /// For a tuning towards the yield: final value of its surrogate.
+    /// For a tuning that maximises the yield: final value of the smooth surrogate of the yield.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surrogate: Option<Surrogate>,
 }
@@ -29,7 +29,7 @@ pub struct YieldRecord {
 /// Smooth surrogate of a yield at the tuned design.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Surrogate {
-    /// Number of builds in its mean.
+    /// Number of builds whose mean is the surrogate.
     pub builds: usize,
     /// Value of the surrogate.
     pub value: f64,
@@ -110,7 +110,7 @@ impl YieldRecord {
         )
     }
 
-    /// Surrogate with its error in a sentence, and the result of the search. `None` unless the tuning was towards the yield.
+    /// Surrogate with its error in a sentence, and the result of the search. `None` unless the tuning maximised the yield.
     pub fn surrogate_in_words(&self) -> Option<String> {
         let surrogate = self.surrogate.as_ref()?;
         let error = surrogate.error.map_or(String::new(), |error| {

@@ -40,14 +40,14 @@ fn release(path: &Path, file: &File) {
     }
 }
 
-/// Removes a lock file, if its path still leads to it.
+/// Removes a lock file, if the path still leads to the opened file.
 fn remove(path: &Path, file: &File) {
     if is_at(file, path) {
         let _ = std::fs::remove_file(path);
     }
 }
 
-/// A lock that is held until it is dropped. Dropping it also removes its file.
+/// A lock that is held until this value is dropped. Dropping it also removes the lock file.
 #[derive(Debug)]
 pub struct Lock {
     number: u64,
@@ -58,7 +58,7 @@ pub struct Lock {
 /// Reason why a lock cannot be taken.
 #[derive(Debug)]
 pub enum NotLocked {
-    /// Another process holds the lock. Its owner is given if it could be read.
+    /// Another process holds the lock. The owner is given if the lock file could be read.
     Held(Option<Owner>),
     /// The lock file cannot be created or locked.
     Failed(io::Error),
@@ -232,8 +232,8 @@ mod tests {
         assert!(!path.exists());
     }
 
-    /// A symbolic link with the name of the lock file is reported. The lock neither waits for it nor follows it, even if its
-    /// target does not exist.
+    /// A symbolic link with the name of the lock file is reported. Taking the lock neither waits nor follows the link, even if
+    /// the target of the link does not exist.
     #[cfg(unix)]
     #[test]
     fn a_link_is_no_lock() {

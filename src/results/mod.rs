@@ -37,7 +37,7 @@ pub const TEMPORARY: &str = ".hardpoint-";
 /// File in which a run records its results.
 pub const SUMMARY: &str = "summary.json";
 
-/// Sets the first two keys of a `summary.json`: whether the run has finished, and whether a signal ended it.
+/// Sets the first two keys of a `summary.json`: `finished`, and `interrupted` (true if a signal ended the run).
 fn restated(text: &str, finished: bool, interrupted: bool) -> String {
     let head = |finished: bool, interrupted: bool| {
         format!("\n  \"finished\": {finished},\n  \"interrupted\": {interrupted},")

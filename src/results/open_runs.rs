@@ -1,4 +1,4 @@
-//! Runs that this process is writing. If a signal ends the process, their directories record it.
+//! Runs that this process is writing. If a signal ends the process, the directories of the runs record the interruption.
 
 use super::manifest::{Manifest, NAME, RunRecord};
 use super::{SUMMARY, TEMPORARY, restated, temporary};
@@ -35,14 +35,14 @@ pub fn undivided<T>(write: impl FnOnce() -> T) -> T {
     write()
 }
 
-/// Registers a run together with its first write. A signal comes before or after both.
+/// Registers a run and executes its first write. No signal can take effect between the two steps.
 pub(super) fn begin<T>(run: OpenRun, first: impl FnOnce() -> T) -> T {
     let mut open = open();
     open.push(run);
     first()
 }
 
-/// Removes a run together with its last write. A signal comes before or after both.
+/// Removes a run from the list and executes its last write. No signal can take effect between the two steps.
 pub(super) fn end<T>(path: &Path, last: impl FnOnce() -> T) -> T {
     let mut open = open();
     open.retain(|run| run.path != path);
@@ -111,7 +111,7 @@ fn clear(directory: &Path) {
     }
 }
 
-/// Writes a file completely or not at all, and no signal can interrupt it. A named pipe or a character device receives the
+/// Writes a file completely or not at all. No signal can interrupt the write. A named pipe or a character device receives the
 /// contents.
 pub fn write_whole(path: &Path, contents: &[u8]) -> io::Result<()> {
     if is_stream(path) {

@@ -1,4 +1,4 @@
-//! Owner of a lock. Other processes that want the lock can show its name.
+//! Owner of a lock. Other processes that wait for the lock can show the name of the owner.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;

@@ -85,7 +85,7 @@ pub enum Refusal {
     },
     /// The record of the runs in the directory cannot be read.
     #[error(
-        "hardpoint did not write {file} in this form ({reason}), so the other files there are \
+        "{file} is not in the format that hardpoint writes ({reason}), so the origin of the other files there is \
          unknown: give another directory with --out, or write there with --force"
     )]
     Unreadable {

@@ -148,7 +148,7 @@ impl RunDirectory {
         RunDirectory::claim(path, &claim)
     }
 
-    /// Allows other runs of the same command and study to write there, too.
+    /// Allows other runs of the same command and study to write to this directory, too.
     pub fn share(&self) -> Result<(), WriteError> {
         let mut held = self.lock.lock().unwrap_or_else(|e| e.into_inner());
         let Some(lock) = held.take() else {
@@ -246,7 +246,8 @@ impl RunDirectory {
         self.set_aside.as_deref()
     }
 
-    /// Records files, or names with a star for digits, as written by this run. An existing file of someone else is refused.
+    /// Records files, or names with a star for digits, as written by this run. Refuses an existing file that this run did not
+    /// write.
     pub fn record(&self, names: &[&str]) -> Result<(), WriteError> {
         let mut state = self.state();
         let before = state.manifest.clone();
@@ -282,7 +283,7 @@ impl RunDirectory {
         }
     }
 
-    /// Writes a file and records it as written by this run. If the run has been interrupted, a summary states it. Only
+    /// Writes a file and records it as written by this run. If the run has been interrupted, a summary states this. Only
     /// [`RunDirectory::finish`] records that the run has finished.
     pub fn write(&self, name: &str, contents: &[u8]) -> Result<(), WriteError> {
         self.record(&[name])?;
@@ -294,7 +295,7 @@ impl RunDirectory {
         self.put(name, restated(&text, false, interrupted).as_bytes())
     }
 
-    /// Records that a signal has ended the work. Later summaries and [`RunDirectory::finish`] state it.
+    /// Records that a signal has ended the work. Later summaries and [`RunDirectory::finish`] state this.
     pub fn mark_interrupted(&self) {
         self.state().interrupted = true;
     }
@@ -328,7 +329,7 @@ impl RunDirectory {
         self.put(SUMMARY, text.as_bytes())
     }
 
-    /// Records an interrupted run that a later run continues. All of its files stay.
+    /// Records an interrupted run that a later run continues. All files of the interrupted run stay.
     pub fn leave_unfinished(&self) -> Result<(), WriteError> {
         let mut state = self.state();
         let interrupted = state.interrupted;
@@ -460,7 +461,8 @@ pub fn temporary(directory: &Path) -> io::Result<tempfile::NamedTempFile> {
     temporary_of(directory, "file")
 }
 
-/// Makes a temporary file whose name contains its owner, to distinguish files of dead and of living runs.
+/// Makes a temporary file whose name contains `stem`. The name shows to which part or program the file belongs, so that
+/// leftovers of dead runs can be found.
 pub fn temporary_of(directory: &Path, stem: &str) -> io::Result<tempfile::NamedTempFile> {
     tempfile::Builder::new()
         .prefix(&format!("{TEMPORARY}{stem}-"))
@@ -468,7 +470,7 @@ pub fn temporary_of(directory: &Path, stem: &str) -> io::Result<tempfile::NamedT
         .tempfile_in(directory)
 }
 
-/// Usual permissions. A temporary file would be readable by its owner only.
+/// Usual permissions. Without them, only the owner could read a temporary file.
 #[cfg(unix)]
 fn readable() -> std::fs::Permissions {
     std::os::unix::fs::PermissionsExt::from_mode(0o644)

@@ -74,7 +74,8 @@ pub(super) fn in_motion<'s>(
     Ok(Cow::Owned(moved))
 }
 
-/// Solves a wheel over its motion. `study` has the study's own motion, in which targets without a named motion are compared.
+/// Solves a wheel over its motion. `study` has the study's own motion. Targets without a named motion are compared over this
+/// motion.
 fn solved_wheel(
     opened: &Opened,
     study: &Study,
@@ -168,7 +169,7 @@ fn grouped(found: &Curves, plan: &Plan, request: &SolveRequest) -> (Groups, Vec<
         return (groups, drives.collect());
     }
     let rack_of = |station: usize| plan.racks[station / along];
-    // A station without a pose has no drive value, so it goes to a group that the page does not show.
+    // A station without a pose has no drive value, so it is put into a group that the page does not show.
     let place =
         |(station, drive): (usize, Option<f64>)| vec![drive.unwrap_or(f64::NAN), rack_of(station)];
     let places: Vec<Vec<f64>> = drives.enumerate().map(place).collect();

@@ -1,7 +1,7 @@
 //! An axle on the live page: its sliders, its curves, and the positions of its wheels.
 //!
-//! The page moves points of the left wheel. If the right wheel has its own hardpoints, they move as mirror images, as with a
-//! variable of a tuning.
+//! The page moves points of the left wheel. If the right wheel has its own hardpoints, these move as mirror images of the left
+//! points, as with a variable of a tuning.
 
 use super::answer::columns;
 use super::beside::beside;
@@ -24,7 +24,7 @@ use crate::report::{FailureRange, axle_plausibility, plausibility};
 use crate::study::{AxleStudy, Study};
 use std::time::Instant;
 
-/// Coordinates of a motion. A coordinate without values is held at 0.
+/// Coordinates of a motion. A coordinate without values stays at 0.
 fn coordinates(motion: &AxleMotion) -> Vec<Coordinate> {
     let mut found = match motion.wheels {
         WheelMotion::Heave(_) => vec![Coordinate::Heave],
@@ -89,7 +89,7 @@ pub(super) fn sliders(both: &AxleStudy) -> (Vec<Slider>, usize) {
                 Slider::over(other.key(), name, length.symbol(), 0.0, &values)
             }
         };
-        // A coordinate that the study holds also gets a slider, so that the user can try it.
+        // A coordinate that the study keeps constant also gets a slider, so that the user can try it.
         if values.len() < 2 {
             let is_roll = *coordinate == Coordinate::Roll;
             let reach = if is_roll { 3.0 } else { far };
@@ -258,7 +258,7 @@ pub(super) fn solved(
 }
 
 /// Stations of a motion in the group nearest to the sliders at `at`: only the coordinate with the index `over` moves. A motion
-/// over time and a motion of rows stay whole.
+/// over time, and a motion given as a table of rows, keep all stations.
 fn shown_alone(motion: &AxleMotion, (over, at): (usize, &[f64]), axle: &Axle) -> AxleMotion {
     let mut shown = motion.clone();
     if motion.time.is_some() || motion.has_rows() {

@@ -45,7 +45,7 @@ impl Connections {
         if open.strangers.len() >= MOST_STRANGERS
             && let Some((_, oldest)) = open.strangers.pop_front()
         {
-            // The connection may be closed already. Its thread notices the end of the stream.
+            // The connection may be closed already. The thread of the connection notices the end of the stream.
             let _ = oldest.shutdown(Shutdown::Both);
         }
         open.latest += 1;

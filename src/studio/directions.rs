@@ -37,8 +37,8 @@ pub(super) fn directions(opened: &Opened, of: &Designed) -> Result<DirectionsAns
     Ok(unseen(&found.goal, &shown, suspension.design.len()))
 }
 
-/// Directions that leave the rows of `goal` unchanged. Its columns belong to the variables. `points` is the number of points of
-/// the design.
+/// Directions that leave the residuals (the rows of `goal`) unchanged, to first order. The columns of `goal` belong to the
+/// variables. `points` is the number of points of the design.
 pub(super) fn unseen(
     goal: &Linearisation,
     variables: &[VariableOverview],

@@ -191,7 +191,8 @@ pub(super) struct Response {
     pub policy: Cow<'static, str>,
 }
 
-/// The page loads only its own files and connects only to its own server. Pictures that it saves come from data in the page.
+/// The page loads only its own files and connects only to its own server. Pictures that the page saves come from data in the
+/// page.
 const POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data: blob:; \
      connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 

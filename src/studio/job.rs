@@ -48,7 +48,7 @@ pub(super) fn counted_from_file(
     let is_together = |by: &f64| (by - first).abs() <= 1e-9 * (high - low);
     if !moved.iter().all(is_together) {
         let remark = format!(
-            "{name}: its points were moved differently, so its range is relative to their present \
+            "{name}: its points were moved by different amounts, so its range is relative to their present \
              positions"
         );
         return ([low, high], Some(remark));

@@ -27,7 +27,7 @@ pub(super) struct Overview {
     pub file: String,
     /// Names of all files that saving may write: the file, then those of the axles of a car.
     pub files: Vec<String>,
-    /// Path of the file, so that a browser does not confuse its stored data of one study with another's.
+    /// Path of the file. With it, a browser distinguishes the stored data of different studies.
     pub place: String,
     pub digest: String,
     /// SHA-256 of the file's text without unsaved changes.
@@ -57,7 +57,7 @@ pub(super) struct Overview {
     pub targets: Vec<TargetOverview>,
     pub variables: Vec<VariableOverview>,
     pub tunes: bool,
-    /// Number of builds whose misfit a tuning lowers. `None` if it lowers the misfit of the nominal design.
+    /// Number of builds whose misfit a tuning lowers. `None` if the tuning lowers the misfit of the nominal design.
     pub builds: Option<usize>,
     pub has_constraints: bool,
     pub starts: usize,
@@ -120,7 +120,7 @@ pub(super) struct PointOverview {
     pub axle: Option<[String; 2]>,
     /// Displacement from the point's coordinates to its position in a drawing of the whole vehicle.
     pub shift: [f64; 3],
-    /// True for a point of a solid axle's right half, which follows the left half. Nobody edits it.
+    /// True for a point of a solid axle's right half, which follows the left half. The user cannot edit such a point.
     pub follows: bool,
 }
 
@@ -166,7 +166,7 @@ pub(super) struct TargetOverview {
     pub points: Vec<(f64, Option<f64>, Option<f64>)>,
     /// Name of the target's motion. `None` for the study's own.
     pub motion: Option<String>,
-    /// Index of the slider of this motion to which the points refer. `None` if no slider has them.
+    /// Index of the slider of this motion to which the points refer. `None` if the points do not refer to a slider.
     pub over: Option<usize>,
     /// Rack displacements to which the target applies. Empty for all.
     pub racks: Vec<f64>,
@@ -193,10 +193,10 @@ pub(super) struct SolvedAnswer {
     pub groups: Vec<usize>,
     /// Values of all sliders at the first station of each group.
     pub group_places: Vec<Vec<f64>>,
-    /// Index of the group nearest to the sliders. The next field is its rack displacement.
+    /// Index of the group nearest to the sliders. The next field is the rack displacement of this group.
     pub shown: usize,
     pub rack: f64,
-    /// True if the stations are rows, whose curves follow the order of the rows.
+    /// True if the motion is given as a table of rows. Then curves connect the stations in the order of the rows.
     pub has_rows: bool,
     /// True if stations of other groups are left out. Failures and remarks then refer to the shown group only.
     pub is_partial: bool,

@@ -6,15 +6,17 @@
 //! dM/dx = r . J / (m M)                                                     (1)
 //! ```
 //!
-//! For one target, the n residuals are its deviations in tolerances times s. Its gradient is
+//! For one target, the n residuals are the deviations (as multiples of the tolerance) times s. The gradient of the rms
+//! deviation is
 //!
 //! ```text
 //! d rms/dx = r . J / (s^2 n rms),    over its own rows.                     (2)
 //! ```
 //!
-//! A misfit of zero has no gradient. Zero is reported, because the square of the misfit has its minimum there.
+//! A misfit of zero has no gradient. In this case, the gradient is given as zero, because the square of the misfit has its
+//! minimum there.
 //!
-//! The page solves the nominal design. Its misfit describes this design, even if a tuning improves builds.
+//! The page solves the nominal design. The misfit on the page is the misfit of this design, even if a tuning improves builds.
 
 use super::message::{Coordinates, Misfit, TargetMisfit};
 use super::study_file::Opened;
@@ -30,7 +32,8 @@ pub(super) fn misfit(opened: &Opened, study: &Study) -> Result<Option<Misfit>, D
         return Ok(None);
     };
     let suspension = study.wheel();
-    // The layout contains the coordinates of the right wheel. So it must be made again if that wheel has its own points.
+    // The layout contains the coordinates of the right wheel. So the layout must be made again if that wheel has its own
+    // points.
     let has_own = study.axle().is_some_and(|both| both.axle.right.is_some());
     let own = has_own.then(|| TargetLayout::nominal(optimise, &study.vehicle));
     let found = assessed(suspension, &opened.every, own.as_ref().unwrap_or(layout))?;

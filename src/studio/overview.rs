@@ -251,7 +251,7 @@ fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     let values: Vec<f64> = printed.collect();
     let home = home(study);
     let drive = Slider::over(key, name, unit, home, &values);
-    // If the study holds the rack, the held value is the home position of the slider.
+    // If the study keeps the rack constant, this rack position is the home position of the slider.
     let rack_home = if motion.rack_moves {
         0.0
     } else {
@@ -261,8 +261,8 @@ fn of_corner(study: &Study) -> (Vec<Slider>, usize) {
     (vec![drive, rack], 0)
 }
 
-/// Slider of the rack, or of the drag link that steers a solid axle. Its range is the range of the motion, or of a usual rack. If
-/// nothing steers the wheels, the range is empty.
+/// Slider of the rack, or of the drag link that steers a solid axle. The range of the slider is the range of the motion, or of
+/// a usual rack. If nothing steers the wheels, the range is empty.
 pub(super) fn rack_slider(suspension: &Suspension, home: f64, racks: &[f64]) -> Slider {
     let (unit, mechanism) = (suspension.length_unit, &suspension.mechanism);
     let name = match mechanism.axle_steering() {

@@ -105,7 +105,7 @@ mod tests {
                 }
             }
             assert!(contrast(palette["on-accent"], palette["accent"]) >= 4.5);
-            // Lines of a family are transparent.
+            // The lines for the other values of a slider are partly transparent.
             for side in ["accent", "right"] {
                 let is = contrast(&mixed(palette[side], paper, 0.75), paper);
                 assert!(is >= 3.0, "{side}: {is:.2}");
@@ -116,7 +116,8 @@ mod tests {
         ));
     }
 
-    /// Identifiers are unique, and every reference leads to an identifier. Scripts make the tabs and the heading of the dialog.
+    /// Identifiers are unique, and every reference leads to an identifier. Scripts make the tabs and the heading of the dialog,
+    /// so their identifiers are not in the HTML.
     #[test]
     fn references_lead_somewhere() {
         let tabs = INDEX.matches("role=\"tabpanel\"").count();

@@ -20,7 +20,8 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 
-/// Number of study texts that the server stores. With them, tabs opened before a save keep working, and changes can be undone.
+/// Number of study texts that the server stores. With these texts, tabs opened before a save keep working, and changes can be
+/// undone.
 const TEXTS: usize = 40;
 /// Media types of exported files.
 const CSV: &str = "text/csv; charset=utf-8";
@@ -361,7 +362,7 @@ impl ServerState {
         let (_, html) = reports.iter().find(|(n, _)| *n == number)?;
         let body = html.as_bytes().to_vec();
         Some(Response {
-            // The report contains its own policy for scripts. It loads nothing and connects to nothing.
+            // The report contains its own policy for scripts. The report loads nothing and connects to nothing.
             policy: "frame-ancestors 'none'".into(),
             ..Response::new(200, "text/html; charset=utf-8", body)
         })

@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use thiserror::Error;
 
-/// Default port. It is always the same, so that a browser finds its data of earlier sessions.
+/// Default port. The port is always the same, so that a browser finds the data that it stored in earlier sessions.
 const USUAL_PORT: u16 = 7353;
 /// Interval between checks for a request to stop.
 const LOOK: Duration = Duration::from_millis(100);
@@ -81,7 +81,8 @@ impl Studio {
         self.server.access.address()
     }
 
-    /// Serves until `stop` is set. The invitation is deleted after the first request of the page, or at the end.
+    /// Serves until `stop` is set. The file that leads the browser to the page (`invitation`) is deleted after the first
+    /// request of the page, or at the end.
     ///
     /// # Errors
     /// If the thread that waits for connections cannot be started.

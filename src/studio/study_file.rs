@@ -181,8 +181,8 @@ impl StudyFile {
         })
     }
 
-    /// Text of the file as it was opened, and the text with a design and the edits. Changes by other programs are not among
-    /// their differences.
+    /// Text of the file as it was opened, and the text with a design and the edits. Changes by other programs are not among the
+    /// differences of these two texts.
     pub(super) fn texts(&self, opened: &Opened, design: &[Vector3<f64>]) -> Vec<TextChange> {
         vec![TextChange {
             file: self.name(),

@@ -211,7 +211,7 @@ fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
     for phrase in [
         "pushrod is at toggle",
         &format!("{stuck} stations"),
-        "the rocker no further",
+        "cannot turn the rocker any further",
     ] {
         assert!(said.contains(phrase), "{said}");
     }

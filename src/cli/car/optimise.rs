@@ -152,7 +152,7 @@ impl TuningResults<'_> {
         let (study, fit) = (self.study, &self.tuned.fit);
         let words = side_effects_in_words(&self.effects).map(|words| format!("; {words}"));
         output.say(&format!(
-            "{}\nmisfit {} (root mean square, in tolerances){}; {}\n\n",
+            "{}\nmisfit {} (root mean square, in multiples of the tolerance){}; {}\n\n",
             headline(study),
             misfit_in_words(fit.misfit()),
             words.unwrap_or_default(),

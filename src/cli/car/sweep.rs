@@ -34,7 +34,7 @@ pub(in crate::cli) fn sweep(arguments: &SweepArguments) -> Result<Exit, Stop> {
     carry_out(arguments, &ready, || ())
 }
 
-/// Prints the `--set` options that turn the study into one design of its sweep.
+/// Prints the `--set` options that change the study to one design of the sweep.
 fn print_settings(study: &CarStudy, plan: &CarSweepPlan<'_>, number: u64) -> Result<Exit, Stop> {
     let designs = plan.record.designs;
     if number >= designs {

@@ -1,4 +1,4 @@
-//! Composes the text of a template with its parts.
+//! Composes the text of a template with additional parts.
 
 use super::Part;
 use super::bushings::with_bushings;
@@ -18,10 +18,11 @@ const SOLID_AXLE: &str = "solid_axle";
 const TARGETS: &str = r#"  { characteristic = "toe", points = [[-80.0, 0.1], [0.0, 0.1], [80.0, 0.1]], tolerance = 0.03 },
 "#;
 
-/// Targets of suspensions whose inner points can hardly keep the toe constant: a roll centre at a given height.
+/// Targets for suspensions in which moves of the inner points can hardly keep the toe constant. The targets ask for a roll
+/// centre at a given height.
 const ROLL_CENTRE_TARGETS: &str = r#"  { characteristic = "roll_centre_height", at = 0.0, value = 140.0, tolerance = 2.0 },
 "#;
-/// Topologies with these targets.
+/// Topologies that get [`ROLL_CENTRE_TARGETS`].
 const STEERED_BY_TRAVEL: [&str; 3] = [
     "semi_trailing_arm",
     "trailing_arm_two_links",
@@ -150,7 +151,7 @@ impl Composed<'_> {
             .collect();
         if lateral.len() > 1 {
             return Err(
-                "choose only one of panhard, watt and five_links: each holds the axle sideways"
+                "choose only one of panhard, watt and five_links: each locates the axle laterally"
                     .to_owned(),
             );
         }
@@ -254,7 +255,7 @@ variables = [                    # offsets from the design
                 _ if self.has(Part::DragLink) => STEERED_AXLE_TARGETS,
                 (true, _) => SOLID_AXLE_TARGETS,
                 (false, true) => AXLE_TARGETS,
-                // A roll centre belongs to a rigid mechanism.
+                // The roll centre of a single wheel needs a rigid mechanism.
                 (false, false)
                     if STEERED_BY_TRAVEL.contains(&self.topology.name) && !self.is_elastic() =>
                 {

@@ -1,4 +1,4 @@
-//! Points of the parts that templates can have, with their coordinates in each template.
+//! Points of the parts that templates can have, with the coordinates of these points in each template.
 
 /// Points of a part: name and description.
 pub(super) type Points = &'static [(&'static str, &'static str)];
@@ -53,7 +53,7 @@ pub(super) const WATT: Points = &[
         "watt_pivot",
         "pivot of the Watt rocker, on the axle; actual y",
     ),
-    ("watt_axis", "a second point of its axis"),
+    ("watt_axis", "a second point of the rocker's axis"),
     (
         "watt_upper_chassis",
         "upper Watt link at the body; actual y",

@@ -49,7 +49,7 @@ pub(super) fn with_links(text: &str) -> String {
         } else if is_target && line.contains("\"roll_steer\"") {
             written += TARGETS;
         } else if !is_target && !is_of_spring(line) {
-            // The omitted lines are between two empty lines.
+            // Each group of omitted lines is between two empty lines. Only one of the two is written.
             let is_second = line.is_empty() && written.ends_with("\n\n");
             if !is_second {
                 let _ = writeln!(written, "{line}");

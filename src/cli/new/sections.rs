@@ -131,8 +131,8 @@ pub(super) fn as_steered_front_axle(text: &str) -> String {
     written
 }
 
-/// Adds springs, bump stops, tyres and masses to the text of an axle, and their outputs. With `has_bar` it also adds the rate of
-/// the anti-roll bar.
+/// Adds springs, bump stops, tyres and masses to the text of an axle. Also adds outputs that need these parts. With `has_bar`
+/// it also adds the rate of the anti-roll bar.
 pub(super) fn with_springs(text: &str, has_bar: bool) -> String {
     let bar = if has_bar {
         "[anti_roll_bar]\n\

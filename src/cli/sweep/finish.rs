@@ -89,7 +89,7 @@ pub(in crate::cli) fn finish(
     output.say_remarks(summary.notes())?;
     let best = summary.best_table();
     if !best.is_empty() {
-        output.text_only("\nBest by misfit, in tolerances:\n\n")?;
+        output.text_only("\nBest designs by misfit (in multiples of the tolerance):\n\n")?;
     }
     if !(output.is_text() && best.is_empty()) {
         output.table("best", &best)?;

@@ -32,8 +32,8 @@ pub struct CarComparison {
 }
 
 impl CarComparison {
-    /// Compares cars in the load cases and results of the first car, in its units and axes. A car without one of them has empty
-    /// cells.
+    /// Compares cars in the load cases and results of the first car, in the units and axes of the first car. If a car does not
+    /// have a case or a result, the cells are empty.
     ///
     /// # Errors
     /// No cars were given.
@@ -157,7 +157,7 @@ fn sign_in_first(moves: &Moves, first: &Car, car: &Car) -> f64 {
         Moves::Body(BodyParameter::CgZ) => Axis::Z,
         _ => return 1.0,
     };
-    // The car has the axes of its front study.
+    // The car has the axes of the study of its front axle.
     let [to, from] = [first, car].map(|car| car.axles[0].left.frame.sign(axis));
     to * from
 }

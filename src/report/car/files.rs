@@ -232,7 +232,7 @@ impl<'s> CarResults<'s> {
     }
 }
 
-/// Solves the states of a block of rows, side by side in lanes.
+/// Solves the states of a block of rows, several states at once in SIMD lanes.
 fn states_of(mut solver: CarSolver<'_>, rows: &[&[Case]]) -> Vec<Vec<RowResult>> {
     let mut states: Vec<Vec<RowResult>> = rows
         .iter()

@@ -102,7 +102,7 @@ pub fn settings_of_car(
     settings
 }
 
-/// Edit that writes a wheelbase where the study gives it: as `wheelbase`, or as the offset of the rear study.
+/// Edit that writes the wheelbase to the key that the study uses: `wheelbase`, or the offset of the rear study.
 fn wheelbase_edit(text: &str, wheelbase: f64, offset: Vector3<f64>) -> String {
     let gives_offset = |line: &str| line.trim_start().starts_with("rear_offset");
     if text.lines().any(gives_offset) {

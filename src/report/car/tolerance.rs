@@ -170,7 +170,7 @@ impl CarToleranceSummary {
         let (first, reason) = (self.first_failed?, self.reason.as_ref()?);
         let builds = counted(self.failed, "build");
         Some(format!(
-            "{builds} not solved in every case, first build {first}: {reason}"
+            "{builds} without a solution in at least one case, first build {first}: {reason}"
         ))
     }
 

@@ -26,7 +26,8 @@ fn limits_in_words(limits: [Option<f64>; 2], unit: &str) -> String {
     }
 }
 
-/// Names of constraints with their limits, or with their axle if they apply to it alone. `numbers` are indices of `records`.
+/// Names of constraints, each with its limits. If a constraint applies to one axle alone, the name has the axle instead.
+/// `numbers` are indices of `records`.
 pub fn car_constraint_names(records: &[CarConstraintRecord], numbers: &[usize]) -> Vec<String> {
     let name = |number: &usize| {
         let own = &records[*number];

@@ -327,7 +327,7 @@ fn unicode_map(table: Bytes) -> Option<Bytes> {
     found.find(|map| map.u16(0) == Some(12))
 }
 
-/// Bytes of a font. Their numbers are big-endian.
+/// Bytes of a font. Numbers are big-endian.
 #[derive(Clone, Copy)]
 struct Bytes<'a>(&'a [u8]);
 
@@ -361,8 +361,9 @@ mod tests {
         Font::new(dejavu::sans::regular()).unwrap()
     }
 
-    /// For every glyph the font stores the extent of its outline, in integer units. The curves of Latin and Greek letters that
-    /// are not composite agree with it to less than a unit. (For 47 rarer glyphs the stored extent is wrong by up to 19 units.)
+    /// For every glyph the font stores the extent of its outline, in integer units. For Latin and Greek letters that are not
+    /// composite, the extent of the curves differs from the stored extent by less than a unit. (For 47 rarer glyphs the stored
+    /// extent is wrong by up to 19 units.)
     #[test]
     fn outlines_reach_as_far_as_the_font_says() {
         let (font, mut outlines) = (font(), 0);

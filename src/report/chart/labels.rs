@@ -17,7 +17,7 @@ pub(in crate::report) fn shortened(label: &str, longest: usize) -> String {
     }
 }
 
-/// Shortens a text to at most [`LONGEST`] letters, and keeps its end.
+/// Shortens a text to at most [`LONGEST`] letters, and keeps the end of the text.
 fn without_middle(label: &str) -> String {
     let letters: Vec<char> = label.chars().collect();
     if letters.len() <= LONGEST {

@@ -63,7 +63,7 @@ pub(in crate::report) struct Layout {
     deviations: Vec<Deviations>,
 }
 
-/// Deviations of a curve from a target, in tolerances.
+/// Deviations of a curve from a target, as multiples of the tolerance.
 #[derive(Clone, Debug)]
 struct Deviations {
     /// Index of the curve.

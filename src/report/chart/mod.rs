@@ -4,8 +4,9 @@
 //! ticks, titles and positions of labels. A [`Layout`] is written as SVG, and as JSON with the scales and the rows of the curves.
 //! The script of a page adds a crosshair and a zoom to this SVG. It draws no chart itself.
 //!
-//! The live page draws its curves itself (`src/studio/page/curves.js`): during a drag it only moves existing paths. A layout from
-//! this module would be a new SVG of every chart for each movement of the pointer. A browser needs too long for that.
+//! The live page draws curves by its own script (`src/studio/page/curves.js`): during a drag, the script only moves existing
+//! paths. A layout from this module would be a new SVG of every chart for each movement of the pointer. A browser needs too
+//! long for that.
 
 mod glyphs;
 mod labels;

@@ -1,4 +1,4 @@
-//! Styles of charts. One table of colours serves pictures and both light and dark pages.
+//! Styles of charts. Pictures, light pages and dark pages use the same table of colours.
 
 /// Strokes and sizes, without colours.
 const SHAPES: &str = ".axis-text,.note,.end,.name{font:12px system-ui,-apple-system,Segoe UI,Roboto,Helvetica,Arial,sans-serif}\
@@ -45,7 +45,7 @@ const COLOURS: [(&str, &str, &str); 29] = [
     (".shade6", "#4b2a83", "#b582dc"),
     (".shade7", "#332a7e", "#9a88e5"),
     (".shade8", "#1b2a7a", "#7f8fee"),
-    // A missed value has this colour instead of that of its curve.
+    // A missed value has this colour instead of the colour of the curve.
     (".failed,.missed,.bad", "#b3261e", "#ff8a80"),
 ];
 

@@ -47,8 +47,8 @@ pub(super) fn moved(designs: &[Compared]) -> Vec<Moved> {
     moved_of(designs, 0, None)
 }
 
-/// Relative difference of coordinates that a conversion of units causes: the coordinate, the ratio and their product are rounded
-/// once each, there and back.
+/// Relative difference of coordinates that a conversion of units and back causes. In each direction, the coordinate, the ratio
+/// of the units and the product are rounded once.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// Points of one wheel at different positions.

@@ -1,4 +1,4 @@
-//! `levels.csv`: equilibria under the levels of test loads.
+//! `levels.csv`: the equilibrium at each level of a test load.
 
 use super::super::shortest;
 use super::{KcResults, bar, csv, held, mode, no_equilibrium, optional, status, steering};
@@ -14,7 +14,7 @@ const WHEEL_CELLS: usize = 12;
 const BUSHING_CELLS: usize = 12;
 
 impl KcResults<'_> {
-    /// Content of `levels.csv`: one row per level. `None` if no test has levels.
+    /// Content of `levels.csv`: one row per load level. `None` if no test has load levels.
     pub fn levels_csv(&self) -> Option<Vec<u8>> {
         let mut header = self.station_columns();
         header.extend(self.columns(&["load", "trail_U", "mode", "hold", "anti_roll_bar"]));

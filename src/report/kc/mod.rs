@@ -1,5 +1,5 @@
-//! Results of `kc` tests on one wheel or an axle: `kc.csv` and `compliance_matrix.csv`. The modules below have levels, tables,
-//! sensitivities and remarks.
+//! Results of `kc` tests on one wheel or an axle: `kc.csv` and `compliance_matrix.csv`. The submodules write the load levels,
+//! tables, sensitivities and remarks.
 
 mod levels;
 mod names;
@@ -25,9 +25,9 @@ use names::{OtherFigure, StationMatrix};
 pub struct KcResults<'a> {
     /// The suspension.
     pub suspension: &'a Suspension,
-    /// Names of the bushings, in the order of their readings.
+    /// Names of the bushings, in the order of the bushing values in the results.
     pub bushings: Vec<String>,
-    /// Names of the links, in the order of their tensions.
+    /// Names of the links, in the order of the link tensions in the results.
     pub links: Vec<String>,
     /// Vertical force at each contact point in the design position, if that is an equilibrium.
     pub design_loads: Vec<f64>,
@@ -46,11 +46,14 @@ pub fn no_equilibrium(why: &NoEquilibrium) -> String {
     let softest = why.softest.as_ref();
     let motion = softest.map(|(part, motion)| weakest_motion(part, *motion));
     match (why.is_unstable, motion) {
-        (true, Some(motion)) => format!("found, but it is not stable: {motion}"),
-        (true, None) => "found, but it is not stable".to_owned(),
+        (true, Some(motion)) => format!("an equilibrium was found, but it is not stable: {motion}"),
+        (true, None) => "an equilibrium was found, but it is not stable".to_owned(),
         (false, motion) => {
             let motion = motion.unwrap_or_else(|| "no equilibrium is found".to_owned());
-            format!("exists for {:.6} of the path; then {motion}", why.share)
+            format!(
+                "an equilibrium exists for only {:.6} of the change from the last one; then {motion}",
+                why.share
+            )
         }
     }
 }
@@ -90,7 +93,7 @@ fn bar(test: &KcTest) -> &'static str {
     }
 }
 
-/// Part of the steering that is held in a test of an axle.
+/// Part of the steering that is fixed in a test of an axle.
 fn steering(test: &KcTest) -> &'static str {
     if test.locks_rack {
         "locked_rack"
@@ -99,7 +102,7 @@ fn steering(test: &KcTest) -> &'static str {
     }
 }
 
-/// Mode of a load test: the quantity that is held.
+/// Mode of a load test: the quantity that stays constant.
 fn mode(test: &KcTest) -> &'static str {
     if test.load.is_motion() {
         ""
@@ -238,8 +241,8 @@ impl KcResults<'_> {
         value.map(|value| value * figure.unit.printed_factor(self.length()))
     }
 
-    /// Result by the definition of another program. `None` if the test has another anti-roll bar or steering than the
-    /// matrix.
+    /// Result by the definition of another program. `None` if the anti-roll bar or the steering has another state in the test
+    /// than in the compliance matrix.
     fn other_figure(
         &self,
         program: OtherProgram,
@@ -295,8 +298,8 @@ impl KcResults<'_> {
         }
     }
 
-    /// Content of `compliance_matrix.csv`: six rows per station, or twelve for an axle. `None` if the wheel load cannot be held
-    /// at any station.
+    /// Content of `compliance_matrix.csv`: six rows per station, or twelve for an axle. `None` if the wheel load cannot be kept
+    /// constant at any station.
     pub fn matrix_csv(&self) -> Option<Vec<u8>> {
         let u = self.length().symbol();
         let sides: &[&str] = if self.is_axle {
@@ -343,7 +346,8 @@ impl KcResults<'_> {
         }
     }
 
-    /// Properties that distinguish tests with the same load, such as `trail 30 mm`. Empty for the plain test.
+    /// Properties that distinguish tests with the same load, such as `trail 30 mm` (the force acts 30 mm behind the contact
+    /// point). Empty if the test has no such property.
     pub(in crate::report) fn test_apart(&self, test: &KcTest) -> String {
         let mut parts = Vec::new();
         if test.trail != 0.0 {

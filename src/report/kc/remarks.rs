@@ -1,15 +1,16 @@
-//! Stations and levels without equilibrium, and warnings.
+//! Stations and load levels without equilibrium, and warnings.
 
 use super::{KcResults, no_equilibrium};
 use crate::compliance::{KcWheelState, TestLoad};
 
 impl KcResults<'_> {
-    /// True if every station and level has an equilibrium.
+    /// True if every station and every load level has an equilibrium.
     pub fn is_complete(&self) -> bool {
         self.failures().is_empty()
     }
 
-    /// Stations and levels without equilibrium, one per line. For each test, it lists only the nearest level in each direction.
+    /// Stations and load levels without equilibrium, one per line. For each test, only the failed level nearest to 0 in each
+    /// direction is listed.
     pub fn failures(&self) -> Vec<String> {
         let u = self.length().symbol();
         let mut failures = Vec::new();

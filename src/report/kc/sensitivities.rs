@@ -21,7 +21,7 @@ struct Input {
 }
 
 impl KcResults<'_> {
-    /// Inputs of a suspension: coordinates of these points, inputs of its elastic parts, and inputs of these mounts of a
+    /// Inputs of a suspension: coordinates of these points, values of the elastic parts, and values of these mounts of a
     /// subframe.
     fn inputs(
         &self,
@@ -113,7 +113,7 @@ impl KcResults<'_> {
         let inputs = self.inputs(parts, &[], points);
         let parameters: Vec<Parameter> = inputs.iter().map(|input| input.parameter).collect();
         let gradients = |station: &KcStation, outcomes: &[KcOutcome]| {
-            // One result after the other. Its secant follows if the test has levels.
+            // Lists one result after the other. If the test has load levels, each result is followed by its secant.
             let mut wanted = Vec::new();
             let mut places: Vec<Vec<FigureGradients>> = Vec::new();
             let mut of_wanted = Vec::new();

@@ -56,7 +56,8 @@ impl KcResults<'_> {
         table
     }
 
-    /// Tables for people: for each station with results its position, and a table of tests with their results.
+    /// Tables for people. Each station with results has an entry: the position of the station, and a table of the tests with
+    /// their results.
     pub fn tables_for_readers(&self) -> Vec<(String, Table)> {
         let mut tables = Vec::new();
         for station in &self.stations {
@@ -98,7 +99,7 @@ impl KcResults<'_> {
         stations.into_iter().map(|(_, station)| station).collect()
     }
 
-    /// Value and unit of a result, at the nearest station to the design position that has it.
+    /// Value and unit of a result. Among the stations that have the result, the nearest to the design position is used.
     pub(in crate::report) fn first_figure(&self, quantity: &str) -> Option<[String; 2]> {
         let stations = self.nearest_stations();
         let outcomes = stations

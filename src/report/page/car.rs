@@ -206,7 +206,8 @@ fn targets(record: &CarRecord) -> String {
         ]);
     }
     let missed = |row: usize| (!record.targets[row].is_met()).then_some("unmet");
-    let note = "Deviations are in tolerances. A target is met if its deviation is at most 1.";
+    let note =
+        "Deviations are multiples of the tolerance. A target is met if its deviation is at most 1.";
     section(
         "targets",
         "Targets",
@@ -251,8 +252,8 @@ fn side_effects(record: &CarRecord) -> String {
         let rest = table(&seen[shown.len()..]);
         content += &format!("<details><summary>{words}</summary>{rest}</details>");
     }
-    let note = "Changes that no target asks for, in the load cases and of each changed axle over \
-                its own motion. Changes beyond a customary tolerance come first.";
+    let note = "Changes that no target asks for: in the load cases, and for each changed axle over \
+                the motion of its study. Changes beyond a customary tolerance come first.";
     section("side_effects", "Side effects", note, &content)
 }
 
@@ -310,7 +311,7 @@ fn map(record: &CarRecord) -> String {
         return String::new();
     };
     let note = "Largest friction coefficient that a wheel needs in each state. The map has no \
-                grip limit, because tyres have no characteristics. A dot marks states with a \
+                grip limit, because the study has no tyre characteristics. A dot marks states with a \
                 lifted wheel, a cross states without equilibrium.";
     section(
         "map",
@@ -333,7 +334,7 @@ fn roll_axis(record: &CarRecord) -> String {
         )
     });
     let figures: String = figures.collect();
-    let note = "The roll axis joins the heights at which the side forces of each axle act on the body, with the shares of the case. \
+    let note = "The roll axis joins the heights at which the side forces of each axle act on the body, with the left and right shares of these forces in the load case. \
                 The dashed line joins the kinematic roll centres. The dot is the centre of gravity of the sprung mass.";
     section(
         "roll-axis",

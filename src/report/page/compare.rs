@@ -116,8 +116,8 @@ fn figures(comparison: &Comparison, moving: &[String], charts: &mut Charts) -> S
     figures
 }
 
-/// Curves of a design without their columns. There is one curve with its rows for each value of the second moving coordinate. The
-/// name of the design is given in full and in short form.
+/// Curves of a design, without the columns. For each value of the second moving coordinate, there is one curve with the rows of
+/// the table. The name of the design is given in full and in short form.
 fn lines_of_design(
     table: &CurveTable,
     apart: &[&String],
@@ -196,7 +196,7 @@ pub fn comparison_page(comparison: &Comparison, topologies: &[String], files: &[
     let stage = comparison.mechanisms.as_ref().map_or("", |_| STAGE);
     let mut sections = vec![("curves", "Curves")];
     sections.extend((!stage.is_empty()).then_some(("mechanism", "Mechanism")));
-    sections.extend([("figures", "Figures"), ("hardpoints", "Hardpoints")]);
+    sections.extend([("figures", "Key values"), ("hardpoints", "Hardpoints")]);
     let main = format!(
         include_str!("compare.html"),
         key = key(&comparison.labels),

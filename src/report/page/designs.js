@@ -124,7 +124,7 @@ const listenToScatter = (state, pick, select) => {
   scatter.addEventListener('dblclick', () => select(null));
 };
 
-// The chosen design: its values beside those of the study as given.
+// Shows the values of the chosen design beside the values of the given study.
 const sayPicked = ({ picked }) => {
   const table = byId('picked-table');
   table.replaceChildren();

@@ -12,7 +12,7 @@ const moved = run.effects.map((_, k) => k).filter((k) => !run.unmoved.includes(k
   .filter((k) => variableTitles.some((_, v) => effectOf(k, v, 'change') !== null));
 const offered = Object.keys(measures).filter((m) => moved.some((k) => variableTitles.some((_, v) => effectOf(k, v, m) !== null)));
 
-// A change is compared with the other changes of its output. A share is used as it is.
+// A change is divided by the largest change of the same output. A share is used as it is.
 const strengthOf = (k, variable, measure) => {
   const found = effectOf(k, variable, measure);
   if (found === null || measure !== 'change') return found ?? 0;

@@ -17,7 +17,7 @@ const FIRST: [&str; 5] = [
     "compliant_wheel_rate",
 ];
 
-/// Columns of a table of levels.
+/// Columns of a table of load levels.
 const COLUMNS: [&str; 4] = ["load", "toe", "camber", "shift"];
 
 /// Page with the tests of a study.
@@ -49,7 +49,7 @@ pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
     }
     for (place, table) in results.tables_for_readers() {
         sections.push(Section {
-            title: format!("Figures at {place}"),
+            title: format!("Results at {place}"),
             note: "Value: derivative at the station. Secant: over the whole window of the load."
                 .to_owned(),
             table: table.html(),
@@ -70,7 +70,7 @@ pub fn kc_page(study: &str, results: &KcResults<'_>) -> String {
     sheet(study, "kc", &verdict(results), &sections)
 }
 
-/// Main results, each from the nearest station to the design position that has it.
+/// Main results. Each comes from the nearest station to the design position among those that have the result.
 fn verdict(results: &KcResults<'_>) -> String {
     let failed = match results.failures().len() {
         0 => "Every state has an equilibrium.".to_owned(),
@@ -92,7 +92,8 @@ fn verdict(results: &KcResults<'_>) -> String {
     }
 }
 
-/// Charts of the station with levels that is nearest to the design position, and the position of this station.
+/// Charts for one station, and the position of this station. Among the stations with load levels, it is the nearest to the
+/// design position.
 fn charts(results: &KcResults<'_>) -> (String, String) {
     let stations = results.nearest_stations();
     let found = stations
@@ -115,7 +116,7 @@ fn charts(results: &KcResults<'_>) -> (String, String) {
     (results.station_name(station), figures)
 }
 
-/// Adds the levels of a test to the columns of a table. Loads are divided by `scale`.
+/// Adds the load levels of a test to the columns of a table. Loads are divided by `scale`.
 fn add_levels(test: &KcOutcome, load: TestLoad, scale: f64, columns: &mut [Vec<Option<f64>>]) {
     let wheel = match test.test.mode {
         TestMode::Single(side) => side as usize,
@@ -180,7 +181,7 @@ fn charts_of_load(
         ("camber", "camber", "°"),
         ("shift", shift, length.symbol()),
     ];
-    // A moment turns the wheel, and the test holds its height. So there is no chart of displacement.
+    // A moment turns the wheel, and the test keeps the height of the wheel constant. So there is no chart of displacement.
     let count = if is_moment { 2 } else { 3 };
     let mut figures = String::new();
     for (column, title, of) in quantities.into_iter().take(count) {
@@ -210,7 +211,7 @@ fn charts_of_load(
     figures
 }
 
-/// Label of the line of a test among `count` tests of the same load. A single plain test needs none.
+/// Label of the line of a test among `count` tests of the same load. A single test without special properties needs no label.
 fn label(results: &KcResults<'_>, test: &KcTest, count: usize) -> Option<String> {
     let apart = results.test_apart(test);
     match test.load {

@@ -1,5 +1,5 @@
 // Tables in shades, and ranked bars.
-// A text whose unit in brackets stays on one line.
+// Text without line breaks within the unit in brackets.
 const unbroken = (text) => {
   const at = text.lastIndexOf(' [');
   return at < 0 ? [text] : [text.slice(0, at + 1), html('span', { class: 'unit', text: text.slice(at + 1) })];

@@ -123,7 +123,8 @@ class ReportView extends MechanismView {
     }
   }
 
-  // Draws instantaneous centres. For a centre outside the picture, an arrow at the edge gives its direction and distance.
+  // Draws instantaneous centres. For a centre outside the picture, an arrow at the edge points to the centre, with the distance
+  // beside it.
   centres(main, wheels) {
     const found = [];
     wheels.forEach((wheel, side) => {
@@ -261,7 +262,7 @@ const setUpStage = () => {
       stage.draw();
     });
   }
-  // Playing moves the mechanism up and down its motion until the user stops it.
+  // Playing moves the mechanism back and forth along the motion until the user stops it.
   let playing = null;
   let direction = 1;
   byId('play').addEventListener('click', () => {

@@ -127,7 +127,7 @@ mod tests {
     use crate::report::contrast::{contrast, mixed, palettes};
 
     /// Words of a page have a contrast of at least 4.5 on paper and in panels, lines at least 3. Cells of heat maps are shaded
-    /// with up to 70 % of their colour, and have ink on them.
+    /// with up to 70 % of a colour, and the text in them has the normal text colour.
     #[test]
     fn colours_can_be_read() {
         const WORDS: [&str; 4] = ["ink", "muted", "accent", "bad"];

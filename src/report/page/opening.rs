@@ -140,7 +140,7 @@ fn margins(tuning: &TuningSummary) -> String {
     })
 }
 
-/// Pose of a design that is nearest to its design position.
+/// Pose of a design that is nearest to the design position.
 fn nearest(design: &DesignRecord) -> Option<&Placement> {
     let frames = design.frames.iter();
     let solved = frames.filter_map(|f| Some((f.drive.abs() + f.rack.abs(), f.pose.as_ref().ok()?)));

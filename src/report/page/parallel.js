@@ -1,4 +1,5 @@
-// Designs as lines over several axes, each with its scale. A drag along an axis keeps the designs in that part of it.
+// Designs as lines over several parallel axes. Each axis has its own scale. A drag along an axis selects the designs in that
+// part of the axis.
 const parallel = byId('parallel-plot');
 const MOST_AXES = 12;
 const PARALLEL = { size: [1180, 436], box: [50, 102, 1130, 396] };

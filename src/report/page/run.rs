@@ -47,9 +47,9 @@ struct Data<'a> {
     missed: Vec<(&'a str, String)>,
 }
 
-/// A design of the live page, for the opening of its report.
+/// A design of the live page, for the first section of the report page.
 pub struct PageDesign {
-    /// Misfit in tolerances. `None` without targets, or if the design has no misfit.
+    /// Misfit as a multiple of the tolerances. `None` without targets, or if the design has no misfit.
     pub misfit: Option<f64>,
     /// Verdict on targets and constraints. `None` without targets.
     pub verdict: Option<String>,
@@ -66,7 +66,7 @@ impl PageDesign {
         });
         let targets = self.targets.as_ref().map_or_else(String::new, |targets| {
             format!(
-                "<div><h3>Deviations from targets in tolerances</h3>{}</div>",
+                "<div><h3>Deviations from targets, as multiples of the tolerance</h3>{}</div>",
                 targets.html()
             )
         });
@@ -83,7 +83,7 @@ pub fn page(run: &Run) -> String {
     with_design(run, None)
 }
 
-/// Report page of a design of the live page. It opens with its misfit and its hardpoints.
+/// Report page of a design of the live page. The page begins with the misfit and the hardpoints of the design.
 pub fn page_of_design(run: &Run, design: &PageDesign) -> String {
     with_design(run, Some(design))
 }

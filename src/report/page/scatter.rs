@@ -10,7 +10,7 @@ use crate::report::tolerance_summary::{
 };
 use std::fmt::Write;
 
-/// Width of a picture. The next constants are the widths of its names and of the numbers at its right end.
+/// Width of a picture. The next constants are the width of the names on the left, and the width of the numbers on the right.
 const WIDTH: f64 = 760.0;
 const NAMES: f64 = 250.0;
 const NUMBERS: f64 = 110.0;
@@ -47,7 +47,7 @@ pub(super) fn distributions(summary: &ToleranceSummary, drive: &str) -> String {
         row(&mut svg, ROW * number as f64, &name, band, value);
     }
     format!(
-        "<h3>Distributions in the bands</h3><p class=\"note\">Bars: number of builds by value. Line: least to greatest of the builds. \
+        "<h3>Distributions in the bands</h3><p class=\"note\">Bars: number of builds by value. Line: smallest to largest value of the builds. \
          Light box: 1 % to 99 %. Dark box: 5 % to 95 %. Stroke: median. Dot: nominal. Shaded: the band. Cp and Cpk: width of the band, and margin of the \
          mean to the nearer limit, in six and in three standard deviations of the builds. Where a band holds over the motion, the \
          position with the least margin is shown.</p><div class=\"scatter\" tabindex=\"0\" role=\"group\">{svg}</svg></div>"
@@ -168,8 +168,8 @@ fn spread(svg: &mut String, middle: f64, value: &ValueRecord, x: impl Fn(f64) ->
 /// Largest number of letters of a name next to a picture.
 const LETTERS: usize = 36;
 
-/// Name beside a picture, at half of its height `y`. A longer name has two lines. If it is longer still, its tooltip has the full
-/// name.
+/// Name beside a picture, at half of its height `y`. A longer name has two lines. If two lines are not enough, a tooltip has
+/// the full name.
 fn beside(name: &str, y: f64) -> String {
     const HALF_LINE: f64 = 6.5;
     let name = with_minus_signs(name);

@@ -16,7 +16,7 @@ const HEIGHT: f64 = 58.0;
 const LINE: f64 = 30.0;
 /// Half of the height of a band, and of the ticks at the ends of a range.
 const HALF: f64 = 6.0;
-/// Width of a digit in the numbers, and their least distance from the edge of the picture.
+/// Width of a digit. It is also the least distance between a number and the edge of the picture.
 const DIGIT: f64 = 7.0;
 const EDGE: f64 = 8.0;
 
@@ -186,7 +186,7 @@ mod tests {
             places.collect()
         };
         let (line, band, dot) = (at("line main"), at("limit"), at("dot"));
-        // The path begins at its lower end, then has both ends.
+        // The first mark is the line itself, which begins at the lower end. The marks of the lower and the upper end follow.
         assert_eq!(line[0], line[1]);
         let per_unit = (line[2] - line[1]) / 400.0;
         for (place, value) in [(band[0], -50.0), (band[1], 50.0), (dot[0], 0.0)] {
@@ -197,7 +197,7 @@ mod tests {
         assert_eq!(strips(&[], "nothing"), "");
     }
 
-    /// Rounding error is no number, and negative numbers have a minus sign.
+    /// A value that is only rounding error is shown as 0, and negative numbers have a minus sign.
     #[test]
     fn numbers_can_be_read() {
         let strip = Strip {

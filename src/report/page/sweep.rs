@@ -262,7 +262,7 @@ impl<'a> Column<'a> {
     }
 }
 
-/// Unit of a variable. It is a length; for a car, the name of the column ends with the unit.
+/// Unit of a variable. For a car, the unit is at the end of the column name. Otherwise, all variables are lengths.
 fn unit_of_variable(record: &SweepRecord, column: &str) -> String {
     let length = &record.length_unit;
     if !record.is_of_car() {
@@ -402,13 +402,13 @@ fn best(run: &SweepRun) -> String {
         };
         format!(
             "<h3>Pareto front</h3><p class=\"note\">No design is better in one target without being \
-             worse in another. Deviations in tolerances.</p>{}{more}",
+             worse in another. Deviations are multiples of the tolerance.</p>{}{more}",
             table.html()
         )
     };
     format!(
         "<section id=\"best\" aria-labelledby=\"best-title\"><h2 id=\"best-title\">Best designs</h2>\
-         <p class=\"note\">By misfit; misfit and deviations in tolerances. \
+         <p class=\"note\">Sorted by misfit. Misfit and deviations are multiples of the tolerance. \
          <code>hardpoint sweep STUDY --design NUMBER</code> prints a design as a study.</p>{}{front}</section>",
         best_table(run).html()
     )

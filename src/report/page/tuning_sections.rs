@@ -96,7 +96,7 @@ fn constraints(tuning: &TuningSummary) -> String {
     let violated = tuning.violated();
     let mark = |row| violated.contains(&row).then_some("unmet");
     let mut shown = tuning.constraints_table().map_or_else(String::new, |of| {
-        let about = "Constraints with the margin to each limit; the price is in tolerances of misfit per unit of the limit.";
+        let about = "Constraints with the margin to each limit. Price: decrease of the misfit (a multiple of the tolerance) if the limit moves outward by one unit.";
         format!(r#"<p class="note">{about}</p>{}"#, table(&of, mark))
     });
     for remark in tuning.remarks() {

@@ -204,7 +204,8 @@ mod tests {
         assert!(!crosses(&area, &[[11.0, -5.0], [20.0, 9.0]]));
     }
 
-    /// Between points so close that every position beside one is near the other, a line shows the name's own point.
+    /// If points are so close that every free position for a name is near another point, a line leads from the name to its own
+    /// point.
     #[test]
     fn a_name_near_another_point_has_a_line() {
         let dots = [
@@ -224,7 +225,7 @@ mod tests {
             });
             assert!(!nearer || label.leader.is_some_and(|[from, _]| from == *dot));
         }
-        // A lone point has its name beside it.
+        // The name of a single point is directly beside the point.
         assert_eq!(
             place_labels(&names[..1], &dots[..1], &[], [560.0, 560.0])[0].leader,
             None

@@ -1,5 +1,5 @@
-//! Curves as pictures for documents, with their own background. Equal runs give equal bytes. The formats are SVG and PNG. The PNG
-//! has twice the size: `resvg` draws the SVG, with its text as outlines.
+//! Curves as pictures for documents, with their own background. Equal runs give identical files. The formats are SVG and PNG.
+//! The PNG has twice the size: `resvg` draws the SVG, with its text as outlines.
 
 mod labels;
 mod raster;

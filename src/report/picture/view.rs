@@ -1,7 +1,7 @@
 //! Drawing of the mechanism: front, side and top view, with the names of its points.
 //!
-//! The drawing shows the frame nearest to the design position. Other designs of the run are grey. An arrow leads from each of
-//! their points to the same point of the last design.
+//! The drawing shows the frame nearest to the design position. Other designs of the run are grey. An arrow leads from each
+//! point of such a design to the same point of the last design.
 
 use super::labels::{Label, place_labels};
 use crate::curves::{Frame, Placement};

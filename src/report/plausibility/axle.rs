@@ -1,4 +1,4 @@
-//! Warnings about an axle, over its motion and between its wheels.
+//! Warnings about an axle: about the curves, the springs, the steering, and the hardpoints of both wheels.
 
 use super::plausibility;
 use crate::ask::{Need, Unit};
@@ -96,7 +96,7 @@ fn pulling(axle: &Axle, found: &AxleCurves) -> Option<String> {
     let length = axle.left.length_unit;
     let force = brief(pull.force * Unit::Force.printed_factor(length));
     Some(format!(
-        "warning: the force of the {} spring falls to {force} {} at {}: there it would pull, and a coil spring would leave \
+        "warning: the force of the {} spring falls to {force} {} at {}: there the spring would pull, and a coil spring would leave \
          its seat",
         pull.side.name(),
         Unit::Force.suffix(length),
@@ -166,7 +166,7 @@ fn across(left: &Suspension, right: &Suspension) -> Option<String> {
     let names: Vec<&str> = across.map(|(_, (point, _))| point.name.as_str()).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "please check: right wheel: {} at the left wheel's side: points of [axle.right.hardpoints] have their actual y",
+            "please check: right wheel: {} at the left wheel's side: give the points of [axle.right.hardpoints] with the actual sign of y",
             match names.as_slice() {
                 [one] => format!("{one} is"),
                 _ => format!("{} are", names.join(", ")),

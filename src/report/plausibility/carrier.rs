@@ -13,7 +13,8 @@ const OFF_CARRIER: [f64; 2] = [0.25, 1.0];
 const JOINT: f64 = 2.0;
 /// Largest plausible distance between the front and the rear pivot of an arm, in wheel radii.
 const PIVOTS_APART: f64 = 3.0;
-/// Largest plausible distance of an inner joint beyond the centre plane, relative to the wheel's distance from it.
+/// Largest plausible distance of an inner joint beyond the centre plane, relative to the distance between the wheel and this
+/// plane.
 const BEYOND_CENTRE: f64 = 0.1;
 
 impl PlausibilityRemarks<'_> {

@@ -11,8 +11,9 @@ use crate::study::{AxleStudy, Outputs, Study, WheelStudy};
 /// Number of travels in each direction at which the motion ratio is computed.
 const PLACES: u32 = 64;
 
-/// Warnings about springs whose motion ratio changes its sign within the travel of these curves, one per line. Beyond that travel
-/// a spring lengthens as the wheel rises, or shortens as it falls. Rigid axles and elastic wheels are left out.
+/// Warnings about springs whose motion ratio changes its sign within the travel of these curves, one per line. Beyond the
+/// travel at which the sign changes, a spring lengthens as the wheel rises, or shortens as the wheel falls. Rigid axles and
+/// elastic wheels are left out.
 pub fn spring_doubts(study: &Study, found: &Curves) -> Vec<String> {
     let ends = |keys: &[&str]| {
         let travels = || keys.iter().flat_map(|key| found.along(key)).flatten();
@@ -64,7 +65,7 @@ fn turns(suspension: &Suspension, ends: [f64; 2], wheel: &str) -> Vec<String> {
 }
 
 /// Travel between 0 and `end` at which the motion ratio falls to 0, interpolated linearly. `None` if the motion ratio stays above
-/// 0. Also `None` if it is not above 0 in the design position, which has its own warning.
+/// 0. Also `None` if the motion ratio is not above 0 in the design position, because another warning reports this case.
 fn turn(suspension: &Suspension, end: f64) -> Option<f64> {
     let mut own = WheelStudy::of(suspension.clone());
     own.outputs = Outputs::of(vec![Characteristic::MotionRatio]);

@@ -3,9 +3,9 @@
 use crate::report::figure::brief;
 use crate::study::{Limit, Study, Target, Wanted};
 
-/// Largest plausible span of a target's points, relative to that of its motion.
+/// Largest plausible span of a target's points, relative to the span of the motion.
 const SPAN: f64 = 4.0;
-/// Warnings about targets whose points span much more than their motion, one per line. Only a small part of such a target counts.
+/// Warnings about targets whose points span much more than the motion, one per line. Only a small part of such a target counts.
 pub(super) fn target_doubts(study: &Study) -> Vec<String> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     targets

@@ -10,7 +10,7 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// A sweep, or its finished part.
+/// A sweep, or the finished part of an unfinished sweep.
 #[derive(Clone, Debug)]
 pub struct SweepRun {
     /// Description of the sweep.

@@ -219,8 +219,8 @@ impl SweepSummary {
     pub fn of_which(&self) -> Option<String> {
         (self.method == "saltelli").then(|| {
             format!(
-                "Mean, standard deviation, r2 and change refer to the {} designs of the two independent samples; min \
-                 and max to all designs; shares to all groups without a failure.",
+                "Mean, standard deviation, r2 and change refer to the {} designs of the two independent samples. Min \
+                 and max refer to all designs, shares to all groups without a failure.",
                 self.statistics_designs
             )
         })

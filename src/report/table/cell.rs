@@ -41,7 +41,7 @@ impl Cell {
         value.map(|value| Cell::shown(value, show(value))).into()
     }
 
-    /// Cell whose text is only shown in the row above in text output.
+    /// Cell with the same text as the cell above. In text output, the cell is empty.
     pub fn repeated(text: &str) -> Self {
         Cell {
             shown: String::new(),

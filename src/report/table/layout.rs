@@ -9,7 +9,7 @@ pub(super) struct Layout {
     /// True if some cell has several words.
     pub(super) prose: bool,
     pub(super) natural: usize,
-    /// Smallest width. Numbers and short names are never broken; names longer than half of the line may be.
+    /// Smallest width. Numbers and short names are never broken; names longer than half of the line may be broken.
     pub(super) least: usize,
 }
 

@@ -48,7 +48,7 @@ pub struct TuningSummary {
     /// Number of independent directions in the variables that change the targets.
     rank: Option<usize>,
     singular_values: Vec<f64>,
-    /// Moves that raise the misfit by at most 0.1 and keep the constraints. Each has one offset per variable.
+    /// Moves that raise the misfit by at most 0.1 and keep the constraints. Each move has one offset per variable.
     unseen: Vec<Vec<f64>>,
     /// For a fit: scatter of the measurements about the fit, as a multiple of their tolerances.
     #[serde(default)]

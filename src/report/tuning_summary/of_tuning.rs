@@ -67,7 +67,7 @@ struct TunedStudy<'a> {
 }
 
 impl TunedStudy<'_> {
-    /// Name of a target: its column, motion, racks and held coordinates.
+    /// Name of a target: column, motion, rack displacements, and coordinates that stay constant.
     fn name(&self, target: &Target) -> String {
         let motion = target.site.motion.as_ref();
         let motion = motion.map_or(String::new(), |(name, _)| format!(", {name}"));
@@ -222,7 +222,7 @@ impl TunedStudy<'_> {
             .collect()
     }
 
-    /// Largest moves along each direction that raises the misfit by at most [`Direction::RISE`] and keeps the constraints.
+    /// For each direction, the largest move that raises the misfit by at most [`Direction::RISE`] and keeps the constraints.
     fn unseen(&self) -> Vec<Vec<f64>> {
         let Some(best) = &self.tuning.best else {
             return Vec::new();

@@ -103,7 +103,8 @@ impl TuningSummary {
         let length = |by: &[f64; 3]| by.iter().map(|c| c * c).sum::<f64>().sqrt();
         moves.retain(|(_, by)| length(by) > 0.0);
         moves.sort_by(|a, b| length(&b.1).total_cmp(&length(&a.1)));
-        // If a point also moves together with other points, its total move differs from its own row.
+        // If a point also moves together with other points, the total move of the point differs from the row of the point
+        // alone.
         let has_distance = !moves.iter().any(|(name, _)| name.contains('+'));
         let distance = has_distance.then(|| Column::from(format!("distance [{unit}]")));
         let names = ["point", "x", "y", "z"].map(Column::from);

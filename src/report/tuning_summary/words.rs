@@ -26,7 +26,7 @@ impl TuningSummary {
         for added in &self.added_stations {
             let at: Vec<String> = added.at.iter().map(|at| as_written(*at)).collect();
             remarks.push(format!(
-                "{} has fewer stations of the motion than its curve has points: also compared at \
+                "{}: the motion has fewer stations than the target curve has points. The curve is also compared at \
                  {}{}",
                 added.target,
                 at.join(", "),
@@ -90,8 +90,8 @@ impl TuningSummary {
         ))
     }
 
-    /// Reason why binding constraints have no price. `None` if the tuning ended at the smallest misfit, or if none binds without a
-    /// price.
+    /// Reason why binding constraints have no price. `None` if the tuning ended at the smallest misfit, or if every binding
+    /// constraint has a price.
     fn without_price_in_words(&self) -> Option<String> {
         let is_good_enough = self.misfit_after? <= self.good_enough * (1.0 + 1e-6);
         let has_none = |c: &ConstraintSummary| {
@@ -120,8 +120,8 @@ impl TuningSummary {
         )];
         if self.variables.iter().any(|v| v.at_bound.is_some()) {
             remarks.push(
-                "a variable at its bound has a one-sided interval. The intervals of the other variables allow for all its \
-                 possible values"
+                "a variable at its bound has a one-sided interval. The intervals of the other variables allow for all possible \
+                 values of this variable"
                     .to_owned(),
             );
         }
@@ -245,7 +245,7 @@ impl TuningSummary {
         }
     }
 
-    /// Guarantee of the moves of [`TuningSummary::unseen`], as the end of a sentence.
+    /// Property of the moves in [`TuningSummary::unseen`] that the program guarantees, as the end of a sentence.
     pub fn unseen_guarantee(&self) -> String {
         let constraints = if self.constraints.is_empty() {
             ""

@@ -1,6 +1,7 @@
 //! Moves of a car's points that leave its targets unchanged, to first order.
 //!
-//! With d_t the deviations from target t in tolerances, n_t their number and w_t the target's weight, the rows are
+//! With d_t the deviations from target t as multiples of the tolerance, n_t their number and w_t the target's weight, the rows
+//! of the residuals are
 //!
 //! ```text
 //! r = d_t sqrt(w_t N / (n_t sum w_t)),    N rows of all targets,                                                  (1)

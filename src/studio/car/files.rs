@@ -83,7 +83,7 @@ impl CarFiles {
     }
 
     /// Texts of the files as they were opened, and these texts with designs and the edits. Changes by other programs are not
-    /// among their differences.
+    /// among the differences of these texts.
     pub(super) fn changes(&self, opened: &OpenedCar, designs: &Designs) -> Vec<TextChange> {
         let after = with_designs(opened, designs);
         let before = opened.base_texts.as_ref().clone();

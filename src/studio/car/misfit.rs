@@ -1,13 +1,14 @@
 //! Misfit of a car and its exact gradient with respect to every coordinate of both axles.
 //!
-//! d_t is the deviation from target t in tolerances, and w_t its weight. For a target of a single axle, d_t is the root mean
-//! square over the target's stations. Then
+//! d_t is the deviation from target t as a multiple of the tolerance, and w_t is the weight of the target. For a target of a
+//! single axle, d_t is the root mean square over the target's stations. Then
 //!
 //! ```text
 //! M^2 = sum w_t d_t^2 / sum w_t          dM/dx = sum w_t d_t d d_t/dx / (M sum w_t)                              (1)
 //! ```
 //!
-//! A misfit of zero has no gradient. Zero is reported, because the square of the misfit has its minimum there.
+//! A misfit of zero has no gradient. In this case, the gradient is given as zero, because the square of the misfit has its
+//! minimum there.
 
 use super::OpenedCar;
 use crate::car::{
@@ -157,7 +158,8 @@ fn of_cases<'s>(
     Ok((targets.into_iter().flatten().collect(), constraints))
 }
 
-/// Record of a target of a load case. Its root mean square is the size of its only deviation.
+/// Record of a target of a load case. Such a target has only one deviation, so the root mean square is the absolute value of
+/// this deviation.
 fn of_target(target: &CarTarget, study: &CarStudy, gradient: &CarGradient) -> Weighed {
     let length = study.car.length_unit;
     let factor = target.quantity.info().unit.printed_factor(length);

@@ -1,6 +1,6 @@
 //! A car: its two axles in a load case, a table of all cases, and the car's own values.
 //!
-//! For the page, a car is like any other study. Its stations are the load cases. Its points are the points of the left wheels of
+//! For the page, a car is like any other study. The stations are the load cases. The points are those of the left wheels of
 //! both axles, in the axes of the front study.
 
 mod answer;

@@ -285,7 +285,7 @@ fn targets(study: &CarStudy, optimise: &CarOptimise) -> Vec<TargetOverview> {
 pub(super) fn variable(variable: &CarVariable, study: &CarStudy) -> VariableOverview {
     let first = [0, study.car.axles[0].left.design.len()];
     let moves = variable.moves.points().iter().map(|at| {
-        // The variable refers to the axes of its own study, and the page to those of the front study.
+        // The variable refers to the axes of the study of its axle. The page uses the axes of the front study.
         let own = study.car.axles[at.axle].left.frame;
         let sign = own.sign(at.axis) * study.frame().sign(at.axis);
         (

@@ -36,7 +36,7 @@ const NONE = [];
 const targetsOf = (columns, rack) => state.overview.targets.filter((target) => target.columns.some((c) => columns.includes(c))
   && target.motion === state.motion && target.over === state.over && (!target.racks.length || target.racks.includes(rack)));
 
-// Width of the shaded band beyond the limits of a target: the tolerance of a target value, 0 for a band.
+// Width of the shaded area beyond the limits of a target. For a target value it is the tolerance, for a band it is 0.
 const bandOf = ({ tolerance, is_band: isBand }) => (isBand ? 0 : tolerance);
 
 // The columns of both wheels share one chart.
@@ -55,7 +55,7 @@ const partsOf = (columns) => {
 
 // Ticks of an axis. At least two have labels, because a single label does not show the scale.
 const several = (ends, count, isNamed) => [count, 2 * count, 4 * count].map((some) => ticks(...ends, Math.max(1, some))).find((found) => found.filter(isNamed).length > 1) ?? [];
-// Range of a curve. It has enough digits to distinguish its ends, if they fit.
+// Text of the range of a curve. The text has enough digits to distinguish the two ends, if the digits fit.
 const rangeOf = (low, high) => {
   const telling = high > low ? Math.ceil(Math.log10(Math.max(Math.abs(low), Math.abs(high)) / (high - low))) + 2 : 3;
   const most = Math.min(6, Math.max(3, telling));
@@ -136,8 +136,8 @@ class Chart {
       emit('place', event);
       announce(() => this.svg.getAttribute('aria-label'), 500);
     });
-    // The size is measured when it changes. To read it while drawing would cause one layout of the page for each chart. An
-    // invisible chart is drawn after the drag ends.
+    // The size is measured when it changes. Reading the size during drawing would cause one layout of the page for each chart.
+    // An invisible chart is drawn after the drag ends.
     this.isSeen = true;
     new IntersectionObserver(([{ isIntersecting }]) => {
       this.isSeen = isIntersecting;
@@ -165,16 +165,16 @@ class Chart {
     // The view box scales the picture if it is printed in another size.
     set(this.svg, { viewBox: `0 0 ${width} ${height}` });
     const targets = targetsOf(this.series.map(({ column }) => column), answer.rack);
-    // A strip under curves with targets shows their deviations.
+    // A strip under curves with targets shows the deviations from the targets.
     this.bottom = MARGIN.bottom + (targets.length ? STRIP : 0);
     const group = answer.shown;
     const whole = wholeOf(answer);
     const family = familyOf(whole, group);
     const of = (other, column) => (other && knownOf(other).columns.has(column) ? curveOf(other, column, group) : NONE);
-    // The line of influence shows the curve after a move of the coordinate by ten steps.
+    // The line for the influence of a coordinate shows the curve after a move of the coordinate by ten steps.
     const far = influence ? 10 * state.step : 0;
     const lines = found.map(({ column, values }, k) => {
-      // Slopes of all stations do not fit an answer that has only some of the stations.
+      // The slopes belong to all stations. They cannot be used with an answer that has only some of the stations.
       const known = influence?.columns.get(column);
       const slopes = known?.length === values.length ? known : undefined;
       const bent = slopes ? runs(answer, values.map((v, i) => (v === null || slopes[i] === null ? null : v + slopes[i] * far)), group) : NONE;
@@ -193,7 +193,7 @@ class Chart {
     const wantedAt = targets.flatMap((t) => t.points.map((p) => p[0]));
     this.xs = endsOf([...knownOf(answer).ends, ...state.overview.sliders[state.over].values, ...wantedAt]);
     if (this.xs[0] === this.xs[1]) this.xs = [this.xs[0] - 1, this.xs[1] + 1];
-    // The axis shows wanted values with their tolerances, as the bands are drawn.
+    // The range of the axis includes target values with their tolerances, because the drawn bands include them.
     const bands = targets.flatMap((t) => t.points.flatMap(([, low, high]) => [[low, -1], [high, 1]].filter(([v]) => v !== null).map(([v, sign]) => v + sign * bandOf(t))));
     const still = [...lines.flatMap(({ old, next, pins }) => [...heights(old), ...heights(next), ...pins.flatMap(([, some]) => heights(some))]), ...bands];
     const moving = lines.flatMap(({ pieces, family: some }) => [...heights(pieces), ...some.flatMap((f) => heights(f.pieces))]);
@@ -224,7 +224,8 @@ class Chart {
       show(one.spot, here !== null && here >= this.ys[0] && here <= this.ys[1]);
       if (here !== null) set(one.spot, { cx: tenth(x(now)), cy: tenth(y(here)) });
     });
-    // All lines of a family share one element, because the layout of many elements would take longer than the rest of the chart.
+    // All lines for the other values of a slider share one element, because the layout of many elements would take longer than
+    // the rest of the chart.
     refill(this.parts.others, lines.map(({ side, family: some }) => ['path', { class: side, d: some.map((f) => path(f.pieces)).join('') }]));
     set(this.parts.others, { class: whole === answer ? 'others' : 'others stale' });
     refill(this.parts.pins, lines.flatMap(({ pins }) => pins.map(([letter, some]) => ['path', { class: `pin-${letter}`, d: path(some) }])));
@@ -404,8 +405,8 @@ const choose = () => {
   emit('chosen');
 };
 
-// Menus for the slider on the horizontal axis, and for the slider with one line per value. Only sliders that the motion moves are
-// offered.
+// Menus that choose the quantity on the horizontal axis, and the quantity that has one line per value. They offer only
+// quantities that vary in the motion, and the main quantity.
 const offerAxes = () => {
   const { sliders, is_car: isCar } = state.overview;
   if (isCar) return;

@@ -1,4 +1,4 @@
-// The design in progress: coordinates, locked coordinates, and history. All other parts of the page follow it.
+// The design in progress: coordinates, locked coordinates, and history. All other parts of the page show this state.
 import { signed } from './draw.js';
 import { post } from './server.js';
 
@@ -26,7 +26,7 @@ export const state = {
   answer: null,
   // The last answer with all stations. While a point moves, an answer has only the stations of the shown curves.
   whole: null,
-  // Coordinates of the answer, and a flag that is true if the answer for later coordinates is late.
+  // Coordinates to which the answer belongs. The flag is true if the answer for later coordinates is late.
   answered: null,
   isLate: false,
   ghost: null,
@@ -48,7 +48,7 @@ export const emit = (event, detail) => {
 
 export const copy = (design) => design.map((point) => [...point]);
 export const isSame = (a, b) => a.length === b.length && a.every((p, i) => p.every((c, k) => c === b[i][k]));
-// A coordinate after an offset. Offsets of a study count from the design in its file.
+// A coordinate after an offset. Offsets of a study count from the design in the file of the study.
 export const placeAfter = (point, axis, by) => state.opened[point][axis] + by;
 export const isMoved = () => !isSame(state.design, state.opened);
 
@@ -61,7 +61,7 @@ export const snapped = (value, step = state.step) => {
 // Moves a coordinate by exactly one step, without digits from rounding errors.
 export const stepped = (value, by) => Number((value + by).toPrecision(14));
 
-// Gives an overview the sliders of the chosen motion. If the study has no such motion, its own motion is chosen.
+// Writes the sliders of the chosen motion into an overview. If the study has no such motion, the study's own motion is chosen.
 export const takeMotion = (overview) => {
   // The first entry is the study's own motion.
   if (overview.motions[0]?.name !== null) overview.motions.unshift({ name: null, sliders: overview.sliders, main: overview.main });
@@ -253,14 +253,14 @@ export const ask = (event) => {
   cause ??= event?.timeStamp ?? null;
   if (!running || running.isSlow || running.isRest) run();
 };
-// Pause in milliseconds after which the page asks for an answer that contains all curves of a family.
+// Pause in milliseconds after which the page asks for an answer that contains the curves for all values of the sliders.
 const PAUSE = 60;
 const isPartial = () => Boolean(state.answer?.is_partial) && !state.fault;
 export const isSettled = () => !running && answered === wanted && !isPartial();
 const askRest = () => setTimeout(() => { if (!running && answered === wanted && isPartial()) ask(); }, PAUSE);
 // Pinned designs and the effect of a coordinate need all stations.
 const isEnough = (own) => own.since !== null && !state.influence && !Object.keys(state.pins).length;
-// Draws after an action. If an answer is expected, it causes the same drawing, so nothing is drawn now.
+// Draws after an action. If an answer is expected, the answer will cause the same drawing, so nothing is drawn now.
 export const onRest = (draw) => on('deed', () => { if (isSettled()) draw(); });
 const tellLate = (isLate) => {
   if (state.isLate === isLate) return;

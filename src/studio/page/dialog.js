@@ -33,7 +33,8 @@ export const question = (...what) => {
   last = last.then(() => ask(...what));
   return last;
 };
-// A message over the page. It does not move other elements. When the message closes, the focus returns to its former element.
+// A message over the page. It does not move other elements. When the message closes, the focus returns to the element that had
+// it before.
 let before = null;
 export const hideMessage = () => {
   const banner = byId('banner');

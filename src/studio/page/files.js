@@ -86,7 +86,7 @@ const settleConflict = async (message) => {
   if (chosen?.answer === 'as') return saveAs();
   if (chosen?.answer === 'reload') return reload();
 };
-// Unsaved moves and edits of this page. Moves are coordinates by the names of points.
+// Unsaved moves and edits of this page. Moves are stored as coordinates, by the names of points.
 const unsaved = () => {
   const { points, from, edits } = state.overview;
   const moves = points.flatMap(({ name }, p) => state.design[p].map((c, axis) => [name, axis, c, state.opened[p][axis]])).filter(([, , c, was]) => c !== was);
@@ -103,8 +103,8 @@ const withMoves = ({ points, design: opened }, moves) => {
   }
   return { design, missing };
 };
-// Reads the changed file, and applies the moves and edits of this page as one action. If they do not fit the file, the page does
-// not change. Returns true if the file was read.
+// Reads the changed file, and applies the moves and edits of this page as one action. If the moves or edits do not fit the
+// file, the page does not change. Returns true if the file was read.
 const rebase = async () => {
   try {
     const { moves, from, edits } = unsaved();
@@ -252,7 +252,7 @@ const COMPARED = (dashes) => [byId('key-ghost').textContent, '--ghost', { 'strok
 const others = () => [...(state.proposed ? [['proposal', '--proposal', { 'stroke-width': 2 }]] : []),
   ...Object.keys(state.pins).map((letter) => [`pinned ${letter}`, PIN_COLOURS[letter], { 'stroke-width': 1.75, 'stroke-dasharray': '9 3' }])];
 const curvesKey = () => [['now', '--accent', { 'stroke-width': 2.25 }], COMPARED('5 4'), ...others(),
-  ...(state.overview.targets.length ? [['wanted', '--want', { 'stroke-width': 8, 'stroke-opacity': 0.35 }], ['strip below: deviation in tolerances, band ±1', '--want', { 'stroke-width': 1.25 }]] : [])];
+  ...(state.overview.targets.length ? [['wanted', '--want', { 'stroke-width': 8, 'stroke-opacity': 0.35 }], ['strip below: deviation / tolerance, band ±1', '--want', { 'stroke-width': 1.25 }]] : [])];
 const viewsKey = () => {
   const aim = state.arrows === null ? 'the misfit' : state.overview.targets[state.arrows]?.column.replaceAll('_', ' ');
   return [COMPARED('3 3'), ...others(), ...(document.querySelector('.arrows .arrow') && state.arrows !== 'none' && state.answer?.misfit ? [[`direction that lowers ${aim}`, '--arrow', { 'stroke-width': 2 }]] : []),

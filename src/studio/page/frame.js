@@ -9,7 +9,7 @@ const FAR_OUT = 4;
 const ends = (values) => (values.length ? [Math.min(...values), Math.max(...values)] : [Infinity, -Infinity]);
 const span = ([low, high]) => high - low;
 
-// Range of most values. So a bad pose at one station does not flatten the other stations.
+// Range of most values. With it, a bad pose at one station does not flatten the rest of the curve.
 const robust = (values) => {
   const all = ends(values);
   if (values.length < 8) return all;
@@ -21,8 +21,8 @@ const robust = (values) => {
   return [Math.max(all[0], most[0] - by), Math.min(all[1], most[1] + by)];
 };
 
-// At rest, the axis contains all values. During a drag it leaves out outliers. It grows at once and shrinks after a pause, so
-// that the curves move instead of their axes.
+// At rest, the axis contains all values. During a drag, the axis leaves out outliers. It grows at once and shrinks only after a
+// pause, so that the curves move and the axis stays.
 export const framed = (chart, still, moving, isInGesture) => {
   const own = isInGesture ? robust(moving) : ends(moving);
   const fixed = ends(still);

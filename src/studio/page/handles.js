@@ -35,7 +35,7 @@ export class EdgeHandles {
     this.held = null;
   }
 
-  // Moves handles to their numbers. A handle that is held or has the focus is kept.
+  // Moves handles to their numbers. A handle that the user drags, or that has the focus, is kept.
   draw(targets, { x, y }, xs, unit) {
     const seen = new Set();
     for (const target of targets) {

@@ -8,7 +8,7 @@ import { tellTab } from './layout.js';
 
 const LETTERS = ['A', 'B', 'C'];
 
-// The tab keeps pinned designs and the history over a reload, with coordinates by the names of points.
+// When the page is reloaded, the tab keeps pinned designs and the history. Coordinates are stored by the names of points.
 const key = (what) => `hardpoint ${what} ${state.overview.place}`;
 const keep = (what, value) => { try { sessionStorage.setItem(key(what), JSON.stringify(value)); } catch { /* no storage */ } };
 const kept = (what) => { try { return JSON.parse(sessionStorage.getItem(key(what))); } catch { return null; } };

@@ -1,4 +1,5 @@
-// Labels at the right ends of lines, as in reports: of both wheels, of the lines of a family, and of pinned designs.
+// Labels at the right ends of lines, as in reports: of both wheels, of the lines of a family (one line for each other value of
+// a slider), and of pinned designs.
 import { brief, measured } from './draw.js';
 import { state } from './design.js';
 

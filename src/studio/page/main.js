@@ -135,7 +135,7 @@ const startWatch = () => watchServer((there) => {
       ask();
     }
   } else if (there === 'other') {
-    say('Another server answers at this port. Open the address that it printed; this browser keeps unsaved moves and offers them there.', 'bad');
+    say('Another server answers at this port. Open the address that it printed; this browser keeps unsaved moves and offers them at that address.', 'bad');
   } else {
     say('The server does not answer. The curves show its last answer; this browser keeps your moves.', 'bad');
     retry = setInterval(() => ask(), 1000);

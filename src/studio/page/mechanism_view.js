@@ -10,8 +10,8 @@ export const hueOf = (bodies) => {
   return bodies.map(({ kind }) => own[kind] ?? `hue${number++ % HUES}`);
 };
 
-// Positions of names: each name is at the first free position around its point. A distant name has a line to its point. A name is
-// { text, at, kind }. The result has the left end and the baseline of its box, and the ends of its line.
+// Positions of names: each name is at the first free position around its point. A distant name has a line to its point. A name
+// is { text, at, kind }. The result has the left end and the baseline of each name's box, and the ends of the line.
 const LETTER = 6.4;
 const LINE = 12;
 const DISTANCES = [9, 18, 30, 46, 66];
@@ -205,7 +205,7 @@ export class MechanismView {
     });
   }
 
-  // Handles drags, rotations and zooms of the picture. On a page that scrolls, zooming needs the focus.
+  // Handles drags, rotations and zooms of the picture. On a page that scrolls, the picture zooms only if it has the focus.
   listen() {
     const fingers = new Map();
     this.svg.addEventListener('pointerdown', (event) => {

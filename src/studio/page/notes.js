@@ -114,7 +114,7 @@ const targets = () => {
     html('td', { class: `number ${isMet(t) ? '' : 'bad'}`, text: brief(t.worst, 3) }), html('td', { class: 'number', text: t.worst_at === null ? words(t.worst_at_unit) : `${brief(t.worst_at, 4)} ${inDegrees(t.worst_at_unit)}` })));
   const { builds } = state.overview;
   const about = builds ? [html('p', { class: 'hint', text: `The page shows the misfit of the nominal design. Tune lowers the root mean square misfit of ${builds} builds.` })] : [];
-  return [panel(builds ? 'Nominal deviations in tolerances' : 'Deviations in tolerances', table(['target', 'rms', 'largest', 'at'], body), ...about)];
+  return [panel(builds ? 'Nominal deviations (multiples of the tolerance)' : 'Deviations (multiples of the tolerance)', table(['target', 'rms', 'largest', 'at'], body), ...about)];
 };
 
 const constraints = () => {
@@ -142,7 +142,7 @@ const freeDirections = () => {
     slider.addEventListener('change', () => { slider.began = false; finish(); });
     return html('label', { class: 'direction' }, html('span', { text: name }), slider);
   });
-  return [panel('Free directions', html('p', { class: 'hint', text: 'Directions that leave all targets unchanged to first order, each across its range.' }), ...rows)];
+  return [panel('Free directions', html('p', { class: 'hint', text: 'Each slider moves the points in a direction that leaves all targets unchanged to first order.' }), ...rows)];
 };
 
 const limitsPanel = () => {
@@ -194,8 +194,8 @@ const draw = () => {
   for (const name of Object.keys(PANES)) fill(name);
 };
 
-// Asks for free directions when the point rests, because they take longer. Limits take longest: the page asks for them only
-// while it shows them.
+// Asks for free directions after the point has stopped moving, because they take longer to compute. Limits take longest: the
+// page asks for limits only while it shows limits.
 let timer = null;
 const rest = () => {
   clearTimeout(timer);

@@ -1,4 +1,5 @@
-// Curves of an answer: ordered stations, pieces without gaps, lines of a family, and values between stations.
+// Curves of an answer: ordered stations, pieces without gaps, lines for the other values of a slider, and values between
+// stations.
 import { state } from './design.js';
 
 // Data that all charts of an answer share, computed once: stations of each group in increasing order, range of their positions,
@@ -11,7 +12,7 @@ export const knownOf = (answer) => {
     if (!order.has(group)) order.set(group, []);
     if (answer.drive[i] !== null) order.get(group).push(i);
   });
-  // Curves of rows follow the order of the rows.
+  // If the motion is a table of rows, curves connect the stations in the order of the rows.
   if (!answer.has_rows) for (const places of order.values()) places.sort((a, b) => answer.drive[a] - answer.drive[b]);
   const own = { order, ends: endsOf(answer.drive.filter((x) => x !== null)), columns: new Map(answer.columns.map((c) => [c.column, c])), curves: new Map() };
   known.set(answer, own);
@@ -40,7 +41,7 @@ export const runs = (answer, values, group) => {
 };
 const groupsOf = (answer) => [...knownOf(answer).order.keys()];
 
-// Groups that differ from the shown group only in the slider of the family.
+// Groups of stations that have the same slider values as the shown group, except for the slider that has one line per value.
 export const familyOf = (answer, shown) => {
   const { family, over } = state;
   if (family === null || !answer?.group_places.length) return [];
@@ -49,7 +50,8 @@ export const familyOf = (answer, shown) => {
   const found = groupsOf(answer).filter((g) => g !== shown && isOfFamily(answer.group_places[g]));
   return found.sort((a, b) => answer.group_places[a][family] - answer.group_places[b][family]);
 };
-// Answer with the other curves of the family. While a point moves, this is an earlier answer, and its curves are drawn as stale.
+// Answer that also has the curves for the other values of a slider. While a point moves, this is an earlier answer, and the
+// page draws these curves as stale.
 export const wholeOf = (answer) => {
   if (!answer.is_partial) return answer;
   const { whole, over, overview } = state;

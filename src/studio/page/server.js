@@ -10,7 +10,7 @@ export class Refused extends Error {
 const watchers = [];
 let there = true;
 
-// Registers a watcher of the server's state: 'yes' if it answers, 'no' if not, 'other' if another server answers.
+// Registers a watcher of the server's state: 'yes' if the server answers, 'no' if not, 'other' if another server answers.
 export const watchServer = (watcher) => watchers.push(watcher);
 const tell = (state) => {
   if (state === there) return;

@@ -1,4 +1,5 @@
-// Table of coordinates. The user can type and lock them. Each has its slope and its effect on the curves.
+// Table of coordinates. The user can type and lock coordinates. The table shows the slope of the misfit for each coordinate.
+// Pointing at a coordinate shows the effect on the curves.
 import { AXES, brief, byId, html, parsed, set, write } from './draw.js';
 import { askInfluence, emit, gradient, isInGesture, isMoved, on, onRest, placeAfter, put, setCoordinate, state, stepped } from './design.js';
 import { select } from './views.js';
@@ -7,7 +8,7 @@ import { markNumber } from './dialog.js';
 
 let rows = [];
 let asked = null;
-// The point in a view from which the fields were opened.
+// The point in a view from which the user opened the fields. The focus returns to this point.
 let origin = null;
 let timer = null;
 
@@ -20,7 +21,7 @@ const point = (p, axis, wait = 90) => {
   }, p === null ? 30 : wait);
 };
 
-// Shows all digits if they fit. Otherwise it shows as many as fit, with a mark. A field with the focus shows all digits.
+// Shows all digits if they fit. Otherwise it shows as many as fit, and an ellipsis. A field with the focus shows all digits.
 const MOST_DIGITS = 9;
 const short = (value) => {
   const whole = String(value);

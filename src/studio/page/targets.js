@@ -15,7 +15,7 @@ export const degreesPerDrive = (motion) => {
 };
 export const writtenTarget = (k) => optimise()?.targets?.[k];
 
-// Sends edits, and takes the study that they give. Returns the reason of a refusal, or null.
+// Sends edits to the server, and loads the edited study. Returns the reason of a refusal, or null.
 let busy = Promise.resolve();
 export const tried = (edits, label) => {
   busy = busy.then(async () => {

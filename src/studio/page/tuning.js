@@ -12,7 +12,7 @@ let proposal = null;
 let exact = null;
 
 const box = () => byId('proposal');
-// Keeps the focus in the box when its control disappears.
+// Keeps the focus in the box when the control with the focus disappears.
 const show = (...children) => {
   const held = box().contains(document.activeElement);
   box().replaceChildren(...children);
@@ -75,7 +75,8 @@ const retune = () => {
   };
   return retuning ??= follow();
 };
-// Delay of a request in milliseconds while the slider moves. It keeps requests few, because the server stores the text of each.
+// Delay of a request in milliseconds while the slider moves. The delay reduces the number of requests, because the server
+// stores the text of each request.
 const PAUSE = 150;
 let pause = null;
 const retuneSoon = () => {

@@ -52,8 +52,8 @@ const inDrawing = (way) => {
   const { axes } = placement(state.answer?.frame) ?? {};
   return axes ? axes.map((row) => dot(row, way)) : way;
 };
-// Position of a point in the drawing, or without a pose in the design. While the answer is late, the moves since the last answer
-// are added to the position in that answer. So the point stays under the pointer.
+// Position of a point in the drawing. Without a pose, it is the position in the design. While the answer is late, the moves
+// since the last answer are added to the position in that answer. So the point stays under the pointer.
 const placeIn = (frame, p) => {
   const at = frame?.points[p];
   if (!at) return along(state.design[p], state.overview.points[p].shift, 1);
@@ -341,7 +341,7 @@ class View extends MechanismView {
     for (const [name, handler] of Object.entries(handlers)) target.addEventListener(name, handler);
   }
 
-  // Name of a point. While the point is dragged, its locked axes and its moved coordinates follow.
+  // Name of a point. While the point is dragged, the text also has the locked axes and the moved coordinates.
   wordOf(point) {
     const { name } = state.overview.points[point];
     const start = this.dragged?.point === point ? this.dragged.start[point] : [];

@@ -484,7 +484,7 @@ fn what_an_axle_lacks_is_said_with_the_wheel() {
         assert!(stuck.contains(&warning), "{stuck}");
     }
     assert!(
-        stuck.contains("it turns the anti-roll bar no further there"),
+        stuck.contains("it cannot turn the anti-roll bar any further there"),
         "{stuck}"
     );
     // Both tie rods reach their limit at mirrored rack displacements, so the nearer limit may belong to either wheel.

@@ -184,7 +184,7 @@ fn a_spring_that_pulls_is_warned_of() {
     assert!(least < 0.0, "{least}");
     let (_, rest) = said.split_once("spring falls to ").unwrap();
     let (force, rest) = rest
-        .split_once(" N at roll 1 deg, heave -40 mm: there it would pull")
+        .split_once(" N at roll 1 deg, heave -40 mm: there the spring would pull")
         .unwrap();
     assert!(
         (force.parse::<f64>().unwrap() - least).abs() < 1e-3 * least.abs(),

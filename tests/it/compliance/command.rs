@@ -225,7 +225,7 @@ fn a_load_that_is_not_held_is_said() {
         String::from_utf8_lossy(&ran.stderr)
     );
     assert!(
-        said.contains("not solved") && said.contains("exists for 0."),
+        said.contains("not solved") && said.contains("exists for only 0."),
         "{said}"
     );
     let levels = rows(&directory.path().join("kc/levels.csv"));

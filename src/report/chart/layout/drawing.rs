@@ -6,7 +6,7 @@ use super::{Deviations, EndLabel, Layout, NOTE_LINE, Remark};
 use crate::report::figure::power_of_ten;
 use std::fmt::Write;
 
-/// Largest deviation that the strip shows, in tolerances.
+/// Largest deviation that the strip shows, as a multiple of the tolerance.
 const MOST_DEVIATION: f64 = 2.0;
 /// Baseline of the first line of remarks.
 const FIRST_NOTE: f64 = 37.0;
@@ -157,7 +157,8 @@ impl Layout {
                 .class("axis-text"),
         );
         svg.push('\n');
-        // A title that is longer than the plot is high loses the load on the other axis, or its name. It keeps its unit.
+        // If the title is longer than the height of the plot, the load is omitted, because the other axis shows it. If that is
+        // not enough, only the unit stays.
         let fits =
             |title: &String| title.chars().count() as f64 * TITLE_LETTER <= bottom - top + 30.0;
         let beside = in_power(&self.y_title(), y.power());
@@ -187,7 +188,7 @@ impl Layout {
         }
     }
 
-    /// Draws the strip of deviations. Allowed deviations are inside its band.
+    /// Draws the strip of deviations. Allowed deviations are inside the shaded band.
     fn strip(&self, svg: &mut String, lettering: &Lettering) {
         let Some([top, bottom]) = self.strip else {
             return;
@@ -248,7 +249,7 @@ impl Layout {
     }
 }
 
-/// Classes of a curve without those of its stroke.
+/// Classes of a curve, without the classes for the stroke.
 fn without_stroke(class: &str) -> String {
     let strokes = ["strong", "faint", "fine", "inner"];
     let kept: Vec<&str> = class.split(' ').filter(|c| !strokes.contains(c)).collect();

@@ -134,7 +134,7 @@ fn gaps_stay_gaps() {
     assert!(svg.contains("not solved"));
 }
 
-/// A title that is longer than its axis loses the load, which is on the other axis, and keeps its unit.
+/// If a title is longer than its axis, the load is omitted, because the other axis shows it. The unit stays.
 #[test]
 fn a_long_title_keeps_its_unit() {
     let titled = |name: &str| {

@@ -129,7 +129,8 @@ pub(super) struct Moved<'m> {
     pub wheels: [WheelMoved<'m>; 2],
     /// Scatter of elastic rates in a build. Empty for the nominal design.
     pub scattered: &'m [ScatteredRate],
-    /// True for a build. Its points move independently of each other, including the points of the right half of a solid axle.
+    /// True for a build. The points of a build move independently of each other, including the points of the right half of a
+    /// solid axle.
     pub is_build: bool,
 }
 
@@ -206,7 +207,7 @@ pub(super) trait RowsBeside: Send {
     ) -> Result<(), Infeasible>;
 }
 
-/// Makes the rows of a layout, for an axle whose points move.
+/// Makes the evaluator of a layout's rows for an axle. The variables move `points`.
 pub(super) fn axle_rows<'a>(
     layout: &'a AxleLayout,
     axle: &'a Axle,

@@ -184,8 +184,8 @@ impl BoundedLeastSquares {
     /// Index of the variable at a bound whose release reduces the sum of squares most, relative to the norm of its
     /// column.
     fn worst_multiplier(&self, damping: f64) -> Option<usize> {
-        // A slope is an inner product of n terms with the remainder. The remainder is a sum of the offset and n columns.
-        // Their size bounds the rounding of the slope.
+        // A slope is an inner product of n terms with the remainder. The remainder is a sum of the offset and n columns. The
+        // sizes of the offset and of the columns bound the rounding error of the slope.
         let size = self.offset.iter().map(|c| c * c).sum::<f64>().sqrt()
             + dot(&self.norms, &self.step).abs()
             + self
@@ -256,7 +256,7 @@ impl BoundedLeastSquares {
     /// Writes the minimum over the free variables into the head of `vector`, in the order of `free`. The held variables keep
     /// their values.
     ///
-    /// The damping row of a variable follows its row of R, so that columns stay short.
+    /// The damping row of a variable follows the row of R that belongs to this variable, so that columns stay short.
     fn solve_free(&mut self, damping: f64) {
         let n = self.variables;
         self.free.clear();

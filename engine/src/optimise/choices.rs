@@ -10,8 +10,8 @@ use crate::mechanism::DesignFault;
 use crate::study::{Optimise, Scatter, Vehicle};
 use nalgebra::DVector;
 
-/// Factor on the best misfit of the targets outside the front. Their misfit may reach this multiple of the misfit after the
-/// tuning of all targets, or one tolerance if that is larger.
+/// Limits the misfit of the targets outside the front to this multiple of their misfit after the tuning of all targets. If
+/// one tolerance is larger, the limit is one tolerance.
 const AS_GOOD: f64 = 1.01;
 /// Number of steps in a price list.
 const STEPS: usize = 10;

@@ -15,7 +15,7 @@ use super::{Bounds, Fit, Infeasible, LeastSquares, Linearisation, Termination};
 use nalgebra::DVector;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Change of a residual, in tolerances, below which it counts as constant, if any variable moves across its range. Curves of
+/// Change of a residual, in tolerances, below which it counts as constant, if any variable moves across its range. Values of
 /// some thousand tolerances have rounding errors of this size if the errors are amplified a thousand times.
 pub(super) const UNMOVED: f64 = 1e-9;
 

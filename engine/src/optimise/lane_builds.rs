@@ -185,7 +185,7 @@ impl SimdTask for Assembling<'_, '_> {
     }
 }
 
-/// Combines a vector of the lanes with the rate of a series.
+/// Combines a vector of values in lanes with the rate of a series.
 #[inline(always)]
 fn with_rate<B: SimdReal>(value: Vector3<B>, series: Vector3<Jet<f64, 2>>) -> Vector3<Jet<B, 2>> {
     let rate = Vector3::new(series.x.0[1], series.y.0[1], series.z.0[1]);

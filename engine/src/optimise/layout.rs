@@ -151,8 +151,8 @@ pub struct TargetLayout {
 
 impl TargetLayout {
     /// Lays out the targets and constraints of the nominal design alone. The layout of a robust study has the rows of all its
-    /// builds. An evaluation of the nominal design must not use that layout. It would fill the rows of only one build, but
-    /// divide the misfit by the number of all rows.
+    /// builds. An evaluation of the nominal design must not use that layout. Such an evaluation would fill the rows of only
+    /// one build, but divide the misfit by the number of all rows.
     pub fn nominal(optimise: &Optimise, vehicle: &Vehicle) -> Self {
         TargetLayout::of(&optimise.nominal(), vehicle)
     }
@@ -477,7 +477,7 @@ struct TargetRow {
     rack: f64,
 }
 
-/// Deviation from a target, in tolerances of the target.
+/// Deviation from a target, in multiples of the target's tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     /// Root mean square over the target's stations.

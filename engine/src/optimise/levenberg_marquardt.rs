@@ -54,7 +54,7 @@ const ACCEPTABLE: f64 = 1e-4;
 /// Ratios below which the damping rises for the next step, and above which it falls.
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
-/// Length of a step, as a fraction of the range, up to which the residuals follow their slopes. Along such a step, curvature
+/// Length of a step, as a fraction of the range, up to which the residuals count as linear. Along such a step, curvature
 /// changes the residuals by less than rounding. A kink changes them by little more than rounding.
 const STRAIGHT: f64 = 1e-11;
 /// Largest number of corrections of a trial. Each correction is at most half as long as the previous correction. Most trials
@@ -190,8 +190,8 @@ impl<'a> LevenbergMarquardt<'a> {
             .gemv(1.0, &self.current.jacobian, &self.corrected_x, 1.0);
     }
 
-    /// Stores the deviation from the predicted residuals as their rounding error, if the step from `x` to the trial is at
-    /// most [`STRAIGHT`].
+    /// Stores the deviation from the predicted residuals as the rounding error of the residuals, if the step from `x` to the
+    /// trial is at most [`STRAIGHT`].
     fn note_rounding(&mut self, x: &DVector<f64>) {
         if self.model.largest_component() <= STRAIGHT {
             self.promise(x);
@@ -201,8 +201,8 @@ impl<'a> LevenbergMarquardt<'a> {
     }
 
     /// Corrects a trial reached from `x` until the cost is at most `goal`. The function stops if a correction is more than
-    /// half as long as the previous correction. Returns the number of evaluated points, or an error at a point without
-    /// residuals.
+    /// half as long as the previous correction. Returns the number of evaluated points. The second value is an error if a
+    /// point has no residuals.
     fn correct(
         &mut self,
         problem: &mut impl LeastSquares,

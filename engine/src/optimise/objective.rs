@@ -42,8 +42,8 @@ pub struct Objective<'a> {
     pub(super) wheel: MovedWheel<'a>,
     /// Right wheel of an axle, if its hardpoints differ from the left ones.
     pub(super) right: Option<MovedWheel<'a>>,
-    /// Evaluation in SIMD lanes, for designs and builds that the tracker accepts. `None` if lanes cannot read a target, or if
-    /// lanes are switched off.
+    /// Evaluation in SIMD lanes, for designs and builds that the tracker accepts. `None` if a target is not available in
+    /// lanes, or if lanes are switched off.
     pub(super) lanes: Option<LaneRows<'a>>,
     robust: Option<Robust<'a>>,
     solver: Solver<'a>,
@@ -138,7 +138,7 @@ impl<'a> Objective<'a> {
         if let Some(Beside::Elastic(elastic)) = &layout.beside {
             objective.beside = Some(elastic_rows(elastic, suspension, variables, moving));
         }
-        // Lanes do not evaluate axles and elastic parts.
+        // Axles and elastic parts are not evaluated in lanes.
         let width = width.filter(|_| layout.beside.is_none());
         // Constraints apply to the nominal design.
         objective.lanes = width.and_then(|width| LaneRows::new(suspension, layout, false, width));
@@ -244,8 +244,8 @@ impl<'a> Objective<'a> {
         beside.evaluate(&moved, into, rows)
     }
 
-    /// Evaluates the moved design of one wheel in lanes. Returns false if lanes cannot evaluate all rows, or if the tracker
-    /// rejects the design; the caller must then overwrite the written values.
+    /// Evaluates the moved design of one wheel in lanes. Returns false if some row is not available in lanes, or if the
+    /// tracker rejects the design; the caller must then overwrite the written values.
     fn evaluate_in_lanes(
         &mut self,
         into: &mut Linearisation,

@@ -19,9 +19,9 @@ pub(super) struct Profile<'a> {
     bounds: &'a Bounds,
     variable: usize,
     others: Vec<usize>,
-    /// Triangle of the other variables' columns of J, scaled by the ranges.
+    /// Triangular factor of the columns of J that belong to the other variables, scaled by the ranges.
     triangle: DMatrix<f64>,
-    /// Column of the variable after the same rotations, and its diagonal entry.
+    /// Column of the variable after the same rotations, and the diagonal entry of this column.
     column: DVector<f64>,
     diagonal: f64,
     /// Residuals after the same rotations, and the entry that belongs to `diagonal`.

@@ -13,8 +13,8 @@ use super::{
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Largest ratio to the smallest misfit up to which designs count as equally good. This ratio applies only if no design is
-/// good enough.
+/// Designs count as equally good if their misfits are at most this multiple of the smallest misfit. Applies only if no design
+/// is good enough.
 const AS_GOOD: f64 = 1.01;
 /// Largest number of repetitions of all starts. The starts run again if a residual changes that was constant at the design.
 const ROUNDS: usize = 3;

@@ -187,7 +187,8 @@ pub(super) fn subject(
         (None, Some(name), None, None) => {
             let id = point(name, suspension, problems);
             let Some(along) = &written.axis else {
-                let message = "point needs axis: its coordinate \"x\", \"y\" or \"z\"";
+                let message =
+                    "the key \"point\" needs \"axis\": the coordinate \"x\", \"y\" or \"z\"";
                 return problems.refuse(name.span(), message);
             };
             let axis = axis(along, problems)?;
@@ -206,12 +207,11 @@ pub(super) fn subject(
             (Measure::Carried(force), column, Unit::Force, sign)
         }
         (None, None, None, None) => {
-            let message = "expected characteristic, point with axis, length, or load";
+            let message = "expected one of the keys \"characteristic\", \"point\" with \"axis\", \"length\" and \"load\"";
             return problems.refuse(place, message);
         }
         _ => {
-            let message =
-                "expected one of characteristic, point, length and load, found more than one";
+            let message = "expected one of the keys \"characteristic\", \"point\", \"length\" and \"load\", found more than one";
             return problems.refuse(place, message);
         }
     };

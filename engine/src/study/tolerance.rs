@@ -23,8 +23,8 @@ use jig::jig;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Number of standard deviations about the nominal value within which a study must accept every value. Builds with values
-/// that a study does not accept are rejected.
+/// Number of standard deviations about the nominal value within which every value must be one that a study accepts. Builds
+/// with other values are rejected.
 const LEAST_SIGMAS: f64 = 4.0;
 /// Largest number of builds: hours of work for the fastest machine.
 const MOST_BUILDS: i64 = 10_000_000_000;
@@ -215,7 +215,7 @@ fn contributors(
         written.jig.is_some(),
     ];
     if kinds.iter().filter(|given| **given).count() != 1 {
-        let message = "expected one of hardpoint, hardpoints, length, jig, bushing and link";
+        let message = "expected one of the keys \"hardpoint\", \"hardpoints\", \"length\", \"jig\", \"bushing\" and \"link\"";
         return problems.refuse(place, message);
     }
     if let Some(points) = &written.jig {
@@ -223,7 +223,10 @@ fn contributors(
     }
     for (given, key) in [(&written.shift, "shift"), (&written.turn, "turn")] {
         if let Some(number) = given {
-            problems.add(number.span.clone(), format!("{key} needs jig"));
+            problems.add(
+                number.span.clone(),
+                format!("the key {key} needs the key \"jig\""),
+            );
         }
     }
     let law = law(written, place.clone(), problems);

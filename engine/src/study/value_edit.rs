@@ -261,7 +261,7 @@ fn set_table(tables: &mut ArrayOfTables, at: usize, value: Option<&Json>) -> Opt
     }
 }
 
-/// Entries of a table. Keys that identify its subject come first.
+/// Entries of a table. The keys that identify the subject of the table come first.
 fn in_usual_order(values: &serde_json::Map<String, Json>) -> Vec<(&String, &Json)> {
     const FIRST: [&str; 5] = ["hardpoint", "characteristic", "side", "over", "axis"];
     let mut entries: Vec<_> = values.iter().collect();

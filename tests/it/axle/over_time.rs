@@ -224,7 +224,10 @@ fn what_time_does_not_go_with_is_refused() {
         )],
     );
     let message = named.expect_err("a named motion");
-    assert!(message.contains("a named motion has no time"), "{message}");
+    assert!(
+        message.contains("not available in a named motion"),
+        "{message}"
+    );
 }
 
 /// A motion over time has values but no velocities in the design position.

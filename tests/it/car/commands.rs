@@ -158,7 +158,7 @@ fn mistakes_are_named() {
         (
             "value = 3.2,",
             "value = 3.2, at_least = 3.0,",
-            "expected one of value, between, at_least and at_most",
+            "expected one of the keys \"value\", \"between\", \"at_least\" and \"at_most\"",
         ),
         (
             "[optimise]",

@@ -188,7 +188,7 @@ fn mistakes_of_places_are_named() {
         (
             "{ case = \"turn\", characteristic = \"roll\",",
             "{ characteristic = \"roll\",",
-            "expected case (a load case) or axle",
+            "expected the key \"case\" (a load case) or the key \"axle\"",
         ),
         (
             "{ case = \"turn\", characteristic = \"roll\",",

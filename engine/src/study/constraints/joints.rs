@@ -114,7 +114,7 @@ pub(crate) fn joint_angle(
     }
 }
 
-/// Joint of a drive shaft with this name. `None` for another name.
+/// Returns the joint of a drive shaft with this name. `None` if the name belongs to another joint.
 fn shaft_joint(
     name: &Text,
     joint: PointId,

@@ -431,11 +431,11 @@ fn unknown_rates_are_refused() {
         ),
         (
             "rate = \"rack\", stiffness = \"x\"",
-            "stiffness names an axis of a bushing",
+            "selects an axis of a bushing",
         ),
         (
             "rate = \"rack\", link = \"tie_rod\"",
-            "expected one of bushing, link and rate",
+            "expected one of the keys \"bushing\", \"link\" and \"rate\"",
         ),
     ] {
         let text = with(SUBFRAME, &replaced(RATES, "rate = \"rack\"", rate));

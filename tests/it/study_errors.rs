@@ -523,7 +523,7 @@ fn the_old_ride_height_is_explained_with_its_own_value() {
         assert_eq!(error.path(), Some("setup.ride_height"));
         assert_eq!(
             error.message(),
-            format!("ride_height meant wheel travel until 0.1: {said}")
+            format!("until version 0.1, ride_height was the wheel travel: {said}")
         );
     }
     let setup =

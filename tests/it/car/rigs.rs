@@ -213,7 +213,7 @@ fn mistakes_of_places_are_named() {
         (
             "percent = 40.0",
             "relative = 0.4",
-            "has percent instead of relative",
+            "has the key \"percent\" instead of \"relative\"",
         ),
     ] {
         let path = car(directory.path(), &BUMP_STEER.replacen(from, to, 1));

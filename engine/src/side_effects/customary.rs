@@ -1,4 +1,4 @@
-//! Customary values: tolerances of changes that no target requests, and quantities that a target also determines.
+//! Customary tolerances of changes that no target requests. Also quantities that a target for another quantity determines.
 
 use crate::ask::Unit;
 use crate::characteristics::Characteristic;
@@ -22,7 +22,7 @@ pub(super) enum Tolerance {
 }
 
 impl Tolerance {
-    /// Tolerance in the printed unit, for a value before the tuning.
+    /// Returns the tolerance in the printed unit. `before` is the value before the tuning.
     pub(super) fn of(self, before: f64) -> f64 {
         match self {
             Tolerance::Fixed(tolerance) => tolerance,

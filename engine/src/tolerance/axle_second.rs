@@ -17,7 +17,7 @@ use crate::model::SteeringAxis;
 use crate::number::{Jet, Vector3};
 use crate::study::Source;
 
-/// Largest number of pose series of both wheels. They take some seconds to compute.
+/// Largest number of Taylor series of poses, over both wheels. Their computation takes some seconds.
 const MOST_SERIES: usize = 300_000;
 
 /// Second-order terms of the mean and of the variance, for each cell.

@@ -18,7 +18,7 @@ use crate::number::{Each, Jet, Vector3};
 use crate::study::{CarContributor, Law, Source};
 use rayon::prelude::*;
 
-/// Largest number of Taylor series of states. They take some seconds to compute.
+/// Largest number of Taylor series of states. Their computation takes some seconds.
 const MOST_SERIES: usize = 100_000;
 
 /// A tolerance source of a car.

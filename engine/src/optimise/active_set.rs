@@ -8,13 +8,13 @@
 //! lower <= d <= upper
 //! ```
 //!
-//! with R upper triangular and regular. The method begins at the minimum without constraints, -R^-1 q. It adds the most
-//! violated constraint to the set of held constraints, moves to the minimum under them, and repeats this (D. Goldfarb, A.
-//! Idnani, A numerically stable dual method for solving strictly convex quadratic programs, Mathematical Programming 27,
-//! 1983). So it needs no feasible point to begin with. If there is no feasible point, the method ends at a violated
-//! constraint. The gradient of this constraint is a combination of gradients of held constraints, and each of these held
-//! constraints prevents the move. By Farkas' lemma these constraints exclude one another. The held gradients are independent,
-//! so none of these constraints can be left out.
+//! with R upper triangular and regular. The method begins at the minimum without constraints, -R^-1 q. Then it repeats this
+//! step: it adds the most violated constraint to the set of held constraints, and moves to the minimum under the held
+//! constraints (D. Goldfarb, A. Idnani, A numerically stable dual method for solving strictly convex quadratic programs,
+//! Mathematical Programming 27, 1983). So it needs no feasible point to begin with. If there is no feasible point, the method
+//! ends at a violated constraint. The gradient of this constraint is a combination of gradients of held constraints, and each
+//! of these held constraints prevents the move. By Farkas' lemma these constraints exclude one another. The held gradients
+//! are independent, so none of these constraints can be left out.
 //!
 //! The method works on a matrix J with J^T R^T R J = 1. The first columns of J span the held gradients. A move along the
 //! other columns leaves the values of the held constraints unchanged. J begins as R^-1, so the normal equations are never
@@ -50,9 +50,9 @@ pub struct Rows<'a> {
     pub offsets: &'a [f64],
     /// Number of rows that must be zero. All other rows must be at most zero.
     pub equalities: usize,
-    /// Violation, in the unit of the rows, up to which a row counts as satisfied if its gradient is a linear combination of
-    /// the gradients of the held constraints. Without this limit, duplicate rows would exclude one another, because they are
-    /// equal only up to rounding.
+    /// Largest violation, in the unit of the rows, with which a row still counts as satisfied. Applies only if the gradient
+    /// of the row is a linear combination of the gradients of the held constraints. Without this limit, duplicate rows would
+    /// exclude one another, because they are equal only up to rounding.
     pub slack: f64,
 }
 
@@ -75,8 +75,8 @@ pub struct ActiveSet {
     basis: Vec<f64>,
     /// Triangle T of (1), column after column, n entries each.
     triangle: Vec<f64>,
-    /// The held constraints, their signs, and their multipliers. Only equalities need a sign, because the normal of an
-    /// equality may point in either direction.
+    /// The held constraints (constraints at their limits in the current step), their signs, and their multipliers. Only
+    /// equalities need a sign, because the normal of an equality may point in either direction.
     held: Vec<Held>,
     sign: Vec<f64>,
     multipliers: Vec<f64>,
@@ -399,8 +399,8 @@ impl ActiveSet {
         }
     }
 
-    /// Adds a constraint to the active set; `projected` holds its gradient in the basis J. Rotates the free columns of
-    /// J so that only the first has a component along this gradient.
+    /// Adds a constraint to the active set; `projected` holds the gradient of the constraint in the basis J. Rotates the free
+    /// columns of J so that only the first has a component along this gradient.
     fn hold(&mut self, constraint: Held, sign: f64, multiplier: f64) {
         let n = self.variables;
         let q = self.held.len();

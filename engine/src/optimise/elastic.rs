@@ -23,7 +23,7 @@ struct ElasticStation {
     /// Rack displacement along the study's +y.
     rack: f64,
     values: Vec<KcValue>,
-    /// Samples of this station. Their `of` is an index into `values`.
+    /// Samples of this station. The field `of` of a sample is an index into `values`.
     samples: Vec<TargetSample>,
     limits: Vec<LimitedValue>,
 }

@@ -1,7 +1,8 @@
-//! Builds of a robust tuning in SIMD lanes: their designs, with the derivatives with respect to the variables.
+//! Builds of a robust tuning in SIMD lanes (several builds at once, one per lane): designs of the builds, with the
+//! derivatives with respect to the variables.
 //!
-//! The parts of the nominal design have the same derivatives with respect to a variable in every build. They are computed
-//! once, and every group of builds uses them. Builds that do not converge in lanes are assembled one by one.
+//! The parts of the nominal design have the same derivatives with respect to a variable in every build. These derivatives are
+//! computed once, and every group of builds uses them. Builds that do not converge in lanes are assembled one by one.
 
 use super::builds::BuiltWheel;
 use super::moves::PointRate;

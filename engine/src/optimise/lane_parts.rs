@@ -1,4 +1,4 @@
-//! Constraints of designs that are solved in SIMD lanes.
+//! Constraints of designs that are solved in SIMD lanes (several poses at once, one per lane).
 //!
 //! The solver in lanes computes positions of points as coordinates, and the spin axis as angles. It also computes the rates
 //! of these values with respect to the variables. At each station, the chain rule combines these rates with the derivatives

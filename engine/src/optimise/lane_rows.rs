@@ -1,5 +1,5 @@
-//! Residuals of targets and rows of constraints in SIMD lanes. Each lane holds one station of a design, or one build of a
-//! robust tuning.
+//! Residuals of targets and rows of constraints in SIMD lanes (several poses at once). Each lane holds one station of a
+//! design, or one build of a robust tuning.
 
 use super::Linearisation;
 use super::lane_builds::LaneBuilds;

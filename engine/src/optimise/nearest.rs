@@ -31,7 +31,7 @@ const NEAR_LEVEL: f64 = 1.0;
 const ALL_RUNS: f64 = 0.1;
 const ONE_RUN: f64 = 0.03;
 /// Relative difference up to which distances count as equal. A design that violates a constraint by up to [`KEPT`] can be
-/// nearer by such a difference than the nearest design that satisfies it exactly.
+/// nearer by such a difference than the nearest design that satisfies the constraint exactly.
 const AS_NEAR: f64 = 1e-6;
 
 /// Level to which the misfit may rise.

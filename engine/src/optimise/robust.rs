@@ -13,7 +13,7 @@ use std::mem::swap;
 /// Builds of a robust tuning.
 pub(super) struct Robust<'a> {
     builds: Builds<'a>,
-    /// Evaluation of the builds of a rigid wheel in SIMD lanes.
+    /// Evaluation of the builds of a rigid wheel in SIMD lanes (several builds at once).
     lanes: Option<LaneBuilds>,
 }
 

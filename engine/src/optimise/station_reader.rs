@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 /// Values of the parts of a leg, by part and station.
 pub(super) type PartValues = Vec<Vec<f64>>;
 
-/// Evaluation of the stations of a leg, with its inputs.
+/// Inputs and memory for the evaluation of the stations of a leg.
 pub(super) struct Visit<'v, 'a> {
     pub(super) leg: &'v Leg,
     pub(super) layout: &'v TargetLayout,

@@ -60,8 +60,8 @@ pub(super) fn observe(
             let site = target.site.axle.as_ref();
             let motion = site.and_then(|site| site.motion.as_deref());
             let station = |sample: AxleSample| match motion {
-                // In another named motion, the stations have different coordinates. So its target applies only to a station
-                // at exactly the same position.
+                // In another named motion, the stations have different coordinates. So a target in that motion applies only
+                // to a station at exactly the same position.
                 Some(other) if Some(other) != name => {
                     placements.iter().position(|own| *own == sample.placement)
                 }

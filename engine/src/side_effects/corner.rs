@@ -189,7 +189,7 @@ impl Looked<'_> {
         places
     }
 
-    /// Stations nearest to these drive values, if the site belongs to this motion.
+    /// Stations nearest to these drive values. Empty if `site` belongs to another motion.
     fn at(&self, site: &Site, drives: &[f64]) -> Vec<usize> {
         if site.motion.as_ref().map(|(name, _)| name.as_str()) != self.name {
             return Vec::new();

@@ -101,8 +101,8 @@ impl SideEffect {
 }
 
 /// Compares a study's design with a tuned design, over `[motion]` and over the named motions with curves. Flagged outputs
-/// come first, angles before lengths, in the order of the largest change in tolerances. The list is empty without
-/// `[optimise]`, or if `[optimise]` has `side_effects = false`.
+/// come first, angles before lengths, in the order of the largest change, measured in multiples of the tolerance. The list is
+/// empty without `[optimise]`, or if `[optimise]` has `side_effects = false`.
 ///
 /// # Errors
 /// Returns an error if one of the two designs cannot be solved.

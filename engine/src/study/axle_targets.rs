@@ -108,7 +108,7 @@ impl AxleSite {
     }
 }
 
-/// Keys of a target or a band that describe its stations.
+/// Keys of a target or a band that describe the stations at which the target or band applies.
 pub(super) struct Where<'w> {
     motion: &'w Option<Text>,
     over: &'w Option<Text>,

@@ -114,15 +114,15 @@ impl Study {
         self.text_with_points_of(&self.text, moved)
     }
 
-    /// Returns another text of this study with the points of `moved`, like [`Study::with_points_of`]. Use it for the text of
-    /// the study file: [`Study::text`] differs from that text, because it also contains curves from other files.
+    /// Returns another text of this study with the points of `moved`, like [`Study::with_points_of`]. An example of another
+    /// text is the study file itself: [`Study::text`] also contains curves from other files.
     pub fn text_with_points_of(&self, text: &str, moved: &Study) -> String {
         let right = moved.axle().and_then(|a| a.axle.right.as_ref());
         let text = self.rewritten(text, &moved.wheel().design, right.map(|r| &r.design[..]));
         self.with_rates_of(text, moved)
     }
 
-    /// Returns the text with those rates of elastic parts in which another study differs.
+    /// Writes the rates of elastic parts of the study `moved` into the text, where they differ from the rates of this study.
     pub fn with_rates_of(&self, text: String, moved: &Study) -> String {
         let Some((old, new)) = self.elastic_parts().zip(moved.elastic_parts()) else {
             return text;

@@ -33,8 +33,8 @@ pub(super) enum Holding {
 }
 
 impl Holding {
-    /// Returns the kind of a study. `has_spring` says whether its elastic parts have a spring. `has_spring` is `None` without
-    /// elastic parts.
+    /// Returns the kind of a study. `has_spring` is true if the elastic parts include a spring, and `None` without elastic
+    /// parts.
     pub(super) fn of(has_spring: Option<bool>) -> Holding {
         match has_spring {
             None => Holding::Rigid,

@@ -307,9 +307,9 @@ pub enum Sampling {
     /// Independent, uniformly distributed numbers.
     Random,
     /// Pairs of samples, and further samples. In each further sample, one variable has the value of the other sample of the
-    /// pair. They give first-order and total Sobol indices (A. Saltelli et al., Variance based sensitivity analysis of model
-    /// output, Computer Physics Communications 181, 2010). The number of designs is `samples` times (number of variables +
-    /// 2).
+    /// pair. These samples give first-order and total Sobol indices (A. Saltelli et al., Variance based sensitivity analysis
+    /// of model output, Computer Physics Communications 181, 2010). The number of designs is `samples` times (number of
+    /// variables + 2).
     Saltelli,
 }
 

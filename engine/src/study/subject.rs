@@ -124,8 +124,8 @@ pub(super) fn length(
 /// Message that refuses the force in a member as a target or constraint of an axle.
 pub(super) const NO_FORCES_OF_AN_AXLE: &str = "an axle has no targets or constraints on forces in members; remove [axle] to use them on the left wheel";
 
-/// Force in a member under a load, named by its column without the unit. Includes the sign that converts it to the study's
-/// axes.
+/// Force in a member under a load, named by its column without the unit. The second value is the sign that converts the force
+/// to the study's axes.
 pub(super) fn force(
     name: &Text,
     context: &Context,

@@ -11,7 +11,7 @@ use crate::number::{Vector3, Width};
 use crate::study::Vehicle;
 
 impl Problem<'_> {
-    /// Reason why no build is solved in SIMD lanes. `None` if most builds are solved in lanes.
+    /// Reason why no build is solved in SIMD lanes (several builds at once). `None` if most builds are solved in lanes.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
         let builder = Builder::new(self, Width::widest()).ok()?;
         builder.evaluator.not_in_lanes()
@@ -89,7 +89,7 @@ impl Problem<'_> {
         Ok(self.built_parts(number)?.0)
     }
 
-    /// All wheels of a build, and the tensions that its parts cause in the links of an axle with extra links.
+    /// All wheels of a build, and the tensions that deviations of the parts cause in the links of an axle with extra links.
     fn built_parts(
         &self,
         number: u64,

@@ -23,7 +23,7 @@ use crate::number::Vector3;
 use crate::study::{Band, ComplianceStudy, Rate, Source, Study, TargetKind, Tolerance, WheelStudy};
 use crate::threads::Interrupt;
 
-/// Rates that scatter, each with the wheel of its part, in the order of their tolerance sources.
+/// Rates that scatter, each with the wheel that has the part, in the order of the tolerance sources.
 pub(super) fn rates(tolerance: &Tolerance) -> impl Iterator<Item = (AxleParameter, &Rate)> {
     tolerance.each_source().filter_map(|source| {
         let rate = source.rate.as_ref()?;

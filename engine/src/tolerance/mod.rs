@@ -77,8 +77,8 @@ pub struct Problem<'a> {
 /// Values of a band as [output, station], and the limits of the band, moved outwards by the rounding error.
 type Banded = (Vec<[usize; 2]>, [f64; 2]);
 
-/// Placements of the stations at which a band applies: the band's own drive value if it has one, otherwise all values of the
-/// motion at which the band applies.
+/// Placements of the stations at which a band applies. These are the stations with the band's own drive value, if the band
+/// has one. Otherwise they are all stations of `site`.
 fn placements_of(band: &Band, site: &AxleSite, axle: &Axle) -> Vec<Placement> {
     let values = band
         .at

@@ -107,7 +107,8 @@ impl Assessment {
         self.rows.check()
     }
 
-    /// Returns the largest violation. The violation of a level is its excess, as a root mean square over its residuals.
+    /// Returns the largest violation. The violation of a level is the amount by which the norm exceeds the level, as a root
+    /// mean square over the residuals of the level.
     pub fn violation(&self, equalities: usize, levels: &[f64]) -> f64 {
         self.violation_of(equalities, levels, |_| true)
     }

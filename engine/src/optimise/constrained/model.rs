@@ -192,7 +192,8 @@ impl<'a> ConvexModel<'a> {
         self.propose(curved)
     }
 
-    /// Finds the second-order corrected step: it subtracts the difference between the rows at the trial and their model.
+    /// Finds the step with a second-order correction: subtracts the difference between the rows at the trial and the model of
+    /// these rows.
     pub(super) fn solve_corrected(&mut self, trial: &Assessment, curved: bool) -> Proposal {
         let n = self.half.len();
         self.kept_offsets.clear();

@@ -63,7 +63,7 @@ pub struct ConstrainedFit {
     pub level_multipliers: Vec<f64>,
     /// Other multipliers of the rows that also balance the slope. They exist if gradients are linearly dependent.
     pub alternatives: Option<Vec<f64>>,
-    /// Imbalance of slopes and multipliers in the optimality conditions, relative to their sizes.
+    /// Imbalance of the optimality conditions (slopes plus multipliers times gradients), relative to the sizes of the terms.
     pub imbalance: f64,
     /// Rows that cannot be met together near `x`, if there are any.
     pub culprits: Vec<Held>,
@@ -222,8 +222,8 @@ impl SequentialConvex<'_> {
         self.filter = Filter::new(violation, self.record.options.violation_below);
     }
 
-    /// Stores the rows of the refused trial, if its distance `length` from the current point is at most [`BESIDE`]. If the
-    /// store is full, the function first removes the oldest trial.
+    /// Stores the rows of the refused trial, if the trial is at most [`BESIDE`] away from the current point. `length` is this
+    /// distance. If the store is full, the function first removes the oldest trial.
     fn keep_beside(&mut self, length: f64) {
         if length <= BESIDE {
             if self.beside.len() == SIDES {

@@ -111,7 +111,7 @@ fn spring(
     }
 }
 
-/// Curve through pairs of length and force. `newtons` is the unit of its forces in N.
+/// Curve through pairs of length and force. `newtons` is the unit of the forces, in N.
 pub(in crate::study) fn force_curve(
     written: &Spanned<Vec<Spanned<Vec<Number>>>>,
     newtons: f64,

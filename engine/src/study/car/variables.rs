@@ -12,7 +12,7 @@ use hardpoint_study_file::value::{Number, OneOrMore, Text};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Keys that name a part of the car and its change.
+/// Keys that name a part of the car, and the change of this part.
 pub(super) struct Written<'a> {
     place: Span<usize>,
     axle: Option<(Span<usize>, Vec<&'a str>)>,

@@ -43,8 +43,8 @@ impl AxleComplianceStudy {
     }
 }
 
-/// Elastic parts of an axle. `None` if they have an error, `Some(None)` if there are none. `motions` are the motions of the
-/// study, each with its position in the file.
+/// Elastic parts of an axle. `None` if these parts have an error, `Some(None)` if there are no such parts. `motions` are the
+/// motions of the study, each with its position in the file.
 pub(in super::super) fn axle_compliance<'m>(
     file: &File,
     axle: &Axle,

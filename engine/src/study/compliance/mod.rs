@@ -198,7 +198,7 @@ fn tyre_rate(file: &File, problems: &mut Problems) -> Option<Option<f64>> {
     positive(&rate, problems)
 }
 
-/// Elastic parts of one wheel. `None` if they have an error, `Some(None)` if there are none.
+/// Elastic parts of one wheel. `None` if these parts have an error, `Some(None)` if there are no such parts.
 pub(super) fn compliance(
     file: &File,
     suspension: &Suspension,

@@ -139,8 +139,8 @@ fn shaft_joint(
     Some(Some(of([inner, outer])))
 }
 
-/// Stud of a joint, fixed in the wheel carrier. `[suspension.studs]` gives its direction in the design position. Otherwise
-/// it has the direction of the steering axis.
+/// Stud of a joint, fixed in the wheel carrier. `[suspension.studs]` gives the direction of the stud in the design position.
+/// Without this entry, the stud has the direction of the steering axis.
 fn stud(
     name: &Text,
     joint: PointId,

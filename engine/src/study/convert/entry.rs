@@ -165,7 +165,8 @@ impl Facts<'_> {
         }
     }
 
-    /// Units and directions for an entry at this position of the text. `None` if they do not depend on other keys.
+    /// Units and directions for an entry at this position of the text. `None` if the numbers of the entry do not depend on
+    /// other keys.
     pub(super) fn entry(
         &self,
         place: &str,

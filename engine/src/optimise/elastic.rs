@@ -262,7 +262,9 @@ impl RowsBeside for Rows<'_> {
         let tyre_rate = layout.elastic.tyre_rate;
         let run = KcRun::of(suspension, moved.wheels[0].0, parts, tyre_rate);
         let run = run.map_err(|_| {
-            Infeasible::Refused("the elastic parts of this design hold no equilibrium".to_owned())
+            Infeasible::Refused(
+                "with this design, the elastic parts have no equilibrium".to_owned(),
+            )
         })?;
         for station in &layout.stations {
             if into.is_none() && station.limits.is_empty() {

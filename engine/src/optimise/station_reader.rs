@@ -273,7 +273,7 @@ pub(super) fn uncarried(
     is_uncarried.then(|| {
         let place = place_in_words(place.drive, place.value);
         Infeasible::Refused(format!(
-            "at {place} no part has the leverage to carry the load"
+            "at {place}, no part has a lever arm that can carry the load"
         ))
     })
 }

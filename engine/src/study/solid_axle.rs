@@ -57,8 +57,7 @@ fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
             "a drag link steers this axle, and no ratio relates the drag link to a steering wheel; expected the key \"rack\": the displacement of the drag link's end",
         ))
         } else {
-            let steered =
-                "this axle has no rack and no drag link; leave rack and steering_wheel_angle out";
+            let steered = "this axle has no rack and no drag link; remove the keys \"rack\" and \"steering_wheel_angle\"";
             refused.extend([(rack, steered), (wheel, steered)]);
         }
     }
@@ -108,15 +107,15 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
         match is_beam {
             true => {
                 "certify needs quadratic equations, and those of the hinge of a twist \
-                         beam are not quadratic; leave certify out"
+                         beam are not quadratic; remove the key \"certify\""
             }
             false if is_steered => {
                 "certify needs quadratic equations, and those of the knuckles of a steered \
-                     axle are not quadratic; leave certify out"
+                     axle are not quadratic; remove the key \"certify\""
             }
             false => {
                 "certify needs quadratic equations, and those of the rocker of a Watt \
-                          linkage are not quadratic; leave certify out"
+                          linkage are not quadratic; remove the key \"certify\""
             }
         },
     )]);

@@ -339,7 +339,7 @@ fn variable(
     let moves = moves::moves(&moved, suspension, problems);
     let absolute = written.absolute.as_ref().filter(|a| *a.get_ref());
     if let (Some(absolute), Some(list)) = (absolute, &written.hardpoints) {
-        let message = "hardpoints that move together are given by an offset";
+        let message = "hardpoints that move together have offsets, not coordinates: remove the key \"absolute\"";
         let error = problems.add(absolute.span(), message);
         error.related(list.span(), "these");
         return None;

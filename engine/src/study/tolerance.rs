@@ -153,7 +153,7 @@ pub(super) fn contributors_of_axle(
         // A part that both wheels share has one random number.
         if own.iter().flat_map(|one| &one.sources).any(is_shared) {
             if let Some(text) = &written.get_ref().side {
-                let message = "both wheels share this part: expected no side";
+                let message = "both wheels share this part: remove the key \"side\"";
                 return problems.refuse(text.span(), message);
             }
             return Some(own);
@@ -162,7 +162,7 @@ pub(super) fn contributors_of_axle(
             if solid::is_single(contributor, &of_side, written.span(), problems)? {
                 if let Some(text) = &written.get_ref().side {
                     let name = &contributor.name;
-                    let message = format!("the axle has only one {name}: leave side out");
+                    let message = format!("the axle has only one {name}: remove the key \"side\"");
                     return problems.refuse(text.span(), message);
                 }
                 solid::scatter_once(contributor, side);

@@ -160,7 +160,7 @@ fn mistakes_in_the_sweep_are_named() {
         (
             first,
             r#"{ hardpoints = ["tie_rod_inner"], axis = "z", range = [1, 2], absolute = true }"#,
-            &["given by an offset"],
+            &["have offsets, not coordinates"],
         ),
         (
             first,

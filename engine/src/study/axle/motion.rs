@@ -39,7 +39,7 @@ fn at_load(
     } else if at_load && !axle.setup.is_sprung() {
         "hold = \"wheel_load\" needs [spring] or [heave_spring] for the wheel loads"
     } else if at_load && certifies.is_some_and(|c| *c.get_ref()) {
-        "certify does not work with hold = \"wheel_load\"; expected hold = \"mean_travel\", or no certify"
+        "the key \"certify\" does not work with hold = \"wheel_load\"; expected hold = \"mean_travel\", or no certify"
     } else if at_load && file.tolerance.is_some() {
         "[tolerance] does not work with hold = \"wheel_load\"; expected hold = \"mean_travel\", or no [tolerance]"
     } else {

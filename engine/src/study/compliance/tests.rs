@@ -115,7 +115,7 @@ fn in_modes(
     problems: &mut Problems,
 ) -> Option<Vec<KcTest>> {
     if test.load == TestLoad::Steering && !steers {
-        let message = "these wheels are not steered: nothing is on a rack";
+        let message = "this test needs steered wheels, but no hardpoint of this axle is on a rack";
         return problems.refuse(written.load.span(), message);
     }
     let both: &[TestMode] = &[TestMode::Parallel];

@@ -294,9 +294,14 @@ impl RowsBeside for Rows<'_> {
                 }
             });
             if found.is_err() || missing {
-                let what = if missing { "a figure" } else { "the wheel" };
+                let what = if missing {
+                    "a test result"
+                } else {
+                    "the wheel"
+                };
                 let travel = station.travel;
-                let message = format!("{what} has no equilibrium at travel {travel}");
+                let message =
+                    format!("{what} has no value at travel {travel}: there is no equilibrium");
                 return Err(Infeasible::Refused(message));
             }
         }

@@ -415,7 +415,7 @@ impl Reader<'_> {
             (None, Some(_)) => self.tolerance,
             (None, None) => {
                 return row.wrong(
-                    "this row has no tolerance: expected a number in the column tolerance, or figure in the target"
+                    "this row has no tolerance: expected a number in the column tolerance, or the key \"figure\" in the target"
                         .to_owned(),
                 );
             }

@@ -157,7 +157,7 @@ fn right_parts(
     let unknown = |name: &Text, section: &str, problems: &mut Problems| {
         let name = (name.get_ref(), name.span());
         let message = format!(
-            "[axle.right.{section}] gives rates for the right wheel, but the study has no part [{section}.NAME] of a wheel with the name {:?}",
+            "[axle.right.{section}] gives rates for the right wheel, but {:?} is not a part of one wheel in [{section}]",
             name.0
         );
         problems.add(name.1, message);

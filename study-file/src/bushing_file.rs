@@ -29,7 +29,7 @@ pub struct CurvePoint {
     pub deflection: f64,
     /// Force in newtons, or torque in newton metres.
     pub force: f64,
-    /// Byte range of its line.
+    /// Byte range of the line with this point.
     pub place: Range<usize>,
 }
 
@@ -101,7 +101,7 @@ pub fn read(source: &Arc<Source>) -> Result<BushingFile, StudyErrors> {
             block = CURVES.iter().position(|curve| *curve == name);
             if let Some(k) = block {
                 if seen[k] {
-                    return wrong(place, format!("the block [{name}] already exists"));
+                    return wrong(place, format!("the file has a second block [{name}]"));
                 }
                 seen[k] = true;
             }

@@ -87,7 +87,8 @@ pub struct Aero {
 pub struct Downforce {
     /// Point of the body on which the force acts.
     pub point: Coordinates,
-    /// Coefficient times area, as a polynomial in the ride heights: factors of 1, hf, hr, hf2, hf hr, hr2.
+    /// Downforce coefficient times area, as a polynomial in the ride heights: one number for each of the terms 1, hf, hr,
+    /// hf2, hf hr, hr2.
     pub downforce: Spanned<Vec<Number>>,
 }
 
@@ -197,7 +198,7 @@ pub struct Sweep {
     pub format: Option<Text>,
 }
 
-/// Defines a kind of variable. It has the keys that name a part of the car and its range, and further keys.
+/// Macro that defines a kind of variable: the keys that name a part of the car, the keys of its range, and further keys.
 macro_rules! variable {
     ($(#[$about:meta])* $name:ident { $($further:tt)* }) => {
         $(#[$about])*
@@ -220,7 +221,7 @@ macro_rules! variable {
             pub rate: Option<Text>,
             /// Name of a value of the car.
             pub car: Option<Text>,
-            /// For a hardpoint, lowest and highest offset. Otherwise lowest and highest value.
+            /// Lowest and highest offset of a hardpoint. For a rate or a value of the car: lowest and highest value.
             pub range: Option<Spanned<Vec<Number>>>,
             /// Largest change, in percent of the study's value.
             pub percent: Option<Number>,
@@ -293,7 +294,7 @@ pub struct Scatter {
 }
 
 impl Scatter {
-    /// Entry in the form that the study of an axle would have.
+    /// Converts the entry to the form that the study of an axle would have.
     pub fn of_axle(&self) -> file::Scatter {
         let own = self.clone();
         file::Scatter {

@@ -1,9 +1,9 @@
 //! Dimensions of the numbers in a study: how each number changes if the file uses other units or axes.
 //!
-//! The two tables have one line for each number that the reader accepts. A test compares them with the reader, so a
-//! new key cannot be forgotten. Paths are written as in [`schema`](crate::schema): `suspension.hardpoints{}` is each
-//! value of a table whose keys are names, and `optimise.targets[]` is each element of a list. A line covers
-//! everything below its path.
+//! The tables of this module have one line for each number that the reader of studies accepts. A test compares the tables
+//! with the reader, so a new key cannot be forgotten. Paths are written as in [`schema`](crate::schema):
+//! `suspension.hardpoints{}` is each value of a table whose keys are names, and `optimise.targets[]` is each element of a
+//! list. A line covers everything below its path.
 
 use crate::schema::Root;
 
@@ -27,7 +27,7 @@ impl Powers {
         }
     }
 
-    /// A number without a unit that the study chooses: an angle, a share, a time, an acceleration.
+    /// A number whose unit does not depend on the units of the study: an angle, a share, a time, an acceleration.
     pub const NONE: Powers = Powers::new(0, 0, 0);
     /// A length.
     pub const LENGTH: Powers = Powers::new(1, 0, 0);
@@ -54,15 +54,15 @@ pub enum Dimension {
     AlongY,
     /// Direction `[x, y, z]` of a displacement that is given as a displacement along the study's y axis.
     DirectionForY,
-    /// Six numbers of a bushing: forces along its axes, then torques about them, each divided by this power of the
-    /// deflection.
+    /// Six numbers of a bushing: forces along the axes of the bushing, then torques about these axes. Each is divided by this
+    /// power of the deflection.
     Bushing {
         /// Power of the deflection in the denominator.
         by_deflection: i32,
     },
     /// A list of `[x, y]` pairs.
     Pairs([Powers; 2]),
-    /// Factors of 1, hf, hr, hf2, hf hr and hr2, where hf and hr are lengths.
+    /// Coefficients of the terms 1, hf, hr, hf2, hf hr and hr2, where hf and hr are lengths.
     ByTwoLengths,
     /// A number whose dimension depends on other keys of its entry.
     OfEntry(Role),
@@ -77,9 +77,9 @@ pub enum Role {
     DrivePolynomial,
     /// Value of the quantity.
     Value,
-    /// Size of a difference of the quantity, without a sign.
+    /// Absolute size of a difference of the quantity.
     Size,
-    /// `[lowest, highest]` of the quantity. Each may be a curve.
+    /// `[lowest, highest]` of the quantity. Each of the two limits may be a curve.
     Between,
     /// Lower limit: a number or a curve.
     AtLeast,
@@ -376,7 +376,8 @@ mod tests {
     use super::*;
     use crate::schema::number_places;
 
-    /// The reader accepts a number at exactly the paths that the tables name, and one line applies to each.
+    /// The reader accepts a number at exactly the paths that the tables name. Exactly one line of the tables applies to each
+    /// path.
     #[test]
     fn every_number_of_a_study_has_one_dimension() {
         for root in Root::ALL {

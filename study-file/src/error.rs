@@ -1,4 +1,4 @@
-//! Errors in a study, with their position in the file and their remedy.
+//! Errors in a study, each with its position in the file and a remedy.
 
 use crate::source::advice;
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
@@ -119,7 +119,7 @@ impl StudyError {
         self.help.as_deref()
     }
 
-    /// Message with the file, the line number, the line itself, and a mark under the faulty text. With `colour` the
+    /// Message with the file, the line number, the line itself, and a mark under the faulty text. If `colour` is true, the
     /// message has colours for a terminal.
     pub fn render(&self, colour: bool) -> String {
         let title = match &self.key {
@@ -157,7 +157,7 @@ impl StudyError {
     }
 }
 
-/// Piece of a span within its first line, at character boundaries, so that excerpts stay short.
+/// Part of a span in the first line of the span, at character boundaries. Used to keep excerpts short.
 fn within_line(text: &str, span: Range<usize>) -> Range<usize> {
     let boundary = |mut at: usize| {
         at = at.min(text.len());

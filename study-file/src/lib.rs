@@ -1,10 +1,10 @@
-//! Study files of `hardpoint` as written: sections, keys, values with their positions, and errors with the lines that
-//! contain them.
+//! Study files of `hardpoint` as written: sections, keys, values with their positions, and errors with the lines that contain
+//! them.
 //!
-//! This crate makes a [`file::File`] from a text. `hardpoint-engine` makes a study from that file: it knows the
-//! meaning of names and the compatible combinations of values. Both crates report errors with [`error`]. This crate
-//! contains nothing about suspensions, so it need not be compiled again when a formula changes. serde's code for a
-//! hundred keys is therefore compiled only once.
+//! This crate makes a [`file::File`] from a text. `hardpoint-engine` makes a study from that file: it checks the meaning of
+//! names and the combinations of values. Both crates report errors with [`error`]. This crate contains nothing about
+//! suspensions, so it need not be compiled again when a formula changes. So serde's code for a hundred keys is compiled only
+//! once.
 //!
 //! | module | content |
 //! |---|---|

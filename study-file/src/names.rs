@@ -3,7 +3,7 @@
 use crate::error::Problems;
 use crate::value::Text;
 
-/// Usual names that do not resemble the names in this program, each with the name in this program.
+/// Usual names for parts, which do not resemble the names in this program. Each has the corresponding name of this program.
 const SYNONYMS: [(&str, &str); 24] = [
     ("kpi", "kingpin_inclination"),
     ("sai", "kingpin_inclination"),
@@ -96,8 +96,8 @@ pub fn choose<T: Clone>(
     Some(options[chosen].1.clone())
 }
 
-/// Returns the index of this name among the options, or records an error that lists them. The function does not
-/// depend on the type of the options, so it is compiled only once.
+/// Returns the index of this name among the options, or records an error that lists them. This function takes only the names
+/// of the options, so it is compiled once for all types of options.
 fn place_of(text: &Text, what: &str, names: &[&str], problems: &mut Problems) -> Option<usize> {
     let name = text.get_ref();
     if let Some(found) = names.iter().position(|option| option == name) {

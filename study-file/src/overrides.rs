@@ -3,8 +3,8 @@
 use crate::error::{StudyError, StudyErrors};
 use toml_edit::{DocumentMut, Item, Key, Table, TableLike, Value};
 
-/// Applies overrides to a text, in order. A text that is not TOML stays unchanged; the reader reports its error
-/// later.
+/// Applies overrides to a text, in order. A text that is not valid TOML stays unchanged; the reader of studies reports the
+/// error later.
 pub fn apply(name: &str, text: &str, overrides: &[String]) -> Result<String, StudyErrors> {
     let Ok(mut document) = text.parse::<DocumentMut>() else {
         return Ok(text.to_owned());
@@ -46,7 +46,7 @@ enum KeyPath<'a> {
 }
 
 impl<'a> KeyPath<'a> {
-    /// Goes one step down. Creates a missing section.
+    /// Enters the item with this key or index. Creates a missing section.
     fn enter(self, key: &Key) -> Result<KeyPath<'a>, String> {
         match self {
             KeyPath::Item(Item::ArrayOfTables(tables)) => {

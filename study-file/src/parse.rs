@@ -67,7 +67,7 @@ fn parse_as<T: DeserializeOwned>(source: &Arc<Source>) -> Result<T, StudyErrors>
 fn replaced_key(root: &DeTable, text: &str, key: Option<&str>, message: &str) -> Option<String> {
     if root.get("car").is_some() && message.starts_with("unknown field `relative`") {
         return Some(
-            "the study of a car has percent instead of relative: write percent = 30.0 instead of \
+            "the study of a car has the key \"percent\" instead of \"relative\": write percent = 30.0 instead of \
              relative = 0.3"
                 .to_owned(),
         );
@@ -83,11 +83,11 @@ fn replaced_key(root: &DeTable, text: &str, key: Option<&str>, message: &str) ->
     let number = Number::parsed(&written.replace('_', "")).ok();
     Some(match number {
         Some(travel) => format!(
-            "ride_height meant wheel travel until 0.1: write travel = {:?} or ride_height_change = {:?}",
+            "until version 0.1, ride_height was the wheel travel: write travel = {:?} or ride_height_change = {:?}",
             travel,
             0.0 - travel
         ),
-        None => "ride_height meant wheel travel until 0.1: write travel or ride_height_change, which has the \
+        None => "until version 0.1, ride_height was the wheel travel: write travel or ride_height_change, which has the \
                  opposite sign"
             .to_owned(),
     })
@@ -143,7 +143,7 @@ fn in_plain_words(message: &str, place: &str) -> (String, Option<String>) {
         let is_of_car = CAR_SECTIONS.contains(&name) && known.contains(&"suspension");
         let help = if is_of_car {
             Some(format!(
-                "{name} belongs to the study of a car, which has a section [car]: `hardpoint new car` prints one"
+                "[{name}] is a section of the study of a car, which also has a section [car]: `hardpoint new car` prints such a study"
             ))
         } else {
             nearest(name, known).map(|near| format!("did you mean \"{near}\"?"))
@@ -170,7 +170,7 @@ fn in_plain_words(message: &str, place: &str) -> (String, Option<String>) {
     (message.trim().replace('\n', "; "), None)
 }
 
-/// Words for the kind of value that serde expected.
+/// Describes in words the kind of value that serde expected.
 fn kind(expected: &str) -> &str {
     match expected {
         "i64" => "a whole number",
@@ -192,7 +192,7 @@ fn is_number(text: &str) -> bool {
             .all(|c| c.is_ascii_alphanumeric() || "._+-".contains(c))
 }
 
-/// Words for the value that serde found. `place` is its text in the file.
+/// Describes in words the value that serde found. `place` is the text of the value in the file.
 fn value(found: &str, place: &str) -> String {
     let quoted = |prefix: &str| Some(found.strip_prefix(prefix)?.trim_matches('`'));
     match found {

@@ -1,16 +1,15 @@
 //! The JSON schema of studies, for editors.
 //!
-//! The schema is derived from the reader itself. The program reads the types of [`file`](mod@crate::file) from an
-//! artificial source without text. The source records the kind of value that each type requests (a text, a list, a
-//! table with these keys), and returns a value of this kind. If a type accepts any kind, the source offers every
-//! kind. It withholds each key once to find out whether the key is required. So the schema has exactly the reader's
-//! keys, and no second list of them exists. The descriptions of keys come from `keys.md`, which the manual
-//! (`docs/study.md`) contains.
+//! The schema is derived from the reader itself. The program reads the types of [`file`](mod@crate::file) from an artificial
+//! source without text. The source records the kind of value that each type requests (a text, a list, a table with these
+//! keys), and returns a value of this kind. If a type accepts any kind, the source offers every kind. The source also leaves
+//! out each key once, to find out whether the key is required. So the schema has exactly the reader's keys, and no second
+//! list of them exists. The descriptions of keys come from `keys.md`, which the manual (`docs/study.md`) contains.
 //!
 //! A study of one wheel or an axle and the study of a car are two kinds of file ([`Root`]). The schema covers both.
 //!
-//! A place in a study is written as a path: `motion.travel`; `optimise.targets[]` for each element;
-//! `suspension.hardpoints{}` for each value of a table whose keys are names.
+//! A place in a study is written as a path: `motion.travel`; `optimise.targets[]` for each element; `suspension.hardpoints{}`
+//! for each value of a table whose keys are names.
 
 mod book;
 mod source;
@@ -63,7 +62,7 @@ impl Root {
     }
 }
 
-/// Permitted values of a text, or keys of a table.
+/// Permitted values of a text, or permitted keys of a table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Allowed {
     /// Complete names.
@@ -169,9 +168,9 @@ pub fn keys(root: Root) -> Vec<(String, String)> {
     book::manual(root).into_keys().collect()
 }
 
-/// JSON schema (draft 4) of studies: keys, required keys, and types of values. Later drafts count 8.0 as an integer,
-/// but TOML does not. `allowed` returns the allowed texts or table keys for a kind of study and a path, if they are
-/// limited.
+/// JSON schema (draft 4) of studies: keys, required keys, and types of values. Later drafts count 8.0 as an integer, but TOML
+/// does not. `allowed` returns the permitted texts or keys for a kind of study and a path. It returns `None` if any text or
+/// key is permitted.
 pub fn schema(allowed: fn(Root, &str) -> Option<Allowed>) -> Value {
     let kinds = Root::ALL.map(|root| {
         let (places, needed) = places(root);

@@ -70,7 +70,7 @@ fn bytes_of(
     Ok(bytes)
 }
 
-/// Advice for a file with points that another program has written. `None` for other names.
+/// Advice for a file that another program has written, such as a table of points. `None` for other names.
 pub(crate) fn advice(name: &str) -> Option<&'static str> {
     const TABLES: [&str; 11] = [
         "csv", "tsv", "txt", "xlsx", "xlsm", "xls", "json", "yaml", "yml", "sub", "ini",
@@ -92,7 +92,7 @@ fn text_of(bytes: Vec<u8>) -> Result<String, String> {
     })
 }
 
-/// Name of the kind of path, if the path cannot be read to its end. `None` for a file.
+/// Name of the kind of file, if a file of this kind cannot be read to its end. `None` for a regular file.
 #[cfg(unix)]
 fn no_file(kind: std::fs::FileType, path: &Path) -> Option<&'static str> {
     use std::os::unix::fs::FileTypeExt;

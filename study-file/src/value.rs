@@ -39,7 +39,7 @@ impl Number {
         }
     }
 
-    /// Parses a text. Returns its value, or a description of the expected value.
+    /// Parses a text. Returns the value of the number, or a description of the expected value.
     pub fn parsed(text: &str) -> Result<f64, String> {
         Number::checked(text.parse().unwrap_or(f64::NAN))
     }
@@ -57,7 +57,7 @@ impl<'de> Deserialize<'de> for Number {
 
 struct Finite(f64);
 
-/// Visitor for a type that `written!` makes readable.
+/// Visitor for a type for which the macro `written!` defines the reader.
 struct Written<T>(PhantomData<T>);
 
 /// Makes a type readable from each kind of value that may represent it.
@@ -179,14 +179,14 @@ written!(
 /// A member, given by its name or by its two ends.
 #[derive(Clone, Debug)]
 pub enum MemberName {
-    /// Name of a load column.
+    /// Name of a member, as in the columns of loads.
     Name(String),
     /// Names of both ends.
     Ends(Vec<Text>),
 }
 
 written!(
-    [] MemberName, "the name of a member or a list of its two ends",
+    [] MemberName, "the name of a member, or a list of the two ends of the member",
     word MemberName::Name, list MemberName::Ends
 );
 
@@ -219,7 +219,7 @@ pub type Numbers = OneOr<Number>;
 /// A limit. It is one number for the whole motion, or a curve with pairs of drive value and limit.
 pub type LimitText = OneOr<Spanned<Vec<Number>>>;
 
-/// Types of which a study may give a list instead of a single number.
+/// Types whose values a study may give as a list instead of a single number.
 pub trait Listed {
     /// Description of the expected value, for messages, where a number or a list is allowed.
     const EXPECTED: &str;

@@ -296,5 +296,8 @@ fn mistakes_are_named() {
         1,
     );
     let error = Study::from_text("study.toml", &axle, Path::new(".")).unwrap_err();
-    assert!(error.to_string().contains("those of one wheel"), "{error}");
+    assert!(
+        error.to_string().contains("available for one wheel only"),
+        "{error}"
+    );
 }

@@ -322,7 +322,7 @@ fn motions_that_go_nowhere() {
         ("travel = [0.0, 80.0, -80.0, 80]", key, &["80 is listed twice", "first here"]),
         ("travel = [0.0, 80.0, \"a\"]", key, &["expected a number, found the text \"a\""]),
         ("arm_angle = [-60.0, 60.0]", "motion.arm_angle", &["arm_angle is given, but the drive is \"travel\"", "drive = \"arm_angle\""]),
-        ("travel = [0.0]\ntime = { polynomial = [0.0, 1.0], from = 0.0, to = 1.0, steps = 3 }", key, &["time already gives the drive"]),
+        ("travel = [0.0]\ntime = { polynomial = [0.0, 1.0], from = 0.0, to = 1.0, steps = 3 }", key, &["already gives the drive values"]),
         ("time = { polynomial = [], from = 0.0, to = 1.0, steps = 3 }", "motion.time.polynomial", &["empty list"]),
         ("time = { polynomial = [0.0, 1e12, 1e12], from = 0.0, to = 9.0, steps = 3 }", "motion.time.polynomial", &["grows beyond"]),
         ("drive = \"arm_angle\"\nangle_unit = \"grad\"\narm_angle = 1", "motion.angle_unit", &["expected \"deg\" or \"rad\""]),
@@ -398,13 +398,13 @@ fn optimisations_that_make_no_sense() {
         ("[[-80.0, 0.2], [0.0, -0.5], [80.0, -1.9]]", "[[90.0, 0.0], [100.0, 1.0]]", "camber", "optimise.targets[0].points", &["runs from -80 to 80", "runs from 90 to 100"]),
         ("at = 0.0", "at = 81.0", "at = 81", "optimise.targets[1].at", &["81 is outside of the motion, which runs from -80 to 80"]),
         ("targets = [\n  { characteristic = \"camber\", points = [[-80.0", "fit = true\ntargets = [\n  { characteristic = \"camber\", points = [[-200.0", "-200.0", "optimise.targets[0].points", &["-200 is outside of the motion, which runs from -80 to 80", "extend the motion"]),
-        ("value = 0.0, ", "", "at = 0.0", "optimise.targets[1].at", &["at needs value"]),
-        ("at = 0.0, ", "", "value = 0.0", "optimise.targets[1].value", &["value needs at"]),
+        ("value = 0.0, ", "", "at = 0.0", "optimise.targets[1].at", &["at\" needs \"value"]),
+        ("at = 0.0, ", "", "value = 0.0", "optimise.targets[1].value", &["value\" needs \"at"]),
         ("at = 0.0, value = 0.0, ", "", "bump_steer", "optimise.targets[1]", &["expected points = [[drive, value], ...]"]),
         ("at = 0.0", "file = \"x.csv\", at = 0.0", "x.csv", "optimise.targets[1]", &["found more than one"]),
         ("tolerance = 0.01", "tolerance = 0.0", "bump_steer", "optimise.targets[1].tolerance", &["above 0, found 0"]),
         ("tolerance = 0.01", "tolerance = 0.01, weight = -1", "bump_steer", "optimise.targets[1].weight", &["above 0, found -1"]),
-        ("tolerance = 0.01", "tolerance = 0.01, interpolation = \"linear\"", "bump_steer", "optimise.targets[1].interpolation", &["nothing to interpolate"]),
+        ("tolerance = 0.01", "tolerance = 0.01, interpolation = \"linear\"", "bump_steer", "optimise.targets[1].interpolation", &["does not apply to a single value"]),
         ("tolerance = 0.05", "tolerance = 0.05, interpolation = \"cubic\"", "camber", "optimise.targets[0].interpolation", &["did you mean \"monotone_cubic\"?"]),
         ("at = 0.0, value = 0.0", "file = \"no_such.csv\"", "no_such", "optimise.targets[1].file", &["no_such.csv: the file does not exist", "relative to the study file"]),
     ]);
@@ -523,7 +523,7 @@ fn the_old_ride_height_is_explained_with_its_own_value() {
         assert_eq!(error.path(), Some("setup.ride_height"));
         assert_eq!(
             error.message(),
-            format!("ride_height meant wheel travel until 0.1: {said}")
+            format!("until version 0.1, ride_height was the wheel travel: {said}")
         );
     }
     let setup =

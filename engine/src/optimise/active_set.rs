@@ -8,12 +8,13 @@
 //! lower <= d <= upper
 //! ```
 //!
-//! with R upper triangular and regular. The method begins at the minimum without constraints, -R^-1 q. It adds the most
-//! violated constraint to the set of held constraints, moves to the minimum under them, and repeats this (D. Goldfarb, A.
-//! Idnani, A numerically stable dual method for solving strictly convex quadratic programs, Mathematical Programming 27,
-//! 1983). So it needs no feasible point to begin with. If there is no feasible point, the method ends at a constraint whose
-//! gradient is a combination of the held gradients, all of which push against it. By Farkas' lemma these constraints exclude
-//! one another. The held gradients are independent, so none of these constraints can be left out.
+//! with R upper triangular and regular. The method begins at the minimum without constraints, -R^-1 q. Then it repeats this
+//! step: it adds the most violated constraint to the set of held constraints, and moves to the minimum under the held
+//! constraints (D. Goldfarb, A. Idnani, A numerically stable dual method for solving strictly convex quadratic programs,
+//! Mathematical Programming 27, 1983). So it needs no feasible point to begin with. If there is no feasible point, the method
+//! ends at a violated constraint. The gradient of this constraint is a combination of gradients of held constraints, and each
+//! of these held constraints prevents the move. By Farkas' lemma these constraints exclude one another. The held gradients
+//! are independent, so none of these constraints can be left out.
 //!
 //! The method works on a matrix J with J^T R^T R J = 1. The first columns of J span the held gradients. A move along the
 //! other columns leaves the values of the held constraints unchanged. J begins as R^-1, so the normal equations are never
@@ -49,9 +50,9 @@ pub struct Rows<'a> {
     pub offsets: &'a [f64],
     /// Number of rows that must be zero. All other rows must be at most zero.
     pub equalities: usize,
-    /// Violation, in the unit of the rows, up to which a row counts as satisfied if its gradient is a linear combination of
-    /// the gradients of the held constraints. Without this limit, duplicate rows would exclude one another, because they are
-    /// equal only up to rounding.
+    /// Largest violation, in the unit of the rows, with which a row still counts as satisfied. Applies only if the gradient
+    /// of the row is a linear combination of the gradients of the held constraints. Without this limit, duplicate rows would
+    /// exclude one another, because they are equal only up to rounding.
     pub slack: f64,
 }
 
@@ -74,8 +75,8 @@ pub struct ActiveSet {
     basis: Vec<f64>,
     /// Triangle T of (1), column after column, n entries each.
     triangle: Vec<f64>,
-    /// The held constraints, their signs, and their multipliers. Only equalities need a sign, because the normal of an
-    /// equality may point in either direction.
+    /// The held constraints (constraints at their limits in the current step), their signs, and their multipliers. Only
+    /// equalities need a sign, because the normal of an equality may point in either direction.
     held: Vec<Held>,
     sign: Vec<f64>,
     multipliers: Vec<f64>,
@@ -91,18 +92,19 @@ pub struct ActiveSet {
     norms: Vec<f64>,
 }
 
-/// Relative tolerance of a row: a violation of at most this share of its terms counts as met.
+/// Relative tolerance of a row. A row counts as satisfied if its violation is at most this fraction of the sum of the
+/// absolute values of its terms.
 const ROUNDING: f64 = 1e-13;
 /// Threshold of dependence: a gradient depends on the held gradients if less than this share of its squared length lies
 /// outside their span.
 const DEPENDENT: f64 = 1e-25;
-/// The threshold [`DEPENDENT`] for a row that is violated by no more than [`Rows::slack`]. Duplicate rows differ by the rounding
-/// of their gradients.
+/// Replaces the threshold [`DEPENDENT`] for a row that is violated by no more than [`Rows::slack`], because the gradients of
+/// duplicate rows differ by rounding.
 const NEARLY_DEPENDENT: f64 = 1e-18;
-/// Share of [`Rows::slack`] up to which a violation of any row counts as met.
+/// A row counts as satisfied if its violation is at most this fraction of [`Rows::slack`].
 const UNFELT: f64 = 1e-2;
-/// Relative tolerance of a constraint whose gradient depends on the held gradients. This tolerance is larger, because a badly
-/// conditioned R gives the point with fewer digits.
+/// Relative tolerance of a constraint whose gradient depends on the held gradients. This tolerance is larger, because with a
+/// badly conditioned R, the computed point has fewer correct digits.
 const MARGINAL: f64 = 1e-9;
 /// Smallest coefficient in a combination of gradients. A constraint with a smaller coefficient does not belong to the
 /// combination.
@@ -239,7 +241,8 @@ impl ActiveSet {
             let value = dot(a, &self.step) + c;
             if value > UNFELT * rows.slack && !self.is_held[row] {
                 let terms = a.iter().zip(&self.step).map(|(a, d)| (a * d).abs());
-                // A violated row without a gradient cannot be met. The tiny norm selects it, and the next step reports it.
+                // A violated row with a zero gradient cannot be satisfied. Division by the tiny norm makes the distance of
+                // this row the largest. So the row is selected, and the next step reports it.
                 let norm = self.norms[row].max(f64::MIN_POSITIVE);
                 note(value, norm, c.abs() + terms.sum::<f64>(), Held::Row(row));
             }
@@ -396,8 +399,8 @@ impl ActiveSet {
         }
     }
 
-    /// Adds a constraint to the active set; `projected` holds its gradient in the basis J. Rotates the free columns of
-    /// J so that only the first has a component along this gradient.
+    /// Adds a constraint to the active set; `projected` holds the gradient of the constraint in the basis J. Rotates the free
+    /// columns of J so that only the first has a component along this gradient.
     fn hold(&mut self, constraint: Held, sign: f64, multiplier: f64) {
         let n = self.variables;
         let q = self.held.len();
@@ -448,8 +451,9 @@ impl ActiveSet {
     }
 }
 
-/// Returns true if a gradient depends on the held gradients. `gain` is the part of its squared length `size` outside their
-/// span. `lack` is the violation of its constraint.
+/// Returns true if a gradient depends on the held gradients. `size` is the squared length of the gradient. `gain` is the
+/// squared length of its part outside the span of the held gradients. `lack` is the violation of the constraint that the
+/// gradient belongs to.
 fn depends(gain: f64, size: f64, lack: f64, rows: Rows<'_>) -> bool {
     let share = if lack <= rows.slack {
         NEARLY_DEPENDENT

@@ -8,8 +8,8 @@ use crate::model::Suspension;
 use crate::study::Variable;
 use nalgebra::DVector;
 
-/// Returns the deviations from the targets at the design plus these offsets of the variables. If they cannot be computed,
-/// returns the reason. The outer error says why the design itself cannot be solved.
+/// Returns the deviations from the targets at the design plus these offsets of the variables. If the deviations cannot be
+/// computed, returns the reason. The outer error says why the design itself cannot be solved.
 pub fn evaluated(
     suspension: &Suspension,
     variables: &[Variable],
@@ -23,8 +23,8 @@ pub fn evaluated(
     Ok(evaluated.map(|()| evaluation))
 }
 
-/// Returns targets and constraints of the design itself, with their derivatives with respect to these variables. If they
-/// cannot be computed, returns the reason. The outer error says why the design itself cannot be solved.
+/// Returns targets and constraints of the design itself, with their derivatives with respect to these variables. If these
+/// values cannot be computed, returns the reason. The outer error says why the design itself cannot be solved.
 pub fn assessed(
     suspension: &Suspension,
     variables: &[Variable],
@@ -33,8 +33,8 @@ pub fn assessed(
     assessed_at(suspension, variables, layout, &vec![0.0; variables.len()])
 }
 
-/// Returns targets and constraints at the design plus these offsets of the variables. If they cannot be computed, returns the
-/// reason. The outer error says why the design itself cannot be solved.
+/// Returns targets and constraints at the design plus these offsets of the variables. If these values cannot be computed,
+/// returns the reason. The outer error says why the design itself cannot be solved.
 pub fn assessed_at(
     suspension: &Suspension,
     variables: &[Variable],

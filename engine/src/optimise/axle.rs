@@ -1,8 +1,8 @@
 //! Targets of an axle: rows of the least-squares problem, in addition to the rows of one wheel.
 //!
-//! A variable moves the same points of both wheels, each in the frame of its side. So the derivative of a row is the sum of
-//! both wheels' gradients along the variable's rates. If the right wheel has different hardpoints, the variables move them as
-//! mirror images of the left hardpoints. The two wheels of a build always differ.
+//! A variable moves the same points of both wheels, each wheel in the frame of its own side. So the derivative of a row is
+//! the sum of both wheels' gradients along the variable's rates. If the right wheel has different hardpoints, the variables
+//! move them as mirror images of the left hardpoints. The two wheels of a build always differ.
 
 use super::elastic_axle::elastic_axle_rows;
 use super::layout::{LimitedValue, TargetSample};
@@ -129,7 +129,8 @@ pub(super) struct Moved<'m> {
     pub wheels: [WheelMoved<'m>; 2],
     /// Scatter of elastic rates in a build. Empty for the nominal design.
     pub scattered: &'m [ScatteredRate],
-    /// True for a build. Its points move independently of each other, including the points of the right half of a solid axle.
+    /// True for a build. The points of a build move independently of each other, including the points of the right half of a
+    /// solid axle.
     pub is_build: bool,
 }
 
@@ -156,8 +157,8 @@ impl Moved<'_> {
         relative.map(|own| 1.0 + own.change).product()
     }
 
-    /// Design variables that are rates of elastic parts. Each item holds the variable's index, the rate's name, and its value
-    /// and derivative.
+    /// Design variables that are rates of elastic parts. Each item holds the variable's index, the rate's name, and the
+    /// rate's value and derivative.
     pub(super) fn rates(&self) -> impl Iterator<Item = (usize, Parameter, [f64; 2])> {
         let variables = self.variables.iter().zip(self.x.iter()).enumerate();
         variables.filter_map(|(column, (variable, x))| {
@@ -206,7 +207,7 @@ pub(super) trait RowsBeside: Send {
     ) -> Result<(), Infeasible>;
 }
 
-/// Makes the rows of a layout, for an axle whose points move.
+/// Makes the evaluator of a layout's rows for an axle. The variables move `points`.
 pub(super) fn axle_rows<'a>(
     layout: &'a AxleLayout,
     axle: &'a Axle,

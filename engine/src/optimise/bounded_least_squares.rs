@@ -2,7 +2,7 @@
 //!
 //! Minimise |J W s + r|^2 + damping |s|^2 subject to lower <= s <= upper, where W scales the columns of J. With damping > 0
 //! the minimum is unique, whatever the rank of J. With g = W J^T (J W s + r) + damping s, the Kuhn-Tucker conditions
-//! characterise it:
+//! characterise this minimum:
 //!
 //! ```text
 //! g_j = 0 where lower_j < s_j < upper_j,   g_j >= 0 where s_j = lower_j,   g_j <= 0 where s_j = upper_j
@@ -13,7 +13,7 @@
 //! these variables. If it crosses none, the method frees the held variable that gains most by leaving its bound. (Ch. L.
 //! Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23; P. B. Stark, R. L. Parker, Bounded-variable
 //! least-squares: an algorithm and applications, Computational Statistics 10, 1995.) The method does not form the normal
-//! equations. They would square the singular values, which already spread over eight decades.
+//! equations. The normal equations would square the singular values, which already spread over eight decades.
 
 use super::qr::{back_substitute, dot, scale_columns, triangularise, triangularise_within};
 use nalgebra::{DMatrix, DVector};
@@ -181,11 +181,11 @@ impl BoundedLeastSquares {
         dot(self.column(j), &self.remainder) + damping * self.step[j]
     }
 
-    /// Index of the variable at a bound whose release reduces the sum of squares most, relative to the norm of its
+    /// Index of the variable at a bound whose release reduces the sum of squares most, relative to the norm of the variable's
     /// column.
     fn worst_multiplier(&self, damping: f64) -> Option<usize> {
-        // A slope is an inner product of n terms with the remainder. The remainder is a sum of the offset and n columns.
-        // Their size bounds the rounding of the slope.
+        // A slope is an inner product of n terms with the remainder. The remainder is a sum of the offset and n columns. The
+        // sizes of the offset and of the columns bound the rounding error of the slope.
         let size = self.offset.iter().map(|c| c * c).sum::<f64>().sqrt()
             + dot(&self.norms, &self.step).abs()
             + self
@@ -256,7 +256,7 @@ impl BoundedLeastSquares {
     /// Writes the minimum over the free variables into the head of `vector`, in the order of `free`. The held variables keep
     /// their values.
     ///
-    /// The damping row of a variable follows its row of R, so that columns stay short.
+    /// The damping row of a variable follows the row of R that belongs to this variable, so that columns stay short.
     fn solve_free(&mut self, damping: f64) {
         let n = self.variables;
         self.free.clear();

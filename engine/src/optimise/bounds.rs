@@ -25,7 +25,7 @@ pub struct EmptyRange {
 
 impl Bounds {
     /// Makes the box of the ranges `[lowest, highest]`. Every range needs a positive, finite width, because steps are
-    /// measured in it.
+    /// measured in fractions of the width.
     pub fn new(ranges: &[[f64; 2]]) -> Result<Self, EmptyRange> {
         for (variable, &[lower, upper]) in ranges.iter().enumerate() {
             if !(lower < upper && (upper - lower).is_finite()) {

@@ -42,7 +42,7 @@ pub(super) struct BuiltWheel<'a> {
     assembler: Assembler,
     /// Wheel of an axle. `None` for the only wheel of a study.
     side: Option<Side>,
-    /// Alignment of the builds of the latest nominal design, if they are aligned.
+    /// Alignment of the builds of the latest nominal design. `None` if the builds are not aligned.
     alignment: Option<Alignment>,
     moved: Vec<Vector3<ByVariables>>,
     /// Design of the latest build.
@@ -150,7 +150,7 @@ impl<'a> BuiltWheel<'a> {
         &self.assembler
     }
 
-    /// Alignment of the builds of the latest nominal design, if they are aligned.
+    /// Alignment of the builds of the latest nominal design. `None` if the builds are not aligned.
     pub(super) fn alignment(&self) -> Option<&Alignment> {
         self.alignment.as_ref()
     }
@@ -212,7 +212,7 @@ impl<'a> BuiltWheel<'a> {
             // The nominal design with its derivatives with respect to these variables, and the parts made from it.
             along_variables(&parts.drawn, nominal, first, moved);
             let mut along = Parts::of_drawing(mechanism, moved);
-            // Values of the build itself. Its scatter and adjustments are the same at every x, to first order.
+            // Values of the build itself. The scatter and adjustments of the build are the same at every x, to first order.
             for (dual, value) in along.points.iter_mut().zip(&parts.points) {
                 (dual.x.value, dual.y.value, dual.z.value) = (value.x, value.y, value.z);
             }

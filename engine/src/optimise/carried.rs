@@ -1,8 +1,8 @@
 //! Forces in members under load, as residuals of targets and rows of constraints.
 //!
 //! A force is a multiplier of the closure equations under a load. So the derivatives of the force need the derivatives of the
-//! equations' Jacobian. Forward differentiation gives them: the design is a Taylor series along a variable. The pose and the
-//! balance of forces then become Taylor series, too.
+//! equations' Jacobian. Forward differentiation gives these derivatives: the design is a Taylor series along a variable. The
+//! pose and the balance of forces then become Taylor series, too.
 
 use super::moves::PointRate;
 use crate::analyse::Balance;

@@ -1,9 +1,9 @@
 //! Directions fixed in the wheel carrier, from three of its points.
 //!
-//! SIMD lanes give positions of points, but no rotation. Let P_0, P_1, P_2 be points of the carrier in the design position
-//! and p_0, p_1, p_2 in the present pose, E_i = P_i - P_0 and e_i = p_i - p_0. The rotation R takes E_i to e_i. So R also
-//! takes the orthonormal triad made from E_1 and E_2 to the triad made from e_1 and e_2. A direction V of the design position
-//! becomes
+//! The solver in SIMD lanes computes positions of points, but no rotation. Let P_0, P_1, P_2 be points of the carrier in the
+//! design position and p_0, p_1, p_2 in the present pose, E_i = P_i - P_0 and e_i = p_i - p_0. The rotation R takes E_i to
+//! e_i. So R also takes the orthonormal triad made from E_1 and E_2 to the triad made from e_1 and e_2. A direction V of the
+//! design position becomes
 //!
 //! ```text
 //! v = R V                                                                  (1)

@@ -10,8 +10,8 @@ use crate::mechanism::DesignFault;
 use crate::study::{Optimise, Scatter, Vehicle};
 use nalgebra::DVector;
 
-/// Factor on the best misfit of the targets outside the front. Their misfit may reach this multiple of the misfit after the
-/// tuning of all targets, or one tolerance if that is larger.
+/// Limits the misfit of the targets outside the front to this multiple of their misfit after the tuning of all targets. If
+/// one tolerance is larger, the limit is one tolerance.
 const AS_GOOD: f64 = 1.01;
 /// Number of steps in a price list.
 const STEPS: usize = 10;
@@ -22,8 +22,7 @@ pub struct Choice {
     /// Offsets of the variables, in the study's axes.
     pub offsets: Vec<f64>,
     /// Value of each criterion. For a front: misfits of the goals. For a price list: misfit of all targets, and size of the
-    /// change. The size is the root of the sum of squared moves, each as a fraction of its range times the cost of its
-    /// variable.
+    /// change. The size is the root of a sum over the variables: cost of the variable, times the square of (move / range).
     pub amounts: Vec<f64>,
     /// Weight of each criterion; the weights add up to 1. To reduce criterion i by one unit, criterion j must rise by (weight
     /// i / weight j) units. All are zero if there is no trade-off.
@@ -59,7 +58,7 @@ pub fn price_list(
     tuning: &Tuning,
     control: Control<'_>,
 ) -> Result<Vec<Choice>, DesignFault> {
-    // A study that tunes for yield measures its misfits on the nominal design.
+    // A study that tunes for yield measures misfits on the nominal design.
     let drawing = Optimise {
         scatter: optimise.scatter.clone().filter(Scatter::lowers_misfit),
         ..optimise.clone()

@@ -1,4 +1,4 @@
-//! Covariance of the variables of a fit, from the singular values of its Jacobian.
+//! Covariance of the variables of a fit, from the singular values of the fit's Jacobian.
 
 use super::identifiability::right_singular_vectors;
 use super::{Bounds, Linearisation};

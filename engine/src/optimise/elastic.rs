@@ -1,9 +1,9 @@
 //! Targets of a wheel with elastic parts: rows of the least-squares problem. Equilibria and simulated tests give their
 //! values.
 //!
-//! Variables may move hardpoints and rates together. The tape of a station gives the gradient of a value with respect to the
-//! moving coordinates and rates. The slope along a variable sums the contributions of the coordinates and rates that the
-//! variable moves.
+//! Variables may move hardpoints and rates together. Each station has a tape, a record of its operations for adjoint
+//! differentiation. The tape gives the gradient of a value with respect to the moving coordinates and rates. The slope along
+//! a variable sums the contributions of the coordinates and rates that the variable moves.
 
 use super::axle::{Moved, RowsBeside};
 use super::layout::{LimitedValue, TargetSample};
@@ -23,7 +23,7 @@ struct ElasticStation {
     /// Rack displacement along the study's +y.
     rack: f64,
     values: Vec<KcValue>,
-    /// Samples of this station. Their `of` is an index into `values`.
+    /// Samples of this station. The field `of` of a sample is an index into `values`.
     samples: Vec<TargetSample>,
     limits: Vec<LimitedValue>,
 }
@@ -90,7 +90,8 @@ impl ElasticLayout {
         &mut self.stations[place]
     }
 
-    /// Adds a limit of a value at the stations of a site, or in the design position if `site` is `None`.
+    /// Adds a limit of a value at the stations of `site` (a motion and its rack displacements). If `site` is `None`, the
+    /// limit applies in the design position.
     pub(super) fn limit(
         &mut self,
         part: usize,
@@ -164,7 +165,7 @@ fn place<'m>(site: &'m Site, own: &'m Motion) -> (&'m Motion, Vec<f64>) {
     (motion, racks)
 }
 
-/// Rows of a layout. The variables move `points` of the suspension.
+/// Makes the evaluator of a layout's rows. The variables move `points` of the suspension.
 pub(super) fn elastic_rows<'a>(
     layout: &'a ElasticLayout,
     suspension: &'a Suspension,
@@ -261,7 +262,9 @@ impl RowsBeside for Rows<'_> {
         let tyre_rate = layout.elastic.tyre_rate;
         let run = KcRun::of(suspension, moved.wheels[0].0, parts, tyre_rate);
         let run = run.map_err(|_| {
-            Infeasible::Refused("the elastic parts of this design hold no equilibrium".to_owned())
+            Infeasible::Refused(
+                "with this design, the elastic parts have no equilibrium".to_owned(),
+            )
         })?;
         for station in &layout.stations {
             if into.is_none() && station.limits.is_empty() {
@@ -291,9 +294,14 @@ impl RowsBeside for Rows<'_> {
                 }
             });
             if found.is_err() || missing {
-                let what = if missing { "a figure" } else { "the wheel" };
+                let what = if missing {
+                    "a test result"
+                } else {
+                    "the wheel"
+                };
                 let travel = station.travel;
-                let message = format!("{what} has no equilibrium at travel {travel}");
+                let message =
+                    format!("{what} has no value at travel {travel}: there is no equilibrium");
                 return Err(Infeasible::Refused(message));
             }
         }

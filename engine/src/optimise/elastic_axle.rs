@@ -133,7 +133,7 @@ impl RowsBeside for Rows<'_> {
                 continue;
             }
             let at = placement.on_level_pads().ok_or_else(|| {
-                Infeasible::Refused(format!("{placement} is a placement of rigid axles"))
+                Infeasible::Refused(format!("{placement} is available for rigid axles only"))
             })?;
             let used = used_by(station, layout.quantities.len(), into.is_some());
             let reads = used.iter().map(|k| layout.quantities[*k].into());

@@ -1,12 +1,12 @@
 //! Extremes between stations, so that constraints also hold between the stations.
 //!
-//! If a value is more extreme at a station than at both neighbours, an extreme lies nearby. The search begins at the extreme
-//! of the parabola through the three values, and uses the value's derivative with respect to the drive. At an end of the
-//! motion the search uses the parabola through the last three values, if the extreme of this parabola lies within the motion.
-//! The row of the station then holds the value at the extreme. The slopes of the row do not need the derivative of the
-//! extreme's position, because at an extreme the value has zero slope along the drive. So limits hold at all extremes. While
-//! the design changes, an extreme may move past a station. Halfway between two stations, the row of the other station starts
-//! to contain it, so the largest row stays continuous.
+//! If the value at a station is above the values at both neighbours, or below both, an extreme lies nearby. The search begins
+//! at the extreme of the parabola through the three values, and uses the value's derivative with respect to the drive. At an
+//! end of the motion the search uses the parabola through the last three values, if the extreme of this parabola lies within
+//! the motion. The row of the station then holds the value at the extreme. The slopes of the row do not need the derivative
+//! of the extreme's position, because at an extreme the value has zero slope along the drive. So limits hold at all extremes.
+//! While the design changes, an extreme may move past a station. Halfway between two stations, the row of the other station
+//! starts to hold the value at this extreme, so the largest row stays continuous.
 
 use super::Linearisation;
 use super::layout::{Extremes, Leg, Part};
@@ -16,11 +16,11 @@ pub(super) const SEARCHES: usize = 8;
 /// Tolerance for the position of an extreme, as a share of the distance between stations. The error of the value is
 /// proportional to the square of the position error.
 const PLACED: f64 = 1e-9;
-/// Smallest rise above the station that counts as a separate extreme, in units of the rows. It is a hundredth of the largest
-/// violation that still counts as satisfied.
+/// Smallest rise above the station that counts as a separate extreme, in the unit of the rows. This is a hundredth of the
+/// largest violation that still counts as satisfied.
 const FLAT: f64 = 1e-9;
-/// Distance from the limit beyond which a row needs no search, in units of the rows. The code first subtracts four times the
-/// rise of the parabola from the distance.
+/// A row needs no search if it is farther than this below its limit, in the unit of the rows. Before this comparison, the
+/// code adds four times the rise of the fitted parabola to the value of the row.
 const FAR: f64 = 1.0;
 
 /// Search for the position of an extreme, where the slope vanishes.
@@ -44,7 +44,7 @@ pub(super) struct Search {
     rise: f64,
 }
 
-/// Writes the searches of a leg, from the values of its parts and the rows of constraints at its stations.
+/// Lists the searches of a leg in `into`, from the values of the leg's parts and the rows of constraints at its stations.
 pub(super) fn searches(
     leg: &Leg,
     parts: &[Part],

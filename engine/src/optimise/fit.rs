@@ -47,7 +47,7 @@ pub struct Iteration {
     pub held: usize,
     /// Number of points evaluated during the iteration.
     pub evaluations: u32,
-    /// Number of evaluations without residuals.
+    /// Number of evaluations at points where the residuals could not be computed.
     pub infeasible: u32,
 }
 
@@ -82,7 +82,7 @@ pub enum Termination {
     /// The residuals are orthogonal to all columns of the Jacobian, within [`Options::gradient_below`]. Variables that a bound
     /// stops do not count.
     Stationary,
-    /// Every step that would lower the cost, however short, leads to a point without residuals.
+    /// Every step that would lower the cost, however short, leads to a point where the residuals cannot be computed.
     NoFeasibleStep(Infeasible),
     /// The design is good enough, and no other good enough design nearby has a smaller change.
     NearestGoodEnough,
@@ -201,8 +201,8 @@ pub struct Fit {
     /// Reason for the end of the run.
     pub termination: Termination,
     /// Imbalance of the optimality conditions of the last minimisation, relative to the sizes of their terms. 0 if rounding
-    /// errors explain the imbalance. The last minimisation concerns the misfit, or the distance from the design with a limit
-    /// on the misfit. `None` if the run did not end at a minimum of the distance.
+    /// errors explain the imbalance. The last minimisation lowers either the misfit, or the distance from the design under a
+    /// limit on the misfit. `None` if the run did not end at a minimum of the distance.
     pub residual: Option<f64>,
     /// The start and every iteration after it.
     pub history: Vec<Iteration>,

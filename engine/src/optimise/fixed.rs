@@ -15,11 +15,12 @@ use super::{Bounds, Fit, Infeasible, LeastSquares, Linearisation, Termination};
 use nalgebra::DVector;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Change of a residual, in tolerances, below which it counts as constant, if any variable moves across its range. Curves of
-/// some thousand tolerances have rounding errors of this size if the errors are amplified a thousand times.
+/// A residual counts as constant if a move of any variable across its range changes the residual by less than this multiple
+/// of the tolerance. Values of some thousand tolerances have rounding errors of this size if the errors are amplified a
+/// thousand times.
 pub(super) const UNMOVED: f64 = 1e-9;
 
-/// Residual above which a target is missed, in tolerances.
+/// Residual above which a target is missed, in multiples of the tolerance.
 const MISSED: f64 = 1.0;
 
 /// Returns true if a move of some variable across its range changes a residual.

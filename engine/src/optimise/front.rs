@@ -248,7 +248,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             }
             gaps.extend(parts);
         }
-        // Widest gap between neighbours that the search has not examined. It found no design in wider gaps.
+        // Widest gap between neighbours that the search has not examined. The search found no design in wider gaps.
         let unknown = gaps.iter().map(|gap| gap.width(extent)).fold(0.0, f64::max);
         let mut kept: Vec<usize> = best_of(&points);
         sort_by(&mut kept, |a, b| {
@@ -329,8 +329,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         kept
     }
 
-    /// Least values of the first criterion for `steps` rising limits of the second. The limits rise from the given design to
-    /// the design with the least first criterion.
+    /// Least values of the first criterion for `steps` rising limits of the second. The limits rise from the value at the
+    /// given design to the value at the design with the least first criterion.
     pub(super) fn list(
         &self,
         from: &DVector<f64>,
@@ -348,8 +348,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
             }
             let level = most * step as f64 / steps as f64;
             let before = found.last().map_or(from, |f| &f.x);
-            // The second start lies on the line from the given design to the last design of the list, as far along as the
-            // level is along its range.
+            // The second start lies on the line from the given design to the last design of the list, at the fraction `step /
+            // steps`.
             let ahead = from + (&last.x - from) * (step as f64 / steps as f64);
             found.extend(self.lower(0, &[(1, level)], &[before, &ahead]));
         }

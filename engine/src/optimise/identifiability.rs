@@ -10,7 +10,7 @@ pub struct Direction {
     /// Change of each variable in its own unit. The variable with the largest change relative to its range moves across the
     /// whole range, upwards.
     pub change: DVector<f64>,
-    /// Change of the residuals (root mean square, in tolerances) along `change`, to first order.
+    /// Change of the residuals (root mean square, in multiples of the tolerance) along `change`, to first order.
     pub effect: f64,
     /// Shares of `change`, forwards and backwards, up to which the design stays within the ranges and the misfit rises by at
     /// most [`Direction::RISE`]. 0 until `try_out` has run.
@@ -18,7 +18,7 @@ pub struct Direction {
 }
 
 impl Direction {
-    /// Largest rise of the misfit, in tolerances, that counts as no change.
+    /// Largest rise of the misfit, in multiples of the tolerance, that counts as no change.
     pub const RISE: f64 = 0.1;
 
     /// Finds the free shares of the change from `x`. `misfit` is the misfit at `x`. `misfit_at` returns the misfit at another
@@ -67,8 +67,8 @@ impl Direction {
 /// Singular value decomposition of the Jacobian scaled by the ranges, and its interpretation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Identifiability {
-    /// Singular values in falling order, one for each variable: change of the residuals (norm, in tolerances) per fraction
-    /// of the ranges.
+    /// Singular values in falling order, one for each variable: change of the residuals (norm, in multiples of the tolerance)
+    /// per fraction of the ranges.
     pub singular_values: Vec<f64>,
     /// Number of directions that change the residuals, with an effect above the given limit.
     pub rank: usize,
@@ -79,7 +79,7 @@ pub struct Identifiability {
 
 impl Identifiability {
     /// Analyses the Jacobian at a point. A direction is unseen if a move along it across the whole range changes the
-    /// residuals (root mean square, in tolerances) by no more than `effect_below`.
+    /// residuals (root mean square, in multiples of the tolerance) by no more than `effect_below`.
     ///
     /// The analysis is exact for small moves. Active bounds are ignored.
     pub fn new(evaluation: &Linearisation, bounds: &Bounds, effect_below: f64) -> Self {
@@ -262,8 +262,8 @@ mod tests {
         }
     }
 
-    /// A kept row removes a dimension of the unseen directions. The other directions leave it unchanged, and the rank remains
-    /// that of the targets.
+    /// A kept row removes a dimension of the unseen directions. The remaining unseen directions leave the kept row unchanged,
+    /// and the rank remains that of the targets.
     #[test]
     fn unseen_directions_leave_kept_rows_unchanged() {
         let evaluation = Linearisation {

@@ -1,7 +1,8 @@
-//! Builds of a robust tuning in SIMD lanes: their designs, with the derivatives with respect to the variables.
+//! Builds of a robust tuning in SIMD lanes (several builds at once, one per lane): designs of the builds, with the
+//! derivatives with respect to the variables.
 //!
-//! The parts of the nominal design have the same derivatives with respect to a variable in every build. They are computed
-//! once, and every group of builds uses them. Builds that do not converge in lanes are assembled one by one.
+//! The parts of the nominal design have the same derivatives with respect to a variable in every build. These derivatives are
+//! computed once, and every group of builds uses them. Builds that do not converge in lanes are assembled one by one.
 
 use super::builds::BuiltWheel;
 use super::moves::PointRate;
@@ -185,7 +186,7 @@ impl SimdTask for Assembling<'_, '_> {
     }
 }
 
-/// Combines a vector of the lanes with the rate of a series.
+/// Combines a vector of values in lanes with the rate of a series.
 #[inline(always)]
 fn with_rate<B: SimdReal>(value: Vector3<B>, series: Vector3<Jet<f64, 2>>) -> Vector3<Jet<B, 2>> {
     let rate = Vector3::new(series.x.0[1], series.y.0[1], series.z.0[1]);

@@ -1,7 +1,8 @@
-//! Constraints of designs that are solved in SIMD lanes.
+//! Constraints of designs that are solved in SIMD lanes (several poses at once, one per lane).
 //!
-//! Lanes give positions of points as coordinates and the spin axis as angles, each with its rates with respect to the
-//! variables. At each station, the chain rule combines these rates with the derivatives of a formula.
+//! The solver in lanes computes positions of points as coordinates, and the spin axis as angles. It also computes the rates
+//! of these values with respect to the variables. At each station, the chain rule combines these rates with the derivatives
+//! of a formula.
 
 use super::carried_triangle::CarriedTriangle;
 use crate::characteristics::{Characteristic, Input, Measure, Quantity, Stud, Vectors};
@@ -9,7 +10,7 @@ use crate::evaluate::{Jacobians, index_or_push};
 use crate::model::{Axis, Body, PointId, Suspension};
 use crate::number::Vector3;
 
-/// A measure, expressed by quantities that lanes compute.
+/// A measure, expressed by quantities that are computed in SIMD lanes (several poses at once).
 #[derive(Clone)]
 pub(super) enum LanePart {
     /// Value of a quantity, given by its index among the quantities that are read.
@@ -37,8 +38,8 @@ pub(super) enum Source {
 }
 
 impl LanePart {
-    /// Expresses a measure by quantities that lanes provide. Appends the needed quantities to `quantities`. `None` if lanes
-    /// cannot provide the measure.
+    /// Expresses a measure by quantities that are available in SIMD lanes. Appends the needed quantities to `quantities`.
+    /// `None` if the measure is not available in lanes.
     pub(super) fn of(
         measure: &Measure,
         suspension: &Suspension,
@@ -60,7 +61,8 @@ impl LanePart {
         ))
     }
 
-    /// Returns the value of a station in a lane, and writes its derivatives with respect to the variables into `slopes`.
+    /// Returns the value at the station that a lane holds, and writes its derivatives with respect to the variables into
+    /// `slopes`.
     pub(super) fn read(
         &self,
         found: &Jacobians<'_>,
@@ -197,7 +199,7 @@ impl Source {
         moving: &Moving<'_>,
         slopes: &mut [f64],
     ) {
-        // Adds the derivatives of quantities that lanes compute, each times its weight.
+        // Adds the derivatives of quantities that were computed in lanes, each times its weight.
         let mut add = |numbers: &[usize], weights: [f64; 3]| {
             for (number, weight) in numbers.iter().zip(weights) {
                 for (column, slope) in slopes.iter_mut().enumerate() {

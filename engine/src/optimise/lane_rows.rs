@@ -1,5 +1,5 @@
-//! Residuals of targets and rows of constraints in SIMD lanes. The lanes are the stations of one design, or the builds of a
-//! robust tuning.
+//! Residuals of targets and rows of constraints in SIMD lanes (several poses at once). Each lane holds one station of a
+//! design, or one build of a robust tuning.
 
 use super::Linearisation;
 use super::lane_builds::LaneBuilds;
@@ -16,7 +16,7 @@ use crate::number::{Vector3, Width};
 pub(super) struct LaneRows<'a> {
     /// Evaluator of each leg; `None` if no row reads the leg.
     legs: Vec<Option<Gradients<'a>>>,
-    /// The parts of constraints; `None` if lanes cannot provide all of them.
+    /// The parts of constraints; `None` if some part is not available in lanes.
     parts: Option<Vec<LanePart>>,
     /// Rates of every coordinate of a design with respect to each variable, `[variable][point][axis]`.
     along: Vec<f64>,
@@ -75,7 +75,7 @@ impl<'a> LaneRows<'a> {
         Some(rows)
     }
 
-    /// Returns true if lanes evaluate all constraints.
+    /// Returns true if all constraints can be evaluated in SIMD lanes (several poses at once).
     pub(super) fn has_parts(&self) -> bool {
         self.parts.is_some()
     }

@@ -23,7 +23,7 @@ use rows::RowNumbers;
 pub(super) struct TargetSample {
     pub row: usize,
     pub target: usize,
-    /// Index of the target's measure in [`TargetLayout::measures`], or index of its quantity for an axle.
+    /// Index of the target's measure in [`TargetLayout::measures`], or index of the target's quantity for an axle.
     pub of: usize,
     /// Target value. For an axle, the `drive` of the sample is the abscissa of the target's curve, as written in the study.
     pub wanted: Sample,
@@ -151,15 +151,15 @@ pub struct TargetLayout {
 
 impl TargetLayout {
     /// Lays out the targets and constraints of the nominal design alone. The layout of a robust study has the rows of all its
-    /// builds. An evaluation of the nominal design must not use that layout. It would fill the rows of only one build, but
-    /// divide the misfit by the number of all rows.
+    /// builds. An evaluation of the nominal design must not use that layout. Such an evaluation would fill the rows of only
+    /// one build, but divide the misfit by the number of all rows.
     pub fn nominal(optimise: &Optimise, vehicle: &Vehicle) -> Self {
         TargetLayout::of(&optimise.nominal(), vehicle)
     }
 
-    /// Lays out the targets and constraints of a mechanism. Curves are compared at all stations of the motion between their
-    /// ends, and at stations added for them. Each single value adds a station. The rack has the displacement that the study
-    /// gives, or is straight ahead if the study sweeps the rack.
+    /// Lays out the targets and constraints of a mechanism. Curves are compared at all stations of the motion between the
+    /// ends of the curve, and at stations added for the curve. Each single value adds a station. The rack has the
+    /// displacement that the study gives, or is straight ahead if the study sweeps the rack.
     pub fn of(optimise: &Optimise, vehicle: &Vehicle) -> Self {
         let (
             own_motion,
@@ -422,7 +422,7 @@ impl TargetLayout {
         Criterion::misfit(rows, unit)
     }
 
-    /// Deviations of each target in tolerances, from the residuals.
+    /// Deviations of each target from the residuals, in multiples of the tolerance.
     pub fn deviations(&self, residuals: &DVector<f64>) -> Vec<Deviation> {
         self.shares
             .iter()
@@ -460,7 +460,7 @@ fn shares(optimise: &Optimise, rows: usize, own: &[usize]) -> Vec<f64> {
     targets
         .map(|(target, own)| {
             if optimise.fit {
-                // Each measured point counts equally, no matter how many points there are of its kind.
+                // Each measured point counts equally, for any number of points.
                 (target.weight / total * optimise.targets.len() as f64).sqrt()
             } else {
                 (target.weight / total * rows as f64 / *own as f64).sqrt()
@@ -477,7 +477,7 @@ struct TargetRow {
     rack: f64,
 }
 
-/// Deviation from a target, in tolerances of the target.
+/// Deviation from a target, in multiples of the target's tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation {
     /// Root mean square over the target's stations.

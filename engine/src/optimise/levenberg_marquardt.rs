@@ -16,14 +16,15 @@
 //! gradient, and damping does not move them.
 //!
 //! The second term of (2) also prevents moves along these directions that rounding would cause. Rounding turns the zero
-//! singular value of such a direction into one of about e |J W|, with e the machine precision. Its left vector may have a
-//! component along r, so the step along the direction is up to e |J W| |r| / damping. The term limits that step to [`DRIFT`]
-//! of the range. The term goes to zero with r, so it does not slow down the convergence.
+//! singular value of such a direction into one of about e |J W|, with e the machine precision. The left singular vector may
+//! have a component along r, so the step along the direction is up to e |J W| |r| / damping. The term limits that step to
+//! [`DRIFT`] of the range. The term goes to zero with r, so it does not slow down the convergence.
 //!
 //! If singular values spread over many decades, the cost has a narrow, curved valley. Steps along the floor of this valley
 //! would soon become very short. Even a short step along the floor raises the cost, because the floor curves and the step
 //! ends on a steep wall. So a trial that does not lower the cost is corrected before it is rejected. Newton steps move the
-//! trial to the point with the residuals that the model predicted. They use Jacobians that the trials have already computed:
+//! trial to the point with the residuals that the model predicted. These Newton steps use Jacobians that the trials have
+//! already computed:
 //!
 //! ```text
 //! e = argmin |J' W e + r' - (r + J W s)|^2 + damping |e|^2     with r' and J' at the trial          (3)
@@ -54,7 +55,7 @@ const ACCEPTABLE: f64 = 1e-4;
 /// Ratios below which the damping rises for the next step, and above which it falls.
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
-/// Length of a step, as a fraction of the range, up to which the residuals follow their slopes. Along such a step, curvature
+/// Length of a step, as a fraction of the range, up to which the residuals count as linear. Along such a step, curvature
 /// changes the residuals by less than rounding. A kink changes them by little more than rounding.
 const STRAIGHT: f64 = 1e-11;
 /// Largest number of corrections of a trial. Each correction is at most half as long as the previous correction. Most trials
@@ -71,8 +72,11 @@ pub struct LevenbergMarquardt<'a> {
     model: LocalModel<'a>,
     trial_x: DVector<f64>,
     trial: Linearisation,
-    /// Vectors for the correction of a trial, in this order: residuals that the model predicts at the trial, actual residuals
-    /// minus predicted residuals, the model (3) of this difference, and the step of the model (3).
+    /// Vectors for the correction of a trial, in this order:
+    /// - residuals that the model predicts at the trial
+    /// - actual residuals minus predicted residuals
+    /// - the model (3) of this difference
+    /// - the step of the model (3)
     promised: DVector<f64>,
     excess: DVector<f64>,
     correction: LocalModel<'a>,
@@ -190,8 +194,8 @@ impl<'a> LevenbergMarquardt<'a> {
             .gemv(1.0, &self.current.jacobian, &self.corrected_x, 1.0);
     }
 
-    /// Stores the deviation from the predicted residuals as their rounding error, if the step from `x` to the trial is at
-    /// most [`STRAIGHT`].
+    /// Stores the deviation from the predicted residuals as the rounding error of the residuals. Does so only if the step
+    /// from `x` to the trial is at most [`STRAIGHT`].
     fn note_rounding(&mut self, x: &DVector<f64>) {
         if self.model.largest_component() <= STRAIGHT {
             self.promise(x);
@@ -201,8 +205,8 @@ impl<'a> LevenbergMarquardt<'a> {
     }
 
     /// Corrects a trial reached from `x` until the cost is at most `goal`. The function stops if a correction is more than
-    /// half as long as the previous correction. Returns the number of evaluated points, or an error at a point without
-    /// residuals.
+    /// half as long as the previous correction. Returns the number of evaluated points. The second value is an error if a
+    /// point has no residuals.
     fn correct(
         &mut self,
         problem: &mut impl LeastSquares,

@@ -1,8 +1,8 @@
 //! Tuning of hardpoints: the targets form a nonlinear least-squares problem with box bounds, solved from one or several
 //! starts.
 //!
-//! [`tune()`] writes the targets of a study as an [`Objective`]. The solvers below it do not know about suspensions. A
-//! [`LeastSquares`] problem gives residuals, in units of their tolerances, and their exact Jacobian in one pass. [`fit()`]
+//! [`tune()`] writes the targets of a study as an [`Objective`]. The solvers do not depend on suspensions. A [`LeastSquares`]
+//! problem computes residuals, in multiples of the tolerance, and the exact Jacobian of the residuals in one pass. [`fit()`]
 //! finds a minimum from one start, [`multistart()`] from several in parallel. [`Identifiability`] names the directions in
 //! which the residuals do not change. This module is the only one that uses argmin.
 //!

@@ -20,7 +20,8 @@ pub(super) struct MovedWheel<'a> {
     frame: Frame,
     /// Design before any move.
     own: &'a [Vector3<f64>],
-    /// Added point that gives the spin axis of a carrier without such a hardpoint, and the wheel centre that it follows.
+    /// Point that the program adds to define the spin axis, if the carrier has no hardpoint for the axis; and the wheel
+    /// centre, with which the added point moves.
     follower: Option<(PointId, PointId)>,
     /// The moved design.
     pub design: Vec<Vector3<f64>>,

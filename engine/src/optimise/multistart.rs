@@ -52,9 +52,9 @@ impl Multistart {
 /// nearest to `design`, and points of a low-discrepancy sequence over the box.
 ///
 /// `problem` makes a problem for each start. The result does not depend on the number of threads. The best fit is the one
-/// with the least misfit. Fits count as equal below [`Options::misfit_below`], or if they found the same minimum. Among equal
-/// fits, the one with the smallest move from the design wins, in fractions of the ranges. If two moves are equally small, the
-/// earlier start wins.
+/// with the least misfit. Fits count as equal if their misfits are below [`Options::misfit_below`], or if they found the same
+/// minimum. Among equal fits, the one with the smallest move from the design wins, in fractions of the ranges. If two moves
+/// are equally small, the earlier start wins.
 pub fn multistart<P: LeastSquares>(
     problem: impl Fn() -> P + Sync,
     bounds: &Bounds,

@@ -23,15 +23,15 @@ use nalgebra::DVector;
 const NO_MOVE: f64 = 1e-9;
 /// Intermediate levels, as shares of the difference between the lowest misfit and the level.
 const RUNGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
-/// Violation that a step may cause, as a multiple of the level, or in tolerances if that is larger. Larger steps would lead
-/// to other minima.
+/// Largest violation that a step may cause: this multiple of the level, or of one tolerance if that is larger. Steps with a
+/// larger violation would lead to other minima.
 const NEAR_LEVEL: f64 = 1.0;
-/// Largest numbers of evaluations, as shares of [`Options::max_evaluations`]. The two constants apply to all runs together, and
-/// to each run.
+/// Largest numbers of evaluations, as shares of [`Options::max_evaluations`]. The first constant applies to all runs
+/// together, the second to each run.
 const ALL_RUNS: f64 = 0.1;
 const ONE_RUN: f64 = 0.03;
 /// Relative difference up to which distances count as equal. A design that violates a constraint by up to [`KEPT`] can be
-/// nearer by such a difference than the nearest design that satisfies it exactly.
+/// nearer by such a difference than the nearest design that satisfies the constraint exactly.
 const AS_NEAR: f64 = 1e-6;
 
 /// Level to which the misfit may rise.

@@ -1,8 +1,8 @@
 //! Targets and constraints of a study as a least-squares problem over its variables.
 //!
-//! A residual is the deviation from a target at one station, in tolerances, times a factor s that follows from the target's
-//! weight. The deviation from a band is measured from the nearer limit of the band. The misfit is the root mean square of all
-//! residuals. The factors are chosen so that
+//! A residual is the deviation from a target at one station, in multiples of the tolerance, times a factor s that follows
+//! from the target's weight. The deviation from a band is measured from the nearer limit of the band. The misfit is the root
+//! mean square of all residuals. The factors are chosen so that
 //!
 //! ```text
 //! misfit^2 = sum_targets weight rms^2 / sum_targets weight,   rms over the stations of one target
@@ -42,14 +42,14 @@ pub struct Objective<'a> {
     pub(super) wheel: MovedWheel<'a>,
     /// Right wheel of an axle, if its hardpoints differ from the left ones.
     pub(super) right: Option<MovedWheel<'a>>,
-    /// Evaluation in SIMD lanes, for designs and builds that the tracker accepts. `None` if lanes cannot read a target, or if
-    /// lanes are switched off.
+    /// Evaluation in SIMD lanes (several poses at once), for designs and builds that the tracker accepts. `None` if a target
+    /// is not available in lanes, or if lanes are switched off.
     pub(super) lanes: Option<LaneRows<'a>>,
     robust: Option<Robust<'a>>,
     solver: Solver<'a>,
     toggles: Toggles,
     reader: Box<dyn ReadStations + 'a>,
-    /// Reader with one more derivative with respect to the drive. The search for extremes needs it.
+    /// Reader with one more derivative with respect to the drive. The search for extremes needs this reader.
     sloped: Option<Reader<3>>,
     /// Design series from which the derivatives of member forces follow. `None` if no target or constraint uses a member
     /// force.
@@ -107,8 +107,8 @@ impl<'a> Objective<'a> {
     }
 
     /// Makes the problem of a robust tuning, whose residuals are those of builds. If `width` is given, builds of a rigid
-    /// wheel are solved in lanes; all other builds are solved one by one. `assembled` comes from [`Vehicle::assembled`]; its
-    /// wheels may have additional spindle points.
+    /// wheel are solved in lanes; all other builds are solved one by one. `assembled` comes from [`Vehicle::assembled`]; the
+    /// wheels of `assembled` may have additional spindle points.
     pub fn of_builds(
         assembled: &'a Vehicle,
         variables: &'a [Variable],
@@ -138,7 +138,7 @@ impl<'a> Objective<'a> {
         if let Some(Beside::Elastic(elastic)) = &layout.beside {
             objective.beside = Some(elastic_rows(elastic, suspension, variables, moving));
         }
-        // Lanes do not evaluate axles and elastic parts.
+        // Axles and elastic parts are not evaluated in lanes.
         let width = width.filter(|_| layout.beside.is_none());
         // Constraints apply to the nominal design.
         objective.lanes = width.and_then(|width| LaneRows::new(suspension, layout, false, width));
@@ -244,8 +244,8 @@ impl<'a> Objective<'a> {
         beside.evaluate(&moved, into, rows)
     }
 
-    /// Evaluates the moved design of one wheel in lanes. Returns false if lanes cannot evaluate all rows, or if the tracker
-    /// rejects the design; the caller must then overwrite the written values.
+    /// Evaluates the moved design of one wheel in lanes. Returns false if some row is not available in lanes, or if the
+    /// tracker rejects the design; the caller must then overwrite the written values.
     fn evaluate_in_lanes(
         &mut self,
         into: &mut Linearisation,

@@ -3,9 +3,9 @@
 /// Conditions for the end of a run. Each condition is an inequality. The first condition that holds ends the run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
-    /// Condition: misfit <= `misfit_below`. The misfit is the root mean square of the residuals, in tolerances. The default
-    /// is the rounding error of curves that are some thousand tolerances high. Fits with misfits below the default are
-    /// equally good.
+    /// Condition: misfit <= `misfit_below`. The misfit is the root mean square of the residuals, in multiples of the
+    /// tolerance. The default is the rounding error of curves that are some thousand tolerances high. Fits with misfits below
+    /// the default are equally good.
     pub misfit_below: f64,
     /// Condition: predicted and actual reduction of the cost <= `reduction_below` times the cost. The default, 1e-10, makes
     /// the misfit accurate to ten digits. The limit does not matter for a minimum with zero misfit. Near such a minimum each
@@ -14,9 +14,9 @@ pub struct Options {
     /// Condition: max_j |step_j| / range_j <= `step_below`. The default is the rounding error of a coordinate that is up to
     /// sixteen times as large as its range.
     pub step_below: f64,
-    /// Condition: |r . column_j| <= `gradient_below` |r| |column_j|, with r the residuals. It must hold for all columns of
-    /// the Jacobian whose variable can lower the cost within its bounds. The default is the rounding error of the inner
-    /// product of some thousand residuals.
+    /// Condition: |r . column_j| <= `gradient_below` |r| |column_j|, with r the residuals. The condition must hold for all
+    /// columns of the Jacobian whose variable can lower the cost within its bounds. The default is the rounding error of the
+    /// inner product of some thousand residuals.
     pub gradient_below: f64,
     /// Condition: number of iterations >= `max_iterations`.
     pub max_iterations: u64,

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 /// A nonlinear least-squares problem: minimise the sum of the squares of m residuals over n variables.
 ///
-/// Residuals are in units of their tolerances: 1 is the largest acceptable deviation.
+/// Residuals are in multiples of the tolerance: 1 is the largest acceptable deviation.
 pub trait LeastSquares {
     /// Number n of variables, at least one.
     fn variables(&self) -> usize;
@@ -23,7 +23,7 @@ pub trait LeastSquares {
 /// Residuals and their derivatives at one point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Linearisation {
-    /// Residuals, m numbers, in units of their tolerances.
+    /// Residuals, m numbers, in multiples of the tolerance.
     pub residuals: DVector<f64>,
     /// Derivatives of the residuals (rows) with respect to the variables (columns), an m x n matrix.
     pub jacobian: DMatrix<f64>,
@@ -43,7 +43,8 @@ impl Linearisation {
         0.5 * self.residuals.norm_squared()
     }
 
-    /// Root mean square of the residuals. It is 1 if each residual is as large as its tolerance, for any number of residuals.
+    /// Root mean square of the residuals. The value is 1 if each residual is as large as its tolerance, for any number of
+    /// residuals.
     pub fn misfit(&self) -> f64 {
         (self.residuals.norm_squared() / self.residuals.len() as f64).sqrt()
     }

@@ -10,7 +10,8 @@ const TRIALS: usize = 60;
 /// Factor of the Illinois method on the value at an end of the bracket that has not moved in two successive trials. The
 /// factor changes the path of the search, not the result.
 const ILLINOIS: f64 = 0.5;
-/// Damping of the bounded problems, relative to the largest column. It fixes directions that leave all residuals unchanged.
+/// Damping of the bounded problems, relative to the largest column. The damping fixes the moves along directions that leave
+/// all residuals unchanged.
 const DAMPING: f64 = 1e-10;
 
 /// Profile of a variable, (1) of [`profile_interval`](super::profile_interval), with residuals linearised at a point.
@@ -19,9 +20,9 @@ pub(super) struct Profile<'a> {
     bounds: &'a Bounds,
     variable: usize,
     others: Vec<usize>,
-    /// Triangle of the other variables' columns of J, scaled by the ranges.
+    /// Triangular factor of the columns of J that belong to the other variables, scaled by the ranges.
     triangle: DMatrix<f64>,
-    /// Column of the variable after the same rotations, and its diagonal entry.
+    /// Column of the variable after the same rotations, and the diagonal entry of this column.
     column: DVector<f64>,
     diagonal: f64,
     /// Residuals after the same rotations, and the entry that belongs to `diagonal`.

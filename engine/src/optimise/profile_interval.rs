@@ -2,8 +2,9 @@
 //!
 //! The measurements are y = f(x0) + e, with normal errors e of one unknown variance. The true values x0 are assumed to lie
 //! **within the ranges**, l <= x0 <= u. If x0 were outside, no interval within the ranges could contain it. r(x) are the
-//! residuals of the fit. S is their smallest sum of squares, reached at x^. s^2 is the variance of a residual. The smallest
-//! sum of squares for a value c of variable j is its *profile*, and T measures how much worse the fit is with this value c:
+//! residuals of the fit. S is the smallest sum of squares of r, reached at x^. s^2 is the variance of a residual. The
+//! smallest sum of squares for a value c of variable j is its *profile*, and T measures how much worse the fit is with this
+//! value c:
 //!
 //! ```text
 //! S_j(c) = min { |r(x)|^2 : l <= x <= u, x_j = c }                                         (1)
@@ -31,10 +32,10 @@
 //! ```
 //!
 //! Thus q is the two-sided quantile (97.5 %) far from the bounds, and the one-sided quantile (95 %) at a bound. The interval
-//! passes smoothly from two-sided to one-sided. If the choice between the two were made after looking at the data, the interval
-//! would contain the truth less often (G. J. Feldman, R. D. Cousins, Unified approach to the classical statistical analysis of
-//! small signals, Physical Review D 57, 1998). With x(c) the minimiser of (1), the distance also respects the ranges of the other
-//! variables:
+//! passes smoothly from two-sided to one-sided. If the choice between the two were made after looking at the data, the
+//! interval would contain the truth less often (G. J. Feldman, R. D. Cousins, Unified approach to the classical statistical
+//! analysis of small signals, Physical Review D 57, 1998). With x(c) the minimiser of (1), the distance also respects the
+//! ranges of the other variables:
 //!
 //! ```text
 //! d^2 = min { |J (x - x(c))|^2 : l <= x <= u, x_j = the bound } / (k_j s^2)                (6)
@@ -72,7 +73,7 @@ const NEARLY_ALL: f64 = 0.95;
 const SETTLING: usize = 2;
 /// Distance, in standard errors, up to which a bound changes the distribution of T.
 const IN_REACH: f64 = 4.0;
-/// Smallest scatter, in tolerances. Smaller values are rounding errors.
+/// Smallest scatter, in multiples of the tolerance. Smaller values are rounding errors.
 const RESOLUTION: f64 = 1e-9;
 
 /// Set of values of a variable that agree with the measurements, with 95 % confidence.

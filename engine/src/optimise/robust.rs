@@ -13,7 +13,7 @@ use std::mem::swap;
 /// Builds of a robust tuning.
 pub(super) struct Robust<'a> {
     builds: Builds<'a>,
-    /// Evaluation of the builds of a rigid wheel in SIMD lanes.
+    /// Evaluation of the builds of a rigid wheel in SIMD lanes (several builds at once).
     lanes: Option<LaneBuilds>,
 }
 
@@ -32,14 +32,14 @@ impl<'a> Robust<'a> {
         Ok(Robust { builds, lanes })
     }
 
-    /// Number of builds that lanes accepted.
+    /// Number of builds that were solved in lanes.
     pub(super) fn builds_in_lanes(&self) -> usize {
         let is_accepted = |b: &usize| self.lanes.as_ref().is_some_and(|l| l.is_accepted(*b));
         (0..self.builds.count()).filter(is_accepted).count()
     }
 
-    /// Writes the residuals of all builds of the moved nominal design of `problem`. Builds that lanes cannot solve are solved
-    /// one by one.
+    /// Writes the residuals of all builds of the moved nominal design of `problem`. Builds that cannot be solved in lanes are
+    /// solved one by one.
     pub(super) fn evaluate(
         &mut self,
         problem: &mut Objective<'a>,

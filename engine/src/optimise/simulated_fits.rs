@@ -1,8 +1,8 @@
 //! Fits of a linear model to simulated errors, with the variables within their ranges.
 //!
-//! The errors e of the measurements are normal and independent, with the scatter s. They move the residuals of the model r(x)
-//! = J (x - x0) + w e about the true values x0. Each simulated fit gives the same quantities as the real fit in (2) of
-//! [`profile_interval`](super::profile_interval):
+//! The errors e of the measurements are normal and independent, with the scatter s. With these errors, the residuals of the
+//! model about the true values x0 are r(x) = J (x - x0) + w e. Each simulated fit gives the same quantities as the real fit
+//! in (2) of [`profile_interval`](super::profile_interval):
 //!
 //! ```text
 //! T = (min { |r(x)|^2 : in the box, x_j = x0_j } - min { |r(x)|^2 : in the box }) / s*^2      (1)

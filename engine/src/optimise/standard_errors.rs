@@ -1,7 +1,7 @@
 //! Standard errors and correlations of the variables of a fit to measured curves.
 //!
-//! With the residuals r_i in tolerances, their weights w_i, and k free variables, the variance of a measurement in squared
-//! tolerances is
+//! With the residuals r_i in multiples of the tolerance, the weights w_i of the residuals, and k free variables, the variance
+//! of a measurement in squared tolerances is
 //!
 //! ```text
 //! s^2 = sum_i (r_i / w_i)^2 / (N - k)                                                      (1)
@@ -14,9 +14,9 @@
 //! the ranges, so that no normal equations are formed. Standard errors are the roots of C_jj. Correlations come from C with
 //! all variables free, so they depend only on the data, not on bounds.
 //!
-//! A variable at its bound is not known: its true value may lie anywhere within its range. If (2) treated the variable as fixed
-//! at the bound, the errors of the other variables would be too small. So a fit with a variable at its bound has no standard
-//! errors.
+//! A variable at its bound is not known: its true value may lie anywhere within its range. If (2) treated the variable as
+//! fixed at the bound, the errors of the other variables would be too small. So a fit with a variable at its bound has no
+//! standard errors.
 //!
 //! With weights, the sum of squares near its minimum rises as if the variance of variable j were (A^-1)_jj s^2. The intervals
 //! divide by the ratio
@@ -39,7 +39,7 @@ use nalgebra::DVector;
 /// Uncertainty of the variables of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StandardErrors {
-    /// Scatter of a measurement about the fit, in tolerances: s of (1).
+    /// Scatter of a measurement about the fit, in multiples of the tolerance: s of (1).
     pub scatter: f64,
     /// Standard error of each variable. `None` for a variable that the measurements do not determine. `None` for all
     /// variables if one of them is at its bound.
@@ -280,7 +280,7 @@ mod tests {
     /// Fits linear models of four correlated variables with one to three variables at bounds. The true values are inside the
     /// box or on its border. Some fits use weights of 1, others use weights that differ from 1/variance. At least 80 % of the
     /// intervals of free variables are two-sided, and 92 to 98 % contain the true value. At least 92 % of the one-sided
-    /// limits contain it.
+    /// limits contain the true value.
     #[test]
     fn intervals_beside_bounds_hold_the_truth() {
         let mut noise = Noise::new(31);
@@ -358,7 +358,8 @@ mod tests {
     fn one_variable_at_its_bound_has_a_limit() {
         let rows = 400;
         for below in [0.0, 0.5, 1.0, 2.0] {
-            // Without the bound, the estimate (the mean of `rows` measurements) would lie `below` standard deviations beyond it.
+            // Without the bound, the estimate (the mean of `rows` measurements) would lie `below` standard deviations beyond
+            // the bound.
             let mut noise = Noise::new(5);
             let mut errors = DVector::from_fn(rows, |_, _| normal(&mut noise));
             errors.add_scalar_mut(-errors.mean());

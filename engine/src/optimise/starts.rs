@@ -13,8 +13,8 @@ use super::{
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Largest ratio to the smallest misfit up to which designs count as equally good. This ratio applies only if no design is
-/// good enough.
+/// Designs count as equally good if their misfits are at most this multiple of the smallest misfit. Applies only if no design
+/// is good enough.
 const AS_GOOD: f64 = 1.01;
 /// Largest number of repetitions of all starts. The starts run again if a residual changes that was constant at the design.
 const ROUNDS: usize = 3;
@@ -201,8 +201,9 @@ impl<'a> Tuner<'a> {
         fixed.square() / self.layout.residuals() as f64
     }
 
-    /// Limit for the misfit of the residuals that variables change. Together with the constant residuals it gives
-    /// `good_enough`, if that is possible. Otherwise the limit is such that the whole misfit is about as small as possible.
+    /// Limit for the misfit of the residuals that variables change. Together with the constant residuals, this limit gives
+    /// the misfit `good_enough`, if that is possible. Otherwise the limit is such that the whole misfit is about as small as
+    /// possible.
     fn good_enough_without(&self, fixed: &FixedRows) -> f64 {
         let (good, constant) = (self.optimise.good_enough, self.constant_square(fixed));
         let rest = good * good - constant;
@@ -282,9 +283,9 @@ impl<'a> Tuner<'a> {
         }
     }
 
-    /// Chooses the result. Among the starts that satisfy the constraints with a misfit up to `level`, it takes the one with
-    /// the smallest move. `level` is `None` if no start satisfied the constraints. If no start satisfies them, the function
-    /// takes the smallest violation.
+    /// Chooses the result. Among the starts that satisfy the constraints with a misfit up to `level`, the function takes the
+    /// one with the smallest move. `level` is `None` if no start satisfied the constraints. If no start satisfies them, the
+    /// function takes the smallest violation.
     fn choose(&self, starts: &[Start], level: Option<f64>) -> Option<usize> {
         let distance = self.distance();
         let near = level.and_then(|level| {

@@ -15,7 +15,7 @@ use std::ops::ControlFlow;
 /// Values of the parts of a leg, by part and station.
 pub(super) type PartValues = Vec<Vec<f64>>;
 
-/// Evaluation of the stations of a leg, with its inputs.
+/// Inputs and memory for the evaluation of the stations of a leg.
 pub(super) struct Visit<'v, 'a> {
     pub(super) leg: &'v Leg,
     pub(super) layout: &'v TargetLayout,
@@ -273,7 +273,7 @@ pub(super) fn uncarried(
     is_uncarried.then(|| {
         let place = place_in_words(place.drive, place.value);
         Infeasible::Refused(format!(
-            "at {place} no part has the leverage to carry the load"
+            "at {place}, no part has a lever arm that can carry the load"
         ))
     })
 }

@@ -45,7 +45,7 @@ pub(super) struct Sizes {
     /// Number of residuals, and their norm.
     pub residuals: usize,
     pub norm: f64,
-    /// Largest pivot of their scaled Jacobian, and its longest column.
+    /// Largest pivot of the residuals' scaled Jacobian, and norm of the longest column of this Jacobian.
     pub pivot: f64,
     pub longest: f64,
     /// Norm of the residuals' rounding that short steps have shown; 0 without such steps.

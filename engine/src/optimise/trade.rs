@@ -1,4 +1,4 @@
-//! Problems that lower one criterion with limits on the others. They serve the smallest change, the front and the price list.
+//! Problems that lower one criterion with limits on the others. Used for the smallest change, the front and the price list.
 
 use super::constrained::{Assessment, Constrained, Shape};
 use super::{Bounds, Infeasible, Linearisation};
@@ -20,7 +20,7 @@ impl Criterion {
         Criterion { rows, unit }
     }
 
-    /// Move from the design: the root of the sum of squared moves, each relative to its range and times its cost.
+    /// Move from the design: the root of a sum over the variables, of cost times the square of (move / range).
     pub(super) fn movement() -> Self {
         Criterion {
             rows: None,
@@ -42,7 +42,7 @@ impl Criterion {
 #[derive(Clone, Debug)]
 pub(super) struct Distance<'a> {
     design: &'a DVector<f64>,
-    /// Weight of each variable: square root of its cost divided by its range.
+    /// Weight of each variable: square root of the variable's cost, divided by the variable's range.
     weights: DVector<f64>,
 }
 

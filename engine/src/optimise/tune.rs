@@ -25,10 +25,10 @@ use crate::study::{Optimise, RobustAim, Vehicle};
 use crate::threads::on_large_stacks;
 use nalgebra::{DMatrix, DVector};
 
-/// Change of the misfit, in tolerances, for a move across the whole range. A direction with a smaller effect counts as
-/// leaving the targets unchanged.
+/// Change of the misfit, in multiples of the tolerance, for a move across the whole range. A direction with a smaller effect
+/// counts as leaving the targets unchanged.
 const UNSEEN: f64 = 0.01;
-/// Violation of a constraint up to which a move counts as keeping it, in visible units: 1 mm or 1 degree.
+/// Violation of a constraint up to which a move counts as keeping the constraint, in visible units: 1 mm or 1 degree.
 const MOVED_KEPT: f64 = 0.01;
 /// Relative difference up to which prices of constraints count as equal.
 const SAME_PRICE: f64 = 0.05;
@@ -58,7 +58,7 @@ pub struct Tuning {
 /// Deviations of a design from the targets.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fulfilment {
-    /// Root of the weighted mean of the targets' squared deviations, in tolerances.
+    /// Root of the weighted mean of the targets' squared deviations, in multiples of the tolerance.
     pub misfit: f64,
     /// Deviation from each target.
     pub targets: Vec<Deviation>,
@@ -94,12 +94,12 @@ pub struct ConstraintOutcome {
     pub price: Price,
 }
 
-/// Price of a limit: reduction of the misfit, in tolerances, if the limit moves outwards by one unit.
+/// Price of a limit: reduction of the misfit, in multiples of the tolerance, if the limit moves outwards by one unit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Price {
     /// The limit does not bind, or the misfit is good enough despite the limit.
     Nothing,
-    /// Price in tolerances per unit of the constraint.
+    /// Price, in multiples of the tolerance, per unit of the constraint.
     PerUnit(f64),
     /// The limit binds together with other limits, and the gradients of these limits are linearly dependent. The share of
     /// each limit in the price is not determined.
@@ -107,7 +107,8 @@ pub enum Price {
 }
 
 impl Price {
-    /// Price in tolerances per unit of the constraint. `None` if there is no price, or if the price is not determined.
+    /// Price, in multiples of the tolerance, per unit of the constraint. `None` if there is no price, or if the price is not
+    /// determined.
     pub fn per_unit(self) -> Option<f64> {
         match self {
             Price::PerUnit(price) => Some(price),

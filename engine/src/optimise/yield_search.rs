@@ -48,7 +48,7 @@ use rayon::iter::{IntoParallelIterator, ParallelIterator};
 const WIDTHS: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
 /// Largest width of the smoothed edge of a band, as a share of the band's width.
 const WIDEST: f64 = 0.25;
-/// Share of builds within all bands below which the search first lowers their distance from the bands.
+/// If a smaller share of the builds is within all bands, the search first lowers the distance of the builds from the bands.
 const FEW: f64 = 0.5;
 /// Number of further builds with which the ends of the search are evaluated.
 const JUDGED: usize = 1 << 16;
@@ -346,8 +346,8 @@ impl<'a> YieldSearch<'a> {
     }
 }
 
-/// Stations of a band of an axle. A band without a site applies to the whole motion. A band of a test result without a site
-/// applies to the design position.
+/// Stations of a band of an axle. A band without stations applies to the whole motion. A band of a test result without
+/// stations applies to the design position.
 fn site_of(band: &Band, study: &AxleStudy) -> AxleSite {
     if let Some(site) = &band.site {
         return site.clone();

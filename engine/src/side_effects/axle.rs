@@ -25,7 +25,7 @@ const COMPARED: [&str; 10] = [
     "ackermann_error",
 ];
 
-/// Computes the study's outputs and the compared quantities over its motion. `name` is the name of the motion.
+/// Computes the study's outputs and the compared quantities over the study's motion. `name` is the name of the motion.
 pub(super) fn observe(
     study: &Study,
     both: &AxleStudy,
@@ -60,8 +60,8 @@ pub(super) fn observe(
             let site = target.site.axle.as_ref();
             let motion = site.and_then(|site| site.motion.as_deref());
             let station = |sample: AxleSample| match motion {
-                // Another named motion has different coordinates. So its target applies only to a station that has exactly
-                // the same position.
+                // In another named motion, the stations have different coordinates. So a target in that motion applies only
+                // to a station at exactly the same position.
                 Some(other) if Some(other) != name => {
                     placements.iter().position(|own| *own == sample.placement)
                 }
@@ -82,7 +82,7 @@ pub(super) fn observe(
     })
 }
 
-/// Returns true if a target for a quantity also applies to a column.
+/// Returns true if a target for a quantity also applies to a column of the results.
 fn is_about(quantity: Quantity, column: &AxleColumn) -> bool {
     use AxleQuantity::{TotalToe, TotalToeAtRim};
     match (quantity, column.quantity()) {
@@ -134,7 +134,7 @@ fn plan(both: &AxleStudy) -> AxlePlan {
         ..both.plan.values_alone()
     };
     for quantity in COMPARED.into_iter().flat_map(Quantity::named) {
-        // The roll steer of the axle stands for the roll steer of its wheels.
+        // The roll steer of the axle is reported instead of the roll steer of the wheels.
         let is_double = matches!(quantity, Quantity::Wheel(..));
         if !is_double && both.axle.has(quantity) && !plan.quantities.contains(&quantity) {
             plan.quantities.push(quantity);
@@ -143,7 +143,7 @@ fn plan(both: &AxleStudy) -> AxlePlan {
     plan
 }
 
-/// Coordinates of a motion. The rack stands for the steering wheel.
+/// Coordinates of a motion. If the motion gives steering wheel angles, the coordinate is the rack displacement.
 fn coordinates(plan: &AxlePlan) -> Vec<Coordinate> {
     let mut motion = plan.motion.clone();
     let all = Coordinate::ALL.into_iter();

@@ -1,8 +1,9 @@
 //! Side effects of a tuned car: results of its load cases, and curves of each axle alone.
 //!
-//! The load cases are the stations of one comparison. Their coordinates are accelerations, speed and steering. So, by
-//! equation (2) of this folder's module, a change that a target requests in one load case is subtracted from the change in
-//! the other cases. An axle that the tuning has changed is also compared over the motions of its own study.
+//! All load cases together are treated as the stations of one motion, with accelerations, speed and steering as coordinates.
+//! So, by equation (2) of the module [`side_effects`](super), a change that a target requests in one load case is subtracted
+//! from the change in the other cases. An axle that the tuning has changed is also compared over the motions of its own
+//! study.
 
 use super::comparison::{RequestedChanges, compare};
 use super::observed::{Grid, Observed, Series, Station};
@@ -76,7 +77,8 @@ fn quantities(study: &CarStudy) -> Vec<CarQuantity> {
     found
 }
 
-/// Result whose slope over the accelerations is the given result. A change of the slope that a target requests changes it, too.
+/// Returns the result whose slope over the accelerations is the given result. If a target requests a change of the slope,
+/// this result also changes.
 fn integral_of(slope: CarQuantity) -> Option<CarQuantity> {
     (slope == CarQuantity::Whole(WholeResult::RollGradient))
         .then_some(CarQuantity::Whole(WholeResult::Roll))
@@ -141,7 +143,7 @@ fn stations(cases: &[Case]) -> Vec<Station> {
     stations.map(station).collect()
 }
 
-/// Study of one axle, with its design in the car and with the car's goals that concern only this axle.
+/// Study of one axle, with the axle's design in the car. The goals are those of the car that concern only this axle.
 fn axle_by_itself(study: &CarStudy, end: AxleEnd, optimise: &CarOptimise) -> Study {
     let end = end as usize;
     let own = &study.axles[end];

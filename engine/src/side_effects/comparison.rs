@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 /// Largest change that counts as rounding, as a share of the values or of the tolerance.
 const ROUNDING: f64 = 1e-9;
-/// Smallest change of an output without a tolerance, in its unit, that does not count as rounding.
+/// Smallest change that does not count as rounding, for an output without a tolerance. In the unit of the output.
 const LEAST_CHANGE: f64 = 1e-12;
 
 /// Changes that targets request over `[motion]`: for each output, pairs of drive value and change, in the order of the drive
@@ -76,7 +76,7 @@ struct Change {
 }
 
 impl Change {
-    /// Size for comparison with other stations, in tolerances if there is a tolerance.
+    /// Size of the change, for comparison with other stations. In multiples of the tolerance, if there is a tolerance.
     fn size(&self) -> f64 {
         self.amount.abs() / self.tolerance.unwrap_or(1.0)
     }
@@ -192,8 +192,8 @@ impl Wanted {
         let here = &stations[number].position;
         let start = self.shifts.partition_point(|shift| shift.0 < here[0]);
         let (mut nearest, mut found) = (f64::INFINITY, 0.0);
-        // Searches outward along the first coordinate, until the difference of this coordinate alone exceeds the distance of
-        // the nearest station found so far.
+        // Searches outward along the first coordinate. The search ends when the difference in this coordinate alone exceeds
+        // the distance to the nearest station found so far.
         let (below, above) = self.shifts.split_at(start);
         let ways: [&mut dyn Iterator<Item = &(f64, usize, f64)>; 2] =
             [&mut below.iter().rev(), &mut above.iter()];

@@ -87,7 +87,8 @@ pub(super) fn observe(
     })
 }
 
-/// Outputs of the study at all stations without derivatives, together with the compared characteristics that the wheel has.
+/// Values (no derivatives) of the study's outputs at all stations, and of those compared characteristics that exist for this
+/// wheel.
 fn outputs(own: &WheelStudy) -> Outputs {
     let mut characteristics = own.outputs.characteristics.clone();
     for more in Characteristic::available(&own.suspension) {
@@ -136,7 +137,7 @@ fn stations(motion: &Motion, length: LengthUnit) -> (Vec<Station>, Grid) {
     (places.iter().map(station).collect(), grid)
 }
 
-/// Stations of a motion, used to find their targets and constraints.
+/// Stations of a motion. Used to find the stations at which targets and constraints apply.
 struct Looked<'a> {
     motion: &'a Motion,
     name: Option<&'a str>,
@@ -188,7 +189,7 @@ impl Looked<'_> {
         places
     }
 
-    /// Stations nearest to these drive values, if the site belongs to this motion.
+    /// Stations nearest to these drive values. Empty if `site` belongs to another motion.
     fn at(&self, site: &Site, drives: &[f64]) -> Vec<usize> {
         if site.motion.as_ref().map(|(name, _)| name.as_str()) != self.name {
             return Vec::new();

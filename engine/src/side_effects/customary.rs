@@ -1,4 +1,4 @@
-//! Customary values: tolerances of changes that no target requests, and quantities that a target also determines.
+//! Customary tolerances of changes that no target requests. Also quantities that a target for another quantity determines.
 
 use crate::ask::Unit;
 use crate::characteristics::Characteristic;
@@ -22,7 +22,7 @@ pub(super) enum Tolerance {
 }
 
 impl Tolerance {
-    /// Tolerance in the printed unit, for a value before the tuning.
+    /// Returns the tolerance in the printed unit. `before` is the value before the tuning.
     pub(super) fn of(self, before: f64) -> f64 {
         match self {
             Tolerance::Fixed(tolerance) => tolerance,
@@ -79,8 +79,8 @@ pub(super) fn is_judged_straight_ahead(name: &str) -> bool {
     is_toe || ["roll_centre_height", "roll_centre_lateral"].contains(&name)
 }
 
-/// Returns true if a target for one characteristic also determines another characteristic, except for its value in the design
-/// position.
+/// Returns true if a target for one characteristic also determines another characteristic, except for the other
+/// characteristic's value in the design position.
 pub(super) fn determines(target: Characteristic, of: Characteristic) -> bool {
     use Characteristic::{Toe, ToeAtRim};
     let is_same =
@@ -88,7 +88,7 @@ pub(super) fn determines(target: Characteristic, of: Characteristic) -> bool {
     is_same(target, of) || integral_of(target).is_some_and(|own| is_same(own, of))
 }
 
-/// Characteristic whose curve over travel follows from a gain, except for its value in the design position.
+/// Characteristic whose curve over travel follows from a gain, except for the curve's value in the design position.
 fn integral_of(gain: Characteristic) -> Option<Characteristic> {
     Some(match gain {
         Characteristic::BumpSteer => Characteristic::Toe,

@@ -1,4 +1,5 @@
-//! Values of a design at stations: of a motion (one wheel or an axle), or of the load cases (a car).
+//! Values of a design at stations. For one wheel or an axle, these are the stations of a motion. For a car, they are the load
+//! cases.
 
 use super::customary::Tolerance;
 use super::{PlaceCoordinate, axle, corner, customary};
@@ -25,7 +26,7 @@ pub(super) struct Observed {
 
 /// Station of a motion.
 pub(super) struct Station {
-    /// Coordinates, each in shares of its range over the motion.
+    /// Coordinates, each divided by the range of this coordinate over the motion.
     pub position: Vec<f64>,
     /// Coordinates in the study's units.
     pub place: Vec<PlaceCoordinate>,
@@ -99,7 +100,7 @@ pub(super) struct Grid {
     ranges: Vec<f64>,
     /// Values of each coordinate, in rising order.
     axes: Vec<Vec<f64>>,
-    /// Indices of the stations, by the indices of their coordinates in `axes`.
+    /// Index of each station, by the indices of the station's coordinates in `axes`.
     numbers: HashMap<Vec<usize>, usize>,
 }
 
@@ -130,7 +131,7 @@ impl Grid {
         grid
     }
 
-    /// Coordinates of a position, each as a share of its range.
+    /// Coordinates of a position, each divided by the range of this coordinate.
     pub(super) fn shares(&self, place: &[f64]) -> Vec<f64> {
         let shares = place.iter().zip(&self.ranges);
         shares.map(|(at, range)| at / range).collect()

@@ -50,12 +50,12 @@ impl AxleStudy {
     }
 }
 
-/// Returns true if a motion as written is a motion of an axle, not of one wheel.
+/// Returns true if a motion in the file is a motion of an axle, not of one wheel.
 pub(super) fn moves_axle(motion: &file::Motion) -> bool {
     !keys_of_axles(motion).is_empty()
 }
 
-/// Entries of a motion, a target or a band as written. There is one for each coordinate, in the order of
+/// Macro that lists the entries of a motion, a target or a band as written: one entry for each coordinate, in the order of
 /// [`Coordinate::ALL`].
 macro_rules! coordinates {
     ($written:expr) => {
@@ -170,7 +170,10 @@ pub(super) fn axle(
         if moves_axle(section.get_ref()) {
             sound &= refuse_wheel_keys(section.get_ref(), problems);
             if let Some(time) = &section.get_ref().time {
-                problems.add(time.span(), "a named motion has no time");
+                problems.add(
+                    time.span(),
+                    "the key \"time\" is not available in a named motion",
+                );
                 sound = false;
                 continue;
             }
@@ -204,11 +207,11 @@ fn refuse_corner_keys(file: &File, problems: &mut Problems) -> bool {
     let solver = [
         (
             file.solver.formulation.as_ref().map(Text::span),
-            "an axle is always solved with formulation = \"knuckle_pose\"; leave formulation out",
+            "an axle is always solved with formulation = \"knuckle_pose\"; remove the key \"formulation\"",
         ),
         (
             file.solver.accuracy.as_ref().map(Spanned::span),
-            "an axle is always solved in full precision; leave accuracy out",
+            "an axle is always solved in full precision; remove the key \"accuracy\"",
         ),
     ];
     for (span, message) in solver {
@@ -238,8 +241,8 @@ fn refuse_wheel_keys(motion: &file::Motion, problems: &mut Problems) -> bool {
             .as_ref()
             .filter(|_| motion.time.is_none())
             .map(Text::span),
-        "the drive of an axle selects the coordinate that moves over time; expected time, or no \
-         drive",
+        "the drive of an axle selects the coordinate that moves over time; expected the key \"time\", or no \
+         \"drive\"",
     );
     let sound = refused.is_empty();
     for (span, message) in refused {
@@ -322,11 +325,11 @@ fn track_agrees(file: &File, axle: &Axle, problems: &mut Problems) -> Option<()>
     );
     problems
         .add(track.span.clone(), message)
-        .help("leave out track");
+        .help("remove the key \"track\"");
     None
 }
 
-/// Results to compute at these stations. `None` if the study has an error in the outputs.
+/// Reads the results to compute at these stations. `None` if the study has an error in the outputs.
 fn plan(
     file: &File,
     axle: &Axle,
@@ -342,7 +345,7 @@ fn plan(
         refuse_in_outputs(section, problems)?;
     }
     if let Some(place) = measured(section) {
-        let message = "lengths, plunges, articulations and clearances are those of one wheel; remove [axle] to get them for the \
+        let message = "lengths, plunges, articulations and clearances are available for one wheel only; remove [axle] to get them for the \
                        left wheel";
         return problems.refuse(place, message);
     }

@@ -1,4 +1,5 @@
-//! Braking and drive values of `[vehicle]`, which are inputs of the anti-features, and the anti-features that an axle has.
+//! Keys of `[vehicle]` about braking and drive, which are inputs of the anti-features; and the anti-features that an axle
+//! has.
 
 use crate::ask::Need;
 use crate::model::{AxlePosition, VehicleFigures};

@@ -57,12 +57,12 @@ impl AxleStudy {
 }
 
 impl AxleSite {
-    /// Makes a site of all stations of a motion. `name` is the motion's name.
+    /// Makes a site (the stations of a target) that contains all stations of a motion. `name` is the motion's name.
     pub(crate) fn whole(name: Option<&str>, motion: &AxleMotion, axle: &Axle) -> Self {
         let mut held = motion.clone();
         let over = held.moving()[0];
         let along = held.along(over).cloned().unwrap_or_default();
-        // Several rows may have the same value. The site has all rows with each value.
+        // Several rows of a motion may have the same value. For each value, the site contains all these rows.
         let mut values: Vec<f64> = Vec::new();
         for value in along {
             index_or_push(&mut values, over.written(value, axle));
@@ -84,7 +84,7 @@ impl AxleSite {
         motion + &self.words
     }
 
-    /// Returns true if the site fixes no coordinates and its motion has this name.
+    /// Returns true if the site contains all stations of the motion with this name.
     pub fn is_whole_motion(&self, name: Option<&str>) -> bool {
         self.motion.as_deref() == name && self.words.is_empty()
     }
@@ -108,7 +108,7 @@ impl AxleSite {
     }
 }
 
-/// Keys of a target or a band that describe its stations.
+/// Keys of a target or a band that describe the stations at which the target or band applies.
 pub(super) struct Where<'w> {
     motion: &'w Option<Text>,
     over: &'w Option<Text>,
@@ -223,7 +223,7 @@ pub(super) fn target(
     for (key, span) in of_one_wheel {
         if let Some(span) = span {
             let message = format!(
-                "a target of an axle needs a characteristic; {key} is available for one wheel only"
+                "a target of an axle needs the key \"characteristic\"; {key} is available for one wheel only"
             );
             let error = problems.add(span, message);
             error.help("use a constraint for lengths and positions of points");
@@ -241,11 +241,12 @@ pub(super) fn target(
         (Some(name), None) => name,
         (None, Some(name)) if study.axle.elastic.is_some() => name,
         (None, Some(name)) => {
-            let message = "a figure of a test needs [compliance] with elastic parts";
+            let message =
+                "the key \"figure\" (a test result) needs [compliance] with elastic parts";
             return problems.refuse(name.span(), message);
         }
         (Some(_), Some(name)) => {
-            let message = "expected one of figure and characteristic, found both";
+            let message = "expected either \"figure\" or \"characteristic\", found both";
             return problems.refuse(name.span(), message);
         }
         (None, None) => return problems.refuse(spanned.span(), "expected characteristic"),
@@ -357,7 +358,7 @@ fn over(
         (None, [first, ..]) if written.is_of_design => Some(*first),
         (None, several) => {
             let message = format!(
-                "several coordinates of the motion move; expected over = one of {}",
+                "several coordinates of the motion vary; expected over = one of {}",
                 keys(several)
             );
             problems.refuse(place, message)
@@ -386,11 +387,11 @@ fn site(
     });
     let has_rows = held.has_rows();
     let over = match written.over {
-        // From row to row, all coordinates may change.
+        // In a motion given as a table of rows, all coordinates may change from row to row.
         None if has_rows => held.moving()[0],
         _ => over(written, place, motion, &available, problems)?,
     };
-    // The main coordinate of rows may be the displacement of the rack.
+    // The main coordinate of a motion given as rows may be the displacement of the rack.
     let over = match over {
         Coordinate::Rack if by_wheel => Coordinate::SteeringWheel,
         over => over,
@@ -409,7 +410,7 @@ fn site(
         if coordinate == over {
             if let Some(given) = given {
                 let message = format!(
-                    "the target runs over {0}, so {0} cannot be held",
+                    "the target is a curve over {0}, so {0} cannot have a fixed value",
                     over.key()
                 );
                 return problems.refuse(given.span(), message);
@@ -419,7 +420,10 @@ fn site(
         if has_rows {
             if let Some(given) = given {
                 let key = coordinate.key();
-                let message = format!("the rows of {} give {key}; leave {key} out", of.words());
+                let message = format!(
+                    "the rows of {} give {key}; remove the key {key}",
+                    of.words()
+                );
                 return problems.refuse(given.span(), message);
             }
             continue;

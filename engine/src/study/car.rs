@@ -90,7 +90,7 @@ impl GgMap {
 /// Tuning of a car.
 #[derive(Clone, Debug)]
 pub struct CarOptimise {
-    /// Budget and starts.
+    /// Iterations, number of starts and seed.
     pub run: CarRun,
     /// Design variables.
     pub variables: Vec<CarVariable>,
@@ -144,7 +144,7 @@ pub enum CarContributor {
         /// Index in the tolerances of the axle.
         number: usize,
     },
-    /// A rate, or a value of the car such as a mass.
+    /// A rate of an axle, or a value of the car such as a mass.
     Figure {
         /// Name.
         name: String,
@@ -385,7 +385,7 @@ impl Resolver<'_> {
     }
 }
 
-/// Applies edits `path=value` to a text, like `--set`. Returns the unchanged text if an edit does not fit.
+/// Applies edits `path=value` to a text, like `--set`. Returns the unchanged text if an edit cannot be applied.
 pub fn edited(text: &str, edits: &[String]) -> String {
     overrides::apply("study", text, edits).unwrap_or_else(|_| text.to_owned())
 }

@@ -60,7 +60,7 @@ pub(super) fn refuse_other_units(
     Ok(())
 }
 
-/// Reads a curve from a file with one column of drive values and one of target values. Its path is relative to the study's
+/// Reads a curve from a file with one column of drive values and one of target values. The path is relative to the study's
 /// directory. Commas, semicolons or tabs separate columns. Other columns are ignored, and rows without a value are left out.
 /// If the file has a column of rack displacements, it has a curve for each displacement. The target must then have a single
 /// displacement.
@@ -351,8 +351,8 @@ mod tests {
         );
     }
 
-    /// Rows with different rack displacements are different curves. Their mean is not a target of any displacement, and
-    /// neither are rows with another displacement.
+    /// Rows with different rack displacements belong to different curves. The target of one displacement does not use rows
+    /// with other displacements, and it does not use a mean.
     #[test]
     fn each_rack_has_its_own_rows() {
         let text = "travel_mm,rack_mm,camber_deg\n-1,0,1\n1,0,2\n-1,10,5\n1,10,6\n";

@@ -25,7 +25,7 @@ pub struct DesignTable {
     values: Vec<f64>,
     /// SHA-256 digest of the file.
     pub digest: [u8; 32],
-    /// True if a column `design` of the file numbers the rows differently than 0, 1, 2 and so on.
+    /// True if the file has a column `design` with numbers other than 0, 1, 2 and so on.
     pub has_other_numbers: bool,
 }
 
@@ -38,7 +38,8 @@ impl DesignTable {
         Self::from_text(&name, text, suspension)
     }
 
-    /// Reads the designs of a study's sweep. If the file cannot be read, the error points to its name in the study.
+    /// Reads the designs of a study's sweep. If the file cannot be read, the error points to the place in the study that
+    /// names the file.
     pub(crate) fn of_study(path: &Path, study: &Study) -> Result<Self, StudyErrors> {
         let name = path.display().to_string();
         let text = read_text(path, LONGEST_TABLE).map_err(|reason| {
@@ -115,7 +116,7 @@ impl DesignTable {
             }
         }
         if values.is_empty() {
-            let message = "expected designs, a row for each, found none";
+            let message = "the file has no designs: expected a row for each design";
             return Err(StudyError::of_file(&source.name, message).into());
         }
         Ok(DesignTable {

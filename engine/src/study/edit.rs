@@ -17,7 +17,8 @@ impl Study {
         self.as_written().rewritten(&self.text, design, None)
     }
 
-    /// Returns the study that the text describes. The present study differs from it if its vehicle was changed in memory.
+    /// Returns the study that the text describes. `self` differs from the returned study if the vehicle was changed in
+    /// memory.
     pub(crate) fn as_written(&self) -> Study {
         let read = Study::elastic_from_text(&self.name, &self.text, Path::new(""));
         read.unwrap_or_else(|_| self.clone())
@@ -56,7 +57,7 @@ impl Study {
     }
 
     /// Returns a built axle as the text of a study. The text contains every hardpoint of the right wheel. For a solid axle,
-    /// the hardpoints of its right half stand for those of the right wheel.
+    /// these are the hardpoints of its right half.
     pub fn with_built_axle(&self, [left, right]: [&Suspension; 2]) -> String {
         let text = self.with_built(left);
         let Ok(mut document) = text.parse::<DocumentMut>() else {
@@ -113,15 +114,15 @@ impl Study {
         self.text_with_points_of(&self.text, moved)
     }
 
-    /// Returns another text of this study with the points of `moved`, like [`Study::with_points_of`]. An example is the text
-    /// of the study file, because [`Study::text`] also contains curves from other files.
+    /// Returns another text of this study with the points of `moved`, like [`Study::with_points_of`]. An example of another
+    /// text is the study file itself: [`Study::text`] also contains curves from other files.
     pub fn text_with_points_of(&self, text: &str, moved: &Study) -> String {
         let right = moved.axle().and_then(|a| a.axle.right.as_ref());
         let text = self.rewritten(text, &moved.wheel().design, right.map(|r| &r.design[..]));
         self.with_rates_of(text, moved)
     }
 
-    /// Returns the text with those rates of elastic parts in which another study differs.
+    /// Writes the rates of elastic parts of the study `moved` into the text, where they differ from the rates of this study.
     pub fn with_rates_of(&self, text: String, moved: &Study) -> String {
         let Some((old, new)) = self.elastic_parts().zip(moved.elastic_parts()) else {
             return text;
@@ -200,8 +201,8 @@ impl Study {
     }
 }
 
-/// Path of a file relative to a directory, or the full path if both have nothing in common. `None` if a path does not exist,
-/// or has no Unicode name.
+/// Path of a file relative to a directory. The full path if file and directory have no common parent. `None` if a path does
+/// not exist, or has no Unicode name.
 fn path_from(directory: &Path, file: &Path) -> Option<String> {
     let [directory, file] = [directory, file].map(|path| path.canonicalize());
     let (directory, file) = (directory.ok()?, file.ok()?);

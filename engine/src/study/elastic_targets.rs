@@ -35,7 +35,7 @@ pub(super) fn figures(elastic: &ComplianceStudy, suspension: &Suspension) -> Vec
         }
         for (quantity, unit) in quantities(suspension, &elastic.parts, elastic.tyre_rate, test) {
             for is_secant in [false, true] {
-                // A test with a motion has no window, so it has no secants.
+                // A test with a motion has no window of loads, so it has no secants.
                 if is_secant && test.load.is_motion() {
                     continue;
                 }
@@ -78,7 +78,7 @@ pub(super) enum ElasticQuantity {
 }
 
 impl ElasticQuantity {
-    /// Value in equilibrium that gives the quantity.
+    /// Returns the value in equilibrium from which the quantity is computed.
     pub(super) fn value(&self) -> KcValue {
         match self {
             ElasticQuantity::Characteristic(of) => KcValue::Wheel(*of),
@@ -172,17 +172,17 @@ pub(super) fn named(
     problems: &mut Problems,
 ) -> Option<ElasticQuantity> {
     if let Some(other) = others.iter().flatten().next() {
-        let message = "with [compliance] expected a figure of a test, or a characteristic; this \
+        let message = "with [compliance] expected \"figure\" (a test result) or \"characteristic\"; this key \
                        applies to the rigid mechanism only";
         return problems.refuse(other.clone(), message);
     }
     let name = match (figure, characteristic) {
         (Some(name), None) | (None, Some(name)) => name,
         (Some(_), Some(name)) => {
-            let message = "expected one of figure and characteristic, found both";
+            let message = "expected either \"figure\" or \"characteristic\", found both";
             return problems.refuse(name.span(), message);
         }
-        (None, None) => return problems.refuse(place, "expected figure or characteristic"),
+        (None, None) => return problems.refuse(place, "expected \"figure\" or \"characteristic\""),
     };
     quantity(name, elastic, context.suspension, problems)
 }
@@ -299,8 +299,9 @@ impl RateKeys<'_> {
         ];
         for (key, span) in keys {
             if let Some(span) = span {
-                let message =
-                    format!("{key} needs bushing, link or rate: the part whose rate varies");
+                let message = format!(
+                    "{key} needs \"bushing\", \"link\" or \"rate\": the part whose rate varies"
+                );
                 return problems.refuse(span, &message);
             }
         }
@@ -328,7 +329,7 @@ impl RateKeys<'_> {
         }
         let is_relative = self.relative.as_ref().is_some_and(|said| *said.get_ref());
         if let (None, Some(axis)) = (self.bushing, self.stiffness) {
-            let message = "stiffness names an axis of a bushing: leave it out";
+            let message = "the key \"stiffness\" selects an axis of a bushing, and this part is not a bushing: remove the key";
             return problems.refuse(axis.span(), message);
         }
         let (name, parameter, design) = match (self.bushing, self.link, self.rate) {
@@ -339,7 +340,7 @@ impl RateKeys<'_> {
             (None, Some(name), None) => link_rate(name, &parts, problems)?,
             (None, None, Some(name)) => part_rate(name, &parts, problems)?,
             _ => {
-                let message = "expected one of bushing, link and rate";
+                let message = "expected one of the keys \"bushing\", \"link\" and \"rate\"";
                 return problems.refuse(self.place.clone(), message);
             }
         };
@@ -424,7 +425,7 @@ fn bushing_rate(
     let design = match &parts.bushings[number].shapes[k] {
         Shape::Cubic { rate, .. } => *rate,
         Shape::Curve { .. } if !is_relative => {
-            let message = "a curve is scaled: expected relative = true";
+            let message = "a force curve can only be scaled: expected relative = true";
             return problems.refuse(axis.span(), message);
         }
         Shape::Curve { scale, .. } => *scale,

@@ -21,7 +21,7 @@ const HELD: [(&str, HeldQuantity); 2] = [
     ("wheel_height", HeldQuantity::WheelHeight),
 ];
 
-/// Parts that hold the wheel under a load.
+/// Kinds of studies, by the parts that hold the wheel under a load.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Holding {
     /// Rigid mechanism: its support holds the wheel at the station.
@@ -33,8 +33,8 @@ pub(super) enum Holding {
 }
 
 impl Holding {
-    /// Returns the kind of a study. `has_spring` says whether its elastic parts have a spring. `has_spring` is `None` without
-    /// elastic parts.
+    /// Returns the kind of a study. `has_spring` is true if the elastic parts include a spring, and `None` without elastic
+    /// parts.
     pub(super) fn of(has_spring: Option<bool>) -> Holding {
         match has_spring {
             None => Holding::Rigid,
@@ -55,7 +55,7 @@ impl Holding {
         let held = choose(written, "quantity to hold", &HELD, problems)?;
         let message = match (self, held) {
             (Holding::Rigid, _) => {
-                "hold needs [compliance] with elastic parts; in a rigid mechanism the support holds the wheel"
+                "the key \"hold\" needs [compliance] with elastic parts; in a rigid mechanism the support holds the wheel"
             }
             (Holding::Elastic, HeldQuantity::WheelLoad) => {
                 "hold = \"wheel_load\" needs [spring]: without a spring nothing carries the wheel load"

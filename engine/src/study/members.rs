@@ -9,7 +9,8 @@ use crate::model::{Axis, Suspension};
 use crate::number::Each;
 use toml::Spanned;
 
-/// A dimension, and the factor from its change in the study's frame to its change in the kernel's frame.
+/// A dimension, and a factor. A change of the dimension in the study's frame, times this factor, is the change in the
+/// kernel's frame.
 pub(super) type Change = (BuildParameter, f64);
 
 /// Finds the member with this name, or the member between these two points. Returns it with its name.

@@ -102,8 +102,8 @@ pub fn checked_number(number: f64) -> Result<f64, String> {
 pub struct Study {
     /// Name, derived from the name of the file.
     pub name: String,
-    /// Text of the study, with the changes of `--set`, and with the target curves of other files written into it. Results
-    /// that are studies are edits of this text. So they keep its comments and need no other file.
+    /// Text of the study, with the changes of `--set`, and with the target curves of other files written into it. A result
+    /// that is a study is an edited copy of this text. So the result keeps the comments and needs no other file.
     pub text: String,
     /// Other files that the study names: target curves and designs.
     pub inputs: Vec<std::path::PathBuf>,
@@ -143,7 +143,7 @@ pub struct Motion {
     pub rack: Vec<f64>,
     /// True if the study gives the rack a range, so that results have a column for it.
     pub rack_moves: bool,
-    /// Drive as a function of time. If given, `values` are its values at `times`.
+    /// Drive as a function of time. If given, `values` are the drive values at `times`.
     pub time: Option<TimeLaw>,
 }
 
@@ -280,7 +280,7 @@ pub enum Designs {
     Sampled(Sampled),
     /// Rows of a CSV file. [`DesignTable::read`] reads them.
     File(std::path::PathBuf),
-    /// Rows that a program gives.
+    /// Rows that the caller gives.
     Given(DesignTable),
 }
 
@@ -308,9 +308,10 @@ pub enum Sampling {
     Sobol,
     /// Independent, uniformly distributed numbers.
     Random,
-    /// Pairs of samples, and further samples in which one variable after the other is exchanged within a pair. They give
-    /// first-order and total Sobol indices (A. Saltelli et al., Variance based sensitivity analysis of model output,
-    /// Computer Physics Communications 181, 2010). The number of designs is `samples` times (number of variables + 2).
+    /// Pairs of samples, and further samples. In each further sample, one variable has the value of the other sample of the
+    /// pair. These samples give first-order and total Sobol indices (A. Saltelli et al., Variance based sensitivity analysis
+    /// of model output, Computer Physics Communications 181, 2010). The number of designs is `samples` times (number of
+    /// variables + 2).
     Saltelli,
 }
 

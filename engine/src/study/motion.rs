@@ -182,7 +182,9 @@ fn drive_values(
             Some((at_times, Some(law)))
         }
         (Some(given), Some(time)) => {
-            let message = format!("time already gives the drive; expected {name} or time");
+            let message = format!(
+                "the key \"time\" already gives the drive values; expected either {name} or \"time\""
+            );
             let error = problems.add(given.span(), message);
             error.related(time.span(), "given here");
             None

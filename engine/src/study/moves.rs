@@ -63,11 +63,12 @@ fn shares(written: &Written<'_>, problems: &mut Problems) -> Option<Vec<(Axis, f
             Some(shares.filter(|(_, share)| *share != 0.0).collect())
         }
         (Some(_), Some(direction)) => {
-            let message = "expected axis or direction, found both";
+            let message = "expected \"axis\" or \"direction\", found both";
             problems.refuse(direction.span(), message)
         }
         (None, None) => {
-            let message = "expected axis or direction of the movement";
+            let message =
+                "expected the key \"axis\" or the key \"direction\": the direction of the movement";
             problems.refuse(written.place.clone(), message)
         }
     }
@@ -136,18 +137,19 @@ fn points(
     let list = match (written.hardpoint, written.hardpoints) {
         (Some(name), None) => {
             if let Some(factors) = written.factors {
-                let message = "factors needs hardpoints, a list of points that move together";
+                let message =
+                    "the key \"factors\" needs \"hardpoints\", a list of points that move together";
                 problems.add(factors.span(), message);
             }
             return Some(vec![(hardpoint(name, suspension, problems)?, 1.0)]);
         }
         (None, Some(list)) => list,
         (Some(_), Some(list)) => {
-            let message = "expected hardpoint or hardpoints, found both";
+            let message = "expected \"hardpoint\" or \"hardpoints\", found both";
             return problems.refuse(list.span(), message);
         }
         (None, None) => {
-            let message = "expected hardpoint or hardpoints";
+            let message = "expected the key \"hardpoint\" or the key \"hardpoints\"";
             return problems.refuse(written.place.clone(), message);
         }
     };

@@ -34,16 +34,17 @@ pub(super) fn check(
         if let Some((_, motion)) = motions.iter().find(same) {
             motion::check_drive(section, motion, suspension, problems);
             if motion.drive == Drive::PaperTheta || motion.time.is_some() {
-                let message = "a named motion needs travel or arm_angle, and no time";
+                let message = "a named motion needs the key \"travel\" or \"arm_angle\", and must not have \"time\"";
                 problems.add(section.span(), message);
             }
         }
         if *name.get_ref() == "before" || name.get_ref().starts_with("before_") {
-            let message = "the name of a motion cannot begin with before: a tuning writes the curves of the earlier design as curves_before.csv";
+            let message = "the name of a motion cannot begin with \"before\": a tuning writes the curves of the earlier design as curves_before.csv";
             problems.add(name.span(), message);
         }
         if name.get_ref().is_empty() || name.get_ref().contains(['/', '\\', '.']) {
-            let message = "the name of a motion is part of a file's name: letters, digits and _";
+            let message =
+                "the name of a motion is part of a file name: expected letters, digits and _";
             problems.add(name.span(), message);
         }
     }

@@ -98,7 +98,7 @@ pub(super) fn scatter(
     });
     let Some(written) = &section.scatter else {
         if let Some((robust, _)) = aim {
-            let message = "robust needs scatter: the number of builds, as in scatter = 256";
+            let message = "the key \"robust\" needs the key \"scatter\": the number of builds, as in scatter = 256";
             problems.add(robust.span(), message);
         }
         return Some(None);
@@ -108,16 +108,18 @@ pub(super) fn scatter(
         problems.add(written.span(), message);
     };
     if section.fit.as_ref().is_some_and(|fit| *fit.get_ref()) {
-        wrong("scatter does not work with fit = true, because measurements come from one car");
+        wrong(
+            "the key \"scatter\" does not work with fit = true, because measurements come from one car",
+        );
         return None;
     }
     if context.file.tolerance.is_none() {
-        wrong("scatter needs [tolerance] for the scatter of the builds");
+        wrong("the key \"scatter\" needs [tolerance] for the scatter of the builds");
         return None;
     }
     if context.suspension.mechanism.has_extra_links() {
         wrong(
-            "scatter is not available yet for an axle on five links, whose builds have tensions in their links; tolerance assembles them",
+            "the key \"scatter\" is not available yet for an axle on five links, because its builds have tensions in the links; `hardpoint tolerance` supports such axles",
         );
         return None;
     }
@@ -130,7 +132,7 @@ pub(super) fn scatter(
     let motions = context.motions.iter().map(|(_, motion)| motion);
     if !motions.chain(context.motion).all(travels) {
         wrong(
-            "scatter needs motions with drive = \"travel\": at the same arm angle, each build has a different pose",
+            "the key \"scatter\" needs motions with drive = \"travel\": at the same arm angle, each build has a different pose",
         );
         return None;
     }
@@ -147,7 +149,7 @@ pub(super) fn scatter(
         }
         if section.front.is_some() {
             wrong(
-                "robust = \"yield\" does not work with front, because it does not use the targets",
+                "robust = \"yield\" does not work with the key \"front\", because a tuning for yield does not use the targets",
             );
             return None;
         }
@@ -184,7 +186,7 @@ fn front(
         return problems.refuse(written.span(), message);
     }
     if section.fit.as_ref().is_some_and(|fit| *fit.get_ref()) {
-        let message = "front does not work with fit = true, because there is no trade-off between \
+        let message = "the key \"front\" does not work with fit = true, because there is no trade-off between \
                        measurements";
         return problems.refuse(written.span(), message);
     }
@@ -232,7 +234,7 @@ fn variables(
         })
         .collect();
     if written.iter().any(|v| v.get_ref().rigid.is_some()) {
-        // With rigid bodies, a point may also have a separate variable, so repeated moves are allowed.
+        // With rigid bodies, a point of a body may also have a variable of its own. So the same move may occur twice.
         return resolved.into_iter().collect();
     }
     let place = |i: usize| {
@@ -357,8 +359,7 @@ fn rigid(
     });
     let cost = cost(written, problems);
     if shift.is_none() && turn.is_none() {
-        let message =
-            "expected shift, turn or both: the largest movement of the body in both directions";
+        let message = "expected \"shift\", \"turn\" or both: the largest movement of the body in both directions";
         problems.add(variable.span(), message);
         return vec![None];
     }
@@ -409,7 +410,7 @@ fn refuse_beside_rigid(written: &file::Variable, problems: &mut Problems) -> boo
     let mut is_alone = true;
     for (key, place) in others {
         if let Some(place) = place {
-            let message = format!("{key} does not work with rigid: use shift and turn");
+            let message = format!("{key} does not work with \"rigid\": use \"shift\" and \"turn\"");
             problems.add(place, message);
             is_alone = false;
         }

@@ -121,7 +121,7 @@ pub(super) fn sensitivities(
     }
 }
 
-/// Returns true if the study asks for angular rates of the knuckle. They need an order above position.
+/// Returns true if the study asks for the angular rates of the knuckle. These rates need an order above position.
 pub(super) fn knuckle(section: &file::Outputs, order: Order, problems: &mut Problems) -> bool {
     let knuckle = section.knuckle.as_ref();
     if let Some(knuckle) = knuckle.filter(|k| *k.get_ref() && order == Order::Position) {
@@ -194,7 +194,7 @@ pub(super) fn hardpoint(
     choose(text, "hardpoint", &hardpoints, problems)
 }
 
-/// Refuses a quantity that only an axle has, even if its name is misspelt. Returns true if the name was refused.
+/// Refuses a quantity that only axles have, also if its name is misspelt. Returns true if it refused the name.
 fn refuses_axle_quantity(
     text: &Text,
     of_a_wheel: &[(&'static str, Characteristic)],

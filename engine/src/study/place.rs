@@ -4,8 +4,8 @@ use super::Study;
 use std::ops::Range;
 use toml_edit::{Document, Item};
 
-/// Byte range of the value at a path of keys and list indices. If the text has no such value, it is the range of the longest
-/// part of the path that exists.
+/// Byte range of the value at a path of keys and list indices. If the text has no such value, returns the range of the
+/// longest part of the path that exists.
 pub(super) fn place_of(text: &str, path: &[&str]) -> Range<usize> {
     let Ok(document) = Document::parse(text) else {
         return 0..0;

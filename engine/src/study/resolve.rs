@@ -75,8 +75,8 @@ impl Study {
         Study::read_parts(path, overrides, Parts::Rigid)
     }
 
-    /// Reads a study file like [`Study::read`], but accepts elastic parts. [`WheelStudy::compliance`] or
-    /// [`crate::axle::Axle::elastic`] may be present in the result.
+    /// Reads a study file like [`Study::read`], but accepts elastic parts. Then [`WheelStudy::compliance`] or
+    /// [`crate::axle::Axle::elastic`] holds these parts.
     pub fn read_elastic(path: &Path, overrides: &[String]) -> Result<Study, StudyErrors> {
         Study::read_parts(path, overrides, Parts::Elastic)
     }
@@ -211,7 +211,7 @@ fn resolve(
     problems.finish(study())
 }
 
-/// Returns true for the study of an axle. The study of a solid axle is such a study even without `[axle]`.
+/// Returns true for the study of an axle. The study of a solid axle describes an axle even without `[axle]`.
 fn is_of_axle(file: &file::File) -> bool {
     let topology = Topology::named(file.suspension.topology.get_ref());
     file.axle.is_some() || topology.is_some_and(Topology::carries_both_wheels)
@@ -320,7 +320,8 @@ impl MainSections {
         }
     }
 
-    /// Returns false for an axle with an error. Then errors in sections about the axle would only follow from this error.
+    /// Returns false for an axle with an error. Then errors in sections about the axle would only be consequences of this
+    /// error.
     fn is_known(&self) -> bool {
         self.axle.is_some()
     }

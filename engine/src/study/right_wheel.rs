@@ -73,7 +73,7 @@ pub(super) fn right_wheel(
     Some(Some(right))
 }
 
-/// Extra point with this name. In a built axle, its position can differ on each side.
+/// Extra point with this name. Its position can differ between the two sides of a built axle.
 fn extra_point(text: &Text, left: &Suspension) -> Option<PointId> {
     let (mechanism, name) = (&left.mechanism, text.get_ref());
     match mechanism.topology.hardpoint(name) {

@@ -16,7 +16,7 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// Returns true if the target is a range: any value between two limits meets it.
+    /// Returns true if the target is a range: any value between two limits meets the target.
     #[inline]
     pub fn is_band(&self) -> bool {
         self.low < self.high

@@ -26,7 +26,8 @@ pub struct Adjustment {
     /// Half of an axle that has the dimension, if the axle is set up as a whole. `None` if both wheels are adjusted alike,
     /// or if the part exists only once.
     pub side: Option<Side>,
-    /// The same change in the mechanism of a solid axle's other wheel. `None` if that wheel does not have the part.
+    /// For a solid axle: the same change, as a dimension in the mechanism of the other wheel. `None` if that mechanism does
+    /// not have the part.
     pub seen_from_other: Option<(BuildParameter, f64)>,
     /// Available sizes of the adjustment.
     pub increment: Increment,
@@ -39,7 +40,7 @@ impl Adjustment {
     }
 
     /// Returns true if the adjustment lifts the car, because it changes a part between spring and arm. The spring keeps its
-    /// length, so the adjustment sets the height.
+    /// length, so the adjustment changes the ride height.
     pub(crate) fn lifts(&self, mechanism: &Mechanism) -> bool {
         let Some(spring) = mechanism.spring else {
             return false;
@@ -56,8 +57,8 @@ impl Adjustment {
         }
     }
 
-    /// Change of a solid axle's dimension in the mechanism of one of its wheels. Empty if this mechanism does not have the
-    /// part.
+    /// Returns the change as a dimension in the mechanism of one wheel of a solid axle. Empty if this mechanism does not have
+    /// the part.
     pub fn seen_from(&self, wheel: Side) -> Vec<(BuildParameter, f64)> {
         if self.side.unwrap_or(Side::Left) == wheel {
             vec![self.change]
@@ -129,7 +130,7 @@ pub struct Source {
     /// Distribution of the scatter.
     pub law: Law,
     /// Wheel of an axle that has these dimensions, in the kernel's frame of its side. `None` for a part that both wheels
-    /// share. Then the left wheel gives its dimensions.
+    /// share. The dimensions are then those of the left wheel.
     pub side: Option<Side>,
     /// The same dimensions in the mechanism of a solid axle's other wheel. Empty for other vehicles.
     pub seen_from_other: Vec<(BuildParameter, f64)>,

@@ -101,7 +101,7 @@ fn adjustment_of_wheel(
     problems: &mut Problems,
 ) -> Option<Adjustment> {
     if let Some(side) = &written.get_ref().side {
-        let message = "side is for axles that are set up as a whole: solid axles, and axles with elastic parts and wheels that differ. \
+        let message = "the key \"side\" is for axles that are set up as a whole: solid axles, and axles with elastic parts and wheels that differ. \
                        Other wheels are set up alike, or one by one";
         return problems.refuse(side.span(), message);
     }
@@ -146,15 +146,14 @@ fn adjustment(
         }
         (None, Some(shim)) => {
             let Some(axis) = &written.axis else {
-                let message =
-                    "expected axis, along which the shim moves the point: \"x\", \"y\" or \"z\"";
+                let message = "expected the key \"axis\", along which the shim moves the point: \"x\", \"y\" or \"z\"";
                 return problems.refuse(place, message);
             };
             let change = coordinate(shim, axis, suspension, problems)?;
             (format!("{} {}", shim.get_ref(), axis.get_ref()), change)
         }
         (Some(length), Some(_)) => {
-            return problems.refuse(length.span(), "expected length or shim, found both");
+            return problems.refuse(length.span(), "expected \"length\" or \"shim\", found both");
         }
         (None, None) => {
             let message = "expected length = \"tie_rod\", or shim = \"upper_ball_joint\" with axis";
@@ -162,7 +161,7 @@ fn adjustment(
         }
     };
     if let (Some(per_turn), Some(_)) = (&written.per_turn, &written.step) {
-        let message = "expected per_turn (thread) or step (shims), found both";
+        let message = "expected \"per_turn\" (thread) or \"step\" (shims), found both";
         problems.add(per_turn.span.clone(), message);
     }
     let increment = match (per_turn?, step?) {

@@ -33,8 +33,8 @@ pub(super) struct SheetTarget {
 /// A file, and the required columns that it lacks.
 type Sheet = (Arc<Source>, Vec<&'static str>);
 
-/// Reads the file of a target. `None` if the file is empty, because the reader of curves reports empty files. The error says
-/// why the file cannot be read.
+/// Reads the file of a target. `None` for an empty file, because the reader of curves reports empty files. The error says why
+/// the file cannot be read.
 fn sheet(path: &Text, context: &Context) -> Result<Option<Sheet>, String> {
     let full = context.directory.join(path.get_ref());
     let text = read_text(&full, LONGEST_TEXT)?;
@@ -353,10 +353,10 @@ impl Reader<'_> {
                 row.wrong(format!("unknown quantity {quantity:?}{meant}"))
             }
             0 => row.wrong(format!(
-                "no test of the study has {quantity} by {load} with these {columns}: add it to tests in [compliance]"
+                "no test of the study gives {quantity} by {load} with these {columns}: add such a test to tests in [compliance]"
             )),
             _ => row.wrong(format!(
-                "several tests of the study have {quantity} by {load}: expected {columns}"
+                "several tests of the study give {quantity} by {load}: expected {columns}"
             )),
         }
     }
@@ -415,7 +415,7 @@ impl Reader<'_> {
             (None, Some(_)) => self.tolerance,
             (None, None) => {
                 return row.wrong(
-                    "this row has no tolerance: expected a number in the column tolerance, or figure in the target"
+                    "this row has no tolerance: expected a number in the column tolerance, or the key \"figure\" in the target"
                         .to_owned(),
                 );
             }

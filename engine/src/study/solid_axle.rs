@@ -24,8 +24,7 @@ pub(super) fn steer(
     };
     let rigid = mechanism.rigid_axle.as_mut();
     let Some(steering) = rigid.and_then(|rigid| rigid.steering.as_mut()) else {
-        let message =
-            "direction is for the drag link of a solid axle, but this study has no drag link";
+        let message = "the key \"direction\" is for the drag link of a solid axle, but this study has no drag link";
         return problems.refuse(written.span(), message);
     };
     let direction = three(written, "components [x, y, z]", problems)?;
@@ -55,11 +54,10 @@ fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
         if is_steered {
             refused.push((
             wheel,
-            "a drag link steers this axle, and no ratio relates it to a steering wheel; expected rack, the displacement of the drag link's end",
+            "a drag link steers this axle, and no ratio relates the drag link to a steering wheel; expected the key \"rack\": the displacement of the drag link's end",
         ))
         } else {
-            let steered =
-                "this axle has no rack and no drag link; leave rack and steering_wheel_angle out";
+            let steered = "this axle has no rack and no drag link; remove the keys \"rack\" and \"steering_wheel_angle\"";
             refused.extend([(rack, steered), (wheel, steered)]);
         }
     }
@@ -77,8 +75,7 @@ fn refused_steering(file: &File, mechanism: &Mechanism) -> Refused<'static> {
         return refused;
     }
     for written in [&own.c_factor, &own.rack_stiffness, &own.column_stiffness] {
-        let message =
-            "a drag link steers this axle, and it has no rack; [steering] has only direction";
+        let message = "a drag link steers this axle, and it has no rack; expected only the key \"direction\" in [steering]";
         refused.push((written.as_ref().map(|number| number.span.clone()), message));
     }
     refused
@@ -110,15 +107,15 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
         match is_beam {
             true => {
                 "certify needs quadratic equations, and those of the hinge of a twist \
-                         beam are not quadratic; leave certify out"
+                         beam are not quadratic; remove the key \"certify\""
             }
             false if is_steered => {
                 "certify needs quadratic equations, and those of the knuckles of a steered \
-                     axle are not quadratic; leave certify out"
+                     axle are not quadratic; remove the key \"certify\""
             }
             false => {
                 "certify needs quadratic equations, and those of the rocker of a Watt \
-                          linkage are not quadratic; leave certify out"
+                          linkage are not quadratic; remove the key \"certify\""
             }
         },
     )]);
@@ -145,8 +142,8 @@ pub(super) fn refuse(file: &File, suspension: &Suspension, problems: &mut Proble
     sound
 }
 
-/// Bushings of an axle on five links that is assembled from its parts. Parts that do not fit exactly stretch the links, and
-/// in this calculation a bushing gives a link no axial stiffness.
+/// Bushings of an axle on five links that is assembled from its parts. If parts do not fit exactly, the links are stretched.
+/// The calculation of these tensions does not include the axial stiffness of bushings.
 fn bushings_of_five_links(file: &File, suspension: &Suspension) -> Refused<'static> {
     let is_assembled = file.tolerance.is_some() || file.setup.is_some();
     let is_refused = is_assembled && suspension.mechanism.has_extra_links();

@@ -79,18 +79,18 @@ pub(super) fn check_outputs(
         (Formulation::PointCoordinates, _) => (
             &file.solver.formulation,
             "the formulation in point coordinates",
-            "formulation = \"knuckle_pose\" gives them",
+            "formulation = \"knuckle_pose\" supports them",
         ),
         (Formulation::KnucklePose, Some(Drive::PaperTheta)) => (
             written,
-            "the drive \"paper_theta\", whose angle changes its meaning with the hardpoints,",
-            "drive = \"arm_angle\" has them",
+            "the drive \"paper_theta\" (the meaning of its angle depends on the hardpoints)",
+            "drive = \"arm_angle\" supports them",
         ),
         _ => return,
     };
     let Some(text) = text else { return };
     let wanted = [
-        (!outputs.sensitivities.is_empty(), "[outputs] asks for"),
+        (!outputs.sensitivities.is_empty(), "[outputs] requests"),
         (file.optimise.is_some(), "[optimise] needs"),
     ];
     for (_, who) in wanted.into_iter().filter(|(wanted, _)| *wanted) {
@@ -98,7 +98,7 @@ pub(super) fn check_outputs(
         let error = problems.add(text.span(), message);
         error.help(help);
         if let Some(place) = sensitivities(file).filter(|_| who.contains("[outputs]")) {
-            error.related(place, "asked for here");
+            error.related(place, "requested here");
         }
     }
 }
@@ -118,12 +118,12 @@ fn check_certificate(
     let (message, help) = match (formulation, drive) {
         (Formulation::PointCoordinates, _) => (
             "certify is not available for the formulation in point coordinates",
-            "formulation = \"knuckle_pose\" has them",
+            "formulation = \"knuckle_pose\" supports them",
         ),
         (Formulation::KnucklePose, Some(Drive::PaperTheta)) => (
             "there are no certificates for the drive \"paper_theta\": the arm angle that belongs to theta \
              is rounded before a pose is found",
-            "drive = \"arm_angle\" has them",
+            "drive = \"arm_angle\" supports them",
         ),
         (Formulation::KnucklePose, _) => return,
     };
@@ -139,7 +139,7 @@ fn check_loads(file: &File, formulation: Formulation, outputs: &Outputs, problem
     if formulation == Formulation::PointCoordinates {
         let message = "loads are not available for the formulation in point coordinates";
         let error = problems.add(written.span(), message);
-        error.help("formulation = \"knuckle_pose\" does");
+        error.help("formulation = \"knuckle_pose\" supports them");
     }
 }
 

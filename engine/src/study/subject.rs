@@ -124,8 +124,8 @@ pub(super) fn length(
 /// Message that refuses the force in a member as a target or constraint of an axle.
 pub(super) const NO_FORCES_OF_AN_AXLE: &str = "an axle has no targets or constraints on forces in members; remove [axle] to use them on the left wheel";
 
-/// Force in a member under a load, named by its column without the unit. Includes the sign that converts it to the study's
-/// axes.
+/// Force in a member under a load, named by its column without the unit. The second value is the sign that converts the force
+/// to the study's axes.
 pub(super) fn force(
     name: &Text,
     context: &Context,
@@ -187,7 +187,8 @@ pub(super) fn subject(
         (None, Some(name), None, None) => {
             let id = point(name, suspension, problems);
             let Some(along) = &written.axis else {
-                let message = "point needs axis: its coordinate \"x\", \"y\" or \"z\"";
+                let message =
+                    "the key \"point\" needs \"axis\": the coordinate \"x\", \"y\" or \"z\"";
                 return problems.refuse(name.span(), message);
             };
             let axis = axis(along, problems)?;
@@ -206,12 +207,11 @@ pub(super) fn subject(
             (Measure::Carried(force), column, Unit::Force, sign)
         }
         (None, None, None, None) => {
-            let message = "expected characteristic, point with axis, length, or load";
+            let message = "expected one of the keys \"characteristic\", \"point\" with \"axis\", \"length\" and \"load\"";
             return problems.refuse(place, message);
         }
         _ => {
-            let message =
-                "expected one of characteristic, point, length and load, found more than one";
+            let message = "expected one of the keys \"characteristic\", \"point\", \"length\" and \"load\", found more than one";
             return problems.refuse(place, message);
         }
     };

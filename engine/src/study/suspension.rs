@@ -96,7 +96,7 @@ fn with_forces(
         }
         (true, LengthUnit::Inch) => Some(LengthUnit::InchPound),
         (true, _) => {
-            let message = "pounds-force go with inches: expected length_unit = \"in\" beside force_unit = \"lbf\"";
+            let message = "pounds-force need inches: expected length_unit = \"in\" together with force_unit = \"lbf\"";
             problems.refuse(text.span(), message)
         }
     }

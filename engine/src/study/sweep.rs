@@ -18,7 +18,7 @@ use toml::Spanned;
 /// Largest number of designs in a sweep: years of work for the fastest machine.
 pub const MOST_DESIGNS: u64 = 1_000_000_000_000;
 
-/// Largest number of variables with Saltelli sampling. One group of exchanged designs must fit into a block.
+/// Largest number of variables with Saltelli sampling. All designs of one pair of samples must fit into a block.
 pub(crate) const MOST_EXCHANGED: usize = crate::evaluate::BLOCK - 2;
 
 impl Sampling {
@@ -47,8 +47,8 @@ impl Sampled {
 }
 
 impl Sampled {
-    /// Returns only the data that determine the designs. The points of a sequence do not depend on the number of samples, so
-    /// the number is set to zero.
+    /// Returns a copy with only the data that determine the designs. The points of a sequence do not depend on the number of
+    /// samples, so the copy has the number 0.
     pub(crate) fn meaning(&self) -> Sampled {
         let samples = match self.method {
             Sampling::Sobol | Sampling::Random | Sampling::Saltelli => 0,
@@ -103,7 +103,8 @@ pub(super) fn sweep(
     let designs = match (&written.designs, &written.variables) {
         (Some(path), None) => {
             if let Some(method) = &written.method {
-                let message = "the designs come from a file, so method is not available";
+                let message =
+                    "the designs come from a file, so the key \"method\" is not available";
                 let error = problems.add(method.span(), message);
                 error.related(path.span(), "the file");
             }
@@ -116,13 +117,14 @@ pub(super) fn sweep(
             sampled(section, variables, context, problems).map(Designs::Sampled)
         }
         (Some(path), Some(variables)) => {
-            let message = "expected variables or designs (a file), found both";
+            let message =
+                "expected the key \"variables\" or the key \"designs\" (a file), found both";
             let error = problems.add(variables.span(), message);
             error.related(path.span(), "the file");
             None
         }
         (None, None) => {
-            let message = "expected variables = [...], or designs = \"designs.csv\"";
+            let message = "expected the key variables = [...], or designs = \"designs.csv\"";
             problems.refuse(section.span(), message)
         }
     };
@@ -152,9 +154,9 @@ fn check_solver(
     } else if by_theta {
         (
             &file.motion.get_ref().drive,
-            "the angle of drive = \"paper_theta\" changes its meaning with the hardpoints, which \
+            "the meaning of the angle of drive = \"paper_theta\" depends on the hardpoints, which \
              [sweep] moves",
-            "drive = \"arm_angle\" means the same for every design",
+            "drive = \"arm_angle\" has the same meaning for every design",
         )
     } else {
         return;
@@ -241,15 +243,15 @@ impl SamplingKeys<'_> {
         let method = method?;
         if method == Sampling::Saltelli && variables.len() > MOST_EXCHANGED {
             let message = format!(
-                "method = \"saltelli\" takes at most {MOST_EXCHANGED} variables, found {}",
+                "method = \"saltelli\" accepts at most {MOST_EXCHANGED} variables, found {}",
                 variables.len()
             );
             return problems.refuse(self.variables.clone(), message);
         }
         if let (Sampling::Grid, Some(samples)) = (method, self.samples) {
-            let message = "a grid takes no samples: the steps of the variables give its designs";
+            let message = "the key \"samples\" is not available for a grid: the steps of the variables give its designs";
             let error = problems.add(samples.span(), message);
-            error.help("remove samples, or choose another method, such as \"sobol\"");
+            error.help("remove the key \"samples\", or choose another method, such as \"sobol\"");
             grid_points(&self.variables, places, &variables, problems);
             return None;
         }
@@ -257,7 +259,10 @@ impl SamplingKeys<'_> {
             Sampling::Grid => grid_points(&self.variables, places, &variables, problems)?,
             _ => {
                 let Some(samples) = self.samples else {
-                    let message = format!("method = \"{}\" needs samples, a number", method.name());
+                    let message = format!(
+                        "method = \"{}\" needs the key \"samples\", a number",
+                        method.name()
+                    );
                     return problems.refuse(self.section.clone(), message);
                 };
                 // The product samples times (variables + 2) must also be within the limit.
@@ -283,7 +288,7 @@ fn grid_points(
     for (place, variable) in places.iter().zip(variables) {
         if variable.steps.is_none() {
             let message = format!(
-                "{} needs steps, the number of its values in the grid",
+                "{} needs the key \"steps\": the number of its values in the grid",
                 variable.name
             );
             let error = problems.add(place.clone(), message);
@@ -334,7 +339,7 @@ fn variable(
     let moves = moves::moves(&moved, suspension, problems);
     let absolute = written.absolute.as_ref().filter(|a| *a.get_ref());
     if let (Some(absolute), Some(list)) = (absolute, &written.hardpoints) {
-        let message = "hardpoints that move together are given by an offset";
+        let message = "hardpoints that move together have offsets, not coordinates: remove the key \"absolute\"";
         let error = problems.add(absolute.span(), message);
         error.related(list.span(), "these");
         return None;

@@ -157,8 +157,8 @@ impl Target {
         values.iter().chain(added).copied().collect()
     }
 
-    /// Printed form of a drive value. For an axle it is a value of the varying coordinate. `drive` is the drive of the
-    /// study's own motion.
+    /// Printed form of a drive value. For an axle, the drive value is the value of the coordinate that varies. `drive` is the
+    /// drive of the study's own motion.
     pub fn printed_at(&self, drive: Drive, at: f64) -> f64 {
         match (&self.site.axle, &self.site.motion) {
             (Some(_), _) => at,
@@ -226,7 +226,7 @@ pub enum Wanted {
     },
     /// Measured points, each as [drive value, value]. Each is compared at its own drive value.
     Points(Vec<[f64; 2]>),
-    /// All values between two limits.
+    /// A band: every value between two limits meets the target.
     Band {
         /// Single drive value of the band. `None` for the stations of the motion.
         at: Option<f64>,

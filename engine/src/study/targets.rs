@@ -108,7 +108,7 @@ fn target(
     if let (Some(column), None) = (&written.column, &written.file) {
         problems.add(
             column.span(),
-            "column needs file: it names a column of the file",
+            "the key \"column\" needs \"file\": it names a column of the file",
         );
     }
     let (of, site) = (of?, site?);
@@ -129,7 +129,7 @@ fn target(
     }
     let target = Target {
         tolerance: of.from_printed(tolerance?).abs(),
-        // With rows, no stations can be added between them.
+        // In a motion given as a table of rows, no stations can be added between the rows.
         stations: if has_rows {
             Vec::new()
         } else {
@@ -163,7 +163,7 @@ fn quantity_and_site(
         (None, Some(_)) if context.file.compliance.is_some() => None,
         (None, Some(figure)) => problems.refuse(
             figure.span(),
-            "a figure of a test needs [compliance] with elastic parts",
+            "the key \"figure\" (a test result) needs [compliance] with elastic parts",
         ),
         (None, None) => subject(spanned, context, problems),
     };
@@ -191,7 +191,10 @@ fn interpolation(written: &Written, problems: &mut Problems) -> Option<Interpola
         return Some(Interpolation::MonotoneCubic);
     };
     if written.at.is_some() && written.points.is_none() {
-        problems.add(text.span(), "a single value has nothing to interpolate");
+        problems.add(
+            text.span(),
+            "the key \"interpolation\" does not apply to a single value",
+        );
     }
     choose(text, "interpolation", &kinds, problems)
 }
@@ -244,8 +247,8 @@ struct TargetContext<'a> {
 }
 
 impl TargetContext<'_> {
-    /// Checks that a motion of rows has a row for each drive value of a target. Within a target curve, the motion must have
-    /// at least one row.
+    /// Checks that a motion given as a table of rows has a row for each drive value of a target. For a target curve, at least
+    /// one row must lie on the curve.
     fn check_rows(
         &self,
         wanted: &Wanted,
@@ -337,7 +340,7 @@ impl TargetContext<'_> {
             }
             (None, None, at, None, true) => self.band(written, at.as_ref(), problems),
             (None, None, Some(at), None, false) => {
-                problems.refuse(at.span.clone(), "at needs value: the target value there")
+                problems.refuse(at.span.clone(), "\"at\" needs \"value\": the target value")
             }
             // Without a travel, the target of a test result applies at the design height.
             (None, None, None, Some(value), false) if self.of.is_figure() => {
@@ -346,16 +349,15 @@ impl TargetContext<'_> {
             }
             (None, None, None, Some(value), false) => problems.refuse(
                 value.span.clone(),
-                "value needs at: the drive value of the target",
+                "\"value\" needs \"at\": the drive value of the target",
             ),
             (None, None, None, None, false) => {
-                let message = "expected points = [[drive, value], ...], file = \"curve.csv\", at and value, or a band: \
-                           between, at_least, at_most";
+                let message = "expected points = [[drive, value], ...], file = \"curve.csv\", \"at\" and \"value\", or a band: \
+                           \"between\", \"at_least\", \"at_most\"";
                 problems.refuse(self.place.clone(), message)
             }
             _ => {
-                let message =
-                    "expected one of points, file, at with value, or a band, found more than one";
+                let message = "expected one of \"points\", \"file\", \"at\" with \"value\", or a band, found more than one";
                 problems.refuse(self.place.clone(), message)
             }
         };
@@ -425,8 +427,7 @@ impl TargetContext<'_> {
                 [least, most].map(|limit| Some((limit?.get_ref(), limit?.span())))
             }
             (Some(between), _, _) => {
-                let message =
-                    "between gives both limits; expected it alone, or at_least and at_most";
+                let message = "\"between\" gives both limits; expected \"between\" alone, or \"at_least\" and \"at_most\"";
                 return problems.refuse(between.span(), message);
             }
         };

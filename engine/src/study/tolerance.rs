@@ -23,8 +23,8 @@ use jig::jig;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Number of standard deviations about the nominal value within which a study must accept every value. Builds with values
-/// that a study does not accept are rejected.
+/// Number of standard deviations about the nominal value within which every value must be one that a study accepts. Builds
+/// with other values are rejected.
 const LEAST_SIGMAS: f64 = 4.0;
 /// Largest number of builds: hours of work for the fastest machine.
 const MOST_BUILDS: i64 = 10_000_000_000;
@@ -153,7 +153,7 @@ pub(super) fn contributors_of_axle(
         // A part that both wheels share has one random number.
         if own.iter().flat_map(|one| &one.sources).any(is_shared) {
             if let Some(text) = &written.get_ref().side {
-                let message = "both wheels share this part: expected no side";
+                let message = "both wheels share this part: remove the key \"side\"";
                 return problems.refuse(text.span(), message);
             }
             return Some(own);
@@ -162,7 +162,7 @@ pub(super) fn contributors_of_axle(
             if solid::is_single(contributor, &of_side, written.span(), problems)? {
                 if let Some(text) = &written.get_ref().side {
                     let name = &contributor.name;
-                    let message = format!("the axle has only one {name}: leave side out");
+                    let message = format!("the axle has only one {name}: remove the key \"side\"");
                     return problems.refuse(text.span(), message);
                 }
                 solid::scatter_once(contributor, side);
@@ -215,7 +215,7 @@ fn contributors(
         written.jig.is_some(),
     ];
     if kinds.iter().filter(|given| **given).count() != 1 {
-        let message = "expected one of hardpoint, hardpoints, length, jig, bushing and link";
+        let message = "expected one of the keys \"hardpoint\", \"hardpoints\", \"length\", \"jig\", \"bushing\" and \"link\"";
         return problems.refuse(place, message);
     }
     if let Some(points) = &written.jig {
@@ -223,7 +223,10 @@ fn contributors(
     }
     for (given, key) in [(&written.shift, "shift"), (&written.turn, "turn")] {
         if let Some(number) = given {
-            problems.add(number.span.clone(), format!("{key} needs jig"));
+            problems.add(
+                number.span.clone(),
+                format!("the key {key} needs the key \"jig\""),
+            );
         }
     }
     let law = law(written, place.clone(), problems);

@@ -144,8 +144,8 @@ pub struct Variable {
     pub rate: Option<Rate>,
     /// Lowest and highest offset from the design, in the study's axes. Degrees for a rotation.
     pub range: [f64; 2],
-    /// Cost of a change across the full range, relative to the other variables. The search for the smallest change uses it
-    /// to measure the size of a change.
+    /// Cost of a change across the full range, relative to the other variables. The size of a design change includes this
+    /// cost in the search for the smallest change.
     pub cost: f64,
 }
 
@@ -166,8 +166,8 @@ impl Variable {
         }
     }
 
-    /// Axis of the move. `None` if the move is not along a single axis, or if it is a direction against the axis: the coordinates
-    /// of all points then fall as the offset rises.
+    /// Axis of the move. `None` if the move is not along a single axis. Also `None` for a direction against the axis, in
+    /// which the coordinates of all points fall as the offset rises.
     pub fn axis(&self) -> Option<Axis> {
         let first = self.moves.first()?.axis;
         let is_along = self.moves.iter().all(|m| m.axis == first);

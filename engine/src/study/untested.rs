@@ -41,7 +41,7 @@ pub(super) fn refuses<'n, N: Iterator<Item = &'n str>>(
     let load = loads().next().map_or("", |load| load.name());
     let is_one_wheel = tests.iter().all(|test| test.mode == TestMode::OneWheel);
     let message = if is_named {
-        format!("no test of the study has the figure {name:?}")
+        format!("no test of the study gives a result {name:?}")
     } else {
         format!("unknown {what} {name:?}; did you mean {meant:?}?")
     };
@@ -49,8 +49,8 @@ pub(super) fn refuses<'n, N: Iterator<Item = &'n str>>(
         format!("{meant} describes both wheels: it needs [axle]")
     } else if is_tested && keys.is_empty() {
         format!(
-            "the study has a test with load = {load:?}, but it does not give this figure: docs/compliance.md lists what each \
-             figure needs"
+            "the study has a test with load = {load:?}, but this test does not give the result: docs/compliance.md lists the inputs of \
+             each result"
         )
     } else {
         let keys = std::iter::once(format!("load = {load:?}")).chain(keys);

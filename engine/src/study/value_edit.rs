@@ -270,7 +270,7 @@ fn in_lines(list: &mut Array) {
     list.set_trailing("\n");
 }
 
-/// Entries of a table. Keys that identify its subject come first.
+/// Entries of a table. The keys that identify the subject of the table come first.
 fn in_usual_order(values: &serde_json::Map<String, Json>) -> Vec<(&String, &Json)> {
     const FIRST: [&str; 9] = [
         "axle",

@@ -1,8 +1,8 @@
 //! Exact second-order result of the tolerance analysis of an axle.
 //!
-//! Along a direction of the parts, both built designs, their poses and the values read from them are Taylor series in one
-//! number, as for one wheel (module `expansion`). Module `axle/series` computes the positions on the ground. Quantities that
-//! contain velocities have no second-order result.
+//! As for one wheel (module `expansion`), the parts move along a direction, by one number. The built designs of both wheels,
+//! the poses and the values in these poses are Taylor series in this number. Module `axle/series` computes the positions on
+//! the ground. Quantities that contain velocities have no second-order result.
 //!
 //! Positions that follow from a load have no second-order result, either.
 
@@ -17,7 +17,7 @@ use crate::model::SteeringAxis;
 use crate::number::{Jet, Vector3};
 use crate::study::Source;
 
-/// Largest number of pose series of both wheels. They take some seconds to compute.
+/// Largest number of Taylor series of poses, over both wheels. Their computation takes some seconds.
 const MOST_SERIES: usize = 300_000;
 
 /// Second-order terms of the mean and of the variance, for each cell.

@@ -11,7 +11,7 @@ use crate::number::{Vector3, Width};
 use crate::study::Vehicle;
 
 impl Problem<'_> {
-    /// Reason why no build is solved in SIMD lanes. `None` if most builds are solved in lanes.
+    /// Reason why no build is solved in SIMD lanes (several builds at once). `None` if most builds are solved in lanes.
     pub fn not_in_lanes(&self) -> Option<NotInLanes> {
         let builder = Builder::new(self, Width::widest()).ok()?;
         builder.evaluator.not_in_lanes()
@@ -80,8 +80,8 @@ impl Problem<'_> {
         }
     }
 
-    /// All wheels of the build with this number. For an axle these are the left and the right wheel, each in the frame of a
-    /// left wheel. An error names the wheel that cannot be assembled.
+    /// Returns all wheels of the build with this number. For an axle, these are the left and the right wheel, each in the
+    /// frame of a left wheel. An error names the wheel that cannot be assembled.
     pub fn built_wheels(
         &self,
         number: u64,
@@ -89,14 +89,15 @@ impl Problem<'_> {
         Ok(self.built_parts(number)?.0)
     }
 
-    /// All wheels of a build, and the tensions that its parts cause in the links of an axle with extra links.
+    /// All wheels of a build, and the tensions that deviations of the parts cause in the links of an axle with extra links.
     fn built_parts(
         &self,
         number: u64,
     ) -> Result<(Vec<Suspension>, Tensions), (Option<Side>, AssemblyError)> {
         let mut draws = vec![0.0; self.tolerance.sources()];
         self.tolerance.draw(number, &mut draws);
-        // The tensions are the same for the left and the right view of an axle. The left view names their links.
+        // The tensions are the same for the axle as seen from the left wheel and as seen from the right wheel. The names of
+        // the links are those of the view from the left wheel.
         let mut tensions = None;
         let wheels = self.wheel_assemblers.iter().map(|wheel_assembler| {
             let mut built = wheel_assembler.assembler.suspension().clone();
@@ -124,7 +125,7 @@ pub(super) struct Outcome {
     pub(super) incomplete: (u64, Option<u64>),
 }
 
-/// Solves blocks of builds. Each thread has one.
+/// Solves blocks of builds. Each thread has a separate builder.
 ///
 /// Builds are assembled in SIMD lanes. Builds that do not converge in lanes, and builds with rockers near a toggle, are
 /// assembled one by one. The choice of method depends only on the build.
@@ -234,8 +235,8 @@ impl<'a> Builder<'a> {
         self.rates.clear();
     }
 
-    /// Assembles all wheels of a build that the lanes did not assemble, from its random numbers. If one wheel fails, no wheel
-    /// of the build is stored.
+    /// Assembles all wheels of a build from its random numbers, if the build was not assembled in lanes. If one wheel fails,
+    /// no wheel of the build is stored.
     fn build(&mut self, place: usize) -> Result<(), (Option<Side>, AssemblyError)> {
         let (tolerance, draws) = (self.problem.tolerance, &self.draws);
         let built = self.wheels.iter_mut().try_for_each(|wheel| {
@@ -277,7 +278,7 @@ impl<'a> Builder<'a> {
         built
     }
 
-    /// Solves the assembled builds of a block. `first` is the number of its first build.
+    /// Solves the assembled builds of a block. `first` is the number of the first build of the block.
     fn finish(&mut self, first: u64, mut rejects: Vec<Unbuilt>) -> Outcome {
         let wheels = &self.wheels;
         let designs = [0, 1].map(|k| wheels.get(k).map_or(&[][..], |wheel| &wheel.designs));

@@ -1,4 +1,5 @@
-//! Scatter of a car's results in every load case. Parts of both axles, rates and values of the car such as its mass scatter.
+//! Scatter of a car's results in every load case. The deviations of three kinds of inputs scatter: parts of both axles,
+//! rates, and values of the car such as its mass.
 //!
 //! The parts of each axle are assembled as in a study of the axle ([`crate::assembly`]). The car with these parts is in
 //! equilibrium on its springs. First-order results are exact. They follow from the chain rule: derivatives of every result

@@ -1,9 +1,9 @@
 //! Exact second-order result of the tolerance analysis of a car.
 //!
-//! Along a direction of the tolerance sources, the built designs of both axles, the rates and the values of the car are
-//! Taylor series in one number. The wheels, the unknowns of each state and the results are then Taylor series, too
-//! ([`crate::car`], module `second`). If an axle is solid, results that are derivatives of a state have no second-order
-//! result.
+//! The deviations move along a direction of the tolerance sources, by one number. The built designs of both axles, the rates
+//! and the values of the car are Taylor series in this number. The wheels, the unknowns of each state and the results are
+//! then Taylor series, too ([`crate::car`], module `second`). If an axle is solid, results that are derivatives of a state
+//! have no second-order result.
 
 use super::Problem;
 use super::car::CarProblem;
@@ -18,7 +18,7 @@ use crate::number::{Each, Jet, Vector3};
 use crate::study::{CarContributor, Law, Source};
 use rayon::prelude::*;
 
-/// Largest number of Taylor series of states. They take some seconds to compute.
+/// Largest number of Taylor series of states. Their computation takes some seconds.
 const MOST_SERIES: usize = 100_000;
 
 /// A tolerance source of a car.

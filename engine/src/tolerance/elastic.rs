@@ -1,14 +1,15 @@
 //! Builds of a wheel with elastic parts. The parts are assembled without load, and their rates also scatter.
 //!
 //! The parts of a build are assembled like the parts of a rigid mechanism, in the position in which elastic parts carry no
-//! force. The built design is the design of an elastic wheel, and the code evaluates the equilibria of this wheel. With p the
-//! built design and k the rates,
+//! force. The built design is then the design of a wheel with elastic parts, and the code evaluates the equilibria of this
+//! wheel. With p the built design and k the rates,
 //!
 //! ```text
 //! dy/dx = (dy/dp) (dp/dx) + (dy/dk) (dk/dx)
 //! ```
 //!
-//! One tape for each station gives dy/dp and dy/dk. Second derivatives are not computed.
+//! For each station, a tape (a record of the operations, for adjoint differentiation) gives dy/dp and dy/dk. Second
+//! derivatives are not computed.
 
 use super::axle_expansion::{Moves, moves_of_wheel};
 use super::wheel_assembler::WheelAssembler;
@@ -22,7 +23,7 @@ use crate::number::Vector3;
 use crate::study::{Band, ComplianceStudy, Rate, Source, Study, TargetKind, Tolerance, WheelStudy};
 use crate::threads::Interrupt;
 
-/// Rates that scatter, each with the wheel of its part, in the order of their tolerance sources.
+/// Rates that scatter, each with the wheel that has the part, in the order of the tolerance sources.
 pub(super) fn rates(tolerance: &Tolerance) -> impl Iterator<Item = (AxleParameter, &Rate)> {
     tolerance.each_source().filter_map(|source| {
         let rate = source.rate.as_ref()?;

@@ -1,7 +1,7 @@
 //! First-order result of the tolerance analysis of an axle with elastic parts.
 //!
-//! The parts of a wheel move only the built design of that wheel. Rates also scatter. The rates of the two wheels scatter
-//! independently, and a shared part has one rate. With p the built designs and k the rates,
+//! Deviations of the parts of a wheel move only the built design of that wheel. Rates also scatter. The rates of the two
+//! wheels scatter independently, and a shared part has one rate. With p the built designs and k the rates,
 //!
 //! ```text
 //! dy/dx = (dy/dp_left) (dp_left/dx) + (dy/dp_right) (dp_right/dx) + (dy/dk) (dk/dx)
@@ -10,7 +10,8 @@
 //! Parts of a solid axle on five links cause tensions T in the links of a build ([`crate::assembly`]). These tensions add the
 //! term (dy/dT) (dT/dx).
 //!
-//! One tape for each station gives the derivatives of its values. Second derivatives are not computed.
+//! For each station, a tape (a record of the operations, for adjoint differentiation) gives the derivatives of the values.
+//! Second derivatives are not computed.
 
 use super::Problem;
 use super::axle_expansion::moves;

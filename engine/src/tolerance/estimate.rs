@@ -2,7 +2,7 @@
 
 use super::Spread;
 
-/// Limit of the second-order term, as a share of the variance. The linear result is valid below this limit.
+/// Largest second-order term for which the linear result is valid, as a share of the variance.
 pub const HOLDS: f64 = 0.02;
 
 /// Bound of rounding errors, relative to the value, or to 1 unit (rad, mm) for small values. Values with a smaller difference
@@ -29,11 +29,11 @@ pub struct Estimate {
     pub second: [f64; 2],
 }
 
-/// Part of the variance of builds that remains after the first-order parts of the contributors: curvature, interaction and
+/// Part of the variance of builds that the first-order parts of the contributors do not explain: curvature, interaction and
 /// sampling error.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Remainder {
-    /// Remainder divided by the builds' variance. With the parts of the contributors it adds up to 1.
+    /// Remainder divided by the builds' variance. This share and the shares of the contributors add up to 1.
     pub part: f64,
     /// Standard error.
     pub error: f64,

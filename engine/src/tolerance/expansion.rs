@@ -1,9 +1,10 @@
 //! Exact first- and second-order results of the tolerance analysis.
 //!
-//! The adjoint of the built design ([`crate::assembly::built_curves`]) gives g, both for values and for gains. Taylor series
-//! give H. Along d_j + d_k a built design, its poses and the values read from them are Taylor series in one number. Their
-//! second coefficient is (H_jj + 2 H_jk + H_kk)/2. Quantities that contain velocities (gains, roll centres, anti-features,
-//! swing arms, motion ratios) have no second-order result, because they would also need Taylor series in travel.
+//! The adjoint of the built design ([`crate::assembly::built_curves`]) gives the gradient g, for values and for gains. Taylor
+//! series give the Hessian H. The parts move along the direction d_j + d_k, by one number. The built design, the poses and
+//! the values in these poses are Taylor series in this number. The second coefficient of a value is (H_jj + 2 H_jk + H_kk)/2.
+//! Quantities that contain velocities (gains, roll centres, anti-features, swing arms, motion ratios) have no second-order
+//! result, because they would also need Taylor series in travel.
 
 use super::{
     Estimate, Problem, Remainder, Spread, axle_expansion, axle_second, elastic, elastic_axle,
@@ -124,7 +125,7 @@ impl Expansion {
 }
 
 /// For one wheel: derivatives of every value with respect to each tolerance source, `[cell][source]`, and second-order terms
-/// of its mean and variance, `[cell]`.
+/// of the mean and the variance, `[cell]`.
 fn of_wheel(
     problem: &Problem,
     sources: &[&Source],

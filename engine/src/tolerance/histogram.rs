@@ -20,7 +20,7 @@ impl Histogram {
         let width = (greatest - least) / BINS as f64;
         let mut counts = [0; BINS];
         for (value, count) in values {
-            // If all values are equal, the quotient is NaN, and all values go into the first bin.
+            // If all values are equal, the quotient is NaN, and all values are counted in the first bin.
             let bin = ((value - least) / width) as usize;
             counts[bin.min(BINS - 1)] += u32::try_from(count).unwrap_or(u32::MAX);
         }

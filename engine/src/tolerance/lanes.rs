@@ -1,4 +1,4 @@
-//! Assembly of builds in SIMD lanes, from random numbers to built designs.
+//! Assembly of builds in SIMD lanes (several builds at once), from random numbers to built designs.
 
 use super::wheel_assembler::WheelAssembler;
 use crate::evaluate::{BLOCK, scatter};

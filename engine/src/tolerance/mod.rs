@@ -74,10 +74,11 @@ pub struct Problem<'a> {
     interrupt: Interrupt<'a>,
 }
 
-/// Values of a band as [output, station], and the limits of the band, which include rounding errors.
+/// Values of a band as [output, station], and the limits of the band, moved outwards by the rounding error.
 type Banded = (Vec<[usize; 2]>, [f64; 2]);
 
-/// Placements at which a band applies: the band's own value if it has one, otherwise all values of its site.
+/// Placements of the stations at which a band applies. These are the stations with the band's own drive value, if the band
+/// has one. Otherwise they are all stations of `site`.
 fn placements_of(band: &Band, site: &AxleSite, axle: &Axle) -> Vec<Placement> {
     let values = band
         .at
@@ -233,12 +234,12 @@ impl<'a> Problem<'a> {
         })
     }
 
-    /// Columns of the values: first the study's outputs, then the outputs that bands limit.
+    /// Columns of the results: first the study's outputs, then the outputs that bands limit.
     pub fn outputs(&self) -> &[Column] {
         self.request.columns()
     }
 
-    /// Stations of the values: the motion, then the design position, then the stations of bands.
+    /// Stations of the results: the motion, then the design position, then the stations of bands.
     pub fn stations(&self) -> &Stations {
         self.request.stations()
     }

@@ -13,7 +13,7 @@ use crate::sweep::in_order;
 use std::collections::BTreeMap;
 use std::ops::ControlFlow;
 
-/// Number of sums that are computed in parallel.
+/// Number of sums that are computed side by side.
 const SIDE_BY_SIDE: usize = 8;
 
 /// Results of many builds.
@@ -158,9 +158,10 @@ fn count(flags: &[bool]) -> u64 {
     flags.iter().map(|is| u64::from(*is)).sum()
 }
 
-/// Count of values, sums of the first to fourth powers of the differences from `about`, and range of the values.
+/// Returns the number of values, the sums of the first to fourth powers of the differences from `about`, and the range of the
+/// values.
 fn powers<'v>(pieces: impl Iterator<Item = &'v [f64]>, about: f64) -> ([f64; 5], [f64; 2]) {
-    // Computes several sums at a time and adds them at the end. Each sum runs in the order of the builds' numbers.
+    // Computes several sums at a time and adds them at the end. Each sum adds the values in the order of the builds' numbers.
     let mut sums = [[0.0; SIDE_BY_SIDE]; 5];
     let mut range = [f64::INFINITY, f64::NEG_INFINITY];
     for values in pieces {

@@ -2,18 +2,18 @@
 //! the values are not larger.
 //!
 //! For every output the code keeps a few *windows*: ranges of values in which percentiles can still lie. It stores values
-//! within the windows, and only counts values outside of them. Whenever the number of builds has doubled, to n, the windows
-//! become narrower. The p-quantile of any larger number of builds lies between two order statistics of the n values. Their
-//! ranks are
+//! within the windows, and only counts values outside of them. Whenever the number of builds has doubled (n is the new
+//! number), the windows become narrower. The p-quantile of any larger number of builds lies between two order statistics of
+//! the n values. Their ranks are
 //!
 //! ```text
 //! n p +- (7 sqrt(n p (1 - p)) + 24)
 //! ```
 //!
-//! Fewer than one in 10^10 binomial numbers are farther from their mean than this. The number of stored values grows as the
-//! square root of n. Equal values are stored once. If a percentile lies outside the windows, the code detects this, and the
-//! percentile has no value. Results do not depend on the windows that a thread uses, so they have the same bytes for any
-//! number of threads.
+//! Fewer than one in 10^10 binomial random numbers differ more than this from their mean. The number of stored values grows
+//! as the square root of n. Equal values are stored once. If a percentile lies outside the windows, the code detects this,
+//! and the percentile has no value. Results do not depend on the windows that a thread uses, so they are bit-identical for
+//! any number of threads.
 
 use super::PERCENTILES;
 use super::histogram::Histogram;
@@ -39,7 +39,7 @@ pub(super) struct Sifted {
     between: Vec<[u32; MOST + 1]>,
     /// Values within windows, cell after cell.
     kept: Vec<f64>,
-    /// For each cell, the end of its values in `kept`.
+    /// For each cell, the end of the cell's values in `kept`.
     ends: Vec<usize>,
 }
 
@@ -64,7 +64,7 @@ struct Cell {
     between: [u64; MOST + 1],
     /// Values within windows, each with its number of occurrences.
     kept: Vec<(f64, u64)>,
-    /// Length of `kept` at which its equal values are merged next.
+    /// Length of `kept` at which equal values are merged next.
     compact_at: usize,
 }
 
@@ -267,8 +267,8 @@ impl Cell {
     }
 }
 
-/// Converts a gap between the windows `then` to the gap between the windows `now` that contains it. Each new window lies
-/// within an old window.
+/// Converts a gap between the windows `then` to the gap between the windows `now` that contains the first gap. Each new
+/// window lies within an old window.
 fn moved(gap: usize, then: &[[f64; 2]; MOST], now: &[[f64; 2]; MOST]) -> usize {
     match gap {
         0 => 0,

@@ -56,7 +56,8 @@ impl WheelAssembler {
         source.changes_in(self.side)
     }
 
-    /// Dimensions that a tolerance source changes in this wheel, with the changes of the adjustments that keep it aligned.
+    /// Dimensions that a tolerance source changes in this wheel, with the changes of the adjustments that keep the wheel
+    /// aligned.
     pub(super) fn direction(&self, built: &Built, source: &Source) -> Vec<(BuildParameter, f64)> {
         let changes = self.changes(source);
         match &self.alignment {

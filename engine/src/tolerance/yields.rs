@@ -1,8 +1,8 @@
 //! Yield, and effect of each tolerance on the yield.
 //!
-//! The first-order result over a fixed random sample gives the gain from a tighter tolerance. The contribution of each
-//! contributor to each value with a band is stored, so halving or doubling a tolerance takes one addition. A predicted yield
-//! is the yield of the Monte Carlo analysis plus the change of the linear yield.
+//! The gain from a tighter tolerance comes from the first-order result over a fixed random sample. The code stores the
+//! contribution of each contributor to each value with a band. So the effect of half or twice a tolerance takes one addition
+//! for each value. A predicted yield is the yield of the Monte Carlo analysis plus the change of the linear yield.
 
 use super::{Expansion, MonteCarlo, Problem};
 use crate::sorting::sort_by;
@@ -24,7 +24,7 @@ pub struct BandYield {
     pub linear: f64,
 }
 
-/// Yields, and the effect of each contributor on them.
+/// Yields, and the effect of each contributor's tolerance on the yields.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Yields {
     /// Yield of each band.
@@ -52,11 +52,12 @@ pub struct Ranking {
 
 /// Random sample that gives the yield of all bands when tolerances of contributors are multiplied by factors.
 struct Sample {
-    /// Contributor's part of the value of a row, `[draw][row][contributor]`.
+    /// Each contributor's part of the value of a row, `[draw][row][contributor]`. A row is one value with a band: a result at
+    /// one station.
     parts: Vec<f64>,
     /// Nominal value of each row.
     drawn: Vec<f64>,
-    /// Band of each row and its limits.
+    /// Index of the band of each row, and the limits of this band.
     rows: Vec<(usize, [f64; 2])>,
     contributors: usize,
     bands: usize,
@@ -101,7 +102,7 @@ impl Sample {
         }
     }
 
-    /// Share of the sample in each band, and in all of them, with the tolerance of one contributor multiplied by a factor.
+    /// Share of the sample in each band, and in all bands, with the tolerance of one contributor multiplied by a factor.
     fn yields(&self, changed: Option<(usize, f64)>) -> (Vec<f64>, f64) {
         let mut in_bands = vec![0_u64; self.bands];
         let (mut in_all, mut draws) = (0_u64, 0_u64);

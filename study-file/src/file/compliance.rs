@@ -28,9 +28,9 @@ pub struct ComplianceTest {
     pub trail: Option<Number>,
     /// `wheel_height` or `wheel_load`.
     pub hold: Option<Text>,
-    /// Half-width of the range of the load.
+    /// Largest value of the load. The load varies from `-window` to `window`.
     pub window: Option<Number>,
-    /// Number of load levels.
+    /// Number of load values.
     pub levels: Option<Whole>,
     /// `all` or `nearest`.
     pub stations: Option<Text>,
@@ -49,7 +49,7 @@ pub type BushingCurve = Option<Spanned<Vec<Spanned<Vec<Number>>>>>;
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bushing {
-    /// Stiffness along and about its axes. Six numbers are valid.
+    /// Stiffness along and about the axes of the bushing. Six numbers are valid.
     pub stiffness: Option<Spanned<Vec<Number>>>,
     /// Coefficients of the cubed deflection. Six numbers are valid.
     pub cubic: Option<Spanned<Vec<Number>>>,
@@ -83,7 +83,7 @@ pub struct Bushing {
 pub struct Subframe {
     /// Hardpoints on the subframe.
     pub carries: Spanned<Vec<Text>>,
-    /// Positions of its left mounts by name.
+    /// Positions of the left mounts of the subframe, by name.
     pub mounts: BTreeMap<Text, Coordinates>,
 }
 
@@ -97,6 +97,6 @@ pub struct LinkStiffness {
     pub modulus: Option<Number>,
     /// Area of the cross-section.
     pub area: Option<Number>,
-    /// Constant tension. The stiffness adds its own tension to it.
+    /// Constant tension, in addition to the tension from the stiffness.
     pub preload: Option<Number>,
 }

@@ -46,7 +46,7 @@ pub struct SweepVariable {
     pub rate: Option<Text>,
     /// True if the values of a rate are factors.
     pub relative: Option<Spanned<bool>>,
-    /// `x`, `y` or `z`.
+    /// Axis of the move: `x`, `y` or `z`.
     pub axis: Option<Text>,
     /// Lowest and highest value. Two numbers are valid.
     pub range: Spanned<Vec<Number>>,
@@ -70,7 +70,8 @@ pub struct Optimise {
     pub seed: Option<Whole>,
     /// Largest number of iterations.
     pub max_iterations: Option<Whole>,
-    /// Misfit that is good enough. Below it, the tuning prefers the design nearest to the present one.
+    /// Misfit that is good enough. Among the designs with a smaller misfit, the tuning chooses the one nearest to the present
+    /// design.
     pub good_enough: Option<Number>,
     /// True if the targets are measurements.
     pub fit: Option<Spanned<bool>>,
@@ -133,7 +134,7 @@ pub struct Variable {
 pub struct Target {
     /// In the study of a car, the load case of the target.
     pub case: Option<Text>,
-    /// In the study of a car, the axle over whose own motion the target applies.
+    /// In the study of a car, the axle to which the target applies, over the axle's own motion.
     pub axle: Option<Text>,
     /// Name of the characteristic.
     pub characteristic: Option<Text>,
@@ -151,7 +152,7 @@ pub struct Target {
     pub points: Option<Spanned<Vec<Spanned<Vec<Number>>>>>,
     /// Path of a CSV file with a curve.
     pub file: Option<Text>,
-    /// Column of the values in this file.
+    /// Column of this file that contains the values.
     pub column: Option<Text>,
     /// Single drive value.
     pub at: Option<Number>,

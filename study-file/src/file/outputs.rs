@@ -27,7 +27,7 @@ pub struct Outputs {
     /// Pairs of members whose distance is reported.
     #[serde(default)]
     pub clearances: Vec<Spanned<Vec<Text>>>,
-    /// Angular rates of the knuckle.
+    /// True if the angular rates of the knuckle are reported.
     pub knuckle: Option<Spanned<bool>>,
     /// `position`, `velocity` or `acceleration`.
     pub order: Option<Text>,

@@ -15,7 +15,7 @@ pub struct Setup {
     pub want: Option<BTreeMap<Text, Number>>,
     /// Target change of the ride height, positive if the car becomes higher. An alternative is `travel`.
     pub ride_height_change: Option<Number>,
-    /// Wheel travel of the new static position, the negative of `ride_height_change`. An alternative to it.
+    /// Wheel travel of the new static position. Alternative to `ride_height_change`, with the opposite sign.
     pub travel: Option<Number>,
 }
 
@@ -25,7 +25,7 @@ pub struct Setup {
 pub struct Adjustment {
     /// Member with an adjustable length. An alternative is `shim`.
     pub length: Option<Spanned<MemberName>>,
-    /// Hardpoint that shims move. An alternative to `length`.
+    /// Hardpoint that is moved by shims. An alternative to `length`.
     pub shim: Option<Text>,
     /// Direction in which shims move the hardpoint.
     pub axis: Option<Text>,
@@ -33,7 +33,7 @@ pub struct Adjustment {
     pub per_turn: Option<Number>,
     /// Thickness of the thinnest shim.
     pub step: Option<Number>,
-    /// Half of a solid axle whose part is adjusted. Without it, both halves have their own adjustment.
+    /// Half of a solid axle whose part is adjusted. Without this key, each half has a separate adjustment.
     pub side: Option<Text>,
 }
 

@@ -68,7 +68,7 @@ pub struct OwnRight {
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct OwnBushing {
-    /// Stiffness along and about its axes. Six numbers are valid.
+    /// Stiffness along and about the axes of the bushing. Six numbers are valid.
     pub stiffness: Option<Spanned<Vec<Number>>>,
     /// Factors of the force and torque laws. Six numbers are valid.
     pub scale: Option<Spanned<Vec<Number>>>,
@@ -92,7 +92,7 @@ pub struct Steering {
     pub c_factor: Option<Number>,
     /// Stiffness between commanded and actual rack position, as force per length.
     pub rack_stiffness: Option<Number>,
-    /// Torque per angle at the pinion. It requires `c_factor`.
+    /// Stiffness of the steering column: torque per angle at the pinion. This key requires `c_factor`.
     pub column_stiffness: Option<Number>,
     /// Direction in which the steering gear moves the drag link of a solid axle.
     pub direction: Option<Coordinates>,

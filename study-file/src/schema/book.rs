@@ -5,7 +5,7 @@ use super::{Allowed, Root};
 use serde_json::{Map, Value, json};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Description of each key, by section and name.
+/// Reads the description of each key from the manual, by section and name.
 pub(super) fn manual(root: Root) -> BTreeMap<(String, String), String> {
     let mut descriptions = BTreeMap::new();
     for section in root.manual().split("\n## ").skip(1) {
@@ -35,10 +35,11 @@ pub(super) fn manual(root: Root) -> BTreeMap<(String, String), String> {
     descriptions
 }
 
-/// Note in the manual at keys that a study of one wheel or an axle refuses with an explanation.
+/// Note in the manual for keys of car studies. The reader of a study of one wheel or an axle knows these keys only to refuse
+/// them with an explanation.
 const OF_CARS: &str = "only in the [study of a car](car.md)";
 
-/// Everything that is known about the keys, while the schema is written.
+/// All information about the keys that is needed to write the schema.
 pub(super) struct Book {
     pub(super) root: Root,
     pub(super) places: BTreeMap<String, Place>,

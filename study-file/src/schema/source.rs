@@ -156,7 +156,7 @@ impl<'de> MapAccess<'de> for Keys<'_> {
     }
 }
 
-/// A key of a table. Like a value, it can be read together with its position in the file.
+/// A key of a table. Types can read the key alone, or the key with its position in the file.
 struct Key(&'static str);
 
 impl<'de> Deserializer<'de> for Key {
@@ -185,7 +185,7 @@ impl<'de> Deserializer<'de> for Key {
     }
 }
 
-/// Name by which the crate `serde_spanned` identifies a value with its position.
+/// Name by which the crate `serde_spanned` requests a value together with its position.
 const SPANNED: &str = "$__serde_spanned_private";
 
 /// A value with the positions of its first and its last byte, in the form of the TOML reader.

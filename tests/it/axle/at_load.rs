@@ -168,7 +168,7 @@ fn a_load_is_held_where_the_motion_says_so() {
             "",
             "has no roll",
         ),
-        (motion, "outputs.certify=true", "certify does not work"),
+        (motion, "outputs.certify=true", "certify\" does not work"),
         (motion, "outputs.certify=false", ""),
         // Derivatives of the poses would hold the mean travel.
         (

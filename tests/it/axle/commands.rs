@@ -628,7 +628,7 @@ fn mistakes_in_targets_of_an_axle_are_named() {
         ),
         (
             "characteristic = \"mean_steer\", over = \"roll\", roll = 1.0",
-            "so roll cannot be held",
+            "so roll cannot have a fixed value",
         ),
         (
             "characteristic = \"mean_steer\", over = \"rack\"",

@@ -128,7 +128,7 @@ fn motions_that_do_not_fit_are_refused() {
     );
     refused(
         &["motions.m={ heave = 1.0 }", &limit(", rack = 3.0")],
-        "leave rack out",
+        "remove the key \"rack\"",
     );
     refused(
         &["motions.m={ travel = 1.0 }", &limit(", side = \"right\"")],

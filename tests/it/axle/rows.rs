@@ -197,7 +197,7 @@ fn rows_that_do_not_fit_are_refused() {
     );
     refused(
         &[rows, &target("at = 1.0, value = 0.0, travel_right = 2.0")],
-        "the rows of the motion m give travel_right; leave travel_right out",
+        "the rows of the motion m give travel_right; remove the key travel_right",
     );
     refused(
         &[

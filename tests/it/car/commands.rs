@@ -158,12 +158,12 @@ fn mistakes_are_named() {
         (
             "value = 3.2,",
             "value = 3.2, at_least = 3.0,",
-            "expected one of value, between, at_least and at_most",
+            "expected one of the keys \"value\", \"between\", \"at_least\" and \"at_most\"",
         ),
         (
             "[optimise]",
             "[sweep]\nvariables = [{ car = \"mass\", percent = 10.0 }]\n[optimise]",
-            "car_mass needs steps",
+            "car_mass needs the key \"steps\"",
         ),
         (
             "[optimise]",
@@ -178,7 +178,7 @@ fn mistakes_are_named() {
         (
             "[optimise]",
             "[tolerance]\nscatter = [{ car = \"mass\", side = \"left\", sigma = 0.1 }]\n[optimise]",
-            "a rate or a value of the car has no side",
+            "the key side is not available for a rate or a value of the car",
         ),
         (
             "[optimise]",
@@ -361,7 +361,7 @@ fn wrong_inputs_of_cars_are_refused() {
         (
             format!("{axle}{case}"),
             "cases[0]",
-            "cases belongs to the study of a car, which has a section [car]",
+            "[cases] is a section of the study of a car, which also has a section [car]",
         ),
     ] {
         fs::write(directory.path().join("odd.toml"), &text).unwrap();

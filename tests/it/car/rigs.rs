@@ -188,7 +188,7 @@ fn mistakes_of_places_are_named() {
         (
             "{ case = \"turn\", characteristic = \"roll\",",
             "{ characteristic = \"roll\",",
-            "expected case (a load case) or axle",
+            "expected the key \"case\" (a load case) or the key \"axle\"",
         ),
         (
             "{ case = \"turn\", characteristic = \"roll\",",
@@ -213,7 +213,7 @@ fn mistakes_of_places_are_named() {
         (
             "percent = 40.0",
             "relative = 0.4",
-            "has percent instead of relative",
+            "has the key \"percent\" instead of \"relative\"",
         ),
     ] {
         let path = car(directory.path(), &BUMP_STEER.replacen(from, to, 1));

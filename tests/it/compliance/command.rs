@@ -529,7 +529,7 @@ fn a_missing_sheet_is_named() {
         "{said}"
     );
     assert!(
-        !said.contains("expected figure or characteristic"),
+        !said.contains("expected \"figure\" or \"characteristic\""),
         "{said}"
     );
 }

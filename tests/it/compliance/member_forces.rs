@@ -452,7 +452,7 @@ fn loads_that_cannot_be_held_have_no_values() {
     let (rigid, rest) = text.split_once("[compliance]").unwrap();
     let (_, outputs) = rest.split_once("[outputs]").unwrap();
     let said = refused(&format!("{rigid}[outputs]{outputs}"));
-    assert!(said.contains("hold needs [compliance]"), "{said}");
+    assert!(said.contains("hold\" needs [compliance]"), "{said}");
     let without = text.replace("[spring]\nrate = 90.0       # N/mm along the spring\nforce = 7000.0    # N in the design position\n", "");
     let said = refused(&without.replace("\"at_design_load\"", "\"free\""));
     assert!(said.contains("needs [spring]"), "{said}");

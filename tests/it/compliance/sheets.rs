@@ -190,7 +190,12 @@ fn mistakes_in_a_sheet_are_named_with_their_line() {
         ),
         // Two tests have this result, with trail 0 and trail 30.
         ("trail_mm", "reason", 2, "several tests"),
-        ("lateral,0.0", "lateral,15.0", 2, "no test of the study has"),
+        (
+            "lateral,0.0",
+            "lateral,15.0",
+            2,
+            "no test of the study gives",
+        ),
         (
             "trail_mm",
             "trail_in",

@@ -83,7 +83,7 @@ fn mistakes_are_named_by_line() {
             "[bushings.lower_arm_rear]",
             "expected z_axis",
         ),
-        (relaxed, "", "[compliance]", "expected relaxed"),
+        (relaxed, "", "[compliance]", "expected the key \"relaxed\""),
         (
             relaxed,
             "relaxed = \"slack\"",
@@ -204,7 +204,7 @@ fn figures_without_their_test_are_named_with_it() {
             braking,
             "toe_by_lateral_force_trail_30",
             [
-                "no test of the study has the figure",
+                "no test of the study gives a result",
                 "add { load = \"lateral\", trail = 30 } to tests",
             ],
         ),

@@ -301,7 +301,7 @@ fn what_cannot_be_given_is_refused_by_line() {
         (
             "macpherson_solve",
             &[paper, "outputs.sensitivities=[\"strut_top\"]"][..],
-            "but [outputs] asks for them",
+            "but [outputs] requests them",
         ),
         ("macpherson_front", &[paper], "but [optimise] needs them"),
         (

@@ -85,6 +85,6 @@ fn a_motion_cannot_have_the_name_of_another_file() {
         let error =
             hardpoint::study::Study::from_text("m.toml", &motion, std::path::Path::new("."));
         let error = error.unwrap_err().to_string();
-        assert!(error.contains("cannot begin with before"), "{error}");
+        assert!(error.contains("cannot begin with \"before\""), "{error}");
     }
 }

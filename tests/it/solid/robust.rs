@@ -131,5 +131,5 @@ fn scatter_needs_tolerances() {
     );
     let found = Study::from_text("solid.toml", &text, Path::new("")).unwrap_err();
     let found = found.to_string();
-    assert!(found.contains("scatter needs [tolerance]"), "{found}");
+    assert!(found.contains("scatter\" needs [tolerance]"), "{found}");
 }

@@ -346,7 +346,7 @@ fn refusals_have_reasons() {
         (
             steered,
             "adjust = [{ length = \"panhard\", side = \"left\" }]",
-            "the axle has only one panhard: leave side out",
+            "the axle has only one panhard: remove the key \"side\"",
         ),
         (
             steered,

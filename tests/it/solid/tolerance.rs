@@ -263,7 +263,7 @@ fn halves_scatter_by_themselves_and_single_parts_once() {
     };
     let sided = refused("{ length = \"tie_rod\", sigma = 0.1, side = \"left\" }");
     assert!(
-        sided.contains("the axle has only one tie_rod length: leave side out"),
+        sided.contains("the axle has only one tie_rod length: remove the key \"side\""),
         "{sided}"
     );
     let mixed = refused("{ jig = [\"panhard_axle\", \"lower_link_axle\"], shift = 0.1 }");

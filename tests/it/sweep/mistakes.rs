@@ -84,7 +84,7 @@ fn mistakes_in_the_sweep_are_named() {
         (
             "\"latin_hypercube\"",
             "\"grid\"",
-            &["steps", "tie_rod_inner_dz", "a grid takes no samples"],
+            &["steps", "tie_rod_inner_dz", "not available for a grid"],
         ),
         (
             "curves = true",
@@ -100,7 +100,7 @@ fn mistakes_in_the_sweep_are_named() {
         (
             first,
             r#"{ axis = "z", range = [-10.0, 10.0] }"#,
-            &["expected hardpoint", "variables[0]"],
+            &["expected the key \"hardpoint\"", "variables[0]"],
         ),
         (
             first,
@@ -160,7 +160,7 @@ fn mistakes_in_the_sweep_are_named() {
         (
             first,
             r#"{ hardpoints = ["tie_rod_inner"], axis = "z", range = [1, 2], absolute = true }"#,
-            &["given by an offset"],
+            &["have offsets, not coordinates"],
         ),
         (
             first,
@@ -240,7 +240,7 @@ fn mistakes_in_the_rows_of_designs_are_named() {
             "tie_rod_inner_z\n243,1\n",
             &["rows.csv:2", "expected 1 value"],
         ),
-        ("tie_rod_inner_z\n", &["rows.csv", "found none"]),
+        ("tie_rod_inner_z\n", &["rows.csv", "a row for each design"]),
         ("tie_rod_iner_z\n1\n", &["rows.csv:1", "tie_rod_inner"]),
         ("tie_rod_inner_z,tie_rod_inner_z\n1,1\n", &["occurs twice"]),
     ] {

@@ -993,7 +993,7 @@ fn mistakes_in_shafts_and_rims_are_refused() {
         ),
         (
             "{ members = [\"tie_rod\"], inside = { sphere = { centre = [0, 0, 0], radius = 9.0 } } }",
-            "expected rim",
+            "expected the key \"rim\"",
         ),
         (
             "{ members = [\"tie_rod\"], inside = { rim = 9.0 }, clearance = 9.0 }",
@@ -1067,7 +1067,7 @@ fn a_variable_along_a_direction_is_its_coordinates_together() {
         ),
         (
             "{ hardpoint = \"strut_top\", axis = \"x\", direction = [0, 1, 1], range = [-2.0, 2.0] }",
-            "axis or direction",
+            "\"axis\" or \"direction\"",
         ),
         (
             "{ hardpoint = \"strut_top\", range = [-2.0, 2.0] }",

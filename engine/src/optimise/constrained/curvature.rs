@@ -1,14 +1,14 @@
-//! Curvature that the squares of linear models do not contain, estimated from steps.
+//! Curvature that the linear models of residuals and rows do not contain. It is estimated from the steps.
 
 use super::super::qr::dot;
 
-/// Curvature that is added along the normals of the held rows in a program with curvature, relative to the largest diagonal
-/// entry.
+/// Curvature that is added along the normals of the held rows if the program uses the estimate S. Relative to the largest
+/// diagonal entry.
 const ACROSS: f64 = 4.0;
 /// Largest number of shifts tried to make a matrix positive definite. Each shift is ten times the previous shift.
 const SHIFTS: usize = 40;
 
-/// Symmetric rank-one estimate S of the curvature that the squares of linear models do not contain.
+/// Symmetric rank-one estimate S of the curvature that the linear models of residuals and rows do not contain.
 pub(super) struct Curvature {
     variables: usize,
     /// Matrix S, column after column.
@@ -62,9 +62,9 @@ impl Curvature {
     /// Replaces R by the factor of R^T R + S, which a shift makes positive definite. Replaces q so that the slope R^T q stays
     /// the same.
     ///
-    /// At a minimum under constraints, R^T R + S must be positive only along the held rows. Across them, the function adds the
-    /// square of each row, w (a.d + c)^2 / 2. This square is zero where the row is held, so its multiplier does not change. A
-    /// shift of the diagonal alone would shorten steps in every direction.
+    /// At a minimum under constraints, R^T R + S must be positive only along the held rows. Across the held rows, the
+    /// function adds the square of each row, w (a.d + c)^2 / 2. This square is zero where the row is held, so the multiplier
+    /// of the row does not change. A shift of the diagonal alone would shorten steps in every direction.
     pub(super) fn add_to(
         &mut self,
         held: &[(Vec<f64>, f64)],

@@ -92,7 +92,8 @@ pub(super) struct ConvexModel<'a> {
     /// Last multipliers of the levels. The next search starts from them.
     last_weights: Vec<Option<f64>>,
     curvature: Curvature,
-    /// Normals and offsets of the rows that the previous step held. Curvature is added in the direction of their normals.
+    /// Normals and offsets of the rows that were active (at their limits) in the previous step. Curvature is added in the
+    /// direction of their normals.
     across: Vec<(Vec<f64>, f64)>,
     matrix: Vec<f64>,
     vector: Vec<f64>,
@@ -191,7 +192,8 @@ impl<'a> ConvexModel<'a> {
         self.propose(curved)
     }
 
-    /// Finds the second-order corrected step: it subtracts the difference between the rows at the trial and their model.
+    /// Finds the step with a second-order correction: subtracts the difference between the rows at the trial and the model of
+    /// these rows.
     pub(super) fn solve_corrected(&mut self, trial: &Assessment, curved: bool) -> Proposal {
         let n = self.half.len();
         self.kept_offsets.clear();
@@ -245,7 +247,7 @@ impl<'a> ConvexModel<'a> {
         self.programs = PROGRAMS;
         self.damping = DAMPING;
         let mut outcome = self.program(curved);
-        // The point itself satisfies the rows. If no step is found, rounding errors are the reason.
+        // If the point already satisfies the rows, a failed search for a step is only due to rounding errors.
         let is_kept = self.worst() <= KEPT;
         for _ in 0..DAMPINGS {
             if outcome == Outcome::Solved || !is_kept {
@@ -273,8 +275,8 @@ impl<'a> ConvexModel<'a> {
         proposal
     }
 
-    /// Normals and offsets of the rows and bounds that the previous step held. They are the same for every weight of the
-    /// levels.
+    /// Returns normals and offsets of the rows and bounds that were active (at their limits) in the previous step. They do
+    /// not depend on the weights of the levels in the next program.
     fn held_rows(&self) -> Vec<(Vec<f64>, f64)> {
         let n = self.half.len();
         let rows = self.kept.iter().enumerate();

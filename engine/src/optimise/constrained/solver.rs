@@ -18,10 +18,11 @@ use steps::{Trial, Trials};
 
 /// Largest violation with which a constraint counts as satisfied: 1e-7 of a visible difference.
 pub(in crate::optimise) const KEPT: f64 = 1e-7;
-/// Share of [`Options::reduction_below`] at which a run ends. The relative error of the multipliers is about its square
-/// root.
+/// A run ends when the relative reduction is below this fraction of [`Options::reduction_below`]. The relative error of the
+/// multipliers is about the square root of this relative reduction.
 const NEGLIGIBLE: f64 = 1e-2;
-/// Imbalance up to which multipliers count as those of a minimum. The error of the goal is about its square.
+/// Largest imbalance with which the multipliers count as those of a minimum. The error of the goal is about the square of the
+/// imbalance.
 const BALANCED: f64 = 1e-8;
 /// First radius, in half ranges.
 const FIRST_RADIUS: f64 = 1.0;
@@ -31,7 +32,8 @@ const WHOLE: f64 = 4.0;
 const ACCEPTABLE: f64 = 1e-4;
 const POOR: f64 = 0.25;
 const GOOD: f64 = 0.75;
-/// Distance, in half ranges, up to which a refused trial is used for the slopes on the other side of a kink.
+/// If a refused trial is at most this far from the current point, the slopes at the trial are used as the slopes on the other
+/// side of a kink. In half ranges.
 const BESIDE: f64 = 1e-6;
 /// Largest number of stored refused trials.
 const SIDES: usize = 4;
@@ -61,7 +63,7 @@ pub struct ConstrainedFit {
     pub level_multipliers: Vec<f64>,
     /// Other multipliers of the rows that also balance the slope. They exist if gradients are linearly dependent.
     pub alternatives: Option<Vec<f64>>,
-    /// Imbalance of slopes and multipliers in the optimality conditions, relative to their sizes.
+    /// Imbalance of the optimality conditions (slopes plus multipliers times gradients), relative to the sizes of the terms.
     pub imbalance: f64,
     /// Rows that cannot be met together near `x`, if there are any.
     pub culprits: Vec<Held>,
@@ -147,7 +149,8 @@ struct SequentialConvex<'a> {
     current: Assessment,
     trial: Assessment,
     trial_x: DVector<f64>,
-    /// Rows at the latest refused trials near the current point. Their slopes are the slopes on the other sides of a kink.
+    /// Rows at the latest refused trials near the current point. The slopes of these rows are the slopes on the other sides
+    /// of a kink.
     beside: Vec<Linearisation>,
     /// Distance that the current point has moved since the first trial in `beside`, in half ranges.
     gone: f64,
@@ -219,8 +222,8 @@ impl SequentialConvex<'_> {
         self.filter = Filter::new(violation, self.record.options.violation_below);
     }
 
-    /// Stores the rows of the refused trial, if its distance `length` from the current point is at most [`BESIDE`]. If the
-    /// store is full, the function first removes the oldest trial.
+    /// Stores the rows of the refused trial, if the trial is at most [`BESIDE`] away from the current point. `length` is this
+    /// distance. If the store is full, the function first removes the oldest trial.
     fn keep_beside(&mut self, length: f64) {
         if length <= BESIDE {
             if self.beside.len() == SIDES {

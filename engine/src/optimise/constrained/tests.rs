@@ -24,8 +24,8 @@ fn near(found: &DVector<f64>, wanted: &[f64], bound: f64) {
     assert!(off < bound, "{found} {wanted:?}");
 }
 
-/// Least squares with a plane, between bounds that are no round numbers. A variable at a bound is on it exactly; the others are
-/// farther from it than the solver's resolution.
+/// Least squares with a plane, between bounds that are no round numbers. In the result, each variable lies exactly on a
+/// bound, or its distance from the bounds is larger than the solver's resolution.
 #[test]
 fn variables_at_bounds_are_exactly_on_them() {
     let mut noise = Noise::new(11);
@@ -117,7 +117,7 @@ fn projections_are_exact_and_multipliers_are_prices() {
     );
 }
 
-/// If two circles do not intersect, the run names both circles, and no small move from its end reduces the violation.
+/// If two circles do not intersect, the run names both circles. No small move from the end of the run reduces the violation.
 #[test]
 fn a_planted_contradiction_ends_with_its_rows() {
     let at = |x: &[f64]| {
@@ -360,7 +360,8 @@ fn multipliers_of_equal_rows_are_known_to_be_open() {
     }
 }
 
-/// A run stops at the next evaluation after a request. It also stops when its budget is used up, even between refused trials.
+/// A run stops at the next evaluation after a request to stop. It also stops when its budget of evaluations is used up, even
+/// while all trial steps are refused.
 #[test]
 fn evaluations_end_at_a_request_and_at_their_budget() {
     use std::cell::Cell;

@@ -8,7 +8,7 @@ use crate::solve::StationOrder;
 use crate::sorting::sort_by;
 use crate::study::{Motion, Sample, Site};
 
-/// Index of the measure of a target of one wheel, and its scale.
+/// Index of the measure of a target of one wheel, and the scale of the target's residual.
 pub(super) struct TargetPlace {
     /// Index of the measure.
     pub of: usize,

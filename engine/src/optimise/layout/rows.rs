@@ -70,8 +70,8 @@ impl LimitedValue {
 }
 
 impl Extremes {
-    /// Collects the rows that limit the maxima (`sign` 1) or the minima (`sign` -1) of a part. `None` if no station has such
-    /// a limit.
+    /// Collects the rows that set an upper limit (`sign` 1) or a lower limit (`sign` -1) for the values of a part. `None` if
+    /// no station has such a limit.
     pub(super) fn of(
         part: usize,
         sign: f64,

@@ -12,7 +12,7 @@ use crate::number::Each;
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Returns true if the roll motion keeps the load constant instead of the mean travel.
+/// Returns true if the roll motion keeps the wheel loads constant instead of the mean travel.
 fn at_load(
     file: &File,
     section: &file::Motion,
@@ -31,15 +31,15 @@ fn at_load(
     let certifies = file.outputs.as_ref().and_then(|o| o.certify.as_ref());
     let order = file.outputs.as_ref().and_then(|o| o.order.as_ref());
     let has_derivatives = order.is_some_and(|order| order.get_ref() != "position");
-    // Derivatives of the poses hold the mean travel, which is another motion.
+    // Derivatives along roll are computed at constant mean travel. At constant wheel load, the motion is different.
     let message = if at_load && (has_derivatives || section.time.is_some()) {
         "hold = \"wheel_load\" does not work with derivatives; expected order = \"position\" and no time law, or hold = \"mean_travel\""
     } else if section.roll.is_none() {
-        "hold applies to roll, and this motion has no roll"
+        "the key \"hold\" applies to roll, and this motion has no roll"
     } else if at_load && !axle.setup.is_sprung() {
         "hold = \"wheel_load\" needs [spring] or [heave_spring] for the wheel loads"
     } else if at_load && certifies.is_some_and(|c| *c.get_ref()) {
-        "certify does not work with hold = \"wheel_load\"; expected hold = \"mean_travel\", or no certify"
+        "the key \"certify\" does not work with hold = \"wheel_load\"; expected hold = \"mean_travel\", or no certify"
     } else if at_load && file.tolerance.is_some() {
         "[tolerance] does not work with hold = \"wheel_load\"; expected hold = \"mean_travel\", or no [tolerance]"
     } else {
@@ -64,7 +64,9 @@ fn over_time(
     let given = Coordinate::ALL.into_iter().zip(coordinates!(section));
     for (_, given) in given.filter(|(other, _)| *other == coordinate) {
         if let Some(given) = given {
-            let message = format!("time already gives the drive; expected {key} or time");
+            let message = format!(
+                "the key \"time\" already gives the drive values; expected either {key} or \"time\""
+            );
             let error = problems.add(given.span(), message);
             error.related(time.span(), "given here");
             return None;
@@ -85,7 +87,7 @@ fn over_time(
     Some(Some((AxleTime { coordinate, law }, values)))
 }
 
-/// Rule that combines the lists of a motion into stations.
+/// Reads the rule that combines the lists of a motion into stations.
 fn combine(section: &file::Motion, problems: &mut Problems) -> Option<Combine> {
     let Some(text) = &section.combine else {
         return Some(Combine::All);
@@ -95,7 +97,7 @@ fn combine(section: &file::Motion, problems: &mut Problems) -> Option<Combine> {
     if combine == Combine::Rows
         && let Some(time) = &section.time
     {
-        let message = "rows have no time; expected lists of values, or no combine";
+        let message = "combine = \"rows\" does not work with \"time\"; expected lists of values, or no \"combine\"";
         return problems.refuse(time.span(), message);
     }
     Some(combine)
@@ -208,8 +210,7 @@ impl MotionKeys<'_> {
         let by_angle = &self.section.steering_wheel_angle;
         match given {
             (Some(_), Some(_)) => {
-                let message =
-                    "rack and steering_wheel_angle both give the rack; expected one of them";
+                let message = "the keys \"rack\" and \"steering_wheel_angle\" both give the rack displacement; expected one of them";
                 self.refuse(by_angle, message, problems)
             }
             (racks, None) => {

@@ -101,18 +101,17 @@ fn spring(
         }),
         (None, None, Some(curve)) => Some(Law::Curve(force_curve(curve, newtons, problems)?)),
         (_, _, Some(curve)) => {
-            let message =
-                "force_curve already gives the spring; expected rate and force, or force_curve";
+            let message = "force_curve already gives the spring; expected either \"rate\" and \"force\", or \"force_curve\"";
             problems.refuse(curve.span(), message)
         }
         _ => {
-            let message = "expected rate and force (in the design position), or force_curve";
+            let message = "expected the keys \"rate\" and \"force\" (in the design position), or \"force_curve\"";
             problems.refuse(place, message)
         }
     }
 }
 
-/// Curve through pairs of length and force. `newtons` is the unit of its forces in N.
+/// Curve through pairs of length and force. `newtons` is the unit of the forces, in N.
 pub(in crate::study) fn force_curve(
     written: &Spanned<Vec<Spanned<Vec<Number>>>>,
     newtons: f64,
@@ -123,7 +122,10 @@ pub(in crate::study) fn force_curve(
         match pair.get_ref().as_slice() {
             [x, y] => points.push([x.value, y.value * newtons]),
             other => {
-                let message = format!("expected a pair [length, force], found {}", other.len());
+                let message = format!(
+                    "expected a pair [length, force], found {} numbers",
+                    other.len()
+                );
                 return problems.refuse(pair.span(), message);
             }
         }

@@ -17,7 +17,7 @@ use toml::Spanned;
 /// Largest number of builds. The values of all builds are kept in memory.
 const MOST_BUILDS: i64 = 100_000;
 
-/// Difference between the seeds of front axle, rear axle and values of the car.
+/// Difference between the seeds of the front axle, the rear axle and the values of the car.
 const STREAM: u32 = 0x9e37_79b9;
 
 /// `between`, `at_least` and `at_most` of an entry.
@@ -231,7 +231,8 @@ impl Resolver<'_> {
             (own.turn.as_ref().map(|n| n.span.clone()), "turn"),
         ];
         if let Some((Some(place), key)) = keys.into_iter().find(|(place, _)| place.is_some()) {
-            let message = format!("a rate or a value of the car has no {key}");
+            let message =
+                format!("the key {key} is not available for a rate or a value of the car");
             return self.problems.refuse(place, message);
         }
         let moves = self.moves(car, &Written::of_scatter(written))?;
@@ -257,7 +258,7 @@ impl Resolver<'_> {
                 }
             },
             _ => {
-                let message = "expected one of sigma, percent and limits";
+                let message = "expected one of the keys \"sigma\", \"percent\" and \"limits\"";
                 return self.problems.refuse(written.span(), message);
             }
         };
@@ -290,12 +291,12 @@ impl Resolver<'_> {
     ) -> Option<()> {
         let own = written.get_ref();
         let Some(text) = &own.axle else {
-            let message = "expected axle with one of its parts, or car";
+            let message = "expected the key \"axle\" with the key of one part of the axle, or the key \"car\"";
             return self.problems.refuse(written.span(), message);
         };
         let axle = choose(text, "axle", &ENDS, self.problems)?;
         if let Some(part) = &own.percent {
-            let message = "percent is for rates and values of the car; a part has sigma or limits";
+            let message = "the key \"percent\" is for rates and values of the car; a part needs \"sigma\" or \"limits\"";
             return self.problems.refuse(part.span.clone(), message);
         }
         let study = self.axles[axle].axle()?;

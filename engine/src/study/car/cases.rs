@@ -49,13 +49,13 @@ impl Resolver<'_> {
         case.racks = self.racks(car, [&written.rack, &written.rack_rear])?;
         if let Some(angle) = &written.steering_wheel_angle {
             if let Some(rack) = &written.rack {
-                let message = "steering_wheel_angle already gives the rack";
+                let message = "steering_wheel_angle already gives the rack displacement";
                 return self.problems.refuse(rack.span.clone(), message);
             }
             let Some(per_turn) = car.axles[0].setup.c_factor else {
                 let message = match car.axles[0].left.mechanism.axle_steering() {
                     Some(_) => {
-                        "a drag link steers the front axle, and no ratio relates it to a steering wheel; expected rack, the displacement of the drag link's end"
+                        "a drag link steers the front axle, and no ratio relates the drag link to a steering wheel; expected the key \"rack\": the displacement of the drag link's end"
                     }
                     None => "steering_wheel_angle needs c_factor in [steering] of the front study",
                 };

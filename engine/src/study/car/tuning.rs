@@ -135,7 +135,7 @@ impl Resolver<'_> {
                 Some(Place::Axle(end))
             }
             _ => {
-                let message = "expected case (a load case) or axle (front or rear alone), and \
+                let message = "expected the key \"case\" (a load case) or the key \"axle\" (front or rear alone), and \
                                only one of them";
                 self.problems.refuse(place, message)
             }
@@ -161,7 +161,7 @@ impl Resolver<'_> {
         }
     }
 
-    /// Targets of a case from an entry.
+    /// Reads the targets of one case from an entry of the file.
     fn target(
         &mut self,
         car: &Car,
@@ -205,7 +205,8 @@ impl Resolver<'_> {
             written.between.is_some() || written.at_least.is_some() || written.at_most.is_some();
         let wanted = match &written.value {
             Some(value) if has_band => {
-                let message = "expected one of value, between, at_least and at_most";
+                let message =
+                    "expected one of the keys \"value\", \"between\", \"at_least\" and \"at_most\"";
                 return self.problems.refuse(value.span.clone(), message);
             }
             Some(value) => [value.value; 2],
@@ -229,13 +230,13 @@ impl Resolver<'_> {
         match name {
             Some(name) => Some(name),
             None => {
-                let message = "expected characteristic: the result of the case";
+                let message = "expected the key \"characteristic\": the result of the case";
                 self.problems.refuse(place, message)
             }
         }
     }
 
-    /// Band of a target of a case.
+    /// Reads the band of a target of a case.
     fn band_of(&mut self, written: &file::Target, place: Span<usize>) -> Option<[f64; 2]> {
         let mut number = |limit: &LimitText, place: Span<usize>| match limit {
             OneOr::One(value) => Some(Number {
@@ -264,7 +265,7 @@ impl Resolver<'_> {
         self.limits((between.as_ref(), low.as_ref(), high.as_ref()), place)
     }
 
-    /// Constraints of a case from an entry.
+    /// Reads the constraints of one case from an entry of the file.
     fn constraint(
         &mut self,
         car: &Car,
@@ -410,7 +411,7 @@ impl Resolver<'_> {
 }
 
 impl CarOptimise {
-    /// Part of the tuning that could be in a study of one axle.
+    /// Returns the part of the tuning that could be in a study of one axle.
     pub(crate) fn of_axle(&self, end: usize) -> Optimise {
         Optimise {
             side_effects: self.side_effects,

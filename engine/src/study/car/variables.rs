@@ -12,7 +12,7 @@ use hardpoint_study_file::value::{Number, OneOrMore, Text};
 use std::ops::Range as Span;
 use toml::Spanned;
 
-/// Keys that name a part of the car and its change.
+/// Keys that name a part of the car, and the change of this part.
 pub(super) struct Written<'a> {
     place: Span<usize>,
     axle: Option<(Span<usize>, Vec<&'a str>)>,
@@ -102,7 +102,7 @@ impl Resolver<'_> {
         Some(ends)
     }
 
-    /// Changing part of the car that an entry names: hardpoints with a direction, a rate, or a value of the car.
+    /// Finds the part of the car that an entry changes: hardpoints with a direction, a rate, or a value of the car.
     pub(super) fn moves(&mut self, car: &Car, own: &Written<'_>) -> Option<Moves> {
         let ends = self.ends(own)?;
         let has_points = own.hardpoint.is_some() || own.hardpoints.is_some();
@@ -125,7 +125,7 @@ impl Resolver<'_> {
             }
             ([], false, None, Some(figure)) => self.figure(figure),
             _ => {
-                let message = "expected axle with hardpoint and axis, one axle with rate, or car";
+                let message = "expected \"axle\" with \"hardpoint\" and \"axis\", one \"axle\" with \"rate\", or \"car\"";
                 self.problems.refuse(own.place.clone(), message)
             }
         }
@@ -227,7 +227,7 @@ impl Resolver<'_> {
             let moved = || variables[..k].iter().position(|v| v.moves == own.moves);
             let (first, message) = match (named, moved()) {
                 (Some(first), _) => (first, format!("{} is already a variable", names[k])),
-                (None, Some(first)) => (first, "another variable moves the same".to_owned()),
+                (None, Some(first)) => (first, "another variable has the same effect".to_owned()),
                 (None, None) => continue,
             };
             let error = self.problems.add(places[k].clone(), message);
@@ -258,8 +258,8 @@ impl Resolver<'_> {
         let (range, written) = match (own.range, own.percent) {
             (Some(list), None) => (range(list, nouns, self.problems)?, list.span()),
             (None, Some(_)) if !moves.points().is_empty() => {
-                let message = "percent is for rates and values of the car; a hardpoint has range, \
-                               in lengths";
+                let message = "the key \"percent\" is for rates and values of the car; a hardpoint needs \"range\", \
+                               in the length unit";
                 return self.problems.refuse(place, message);
             }
             (None, Some(part)) => {
@@ -267,7 +267,7 @@ impl Resolver<'_> {
                 ([now - change, now + change], part.span.clone())
             }
             _ => {
-                let message = "expected range or percent, and only one of them";
+                let message = "expected \"range\" or \"percent\", and only one of them";
                 return self.problems.refuse(place, message);
             }
         };

@@ -43,8 +43,8 @@ impl AxleComplianceStudy {
     }
 }
 
-/// Elastic parts of an axle. `None` if they have an error, `Some(None)` if there are none. `motions` are the motions of the
-/// study, each with its position in the file.
+/// Elastic parts of an axle. `None` if these parts have an error, `Some(None)` if there are no such parts. `motions` are the
+/// motions of the study, each with its position in the file.
 pub(in super::super) fn axle_compliance<'m>(
     file: &File,
     axle: &Axle,
@@ -157,7 +157,7 @@ fn right_parts(
     let unknown = |name: &Text, section: &str, problems: &mut Problems| {
         let name = (name.get_ref(), name.span());
         let message = format!(
-            "[axle.right.{section}] gives different rates for the right wheel, but [{section}.NAME] has no {:?} of a wheel",
+            "[axle.right.{section}] gives rates for the right wheel, but {:?} is not a part of one wheel in [{section}]",
             name.0
         );
         problems.add(name.1, message);
@@ -209,7 +209,7 @@ fn right_parts(
     sound.then_some(right)
 }
 
-/// Results of the tests. A test with a motion has no window, so it has no secants.
+/// Results of the tests. A test with a motion has no window of loads, so it has no secants.
 fn figures(run: &AxleKcRun<'_>, tests: &[KcTest]) -> Vec<TestFigure> {
     let of_test = |test: &KcTest| {
         let kinds = if test.load.is_motion() {
@@ -241,7 +241,7 @@ fn figures(run: &AxleKcRun<'_>, tests: &[KcTest]) -> Vec<TestFigure> {
     });
     let mut figures: Vec<TestFigure> = Vec::new();
     for figure in named {
-        // If tests differ only in their window, the name belongs to the results of the first one.
+        // If tests differ only in their window of loads, the name belongs to the results of the first test.
         if !figures.iter().any(|known| known.name() == figure.name()) {
             figures.push(figure);
         }
@@ -301,9 +301,9 @@ fn steering(
 fn refuse_motion(place: Span<usize>, motion: &AxleMotion, problems: &mut Problems) -> Option<()> {
     let on_plane = matches!(motion.wheels, WheelMotion::Travels { on_plane: true, .. });
     let message = if motion.time.is_some() {
-        "time needs an axle without elastic parts; with [compliance] expected heave, travel_left and travel_right, and rack"
+        "the key \"time\" needs an axle without elastic parts; with [compliance] expected heave, travel_left and travel_right, and rack"
     } else if matches!(motion.wheels, WheelMotion::Roll { .. }) {
-        "roll needs an axle without elastic parts; with [compliance] use the test load = \"roll\" of kc"
+        "the key \"roll\" needs an axle without elastic parts; with [compliance] use the test load = \"roll\" of kc"
     } else if on_plane {
         "ground = \"plane\" needs an axle without elastic parts; with [compliance] both wheels stand on level pads"
     } else {

@@ -207,7 +207,7 @@ fn rising(
     for (k, pair) in curve.points().windows(2).enumerate() {
         if pair[0][1] >= pair[1][1] {
             let message = format!(
-                "expected a force above that of the point before, found {} after {}",
+                "expected each force above the force of the point before it, found {} after {}",
                 pair[1][1], pair[0][1]
             );
             return problems.refuse(written.get_ref()[k + 1].span(), &message);
@@ -355,7 +355,7 @@ fn shape_of_points(
         .find(|pair| pair[0].deflection >= pair[1].deflection || pair[0].force >= pair[1].force);
     if let Some([_, second]) = wrong {
         let message = format!(
-            "the curve {} must rise in both numbers: expected each above that of the line before",
+            "the curve {} must rise in both numbers: expected each number above the number in the line before",
             CURVES[axis]
         );
         let place = Some(second.place.clone());

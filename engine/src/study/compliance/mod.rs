@@ -88,8 +88,8 @@ fn section<'f>(
     let carries_link = |c: &Constraint| mechanism.arm_under(c).is_some();
     if mechanism.constraints.iter().any(carries_link) {
         let message = format!(
-            "{} has no elastic parts yet: its lower arm is joined to the wheel carrier at two \
-             points, and an elastic arm is joined to it at one",
+            "{} does not support elastic parts yet: its lower arm is joined to the wheel carrier at two \
+             points, and an elastic arm must be joined to the carrier at one point",
             mechanism.topology.name
         );
         let error = problems.add(section.span(), message);
@@ -198,7 +198,7 @@ fn tyre_rate(file: &File, problems: &mut Problems) -> Option<Option<f64>> {
     positive(&rate, problems)
 }
 
-/// Elastic parts of one wheel. `None` if they have an error, `Some(None)` if there are none.
+/// Elastic parts of one wheel. `None` if these parts have an error, `Some(None)` if there are no such parts.
 pub(super) fn compliance(
     file: &File,
     suspension: &Suspension,
@@ -251,7 +251,8 @@ const RELAXED: &str = "relaxed = \"at_design_load\" if the hardpoints describe t
 
 fn relaxed(section: &Spanned<file::Compliance>, problems: &mut Problems) -> Option<Relaxed> {
     let Some(text) = &section.get_ref().relaxed else {
-        let message = "expected relaxed: the position in which elastic parts are relaxed";
+        let message =
+            "expected the key \"relaxed\": the position in which elastic parts are relaxed";
         problems.add(section.span(), message).help(RELAXED);
         return None;
     };

@@ -110,7 +110,7 @@ fn check_held(
             Constraint::Revolute { first, second } => pairs.push([first, second]),
             Constraint::StrutLine { top, .. } if is_held(top) => {
                 let message = format!(
-                    "{} stays on the body: a strut's top is not available on a subframe",
+                    "{} must stay on the body: the top of a strut on a subframe is not supported",
                     name(top)
                 );
                 return problems.refuse(section.get_ref().carries.span(), &message);

@@ -11,7 +11,7 @@ use crate::model::{Side, Suspension};
 use crate::number::Each;
 use toml::Spanned;
 
-/// Largest number of levels in a test.
+/// Largest number of load levels in a test.
 const MOST_LEVELS: i64 = 1001;
 
 /// Tests of `[compliance]` for one wheel, or the default tests.
@@ -115,7 +115,7 @@ fn in_modes(
     problems: &mut Problems,
 ) -> Option<Vec<KcTest>> {
     if test.load == TestLoad::Steering && !steers {
-        let message = "these wheels are not steered: nothing is on a rack";
+        let message = "this test needs steered wheels, but no hardpoint of this axle is on a rack";
         return problems.refuse(written.load.span(), message);
     }
     let both: &[TestMode] = &[TestMode::Parallel];
@@ -125,7 +125,10 @@ fn in_modes(
         ("single", &Side::ALL.each(TestMode::Single)),
     ];
     if let (Some(mode), true) = (&written.mode, test.load.is_motion()) {
-        let message = format!("mode works with loads; {} is a motion", test.load.name());
+        let message = format!(
+            "the key \"mode\" works with loads; {} is a motion",
+            test.load.name()
+        );
         return problems.refuse(mode.span(), &message);
     }
     let modes = choose_or(&written.mode, both, "mode", &modes, problems)?;
@@ -199,13 +202,19 @@ fn test(
     ];
     for (key, span) in of_loads {
         if let (Some(span), true) = (span, load.is_motion()) {
-            let message = format!("{key} works with loads; {} is a motion", load.name());
+            let message = format!(
+                "the key {key} works with loads; {} is a motion",
+                load.name()
+            );
             return problems.refuse(span, &message);
         }
     }
     if let Some(trail) = &part.trail {
         if load != TestLoad::Lateral {
-            return problems.refuse(trail.span.clone(), "trail works with load = \"lateral\"");
+            return problems.refuse(
+                trail.span.clone(),
+                "the key \"trail\" works with load = \"lateral\" only",
+            );
         }
         if trail.value < 0.0 {
             let message = format!("expected 0 or more, found {}", trail.value);

@@ -42,7 +42,7 @@ impl Reader<'_> {
             .collect();
         if !span_a_flat(&leading) {
             let message = format!(
-                "the first {} points do not define a {what} in the design position; begin with others",
+                "the first {} points do not define a {what} in the design position; list other points first",
                 least - 1
             );
             return problems.refuse(names.span(), message);

@@ -146,7 +146,7 @@ pub fn named_joints(suspension: &Suspension) -> Vec<PointId> {
         .collect()
 }
 
-/// Joint of a drive shaft with this name. `None` for another name.
+/// Returns the joint of a drive shaft with this name. `None` if the name belongs to another joint.
 fn shaft_joint(
     name: &Text,
     joint: PointId,
@@ -171,8 +171,8 @@ fn shaft_joint(
     Some(Some(of([inner, outer])))
 }
 
-/// Stud of a joint, fixed in the wheel carrier. `[suspension.studs]` gives its direction in the design position. Otherwise
-/// it has the direction of the steering axis.
+/// Stud of a joint, fixed in the wheel carrier. `[suspension.studs]` gives the direction of the stud in the design position.
+/// Without this entry, the stud has the direction of the steering axis.
 fn stud(
     name: &Text,
     joint: PointId,

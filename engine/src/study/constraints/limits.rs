@@ -27,8 +27,7 @@ impl Reader<'_> {
                     return problems.refuse(between.span(), message);
                 };
                 if written.at_least.is_some() || written.at_most.is_some() {
-                    let message =
-                        "between gives both limits; expected it alone, or at_least and at_most";
+                    let message = "\"between\" gives both limits; expected \"between\" alone, or \"at_least\" and \"at_most\"";
                     return problems.refuse(between.span(), message);
                 }
                 [Some(low.value), Some(high.value)]

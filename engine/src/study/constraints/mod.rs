@@ -319,7 +319,8 @@ impl Reader<'_> {
     }
 }
 
-/// Change of a printed value that counts as 1 in the rows of a tuning, and its unit in words. It is a visible change.
+/// Returns the change of a printed value that counts as 1 in the rows of a tuning, with its unit in words. The change is one
+/// that a user would notice.
 pub(super) fn visible_change(unit: Unit, length: LengthUnit) -> (f64, String) {
     let millimetre = length.per_metre() / 1000.0;
     let symbol = length.symbol();

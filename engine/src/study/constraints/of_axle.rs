@@ -78,7 +78,8 @@ impl Reader<'_> {
             return Some(vec![(side, site)]);
         };
         if let Some(rack) = &written.rack {
-            let message = format!("the motion {name} gives the rack; leave rack out");
+            let message =
+                format!("the motion {name} gives the rack displacement; remove the key \"rack\"");
             return problems.refuse(rack.span(), message);
         }
         if motion.has_rows() {

@@ -26,7 +26,7 @@ impl Reader<'_> {
             (Some(region), None) => (region, true),
             (None, Some(region)) => (region, false),
             _ => {
-                let message = "expected inside or outside";
+                let message = "expected the key \"inside\" or the key \"outside\"";
                 return problems.refuse(self.place.clone(), message);
             }
         };
@@ -41,14 +41,17 @@ impl Reader<'_> {
             shape.rim.is_some(),
         ];
         if given.iter().filter(|g| **g).count() != 1 {
-            let message = "expected one of box, half_space, sphere, cylinder and rim";
+            let message = "expected one of the keys \"box\", \"half_space\", \"sphere\", \"cylinder\" and \"rim\"";
             return problems.refuse(region.span(), message);
         }
         let ends = [&shape.from, &shape.to];
         if shape.rim.is_none()
             && let Some(end) = ends.into_iter().flatten().next()
         {
-            return problems.refuse(end.span.clone(), "from and to belong to rim");
+            return problems.refuse(
+                end.span.clone(),
+                "the keys \"from\" and \"to\" can only be used with \"rim\"",
+            );
         }
         if shape.rim.is_some() && self.is_on_spin_axis(id) {
             let message = format!(
@@ -223,7 +226,7 @@ impl Reader<'_> {
             };
             ("cylinder", of, gap)
         } else {
-            let message = "a rim works with inside only";
+            let message = "the key \"rim\" works with \"inside\" only";
             return problems.refuse(place, message);
         };
         Some((what, vec![self.limited(of, Some(lower), None)]))
@@ -243,8 +246,9 @@ impl Reader<'_> {
         away.cross(axis).norm() <= 1e-9 * suspension.size() * axis.norm()
     }
 
-    /// Members that must stay inside the rim, over the part of the member that is within the rim. For a straight member
-    /// inside a round rim, the points closest to the rim are its ends, or one end and the point where it enters the rim.
+    /// Reads members that must stay inside the rim. The limit applies only to the part of a member within the width of the
+    /// rim. For a straight member inside a round rim, the points closest to the rim are the ends of the member, or one end
+    /// and the point where the member enters the rim.
     pub(super) fn members_inside(
         &self,
         names: &Spanned<Vec<Text>>,
@@ -254,7 +258,7 @@ impl Reader<'_> {
         self.takes(&["inside", "clearance", "radii"], problems);
         let shape = region.get_ref();
         let Some(rim) = &shape.rim else {
-            let message = "members can stay inside a rim only; expected rim = its radius";
+            let message = "members can stay inside a rim only; expected the key \"rim\": the radius of the rim";
             return problems.refuse(region.span(), message);
         };
         let [from, to] = rim_ends(shape, region.span(), problems)?;

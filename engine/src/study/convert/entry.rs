@@ -87,8 +87,8 @@ fn rate(name: &str) -> Option<Powers> {
     }
 }
 
-/// Sign of a result in the new axes, relative to the old axes. Results of the catalogues do not depend on the axes, but some
-/// test results do.
+/// Sign of a result in the new axes, relative to the old axes. Characteristics do not depend on the axes, but some test
+/// results do.
 fn sign_of_name(name: &str, conversion: &Conversion) -> f64 {
     if follows_y_axis(name) {
         conversion.sign(Axis::Y)
@@ -104,7 +104,7 @@ pub(super) struct Before {
     pub(super) of_axle: [usize; 2],
 }
 
-/// Facts about the study that entries refer to.
+/// Properties of the study that entries refer to.
 pub(super) struct Facts<'a> {
     pub(super) subject: Subject<'a>,
     /// Conversions of the front and the rear study of a car. For a single study, both are equal.
@@ -165,7 +165,8 @@ impl Facts<'_> {
         }
     }
 
-    /// Units and directions for an entry at this position of the text. `None` if they do not depend on other keys.
+    /// Units and directions for an entry at this position of the text. `None` if the numbers of the entry do not depend on
+    /// other keys.
     pub(super) fn entry(
         &self,
         place: &str,

@@ -113,8 +113,8 @@ impl Measured {
 /// Relative error below which a shorter number replaces a converted one. It is a few units in the last place.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// Number with fewer digits that differs only by rounding. So 240 mm stay 240 mm after conversion to inches and back. Zero
-/// has no sign.
+/// Number with fewer digits that differs only by rounding. So a length of 240 mm is 240 mm again after a conversion to inches
+/// and back. Zero has no sign.
 pub(super) fn without_rounding(value: f64) -> f64 {
     let short: f64 = format!("{value:.13e}").parse().unwrap_or(value);
     if (short - value).abs() <= ROUNDING * value.abs() {

@@ -53,7 +53,10 @@ pub(super) fn adjustments(
         own.seen_from_other = seen.map(|(parameter, sign)| (parameter, sign * share));
         if parameter.is_single(mechanism) {
             if let Some(text) = &written.get_ref().side {
-                let message = format!("the axle has only one {}: leave side out", own.name);
+                let message = format!(
+                    "the axle has only one {}: remove the key \"side\"",
+                    own.name
+                );
                 return problems.refuse(text.span(), message);
             }
             return Some(vec![own]);

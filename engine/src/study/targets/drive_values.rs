@@ -12,7 +12,7 @@ pub(super) struct DriveValues<'a> {
 }
 
 impl<'a> DriveValues<'a> {
-    /// Drive values of the motion of a site.
+    /// Returns the drive values of the motion that `site` names.
     pub(super) fn of(motion: &'a Motion, site: &Site, context: &Context) -> Self {
         let file = context.file;
         let section = match &site.motion {

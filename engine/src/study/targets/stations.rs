@@ -4,7 +4,7 @@ use super::super::{Limit, Motion, Site, Wanted};
 use super::ends;
 use crate::sorting::sort_numbers;
 
-/// Rack displacements of a site.
+/// Rack displacements at which a target applies.
 pub(super) fn rack_displacements(site: &Site, motion: &Motion) -> Vec<f64> {
     match site.racks.as_slice() {
         [] => vec![motion.design_rack()],

@@ -25,7 +25,10 @@ pub(super) fn jig(
         (written.axis.as_ref().map(Spanned::span), "axis"),
     ] {
         if let Some(span) = span {
-            problems.add(span, format!("a jig has shift and turn, not {key}"));
+            problems.add(
+                span,
+                format!("a jig has the keys \"shift\" and \"turn\", not {key}"),
+            );
         }
     }
     let points: Option<Vec<PointId>> = names
@@ -46,7 +49,7 @@ pub(super) fn jig(
         sigma(&written.turn, problems)?,
     );
     if shift == 0.0 && turn == 0.0 {
-        return problems.refuse(place, "expected shift, turn (degrees) or both");
+        return problems.refuse(place, "expected \"shift\", \"turn\" (degrees) or both");
     }
     let places = points.iter().map(|id| suspension.design[id.0]);
     let sum = places.clone().fold(Vector3::default(), |a, b| a + b);

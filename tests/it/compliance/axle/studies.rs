@@ -431,11 +431,11 @@ fn unknown_rates_are_refused() {
         ),
         (
             "rate = \"rack\", stiffness = \"x\"",
-            "stiffness names an axis of a bushing",
+            "selects an axis of a bushing",
         ),
         (
             "rate = \"rack\", link = \"tie_rod\"",
-            "expected one of bushing, link and rate",
+            "expected one of the keys \"bushing\", \"link\" and \"rate\"",
         ),
     ] {
         let text = with(SUBFRAME, &replaced(RATES, "rate = \"rack\"", rate));
@@ -683,7 +683,7 @@ fn what_an_elastic_axle_does_not_have_is_refused() {
         (
             with(SUBFRAME, "\n[axle.right.bushings.subframe_rear]\nstiffness = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0]\n")
                 .replacen("right = \"mirrored\"\n", "", 1),
-            "[bushings.NAME] has no \"subframe_rear\" of a wheel",
+            "\"subframe_rear\" is not a part of one wheel in [bushings]",
         ),
         (
             asymmetric("heave = [0.0]", TUNED).replace("upper_arm_front\", stiffness", "lower_arm_rear\", stiffness"),

@@ -61,7 +61,10 @@ fn parts_and_motions_of_rigid_axles_are_refused() {
             five.replace("[links.panhard]", "[links.panhrd]"),
             "did you mean \"panhard\"",
         ),
-        (five.replace("heave = [0.0]", "roll = [0.0]"), "roll needs"),
+        (
+            five.replace("heave = [0.0]", "roll = [0.0]"),
+            "roll\" needs",
+        ),
         (
             format!("{five}[outputs]\ncharacteristics = [\"anti_squat\"]\n"),
             "rigid mechanism",

@@ -24,7 +24,7 @@ fn keys_that_a_drag_link_does_not_have_are_refused() {
     for (further, reason) in [
         (
             "[motion]\nheave = [0.0]\nsteering_wheel_angle = [90.0]\n".to_owned(),
-            "expected rack",
+            "expected the key \"rack\"",
         ),
         (
             format!("{STILL}{outputs}certify = true\n"),
@@ -62,7 +62,7 @@ fn sections_and_points_that_do_not_fit_are_refused() {
         (
             direction.clone(),
             "c_factor = 50.0\n".to_owned(),
-            "has only direction",
+            "only the key \"direction\"",
         ),
         (
             direction.clone(),

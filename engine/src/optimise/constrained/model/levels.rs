@@ -6,7 +6,7 @@ use super::ConvexModel;
 /// Relative accuracy to which a level is met. A tenth of the largest violation that still counts as satisfied is always accurate
 /// enough.
 pub(super) const LEVEL_MET: f64 = 1e-7;
-/// Number of repeated moves of one end of a bracket before the other end counts less.
+/// Number of successive moves of one end of a bracket before the excess at the other end counts half (Illinois method).
 const PATIENCE: usize = 4;
 /// Largest number of programs in the search for the multiplier of a level.
 const SECANTS: usize = 30;

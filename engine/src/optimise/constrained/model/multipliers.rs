@@ -26,7 +26,7 @@ impl ConvexModel<'_> {
         [&self.row_multipliers, &self.level_multipliers]
     }
 
-    /// Returns the imbalance of the multipliers and the goal's slope, relative to the sizes of their terms: 0 at a minimum.
+    /// Returns the imbalance of the multipliers and the goal's slope, relative to the sizes of the terms: 0 at a minimum.
     pub(in super::super) fn imbalance(&self) -> f64 {
         let n = self.half.len();
         let (mut left, mut size) = (0.0_f64, 0.0_f64);
@@ -50,7 +50,7 @@ impl ConvexModel<'_> {
         self.scale().residual(left, size)
     }
 
-    /// Scale of the goal.
+    /// Returns the sizes with which slopes of the goal are compared.
     fn scale(&self) -> Scale {
         Scale::new(Sizes {
             residuals: self.residuals,
@@ -64,8 +64,8 @@ impl ConvexModel<'_> {
     }
 
     /// Improves the multipliers at the end of a run. If the multipliers of the last program do not balance the slope, the
-    /// function computes the multipliers that balance it best. It uses the gradients at this point and the gradients in
-    /// `beside`.
+    /// function computes the multipliers that balance the slope best. The function uses the gradients at this point and the
+    /// gradients in `beside`.
     pub(in super::super) fn settle_multipliers(&mut self, beside: &[Linearisation]) -> Settled {
         let n = self.half.len();
         let slope: Vec<f64> = (0..n).map(|j| self.goal.gradient(j)).collect();

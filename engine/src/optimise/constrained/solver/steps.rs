@@ -145,7 +145,7 @@ impl SequentialConvex<'_> {
     }
 
     /// Corrects the refused step for the curvature of the rows, and evaluates the corrected step. Returns true if the
-    /// corrected step is better. Returns `None` if rows that were constant so far change at its end.
+    /// corrected step is better. Returns `None` if rows that were constant so far change at the corrected trial.
     fn try_corrected(
         &mut self,
         problem: &mut impl Constrained,

@@ -150,7 +150,7 @@ catalogue! {
         BumpStopCompression, "bump_stop_compression", Length, "always; 0 without contact", "shortening of the spring beyond the gap", [BumpStop], state, wheel::bump_stop_compression;
         ReboundStopExtension, "rebound_stop_extension", Length, "always; 0 without contact", "lengthening of the spring beyond the gap", [ReboundStop], state, wheel::rebound_stop_extension;
         Jacking, "jacking_coefficient", Ratio, "a side force inboard lifts the body", "(C'.o)/(C'.n), o outboard along the ground", [Independent], state, wheel::jacking;
-        SideForceJacking, "side_force_jacking", Ratio, "a side force inboard lifts the body", "(C'.o)/(C'.n), o across the wheel in the ground", [Independent], state, wheel::side_force_jacking;
+        SideForceJacking, "side_force_jacking", Ratio, "a side force inboard lifts the body", "(C'.o)/(C'.n), o across the wheel, in the ground plane", [Independent], state, wheel::side_force_jacking;
         CamberGradient, "camber_gradient", AnglePerG, "camber to the road grows with ay", "d camber_to_road/d ay", [], rate, wheel::camber_gradient;
     }
     AxleResult of place: usize, (place) {
@@ -171,7 +171,7 @@ catalogue! {
         BarTorque, "anti_roll_bar_torque_{}", Torque, "the left lever is pushed further", "k_b (b_l - b_r)", [Bar], state, axle::bar_torque;
         BeamTorque, "beam_torque_{}", Torque, "twisted by a positive roll angle", "torsional_rate times the twist of the twist beam", [Beam], state, axle::beam_torque;
         HeaveSpringForce, "heave_spring_force_{}", Force, "compressed", "force + rate (l0 - l)", [HeaveSpring], state, axle::heave_spring_force;
-        HeaveSpringLength, "heave_spring_length_{}", Length, "always", "distance of the points heave_spring of both rockers", [HeaveSpring], state, axle::heave_spring_length;
+        HeaveSpringLength, "heave_spring_length_{}", Length, "always", "distance between the points heave_spring of both rockers", [HeaveSpring], state, axle::heave_spring_length;
         HeaveSpringTravel, "heave_spring_travel_{}", Length, "compressed", "length in the design position minus the present length", [HeaveSpring], state, axle::heave_spring_travel;
         TBarTorque, "t_bar_torque_{}", Torque, "the left rocker is turned further", "k (rho_l - rho_r)", [TBar], state, axle::t_bar_torque;
         HeaveBarTorque, "heave_bar_torque_{}", Torque, "in the direction in which jounce turns it", "torque + k (rho_l + rho_r)", [HeaveBar], state, axle::heave_bar_torque;
@@ -179,7 +179,7 @@ catalogue! {
         RollSteerGradient, "roll_steer_gradient_{}", AnglePerG, "steers to the left as ay grows", "d mean_steer/d ay, rack held", [], rate, axle::roll_steer_gradient;
         PitchSteerGradient, "pitch_steer_gradient_{}", AnglePerG, "steers to the left as ax grows", "d mean_steer/d ax, rack held", [], rate, axle::pitch_steer_gradient;
         RideRate, "axle_ride_rate_{}", ForcePerLength, "always", "d(N_l + N_r)/d gamma; attitude, A, B held, tyres in series", [], rate, axle::ride_rate;
-        RideFrequency, "ride_frequency_{}", Frequency, "always", "sqrt(K_A/m_A)/(2 pi), m_A the part of the sprung mass by the lever of G", [], rate, axle::ride_frequency;
+        RideFrequency, "ride_frequency_{}", Frequency, "always", "sqrt(K_A/m_A)/(2 pi), m_A the part of the sprung mass on this axle, by the lever rule", [], rate, axle::ride_frequency;
     }
     WholeResult of _place: (), () {
         Roll, "roll", Angle, "right side down", "phi", [], state, car::roll;
@@ -187,7 +187,7 @@ catalogue! {
         Heave, "heave", Length, "body down", "gamma - n.P0, P0 the mean contact point in the design position", [], state, car::heave;
         JackingHeave, "jacking_heave", Length, "body up", "static heave minus heave", [], rate, car::jacking_heave;
         Energy, "energy", Torque, "stored since the design position", "U of springs, stops and bars", [], state, car::energy;
-        WarpStiffness, "warp_stiffness", ForcePerLength, "always", "d(N_fl - N_fr - N_rl + N_rr)/4 by the height of the ground under front left and rear right, the ground under the other wheels lower by the same height; body free", [], rate, car::warp_stiffness;
+        WarpStiffness, "warp_stiffness", ForcePerLength, "always", "derivative of (N_fl - N_fr - N_rl + N_rr)/4 with respect to the height of the ground under front left and rear right; the ground under the other wheels falls by the same height; body free", [], rate, car::warp_stiffness;
         Rake, "rake", Length, "nose down", "ride_height_rear - ride_height_front", [RideHeights], state, car::rake;
         Wheelbase, "wheelbase_at_contact", Length, "always", "i.(mid contact points front - rear)", [], state, car::wheelbase;
         CgHeight, "cg_height", Length, "above the ground", "height of the centre of gravity of all masses", [], state, car::cg_height;

@@ -1,4 +1,4 @@
-//! Results of a car. Each has a name, a unit, a sign and a formula.
+//! Results of a car. Each result has a name, a unit, a sign and a formula.
 
 mod need;
 
@@ -62,13 +62,13 @@ impl AxleEnd {
 pub struct CarInfo {
     /// Name in studies. For a result of an axle, `{}` is replaced by `front` or `rear`.
     pub name: &'static str,
-    /// Kind of unit.
+    /// Type of unit.
     pub unit: Unit,
     /// Meaning of a positive value.
     pub positive: &'static str,
     /// Formula in the notation of the manual.
     pub formula: &'static str,
-    /// Parts that the car must have.
+    /// Parts that the car must have for this result.
     pub needs: &'static [CarNeed],
     /// True if the value is computed from derivatives of the state.
     pub is_rate: bool,
@@ -240,7 +240,7 @@ pub enum CarQuantity {
 }
 
 impl CarQuantity {
-    /// All quantities: results of the car, of each wheel, and of each axle.
+    /// Returns all results: of the whole car, of each wheel, and of each axle.
     pub fn all() -> Vec<CarQuantity> {
         let whole = WholeResult::ALL.iter().copied().map(CarQuantity::Whole);
         let wheels = WheelPlace::ALL.into_iter().flat_map(|place| {
@@ -254,7 +254,8 @@ impl CarQuantity {
         whole.chain(wheels).chain(axles).collect()
     }
 
-    /// All names that [`CarQuantity::named`] accepts. A name selects one result, or one result of all wheels or both axles.
+    /// Returns all names that [`CarQuantity::named`] accepts. A name selects one result, or the result of each wheel or
+    /// of each axle.
     pub fn names() -> Vec<String> {
         let all = CarQuantity::all().into_iter();
         let mut names: Vec<String> = all.map(CarQuantity::name).collect();
@@ -266,7 +267,7 @@ impl CarQuantity {
         names
     }
 
-    /// Results with this name: one result, or the results of all four wheels or both axles.
+    /// Returns the results with this name: one result, or the results of all four wheels, or the results of both axles.
     pub fn named(name: &str) -> Vec<CarQuantity> {
         let matches = |quantity: &CarQuantity| {
             let plain = match quantity {
@@ -285,7 +286,7 @@ impl CarQuantity {
         found
     }
 
-    /// Default columns, for a study that lists none.
+    /// Returns the default columns, for a study without a list of columns.
     pub fn default_columns(car: &Car) -> Vec<CarQuantity> {
         let whole = |list: &[WholeResult]| -> Vec<CarQuantity> {
             list.iter().copied().map(CarQuantity::Whole).collect()
@@ -393,7 +394,7 @@ impl CarQuantity {
         }
     }
 
-    /// Name of its column.
+    /// Returns the name of the result's column.
     pub fn column(self, length: LengthUnit) -> String {
         crate::ask::with_unit(self.name(), &self.info().unit.suffix(length))
     }
@@ -412,13 +413,14 @@ impl CarQuantity {
         })
     }
 
-    /// Returns true if the value includes the heave of the car at rest.
+    /// Returns true if the value is measured from the heave of the car at rest.
     pub(super) fn is_since_rest(self) -> bool {
         self == CarQuantity::Whole(WholeResult::JackingHeave)
     }
 
-    /// Reason why the result is undefined in a case; `None` if it is defined. Its formula is 0/0, or the result applies
-    /// only to braking and the case has drive forces, or the reverse.
+    /// Returns the reason why the result is undefined in a case; `None` if it is defined. It is undefined if its
+    /// formula is 0/0. It is also undefined if it applies only to braking and the case has drive forces, or the
+    /// reverse.
     pub fn undefined_in(self, case: &Case) -> Option<&'static str> {
         use WholeResult::{
             AntiDive, AntiLiftFront, AntiLiftRear, AntiSquat, Distribution, DistributionElastic,
@@ -463,7 +465,7 @@ impl CarQuantity {
         value.is_finite().then_some(value)
     }
 
-    /// Value of a result that needs no derivatives of the state. NaN for others.
+    /// Returns the value of a result that needs no derivatives of the state. NaN for other results.
     pub fn evaluate_state<T: Scalar>(self, state: &Balance<T>) -> T {
         match self {
             CarQuantity::Wheel(place, result) => result.evaluate_state(state, place),
@@ -472,7 +474,8 @@ impl CarQuantity {
         }
     }
 
-    /// Value, in radians, newtons and the car's length unit. Not finite if it is not defined.
+    /// Returns the value, in radians, newtons and the car's length unit. The number is not finite if the result is not
+    /// defined.
     pub fn evaluate<T: Scalar>(self, solved: &Solved<'_, T>) -> T {
         match self {
             CarQuantity::Wheel(place, result) => result.evaluate(solved, place),

@@ -170,13 +170,13 @@ impl NoEquilibrium {
                 equal_shares,
             } => {
                 let reason = format!(
-                    "no set of wheels in contact is possible: {} would pull on the ground in \
-                     contact, and would be below the ground if lifted",
+                    "no set of wheels on the ground is possible: with contact, {} would pull on the \
+                     ground; lifted, this wheel would be below the ground",
                     wheel.words()
                 );
                 if *equal_shares {
                     format!(
-                        "{reason}; a wheel without load cannot take an equal share of a force, use shares \"by_load\""
+                        "{reason}; a wheel without load cannot carry an equal share of a force: use shares \"by_load\""
                     )
                 } else {
                     reason

@@ -26,7 +26,7 @@ pub struct BushingPart<T = f64> {
     pub preload: [T; 6],
     /// Direction of the bushing's x axis in the design position, in the kernel's frame; `None` for the default.
     pub x_axis: Option<Vector3<T>>,
-    /// Direction whose component normal to the x axis gives the z axis; `None` for the vertical.
+    /// Direction from which the z axis is computed: its component normal to the x axis. `None` for the vertical.
     pub z_axis: Option<Vector3<T>>,
 }
 
@@ -43,7 +43,7 @@ pub struct SubframeMount<T = f64> {
     pub preload: [T; 6],
     /// Direction of the mount's x axis; `None` for forward.
     pub x_axis: Option<Vector3<T>>,
-    /// Direction whose component normal to the x axis gives the z axis; `None` for the vertical.
+    /// Direction from which the z axis is computed: its component normal to the x axis. `None` for the vertical.
     pub z_axis: Option<Vector3<T>>,
 }
 

@@ -76,18 +76,18 @@ impl ElasticFault {
                 )
             }
             ElasticFault::NoBalance { part } => format!(
-                "the forces at the design load cannot be found: without torsion nothing holds {part}"
+                "the forces at the design load cannot be found: only the torsional stiffness of bushings holds {part}"
             ),
             ElasticFault::OutOfReach { bushing, axis } => {
                 let point = parts.bushings[*bushing].point;
                 format!(
-                    "the curve along {} of {} does not reach its force at the design load",
+                    "the force curve along {} of the bushing {} does not reach the force that this bushing carries at the design load",
                     ["x", "y", "z"][*axis],
                     suspension.mechanism.name(point)
                 )
             }
             ElasticFault::NoForce => {
-                "the spring's force in the design position is 0, but with relaxed = \"at_design_load\" it carries the wheel there: expected another force, or relaxed = \"free\"".to_owned()
+                "the spring's force in the design position is 0, but with relaxed = \"at_design_load\" this force must carry the wheel: expected another force, or relaxed = \"free\"".to_owned()
             }
             ElasticFault::NoLeverage => {
                 "the spring's force has no leverage on the wheel in the design position".to_owned()

@@ -1,4 +1,4 @@
-//! Forces between two points: rods, springs, and the seat of a spring on a suspension part.
+//! Forces between two points: rods, and springs that act on the suspension directly or through a rocker.
 //!
 //! With the vector v from the fixed to the moving point, l = |v|, u = v/l and the tension T(l), the energy changes by T
 //! u.dp. Its second derivative is

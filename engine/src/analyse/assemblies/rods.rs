@@ -16,11 +16,11 @@
 //! The search applies these steps to a box of (p, v):
 //!
 //! 1. The equations of height and lengths are solved for each coordinate of p in turn. This makes the box smaller or
-//! empty.
+//!    empty.
 //! 2. The mean-value form of each equation must contain 0. Otherwise the box is dropped.
 //! 3. Krawczyk's operator is K = x - A F(x) + (1 - A J(X)) (X - x), with A an inverse of J in the middle x. All
-//! solutions in X are in K. If K lies inside X, there is exactly one solution (R. Krawczyk, *Computing* 4, 1969; R. E.
-//! Moore, *SIAM J. Numer. Anal.* 14, 1977). This step is repeated while it makes the box much smaller.
+//!    solutions in X are in K. If K lies inside X, there is exactly one solution (R. Krawczyk, *Computing* 4, 1969; R.
+//!    E. Moore, *SIAM J. Numer. Anal.* 14, 1977). This step is repeated while it makes the box much smaller.
 //!
 //! Then the search halves the remaining box along the variable that changes the equations most. Steps and halving are
 //! repeated until every box is decided or too narrow. All results are rounded outward, so the search misses no

@@ -93,7 +93,7 @@ pub enum Event {
     StopMet,
     /// A spring loses its force.
     SpringSlack,
-    /// A bushing is deflected beyond the last point of its force curve, or rotated by more than 60 degrees.
+    /// A bushing is deflected beyond an end of its force curve, or rotated by more than 60 degrees.
     Extrapolated,
 }
 

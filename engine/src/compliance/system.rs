@@ -310,8 +310,8 @@ impl<T: Valued> System<T> {
         }
     }
 
-    /// Returns the derivative of the wheel centre's height with respect to the carrier's motion, and its height above
-    /// the design position.
+    /// Returns two results: the derivative of the wheel centre's height with respect to the carrier's motion, and the
+    /// height of the wheel centre above its design position.
     #[inline(always)]
     fn height(&self, carrier: &Placed<T>) -> ([T; 6], T) {
         let lever = carrier.lever(self.wheel.centre);

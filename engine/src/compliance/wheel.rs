@@ -74,7 +74,7 @@ pub struct BushingReading<T = f64> {
     pub force: Vector3<T>,
     /// Torque on the moving body.
     pub torque: Vector3<T>,
-    /// True if the bushing is deflected beyond the last point of its force curve, or rotated by more than 60 degrees.
+    /// True if the bushing is deflected beyond an end of its force curve, or rotated by more than 60 degrees.
     pub is_extrapolated: bool,
 }
 

@@ -1,8 +1,9 @@
-//! Forces in constraints, rods and joints when all external forces on a wheel are known.
+//! Forces in constraints, rods and joints, if all external forces on a wheel are known.
 //!
-//! In addition to the load at the wheel, springs and bars push arms, rockers or the carrier. By virtual work, each of these
-//! forces acts like a wrench on the carrier, and the constraints balance the sum of all wrenches. The support is a vertical
-//! force at the wheel centre. If it is zero, the forces are in equilibrium along the suspension's motion.
+//! In addition to the load at the wheel, springs and bars act on arms, rockers or the carrier. By virtual work, each of
+//! these forces is equivalent to a wrench on the carrier. The constraints balance the sum of all wrenches. The support
+//! is a vertical force at the wheel centre. If this force is zero, the known forces are in equilibrium along the
+//! suspension's motion.
 
 use super::loads::{Balance, Balanced, Factors, Reaction, tension};
 use crate::mechanism::Wrench;
@@ -10,12 +11,12 @@ use crate::mechanism::pose::Sink;
 use crate::model::{ArmId, Body, Mechanism, PointId, RockerId, Rod};
 use crate::number::{Each, Vector3};
 
-/// A force on a part of the suspension, in the kernel's frame of the wheel.
+/// A known force on a part of the suspension, in the kernel's frame of the wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Applied<T = f64> {
-    /// A force at a point that moves.
+    /// A force at a point of a part that moves.
     Point(PointId, Vector3<T>),
-    /// A moment on a rocker, positive in the sense of its angle.
+    /// A moment on a rocker, positive in the direction of the rocker's angle.
     Rocker(RockerId, T),
     /// A force at a point of the wheel carrier, with a moment.
     Carrier {
@@ -28,29 +29,30 @@ pub enum Applied<T = f64> {
     },
 }
 
-/// Forces that balance the known forces.
+/// Forces in the suspension that balance the known forces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Carrying<T = f64> {
     /// Forces of the equations of the constraints. Some constraints have two equations.
     pub constraints: [Reaction<T>; 5],
     /// Tension of the rod of each rocker.
     pub rods: Vec<T>,
-    /// Force that each arm transmits at its outer joint because of known forces on the arm, such as those of a spring or a
-    /// rod.
+    /// Force that each arm transmits at its outer joint because of known forces on the arm, such as the force of a
+    /// spring or a rod.
     pub passed: Vec<Vector3<T>>,
     /// Vertical force at the wheel centre that is missing for equilibrium.
     pub lacking: T,
 }
 
 impl<T: Copy> Carrying<T> {
-    /// Tension of the rod between two points. `None` if no equation is the length of this rod.
+    /// Returns the tension of the rod between two points. `None` if none of the equations describes the length of this
+    /// rod.
     pub fn tension(&self, from: PointId, to: PointId) -> Option<T> {
         tension(&self.constraints, from, to)
     }
 }
 
-/// Body that carries a point. For a point on a rocker, it is the body that carries the outer end of the last rod in the
-/// chain that moves the rocker.
+/// Returns the body that carries a point. For a point on a rocker, this is the body at the outer end of the rod that
+/// moves the rocker. If several rods and rockers form a chain, it is the body at the outer end of the last rod.
 fn seat(mechanism: &Mechanism, id: PointId) -> Body {
     let last = mechanism.rockers_moving(id).last();
     mechanism.body(last.map_or(id, |rocker| mechanism.rocker(rocker).outer))
@@ -111,8 +113,8 @@ impl<T: Balanced> Balance<'_, T> {
         }
     }
 
-    /// Tensions of the rods, from the moments about the axes of their rockers. The outer end of a rod may be on a rocker
-    /// that comes earlier in the list.
+    /// Computes the tensions of the rods, from the moments about the axes of the rockers. The outer end of a rod may be
+    /// on a rocker that comes earlier in the list.
     fn rods(&self, applied: &[Applied<T>]) -> Vec<T> {
         let at = &self.at;
         let mechanism = at.mechanism;
@@ -185,7 +187,7 @@ impl<T: Balanced> Balance<'_, T> {
     }
 }
 
-/// Name of a rocker's rod as a member.
+/// Returns the name under which the rod of a rocker is listed as a member.
 pub fn rod_name(rod: Rod) -> String {
     rod.key().to_owned()
 }

@@ -1,24 +1,23 @@
 //! Forces at the mounts and in the cross member of a twist beam under a load.
 //!
-//! `model/twist_beam.rs` describes the model. A mount holds its half in x and z. Both mounts move sideways by equal
-//! distances in opposite directions, so the forces on them along y are equal. The far mount M has three rods: to two points
-//! of the hinge, and to a point of the far half. Their tensions t act along the unit vectors u towards M. Their sum is the
-//! force of the body
+//! `model/twist_beam.rs` describes the model. A mount holds one half of the beam in x and z. Both mounts move sideways
+//! by equal distances in opposite directions, so the forces on them along y are equal. The far mount M has three rods:
+//! to two points of the hinge, and to a point of the far half. The tensions t of these rods act along the unit vectors
+//! u towards M. The body acts on the far half with the sum of these forces:
 //!
 //! ```text
 //! F = sum t u                                                                                    (1)
 //! ```
 //!
-//! on the far half. A is the force of the far half's spring, or of the support at its wheel centre, and a is the point at
-//! which it acts. The far half is in balance if it acts on the near half at the shear centre S with the force H and the
-//! moment M_S:
+//! A is the force of the far half's spring, or of the support at its wheel centre. It acts at the point a. The far half
+//! acts on the near half at the shear centre S. From the balance of the far half, this force H and this moment M_S are
 //!
 //! ```text
 //! H = F + A,        M_S = (M - S) x F + (a - S) x A                                              (2)
 //! ```
 //!
-//! M_S has no component along the hinge. The torque of the twisted cross member is not a reaction to the load: it follows
-//! from the position (`beam_torque`).
+//! M_S has no component along the hinge. The torque of the twisted cross member is not a reaction to the load: it
+//! depends on the position (`beam_torque`).
 
 use super::loads::{Balance, Balanced, Reaction};
 use crate::model::{Axis, PointId, Side};
@@ -65,12 +64,13 @@ impl BeamForce {
         })
     }
 
-    /// Returns true for a force or moment of the whole beam, as opposed to one at each wheel.
+    /// Returns true for a force or moment of the whole beam, and false for one that exists at each wheel.
     pub(crate) fn is_single(self) -> bool {
         matches!(self, BeamForce::Force(_) | BeamForce::Moment(_))
     }
 
-    /// Sign that converts a component of the near half to one of the left half, if the load is on this wheel.
+    /// Returns the sign that converts a component for the near half to a component for the left half, if the load is on
+    /// this wheel.
     pub(crate) fn sign_of(self, wheel: Side) -> f64 {
         if self.is_single() && wheel == Side::Right {
             -1.0
@@ -110,7 +110,7 @@ impl BeamForce {
         }
     }
 
-    /// Value of the component in these forces.
+    /// Returns the value of the component in these forces.
     pub(super) fn of<T: Copy>(self, forces: &BeamForces<T>) -> T {
         let vector = match self {
             BeamForce::Mount(_) => forces.mounts[0],
@@ -123,8 +123,8 @@ impl BeamForce {
 }
 
 impl<T: Balanced> Balance<'_, T> {
-    /// Forces of a twist beam by (1) and (2). The load is on the near wheel, and `far` is the force of the support at the
-    /// far wheel.
+    /// Computes the forces of a twist beam by (1) and (2). The load is on the near wheel. `far` is the force of the
+    /// support at the far wheel.
     pub(super) fn beam(&self, constraints: &[Reaction<T>; 5], far: T) -> Option<BeamForces<T>> {
         let at = &self.at;
         let rigid = at.mechanism.rigid_axle.as_ref()?;

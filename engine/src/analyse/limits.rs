@@ -1,8 +1,8 @@
-//! Range of a mechanism: the values at which it folds, the reasons, and the derivatives of these values with respect to the
-//! design.
+//! Range of a mechanism: the values at which it folds (turning points at which the motion reverses), the reasons, and
+//! the derivatives of these values with respect to the design.
 //!
-//! At a fold, the pose can still move while the drive value does not change: F_x t = 0. With the multipliers w for which w
-//! F_x = 0 and w F_q = 1, the limit q satisfies
+//! At a fold, the pose can still move while the drive value does not change: F_x t = 0. With the multipliers w for
+//! which w F_x = 0 and w F_q = 1, the limit q satisfies
 //!
 //! ```text
 //! F(x, q, p) = 0   =>   dq/dp = - w . F_p                                         (1)
@@ -27,24 +27,24 @@ use crate::solve::continuation::{Curve, CurvePoint, Moving, PathEnd};
 use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 
-/// A value at which the mechanism folds.
+/// A limit of the motion: a value at which the mechanism folds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limit {
     /// Value, in the mechanism's length unit or in radians.
     pub value: f64,
     /// Reason why the mechanism cannot move beyond this value.
     pub cause: LimitCause,
-    /// Part with the smallest distance from a singular position, if the mechanism has an arm and a tie rod.
+    /// Part that is nearest to a singular position, if the mechanism has an arm and a tie rod.
     pub nearest: Option<PartMeasure>,
-    /// Outer ends of the links that are at a toggle with each other, if this toggle is the reason for the fold. For a rigid
-    /// axle, the outer end of the link with the largest force at the fold.
+    /// Outer ends of the links that are at a toggle with each other, if this toggle is the reason for the fold. For a
+    /// rigid axle, this is the outer end of the link with the largest force at the fold.
     pub dependent: Vec<PointId>,
     /// Pose at the fold.
     pub pose: Pose<f64>,
     /// Derivative of the value with respect to every point of the design.
     pub gradient: Vec<Vector3<f64>>,
-    /// Derivative of a rack's limit with respect to the drive, which is held while the rack moves. For a rigid axle,
-    /// derivative of a travel's limit with respect to the other travel. 0 if the drive itself moves.
+    /// For a limit of the rack: derivative with respect to the drive, which is held while the rack moves. For a limit
+    /// of a rigid axle's travel: derivative with respect to the other travel. 0 if the drive itself moves.
     pub by_drive: f64,
 }
 
@@ -55,11 +55,12 @@ pub enum RangeEnd {
     Fold(Limit),
     /// The arm can rotate fully: there is no limit before -pi or pi.
     FullTurn,
-    /// A rod that rotates a rocker of the mechanism, such as a Watt rocker, is in line with its lever and the rocker's axis.
+    /// Toggle of a rod that rotates a rocker of the mechanism, such as a Watt rocker: the rod is in line with its lever
+    /// and the rocker's axis.
     Toggle {
         /// Value at the toggle.
         value: f64,
-        /// Kind of rod.
+        /// Rod that is at its toggle.
         rod: Rod,
     },
     /// The path could not be followed beyond this value.
@@ -77,7 +78,7 @@ impl RangeEnd {
     }
 }
 
-/// Range of one coordinate about the design position, with the other coordinates fixed.
+/// Range of one coordinate around the design position, with the other coordinates fixed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Range {
     /// End at negative values.
@@ -99,7 +100,7 @@ impl Range {
         matches!((&self.lower, &self.upper), (Unresolved(lower), Unresolved(upper)) if lower == upper)
     }
 
-    /// Values at both ends. If the coordinate can rotate fully, they are -pi and pi.
+    /// Returns the values at both ends. If the coordinate can rotate fully, they are -pi and pi.
     pub fn ends(&self) -> [f64; 2] {
         let lower = match &self.lower {
             RangeEnd::FullTurn => -std::f64::consts::PI,
@@ -109,16 +110,16 @@ impl Range {
     }
 }
 
-/// Ranges of a suspension about its design position.
+/// Ranges of a suspension around its design position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Limits {
-    /// Wheel travel, with the rack in the middle.
+    /// Wheel travel, with the rack centred.
     pub travel: Range,
     /// Rack displacement towards the kernel's +y, at zero travel. `None` if no point is on the rack.
     pub rack: Option<Range>,
-    /// Angle of the first arm (radians), with the rack in the middle. `None` if there is no arm.
+    /// Angle of the first arm (radians), with the rack centred. `None` if there is no arm.
     pub arm_angle: Option<Range>,
-    /// Toggles of rockers within this travel, with the rack in the middle.
+    /// Toggles of rockers within this travel, with the rack centred.
     pub rockers: Vec<RockerRange>,
 }
 
@@ -165,7 +166,7 @@ impl Solver<'_> {
         })
     }
 
-    /// First toggle of a rocker as the wheel moves to `end`.
+    /// Finds the first toggle of a rocker as the wheel moves to `end`.
     fn toggle_towards(
         &mut self,
         rocker: RockerId,
@@ -192,7 +193,8 @@ impl Solver<'_> {
         }))
     }
 
-    /// First of several travels, in outward order, at which a rocker is stuck, and the rod at its toggle.
+    /// Finds the first of several travels, in outward order, at which a rocker has no position. Returns the index of
+    /// this travel, and the rod at its toggle.
     fn first_toggle(
         &mut self,
         rocker: RockerId,
@@ -290,8 +292,8 @@ impl Solver<'_> {
         }
     }
 
-    /// Replaces an unresolved end of the range by a toggle, if the rod of a Watt rocker or of a knuckle is at its toggle at
-    /// this end. Beyond the toggle, the rocker has no position.
+    /// If an end of the range is unresolved, the rod of a Watt rocker or of a knuckle may be at its toggle there. In
+    /// this case, the function replaces the end by this toggle. Beyond the toggle, the rocker has no position.
     fn with_toggles(
         &mut self,
         mut range: Range,
@@ -318,7 +320,7 @@ impl Solver<'_> {
         Ok(range)
     }
 
-    /// Leverage of a rod in the last pose that can be solved before a value of the drive.
+    /// Returns the smallest leverage of a rod in poses shortly before a value of the drive.
     fn least_leverage(
         &mut self,
         rocker: RockerId,
@@ -348,15 +350,15 @@ impl Solver<'_> {
     }
 }
 
-/// Positions before an end at which the leverage of a rod is checked, as fractions of the distance to the end.
+/// The leverage of a rod is checked at these positions before an end, as fractions of the distance to the end.
 const BEFORE_END: [f64; 4] = [0.99, 0.9999, 0.999_999, 0.999_999_99];
-/// Leverage below which a rod is at its toggle. The rod's line then passes the rocker's axis at an angle of about half a
-/// degree.
+/// If its leverage is below this, a rod counts as being at its toggle. The angle between the rod and its lever is then
+/// about half a degree.
 pub(crate) const AT_TOGGLE: f64 = 0.01;
 
 impl Curve<'_> {
-    /// Outer end of the link with the largest multiplier w of (1). This multiplier is proportional to the force in the link
-    /// at the fold.
+    /// Returns the outer end of the link with the largest multiplier w of (1). This multiplier is proportional to the
+    /// force in the link at the fold.
     fn holding_link(&self, fold: &CurvePoint) -> Option<PointId> {
         let ends = outer_ends(self.mechanism).into_iter();
         let forces = ends.zip(self.fold_multipliers(fold));

@@ -6,17 +6,18 @@
 //! J^T l + w = 0                                                                   (1)
 //! ```
 //!
-//! The row of a rod is the unit force along it, so its multiplier is the force with which the rod pushes the knuckle. The
-//! row of a strut line is a unit force on the knuckle across the strut. The rows of a hinge are unit forces at its points.
-//! The sixth row is the support, which keeps the suspension from moving. The support is the spring or, without a spring, a
-//! vertical force at the wheel centre. A spring on a rocker acts through the rod, whose tension follows from the moments
-//! about the rocker's axis.
+//! Each constraint has a row in the Jacobian J. The row of a rod is the unit force along it, so its multiplier is the
+//! force with which the rod pushes the knuckle. The row of a strut line is a unit force on the knuckle across the
+//! strut. The rows of a hinge are unit forces at its points. The sixth row is the support, which prevents the
+//! suspension from moving. The support is the spring or, without a spring, a vertical force at the wheel centre. A
+//! spring on a rocker acts through the rod. The tension of this rod is computed from the moments about the rocker's
+//! axis.
 //!
-//! A rigid axle has two supports, one at each wheel. The support of the far wheel uses the row of the held travel, which is
-//! not a constraint of the mechanism.
+//! A rigid axle has two supports, one at each wheel. The support of the far wheel uses the row of the held travel,
+//! which is not a constraint of the mechanism.
 //!
-//! All functions are generic over the number type. With series along a design variable, each force includes its derivative
-//! with respect to this variable. The matrix is factorised by its constant part.
+//! All functions are generic over the number type. With series along a design variable, each force includes its
+//! derivative with respect to this variable. The matrix is factorised by its constant part.
 
 mod members;
 
@@ -32,9 +33,9 @@ use crate::number::{Each, Jet, Scalar, Vector3};
 use crate::solve::{Conditioning, Solver};
 use members::sprung_joint;
 
-/// Prefix of the names of members of the far half of a rigid axle.
+/// Prefix of the names of members in the far half of a rigid axle.
 pub const FAR: &str = "right_";
-/// Index of the row for a rigid axle's held travel. It is the last row.
+/// Index of the row for the held travel of a rigid axle. It is the last of the five rows of constraints.
 const FAR_ROW: usize = 4;
 
 /// Point at which a load acts.
@@ -83,7 +84,7 @@ impl Support {
     }
 }
 
-/// Factors of a matrix. A matrix of series is factorised by its constant part.
+/// LU factors of a matrix. If the matrix contains series, its constant part is factorised.
 #[derive(Clone, Copy)]
 pub struct Factors<'f>(pub(super) &'f Lu6<f64>);
 
@@ -117,14 +118,14 @@ pub enum Reaction<T = f64> {
         /// Force in the rod, positive in tension.
         tension: T,
     },
-    /// A link between an arm and the knuckle, or a second joint between an arm and the knuckle. The arm's own outer joint
-    /// carries the reaction.
+    /// A link between an arm and the knuckle, or a second joint between them. The outer joint of the arm carries the
+    /// reaction.
     ArmEnd {
         /// End of the link on the arm.
         inner: PointId,
         /// End of the link on the knuckle, or the joint.
         outer: PointId,
-        /// Tension of the link. Meaningless for a joint.
+        /// Tension of the link. It has no meaning for a joint.
         tension: T,
         /// Force on the knuckle at the outer end.
         force: Vector3<T>,
@@ -133,8 +134,8 @@ pub enum Reaction<T = f64> {
         /// Force of the arm on the knuckle at the arm's outer joint.
         passed: Vector3<T>,
     },
-    /// A force on the knuckle at a point of the body. It is one of two components of a strut's side force at its mount, or
-    /// one component of the force at a point of a hinge.
+    /// A force that the body exerts on the knuckle at a point. It is one of two components of a strut's side force at
+    /// its mount, or one component of the force at a point of a hinge.
     Force {
         /// Point on the wheel carrier at which the force acts.
         point: PointId,
@@ -154,21 +155,21 @@ pub struct Reactions<T = f64> {
     pub far_support: Option<T>,
     /// Tensions of drag link and tie rod of a steered axle.
     pub steering: Option<[T; 2]>,
-    /// Forces of a twist beam.
+    /// Forces in a twist beam.
     pub beam: Option<BeamForces<T>>,
     /// Tension in the pushrod or pullrod, if the spring is on a rocker.
     pub rod: Option<T>,
-    /// Force of the support on the knuckle. If the spring, or the rod of its rocker, is mounted on an arm, this is the force
-    /// that the arm transmits at its outer joint. The legs of this arm are then also loaded in bending. The forces of the
-    /// legs and this force add up to the force in the joint.
+    /// Force of the support on the knuckle. If the spring, or the rod of its rocker, is mounted on an arm, this is the
+    /// force that the arm transmits at its outer joint. The legs of this arm are then also loaded in bending. The force
+    /// in the joint is the sum of this force and the forces of the legs.
     pub support_force: Vector3<T>,
 }
 
-/// A pose with its support, prepared for loads. Its equations are factorised once for any number of loads.
+/// A pose with its support, prepared for loads. The equations are factorised once for any number of loads.
 pub struct Balance<'a, T = f64> {
     pub(super) closure: &'a Closure<T>,
     pub(super) at: Configuration<'a, T>,
-    /// Equation of the support.
+    /// Row of the support in the equations.
     support: Wrench<T>,
     /// Tension in the rod of the spring's rocker per unit of spring force.
     rod_per_spring: Option<T>,
@@ -180,8 +181,8 @@ pub struct Balance<'a, T = f64> {
 }
 
 impl<'a, T: Balanced> Balance<'a, T> {
-    /// Prepares the balance in a pose of a mechanism of this size. `None` if the support has no leverage, or so little that
-    /// fewer than six digits of the forces would be correct.
+    /// Prepares the balance in a pose of a mechanism of this size. `None` if the support has no leverage. Also `None`
+    /// if its leverage is so small that fewer than six digits of the forces would be correct.
     pub(crate) fn new(
         closure: &'a Closure<T>,
         at: Configuration<'a, T>,
@@ -231,7 +232,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         })
     }
 
-    /// Position at which a load acts, given the contact point.
+    /// Returns the position at which a load acts, given the contact point.
     pub fn place(&self, of: LoadPoint, contact: Vector3<T>) -> Vector3<T> {
         match of {
             LoadPoint::ContactPoint => contact,
@@ -291,7 +292,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
         }
     }
 
-    /// Value of one reaction. `None` if the mechanism has no such member.
+    /// Returns the value of one reaction. `None` if the mechanism has no such member.
     pub fn force(&self, carried: &Reactions<T>, what: Carried) -> Option<T> {
         match what {
             Carried::Tension(inner, outer) => tension(&carried.constraints, inner, outer),
@@ -313,7 +314,8 @@ impl<'a, T: Balanced> Balance<'a, T> {
         }
     }
 
-    /// Tension of the rod of a Watt rocker. Its moment about the rocker's axis balances the moment of the other link.
+    /// Returns the tension of the rod of a Watt rocker. The moment of this rod about the rocker's axis balances the
+    /// moment of the other link.
     fn watt_rod(&self, rocker: RockerId, carried: &Reactions<T>) -> Option<T> {
         let is_on_it = |id: PointId| self.at.mechanism.body(id) == Body::Rocker(rocker);
         carried.constraints.iter().find_map(|reaction| {
@@ -365,7 +367,7 @@ impl<'a, T: Balanced> Balance<'a, T> {
     }
 }
 
-/// Tension of the rod between two points, if one of the equations is its length.
+/// Returns the tension of the rod between two points, if one of the equations describes the length of this rod.
 pub(super) fn tension<T: Copy>(
     constraints: &[Reaction<T>; 5],
     from: PointId,
@@ -388,7 +390,7 @@ pub(super) fn tension<T: Copy>(
 }
 
 impl<T: Scalar> Row<T> {
-    /// Force that corresponds to the multiplier of this equation.
+    /// Returns the force that belongs to the multiplier of this equation.
     pub(super) fn reaction(&self, at: &Configuration<T>, multiplier: T) -> Reaction<T> {
         match self {
             Row::Link(row) => Reaction::Rod {
@@ -420,7 +422,7 @@ impl<T: Scalar> Row<T> {
                     passed,
                 }
             }
-            // The support of the far wheel. No part of the mechanism carries this force.
+            // This is the support of the far wheel. No part of the mechanism carries this force.
             Row::AxleTravel(row) => Reaction::Force {
                 point: row.far(),
                 force: at.spin_axis().zero(),
@@ -430,8 +432,8 @@ impl<T: Scalar> Row<T> {
 }
 
 impl Solver<'_> {
-    /// Prepares a pose of this solver, with the rack at `rack`, for loads. [`Failure::Singular`] if the support cannot carry
-    /// a load.
+    /// Prepares a pose of this solver, with the rack at `rack`, for loads. Returns [`Failure::Singular`] if the support
+    /// cannot carry a load.
     pub fn balance(
         &self,
         pose: &Pose<f64>,

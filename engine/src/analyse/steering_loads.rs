@@ -1,24 +1,24 @@
 //! Tensions of drag link and tie rod under a load.
 //!
-//! The knuckles of a steered axle are rockers. A force on a knuckle acts on the axle as a wrench, and the tension of the
-//! knuckle's rod changes this wrench (see `mechanism/rocker.rs`). Let e be the kingpin's direction, f a point of the
-//! kingpin, F the forces at points x, and M the couples on the knuckle. With u the unit vector along the rod from its end n
-//! on the knuckle, the tension is
+//! The knuckles of a steered axle are rockers. A force on a knuckle is equivalent to a wrench on the axle. The tension
+//! of the knuckle's rod changes this wrench (see `mechanism/rocker.rs`). Let e be the kingpin's direction, f a point of
+//! the kingpin, F the forces at points x, and M the couples on the knuckle. With u the unit vector along the rod from
+//! its end n on the knuckle, the tension is
 //!
 //! ```text
 //! k = -e.(sum (x - f) x F + sum M)/(e.(n - f) x u)                                              (1)
 //! ```
 //!
-//! The tension of the tie rod follows first, from the balance of the right knuckle. Then the tension of the drag link
-//! follows from the left knuckle, on which the tie rod also acts.
+//! First, the tension of the tie rod is computed from the balance of the right knuckle. Then the tension of the drag
+//! link is computed from the balance of the left knuckle, on which the tie rod also acts.
 
 use super::loads::{Balance, Balanced, Load};
 use crate::model::{RockerId, Rod};
 use crate::number::{Each, Vector3};
 
 impl<T: Balanced> Balance<'_, T> {
-    /// Tensions of drag link and tie rod of a steered axle, under a load on the near wheel and the forces of the supports at
-    /// both wheels.
+    /// Computes the tensions of drag link and tie rod of a steered axle, under a load on the near wheel and the forces
+    /// of the supports at both wheels.
     pub(super) fn steering(&self, load: &Load<T>, near: T, far: T) -> Option<[T; 2]> {
         let at = &self.at;
         let rigid = at.mechanism.rigid_axle.as_ref()?;

@@ -8,10 +8,10 @@ use crate::derive::{Linearised, Seeds};
 use crate::number::{Each, Jet, Real, Tape, Tracked, Vector3, array_of};
 use std::cell::Cell;
 
-/// Largest number of series coefficients that a number has along one line.
+/// Largest number of series coefficients that each number of a wheel has along one line.
 const MOST_POWERS: usize = 4;
-/// Largest count of numbers that describe a wheel. The code computes the count as the size in bytes of a wheel whose numbers
-/// are single bytes.
+/// Upper limit for the count of numbers that describe a wheel. The code computes this limit as the size in bytes of a
+/// wheel in which each number is one byte.
 const MOST_NUMBERS: usize = size_of::<WheelPose<u8>>();
 
 impl<'t> Reading<Tracked<'t>> {
@@ -44,16 +44,18 @@ impl<'t> Reading<Tracked<'t>> {
     }
 }
 
-/// Number of inputs that a reading with `lines` lines puts on the tape.
+/// Number of inputs that a wheel with `lines` lines puts on the tape.
 pub(super) fn inputs_on_tape<const N: usize>(parts: &Parts, lines: usize) -> usize {
     parts.count * N * lines
 }
 
-/// Adds the gradient of an output with respect to every hardpoint to `gradient`. `by` holds the output's derivatives with
-/// respect to the numbers of one line, in the order of [`Reading::on_tape`]. `buffer` has one entry per point.
+/// Adds the gradient of an output with respect to every hardpoint to `gradient`. `by` contains the derivatives of the
+/// output with respect to the numbers of one line, in the order of [`Reading::on_tape`]. `buffer` has one entry per
+/// point.
 ///
-/// For any seed series S, an adjoint pass on series returns the series of S.u_p. Here S has, as coefficient of e^(N-1-k),
-/// the derivative with respect to the coefficient of e^k. Then the coefficient of e^(N-1) of the result is the required sum.
+/// An adjoint pass with a seed series S returns the series of S.u_p, where u_p is the derivative of the input u with
+/// respect to hardpoint p. In S, the coefficient of e^(N-1-k) is the derivative of the output with respect to the
+/// coefficient of e^k of u. So the coefficient of e^(N-1) of S.u_p is the required derivative.
 pub(super) fn add_gradient<const N: usize>(
     linearised: &Linearised<'_, N>,
     parts: &Parts,
@@ -76,7 +78,7 @@ pub(super) fn add_gradient<const N: usize>(
     }
 }
 
-/// Adds the seeds of all parts of the wheel that the formulas read.
+/// Adds the seeds of all parts of the wheel that the formulas use.
 fn push<const N: usize>(
     linearised: &Linearised<'_, N>,
     parts: &Parts,
@@ -109,7 +111,8 @@ fn push<const N: usize>(
     if places.design.centre.x.is_some() {
         Slot::DesignCentre.push(design.centre, at, sink);
     }
-    // A small rotation d of the carrier moves a column c by d x c, so that g.(d x c) = d.(c x g).
+    // A small rotation d of the carrier moves a column c of the rotation matrix by d x c, so that g.(d x c) = d.(c x
+    // g).
     for (column, seed) in at.carrier_rotation().columns.into_iter().zip(rotation) {
         sink.carrier_turn(column.cross(*seed));
     }

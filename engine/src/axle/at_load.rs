@@ -1,8 +1,9 @@
 //! Poses in roll at constant load. The mean travel is a result.
 //!
-//! When a car rolls, the load on its axle stays the same, but its height may change. At the mean travel z, the sum of the
-//! wheel loads equals that of the level axle with the rack centred: F(z) = F_0. F grows with z, by twice the ride rate
-//! without the tyre. Newton's method finds the root. For the design p and a given roll angle,
+//! When a car rolls, the load on its axle stays the same, but its height may change. At the mean travel z, the sum of
+//! the wheel loads equals the sum F_0 of the level axle with the rack centred: F(z) = F_0. The derivative of F with
+//! respect to z is twice the ride rate without the tyre. Newton's method finds the root. For the design p and a given
+//! roll angle,
 //!
 //! ```text
 //! dz/dp = (dF_0/dp - dF/dp)/F_z
@@ -16,12 +17,12 @@ use crate::mechanism::NoPose;
 use crate::model::Side;
 use crate::number::{Each, Vector3};
 
-/// Number of terms of the series. Loads contain velocities, and are differentiated with respect to the travel and the
-/// design.
+/// Number of terms of the series. Loads contain velocities. The program differentiates loads with respect to the travel
+/// and the design.
 pub(super) const LOAD_TERMS: usize = 3;
-/// Largest number of Newton steps, including steps back to a reachable travel.
+/// Largest number of Newton steps, including steps back to a travel that the wheels can reach.
 const MOST_STEPS: usize = 60;
-/// Shortest step along the roll angle, as a share of it.
+/// Smallest step of the roll angle, as a fraction of the roll angle.
 const LEAST_STEP: f64 = 1.0 / 64.0;
 
 /// Wheel loads whose sum stays constant.
@@ -56,12 +57,14 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
 
     /// Finds the pose in which the axle carries the same load as when it is level at the travel `level`.
     ///
-    /// Newton's method starts at the mean travel of the level axle. If it fails there, for example because a wheel cannot reach
-    /// its travel, the method follows the roll angle from zero in steps, each from the mean travel of the last one.
+    /// Newton's method starts at the mean travel of the level axle. It can fail there, for example because a wheel
+    /// cannot reach its travel. Then the roll angle increases from zero in steps. Each step starts from the mean travel
+    /// of the previous step.
     fn found(&mut self, level: f64, roll: f64, rack: f64) -> Result<AxlePose, NoPose> {
         let wanted = self.carried(level, 0.0, 0.0)?.load;
         let (mut heave, mut reached, mut step) = (level, 0.0, 1.0);
-        // Reached share of the roll angle. The next step ends at the whole angle, or is twice as long as the last one.
+        // `reached` is the fraction of the roll angle that is solved. The next step ends at the whole angle, or is
+        // twice as long as the previous step.
         loop {
             let next = f64::min(reached + step, 1.0);
             match self.descend(heave, wanted, next * roll, rack) {
@@ -79,7 +82,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         }
     }
 
-    /// Newton's method for the mean travel with the load `wanted`.
+    /// Newton's method for the mean travel at which the load is `wanted`.
     fn descend(
         &mut self,
         start: f64,
@@ -92,7 +95,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         for _ in 0..MOST_STEPS {
             let here = match self.carried(heave, roll, rack) {
                 Ok(here) => here,
-                // Goes halfway back to the last travel at which both wheels have a pose.
+                // Go halfway back to the last travel at which both wheels have a pose.
                 Err(failure) => {
                     let back: f64 = reached.ok_or(failure)?;
                     if (heave - back).abs() <= 1e-9 * size {
@@ -114,8 +117,8 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
         Err(NoPose::NoLoad)
     }
 
-    /// Adds the gradients of the sum of the wheel loads, multiplied by `factor`, to `into`. They are with respect to the
-    /// hardpoints of both sides.
+    /// Adds the gradient of the sum of the wheel loads, multiplied by `factor`, to `into`. This gradient is with
+    /// respect to the hardpoints of both sides.
     fn add_load_gradients(
         &mut self,
         placed: &AxlePose,
@@ -150,7 +153,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
 }
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// Returns the solver for loads. It has the same designs as this solver.
+    /// Returns the solver for loads, with the designs of this solver.
     pub(super) fn loads(&mut self) -> Result<&mut AxleSolver<'a, LOAD_TERMS>, NoPose> {
         if self.loads.is_none() {
             let made = AxleSolver::new(self.axle, &LOADS, false);

@@ -1,21 +1,22 @@
-//! Motion of an axle, and its stations: combinations or rows of the values that the study gives.
+//! Motion of an axle, and the stations of this motion: all combinations of the given values, or the rows of a table.
 
 use super::solver::Placement;
 use super::{Axle, Coordinate};
 use crate::study::TimeLaw;
 
-/// Rule that combines the value lists of a motion's coordinates into stations.
+/// Rule for combining the values of the coordinates to stations.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Combine {
     /// All combinations of the values.
     #[default]
     All,
-    /// Rows: the n-th station has the n-th value of every coordinate. All lists have the same length.
+    /// Rows of a table: the n-th station has the n-th value of every coordinate. All lists of values have the same
+    /// length.
     Rows,
 }
 
-/// Motion of an axle. Lengths are in the study's unit, angles in radians. The rack is positive towards the left wheel's
-/// outside.
+/// Motion of an axle. Lengths are in the study's unit, angles in radians. The rack displacement is positive towards the
+/// outside of the left wheel.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleMotion {
     /// Motion of the wheels.
@@ -26,18 +27,18 @@ pub struct AxleMotion {
     pub combine: Combine,
     /// True if results have a column for the rack.
     pub shows_rack: bool,
-    /// Angles of the steering wheel for these displacements, if the study gives angles.
+    /// Angles of the steering wheel that belong to these displacements, if the study gives angles.
     pub steering_wheel: Option<Vec<f64>>,
     /// Law of one coordinate over time, if the study gives such a law. Results are then functions of time.
     pub time: Option<AxleTime>,
 }
 
-/// A coordinate as a function of time. Its values in the motion are the law's values at the given times.
+/// Coordinate that is a function of time. The motion contains the values of this function at the given times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleTime {
     /// Coordinate that moves. For the steering wheel, the law gives the displacement of the rack.
     pub coordinate: Coordinate,
-    /// Law of the coordinate, in the motion's units.
+    /// Function of time, in the units of the motion.
     pub law: TimeLaw,
 }
 
@@ -46,13 +47,14 @@ pub struct AxleTime {
 pub enum WheelMotion {
     /// Equal travels on level pads.
     Heave(Vec<f64>),
-    /// Roll on a plane ground at some heave values, in all combinations.
+    /// Roll on a plane ground: all combinations of heave values and roll angles.
     Roll {
         /// Mean travels of the wheel centres.
         heave: Vec<f64>,
         /// Roll angles.
         roll: Vec<f64>,
-        /// True if the axle carries the same load as when it is level at this heave. The mean travel follows from that load.
+        /// True if the axle carries the same load as when it is level at this heave. The mean travel is then computed
+        /// from the load.
         at_load: bool,
     },
     /// Travels of both wheels, in all combinations.
@@ -67,7 +69,7 @@ pub enum WheelMotion {
 }
 
 impl AxleMotion {
-    /// Returns true if both wheels stand on level pads at given heights, and the motion has no law over time.
+    /// Returns true if the wheels are on level pads at given heights, and the motion is not a function of time.
     pub fn is_on_level_pads(&self) -> bool {
         let placements = self.placements();
         self.time.is_none() && placements.iter().all(|p| p.on_level_pads().is_some())
@@ -95,7 +97,7 @@ impl AxleMotion {
         self.combine == Combine::Rows
     }
 
-    /// Motion with a single station: the row with this index.
+    /// Returns a motion with a single station: the row with this index.
     pub fn row(&self, row: usize) -> AxleMotion {
         let mut one = AxleMotion {
             combine: Combine::All,
@@ -114,7 +116,8 @@ impl AxleMotion {
         one
     }
 
-    /// Travels of the left and of the right wheel. `None` in roll, where they depend on the design.
+    /// Returns the travels of the left and of the right wheel. `None` in roll, because the travels then depend on the
+    /// design.
     pub fn wheel_travels(&self) -> Option<[&[f64]; 2]> {
         match &self.wheels {
             WheelMotion::Heave(values) => Some([values, values]),
@@ -136,8 +139,9 @@ impl AxleMotion {
         wheels.saturating_mul(self.racks.len())
     }
 
-    /// Poses of the stations. Rows are in the order of the study. Combinations are ordered by rack, then heave, then roll
-    /// angle, which changes fastest. If both travels are given, the right one changes fastest.
+    /// Returns the poses of all stations. Rows have the order of the study. Combinations are ordered by rack, then
+    /// heave, then roll angle: the roll angle changes fastest. If both travels are given, the right travel changes
+    /// fastest.
     pub fn placements(&self) -> Vec<Placement> {
         if self.has_rows() {
             let rows = 0..self.stations();
@@ -184,8 +188,8 @@ impl AxleMotion {
         placements
     }
 
-    /// Motion with only the design position: all coordinates are zero. The wheels stay on a plane, or on level pads, as in
-    /// this motion.
+    /// Returns a motion with only the design position: all coordinates are zero. The wheels are on a plane or on level
+    /// pads, as in this motion.
     pub fn at_design(&self) -> AxleMotion {
         let zero = || vec![0.0];
         AxleMotion {
@@ -210,7 +214,7 @@ impl AxleMotion {
         }
     }
 
-    /// Index of the law's time at a station. 0 for a motion without a law over time.
+    /// Returns the index of the station's time. The result is 0 if the motion is not a function of time.
     pub(super) fn time_at(&self, station: usize) -> usize {
         let Some(time) = &self.time else { return 0 };
         // Number of neighbouring stations with the same value of this coordinate.
@@ -223,18 +227,19 @@ impl AxleMotion {
         station / repeated % time.law.times.len()
     }
 
-    /// Angle of the steering wheel at a station with this index.
+    /// Returns the angle of the steering wheel at the station with this index.
     pub fn steering_wheel_at(&self, station: usize) -> Option<f64> {
-        // Number of stations at each rack displacement. It is 1 in a motion of rows.
+        // Number of stations at each rack displacement: 1 if the stations are rows of a table.
         let per_rack = self.stations() / self.racks.len();
         Some(self.steering_wheel.as_ref()?[station / per_rack])
     }
 
-    /// Returns this motion for the axle `other`, in its length unit and for its steering ratio.
+    /// Converts this motion of the axle `own` to a motion of the axle `other`, with its length unit and its steering
+    /// ratio.
     ///
     /// # Errors
     ///
-    /// A sentence that names a key which the motion needs and the other study does not give.
+    /// The error is a sentence. It names a key that the motion needs, but that the other study does not contain.
     pub fn for_axle(&self, own: &Axle, other: &Axle) -> Result<AxleMotion, String> {
         let mut motion = self.clone();
         let lacks =

@@ -3,13 +3,13 @@
 use super::Axle;
 use crate::model::AxleTravel;
 
-/// Bodies that carry the wheels.
+/// Bodies that carry the wheels of an axle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Carriers {
-    /// Each wheel has its own carrier, which moves with the wheel's travel and the rack.
+    /// Each wheel has its own carrier. The carrier moves with the travel of this wheel and with the rack.
     Independent,
-    /// One body carries both wheels. Readings are functions of its two travels. The first one drives the axle. The second
-    /// one is held and replaces the rack.
+    /// One body carries both wheels. The position of a wheel is a function of two travels of the axle. The first travel
+    /// drives the axle. The second travel is held, and it replaces the rack.
     Rigid(AxleTravel),
     /// One body carries both wheels, and each wheel is on a knuckle that turns in this body.
     Steered(AxleTravel),
@@ -31,7 +31,7 @@ impl Carriers {
         self != Carriers::Independent
     }
 
-    /// Travel of a rigid axle that is held. `None` for independent wheels.
+    /// Returns the travel of a rigid axle that is held. `None` for independent wheels.
     #[inline(always)]
     pub(crate) fn held(self) -> Option<AxleTravel> {
         match self {
@@ -40,8 +40,8 @@ impl Carriers {
         }
     }
 
-    /// Powers of travel and rack that select the first derivative with respect to the wheel's own share of the difference of
-    /// travels, for a rigid axle.
+    /// Returns the powers of travel and rack whose coefficient is the first derivative with respect to the difference
+    /// of travels (the wheel's own share of it), for a rigid axle.
     #[inline(always)]
     pub(crate) fn by_difference(self) -> [usize; 2] {
         match self.held() {
@@ -50,7 +50,8 @@ impl Carriers {
         }
     }
 
-    /// Powers of travel and rack that select the first derivative with respect to the mean travel, for a rigid axle.
+    /// Returns the powers of travel and rack whose coefficient is the first derivative with respect to the mean travel,
+    /// for a rigid axle.
     #[inline(always)]
     pub(crate) fn by_mean(self) -> [usize; 2] {
         let [travel, rack] = self.by_difference();

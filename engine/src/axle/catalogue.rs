@@ -1,7 +1,7 @@
-//! Catalogue of axle quantities: name, unit, sign, formula, source and function of each.
+//! Catalogue of axle quantities: name, unit, sign, formula, source and function of each quantity.
 //!
-//! In addition, every wheel characteristic of [`crate::characteristics`] is a quantity of either wheel. The exception is
-//! `roll_centre_height`: the axle's quantity of this name replaces the wheel's quantity.
+//! Each wheel also has every wheel characteristic of [`crate::characteristics`], except `roll_centre_height`. The
+//! axle's quantity of this name replaces the wheel's quantity.
 
 use super::AxleKind;
 use super::elastic::TestFigure;
@@ -24,17 +24,17 @@ const LINK_LOADS: &str =
     "virtual work along both travels of the axle; agrees with the statics of the links";
 const VIRTUAL_WORK: &str = "virtual work of springs and anti-roll bar; parts have no weight";
 
-/// Defines the catalogue. Each line gives, in this order:
+/// Defines the catalogue. Each line contains, in this order:
 ///
-/// - variant, name, unit, meaning of a positive value, formula, source, and needs
-/// - the slots of each wheel that it reads besides position and carrier
-/// - the order of its derivatives
+/// - variant, name, unit, meaning of a positive value, formula, source, and required inputs of the study
+/// - the slots (numbers of each wheel) that the quantity uses in addition to position and carrier
+/// - the order of the derivatives that the quantity uses
 /// - `by_rack` (axle only)
-/// - `lanes` or `one_by_one` for sweeps
-/// - its function
-/// - a reason for a missing value (axle only)
+/// - `lanes` if sweeps compute the quantity in SIMD lanes, else `one_by_one`
+/// - the function that computes the quantity
+/// - the reason for a missing value (axle only)
 ///
-/// Functions for lanes are generic over [`Real`](crate::number::Real) and inlined throughout.
+/// Functions for SIMD lanes are generic over [`Real`](crate::number::Real) and inlined throughout.
 macro_rules! catalogue {
     (@is_for lanes) => { true };
     (@is_for one_by_one) => { false };
@@ -72,21 +72,21 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Value at one wheel. The compiler makes a separate function of each formula.
+            /// Returns the value at one wheel. The compiler makes a separate function of each formula.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>, side: Side) -> T {
                 match self {
                     $(WheelQuantity::$wheel => call_outlined((state, side), |(state, side)| $wfunction(state, side)),)*
                 }
             }
 
-            /// Returns true if sweeps compute the quantity in lanes.
+            /// Returns true if sweeps compute the quantity in SIMD lanes.
             pub fn is_for_lanes(self) -> bool {
                 match self {
                     $(WheelQuantity::$wheel => catalogue!(@is_for $wlanes),)*
                 }
             }
 
-            /// Value in lanes. NaN if the quantity is not available in lanes.
+            /// Returns the values in SIMD lanes. They are NaN if the quantity is not available in lanes.
             #[inline(always)]
             pub fn evaluate_in_lanes<B: SimdReal, W: WheelParts<B>>(self, state: &AxleState<B, W>, side: Side) -> B {
                 match self {
@@ -110,21 +110,21 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Value for the axle. The compiler makes a separate function of each formula.
+            /// Returns the value for the axle. The compiler makes a separate function of each formula.
             pub fn evaluate<T: Scalar, W: WheelParts<T>>(self, state: &AxleState<T, W>) -> T {
                 match self {
                     $(AxleQuantity::$axle => call_outlined(state, $function),)*
                 }
             }
 
-            /// Returns true if sweeps compute the quantity in lanes.
+            /// Returns true if sweeps compute the quantity in SIMD lanes.
             pub fn is_for_lanes(self) -> bool {
                 match self {
                     $(AxleQuantity::$axle => catalogue!(@is_for $lanes),)*
                 }
             }
 
-            /// Value in lanes. NaN if the quantity is not available in lanes.
+            /// Returns the values in SIMD lanes. They are NaN if the quantity is not available in lanes.
             #[inline(always)]
             pub fn evaluate_in_lanes<B: SimdReal, W: WheelParts<B>>(self, state: &AxleState<B, W>) -> B {
                 match self {
@@ -132,7 +132,7 @@ macro_rules! catalogue {
                 }
             }
 
-            /// Reason for a missing value, if the quantity has no value in some poses.
+            /// Returns the reason for a missing value, if the quantity has no value in some poses.
             pub(super) fn possible_void(self) -> Option<NoValue> {
                 match self {
                     $(AxleQuantity::$axle => $void,)*
@@ -147,19 +147,19 @@ catalogue! {
         Steer, "steer", ANGLE, "steered to the left, at both wheels", "-toe at the left, +toe at the right wheel", ISO, [], [], 0, lanes, steering::steer;
         CamberToRoad, "camber_to_road", ANGLE, "top of the wheel outboard", "-asin(a.n)", ISO, [], [], 0, lanes, roll::camber_to_road;
         JackingCoefficient, "jacking_coefficient", RATIO, "a side force inboard lifts the body", "(C'.o)/(C'.n), o outboard along the ground", VELOCITIES, [WheelRadius], [], 1, lanes, roll::jacking_coefficient;
-        SideForceJacking, "side_force_jacking", RATIO, "a side force inboard lifts the body", "(C'.o)/(C'.n), o across the wheel in the ground", VELOCITIES, [WheelRadius], [], 1, lanes, roll::side_force_jacking;
+        SideForceJacking, "side_force_jacking", RATIO, "a side force inboard lifts the body", "(C'.o)/(C'.n), o across the wheel, in the ground plane", VELOCITIES, [WheelRadius], [], 1, lanes, roll::side_force_jacking;
         RollCamber, "roll_camber", Unit::AnglePerAngle, "camber grows with the roll angle", "d camber/d phi, mean travel and rack held", "derivative along roll on a plane ground", [WheelRadius], [], 1, lanes, roll::roll_camber;
         RollCamberToRoad, "roll_camber_to_road", Unit::AnglePerAngle, "camber to the road grows with the roll angle", "d camber_to_road/d phi, mean travel and rack held", "derivative along roll on a plane ground", [WheelRadius], [], 1, lanes, roll::roll_camber_to_road;
         WheelLoad, "wheel_load", Unit::Force, "pressed to the ground; below 0 the wheel would lift", "U_z/(n.C'), U the energy of springs and bars", VIRTUAL_WORK, [WheelRadius, Springs], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 1, one_by_one, loads::wheel_load;
-        WheelRate, "wheel_rate", Unit::ForcePerLength, "the load grows as the wheel's pad rises", "derivative of the load by the height of the wheel's level pad, from the springs only: body, rack and the other pad held, without anti-roll bar and tyre", VIRTUAL_WORK, [WheelRadius, SpringForce], [SpringLength], 2, one_by_one, loads::wheel_rate;
+        WheelRate, "wheel_rate", Unit::ForcePerLength, "the load grows as the wheel's pad rises", "change of the wheel load per change of the height of the wheel's pad, with the pad level; springs only, without anti-roll bar and tyre; body, rack and the other pad held", VIRTUAL_WORK, [WheelRadius, SpringForce], [SpringLength], 2, one_by_one, loads::wheel_rate;
         SpringForce, "spring_force", Unit::Force, "compressed", "force of the spring, bump stop included", "the spring's law", [SpringForce], [SpringLength], 0, one_by_one, loads::spring_force;
-        WheelRollSteer, "roll_steer", Unit::AnglePerAngle, "steers to the left when rolled as in a left turn", "d steer/d phi, mean travel and rack held", "derivative along roll on a plane ground; other tools take left jounce as positive roll", [WheelRadius], [], 1, lanes, steering::roll_steer;
+        WheelRollSteer, "roll_steer", Unit::AnglePerAngle, "steers to the left when rolled as in a left turn", "d steer/d phi, mean travel and rack held", "derivative along roll on a plane ground; in other tools, left jounce is positive roll", [WheelRadius], [], 1, lanes, steering::roll_steer;
     }
     axle {
         Track, "track", LENGTH, "always", "e.(C_l - C_r), contact points", ISO, [WheelRadius], [], 0, false, lanes, roll::track, None;
         TrackChange, "track_change", LENGTH, "wider than in the design position", "track - track(design)", ISO, [WheelRadius], [], 0, false, lanes, roll::track_change, None;
         RollAngle, "roll_angle", ANGLE, "right wheel in jounce, as in a left turn", "phi, of the body against the ground", ISO, [WheelRadius], [], 0, false, lanes, roll::roll_angle, None;
-        RollCentreHeight, "roll_centre_height", LENGTH, "above the ground", "track j_l j_r/(j_l + j_r), j jacking coefficients; on pads of different heights above their mean", VELOCITIES, [WheelRadius], [], 1, false, lanes, roll::roll_centre_height, Some(NoValue::ParallelNormals);
+        RollCentreHeight, "roll_centre_height", LENGTH, "above the ground", "track j_l j_r/(j_l + j_r), j jacking coefficients; on pads of different heights, above the mean height of the pads", VELOCITIES, [WheelRadius], [], 1, false, lanes, roll::roll_centre_height, Some(NoValue::ParallelNormals);
         RollCentreLateral, "roll_centre_lateral", LENGTH, "to the left of midway between the contact points", "track (j_l - j_r)/(2 (j_l + j_r))", VELOCITIES, [WheelRadius], [], 1, false, lanes, roll::roll_centre_lateral, Some(NoValue::ParallelNormals);
         ForceRollCentreHeight, "force_roll_centre_height", LENGTH, "above the ground", "track (j_l + j_r)/4: equal side forces", "SAE J670, the point at which a side force causes no roll", [WheelRadius], [], 1, false, lanes, roll::force_roll_centre_height, None;
         RollCentreMigrationVertical, "roll_centre_migration_vertical", Unit::LengthPerAngle, "rises with the roll angle", "d roll_centre_height/d phi, mean travel and rack held", VELOCITIES, [WheelRadius], [], 2, false, one_by_one, roll::roll_centre_migration_vertical, Some(NoValue::ParallelNormals);
@@ -169,26 +169,26 @@ catalogue! {
         MeanSteer, "mean_steer", ANGLE, "to the left", "(steer_l + steer_r)/2", ISO, [], [], 0, false, lanes, steering::mean_steer, None;
         TotalToe, "total_toe", ANGLE, "toe-in (the wheels are closer in front)", "toe_l + toe_r", ISO, [], [], 0, false, lanes, steering::total_toe, None;
         TotalToeAtRim, "total_toe_at_rim", LENGTH, "toe-in (the rims are closer in front)", "D (sin toe_l + sin toe_r), D rim_diameter: distance between the rims at the rear edges minus distance at the front edges", "toe as a length on alignment racks", [RimDiameter], [], 0, false, lanes, steering::total_toe_at_rim, None;
-        AckermannError, "ackermann_error", ANGLE, "the outer wheel steers more than the ideal one", "o - ideal, ideal where the inner spin axis meets the other axle's line, seen from above", ISO, [Wheelbase], [], 0, false, lanes, steering::ackermann_error, None;
+        AckermannError, "ackermann_error", ANGLE, "the outer wheel steers more than the ideal one", "o - ideal; seen from above, the ideal outer spin axis meets the other axle's line at the same point as the inner spin axis", ISO, [Wheelbase], [], 0, false, lanes, steering::ackermann_error, None;
         Ackermann, "ackermann", PERCENT, "the inner wheel steers more than the outer one", "100 (i - o)/(i - ideal)", ISO, [Wheelbase], [], 0, false, lanes, steering::ackermann, Some(NoValue::StraightAhead);
         AckermannByInner, "ackermann_by_inner", PERCENT, "the inner wheel steers more than the outer one", "100 (i - o)/(ideal_inner - o), ideal_inner = atan2(L sin o, L cos o - T sin o), T of the wheel centres in the design position", "Simscape Vehicle Templates, sm_car_knc_calc_susp_metrics", [Wheelbase], [], 0, false, lanes, steering::ackermann_by_inner, Some(NoValue::StraightAhead);
         AckermannByCotangents, "ackermann_by_cotangents", PERCENT, "the inner wheel steers more than the outer one", "100 L (cot o - cot i)/T, T of the wheel centres in the design position", "geometry of the turn", [Wheelbase], [], 0, false, lanes, steering::ackermann_by_cotangents, Some(NoValue::StraightAhead);
         TurningCircle, "turning_circle", LENGTH, "always", "2 |C_o - Z| from above, Z midway between where the spin axes meet the other axle's line", ISO, [WheelRadius, Wheelbase], [], 0, false, lanes, steering::turning_circle, Some(NoValue::StraightAhead);
-        SteeringRatio, "steering_ratio", RATIO, "steering wheel and wheels turn in the same direction", "2 pi/(c d mean_steer/d rack), local: on a plane ground roll angle and mean travel held, on pads both travels", "derivative of the steering-wheel angle with respect to mean steer", [WheelRadius, CFactor], [], 1, true, lanes, steering::steering_ratio, None;
-        RollSteer, "roll_steer", Unit::AnglePerAngle, "steers to the left when rolled as in a left turn", "d mean_steer/d phi, mean travel and rack held", "derivative along roll on a plane ground; other tools take left jounce as positive roll", [WheelRadius], [], 1, false, lanes, steering::axle_roll_steer, None;
+        SteeringRatio, "steering_ratio", RATIO, "steering wheel and wheels turn in the same direction", "2 pi/(c d mean_steer/d rack), at the present position; on a plane ground, roll angle and mean travel held; on pads, both travels held", "derivative of the steering-wheel angle with respect to mean steer", [WheelRadius, CFactor], [], 1, true, lanes, steering::steering_ratio, None;
+        RollSteer, "roll_steer", Unit::AnglePerAngle, "steers to the left when rolled as in a left turn", "d mean_steer/d phi, mean travel and rack held", "derivative along roll on a plane ground; in other tools, left jounce is positive roll", [WheelRadius], [], 1, false, lanes, steering::axle_roll_steer, None;
         BarTorque, "anti_roll_bar_torque", Unit::Torque, "the left lever is pushed further", "k_b (b_l - b_r)", VIRTUAL_WORK, [BarRate], [BarAngle], 0, false, one_by_one, loads::bar_torque, None;
-        HeaveSpringForce, "heave_spring_force", Unit::Force, "compressed", "force + rate (l0 - l), l the distance of the points heave_spring of both rockers", "the spring's law", [HeaveSpring], [HeaveSpring], 0, false, one_by_one, loads::heave_spring_force, None;
-        HeaveSpringLength, "heave_spring_length", LENGTH, "always", "l, the distance of the points heave_spring of both rockers", "the distance of two points", [HeaveSpring], [HeaveSpring], 0, false, one_by_one, loads::heave_spring_length, None;
+        HeaveSpringForce, "heave_spring_force", Unit::Force, "compressed", "force + rate (l0 - l), l the distance between the points heave_spring of both rockers", "the spring's law", [HeaveSpring], [HeaveSpring], 0, false, one_by_one, loads::heave_spring_force, None;
+        HeaveSpringLength, "heave_spring_length", LENGTH, "always", "l, the distance between the points heave_spring of both rockers", "the distance of two points", [HeaveSpring], [HeaveSpring], 0, false, one_by_one, loads::heave_spring_length, None;
         HeaveSpringMotionRatio, "heave_spring_motion_ratio", RATIO, "the heave spring shortens in heave", "-d l/d heave, equal travels on level pads", "installation ratio of the heave spring", [HeaveSpring], [HeaveSpring], 1, false, one_by_one, loads::heave_spring_motion_ratio, None;
         TBarTorque, "t_bar_torque", Unit::Torque, "the left rocker is turned further", "k (rho_l - rho_r), rho rocker_angle", VIRTUAL_WORK, [TBar], [RockerAngle], 0, false, one_by_one, loads::t_bar_torque, None;
         HeaveBarTorque, "heave_bar_torque", Unit::Torque, "in the direction in which jounce turns it", "torque + k (rho_l + rho_r), rho rocker_angle", VIRTUAL_WORK, [HeaveBar], [RockerAngle], 0, false, one_by_one, loads::heave_bar_torque, None;
         RollMoment, "roll_moment", Unit::Torque, "resists a positive roll angle", "track (F_r - F_l)/2", VIRTUAL_WORK, [WheelRadius, Springs], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 1, false, one_by_one, loads::roll_moment, None;
-        RollStiffness, "roll_stiffness", Unit::TorquePerAngle, "always", "d roll_moment/d phi on a rig: body level, rack held, equal opposite travels on level pads, phi of the line through both contact points", "K&C rigs", [WheelRadius, Springs], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 2, false, one_by_one, loads::roll_stiffness, None;
-        RollStiffnessWithTyres, "roll_stiffness_with_tyres", Unit::TorquePerAngle, "always", "1/(1/roll_stiffness + 2/(c track^2)), c the rate of one tyre: the rig with both tyres in series", "K&C rigs", [WheelRadius, Springs, TyreRate], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 2, false, one_by_one, loads::roll_stiffness_with_tyres, None;
+        RollStiffness, "roll_stiffness", Unit::TorquePerAngle, "always", "d roll_moment/d phi on a rig; body level, rack held, equal and opposite travels on level pads; phi is the angle of the line through both contact points", "K&C rigs", [WheelRadius, Springs], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 2, false, one_by_one, loads::roll_stiffness, None;
+        RollStiffnessWithTyres, "roll_stiffness_with_tyres", Unit::TorquePerAngle, "always", "1/(1/roll_stiffness + 2/(c track^2)), c the rate of one tyre; on a rig, with both tyres in series", "K&C rigs", [WheelRadius, Springs, TyreRate], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 2, false, one_by_one, loads::roll_stiffness_with_tyres, None;
         RollStiffnessOnRoad, "roll_stiffness_on_road", Unit::TorquePerAngle, "always", "d roll_moment/d phi on a plane ground, mean travel and rack held", VIRTUAL_WORK, [WheelRadius, Springs], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 2, false, one_by_one, loads::roll_stiffness_on_road, None;
         RollStiffnessAtLoad, "roll_stiffness_at_load", Unit::TorquePerAngle, "always", "d roll_moment/d phi on a plane ground, the sum of the wheel loads and the rack held", VIRTUAL_WORK, [WheelRadius, Springs], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 2, false, one_by_one, loads::roll_stiffness_at_load, None;
-        RideRate, "ride_rate", Unit::ForcePerLength, "always", "d(F_l + F_r)/d heave/2, per wheel, in series with the tyre where [tyre] gives its rate: rack held, on a plane ground the roll angle too, on pads equal travels", VIRTUAL_WORK, [WheelRadius, Springs], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 2, false, one_by_one, loads::ride_rate, None;
-        RideRateWithoutTyres, "ride_rate_without_tyres", Unit::ForcePerLength, "always", "d(F_l + F_r)/d heave/2, per wheel, of the springs alone: rack held, on a plane ground the roll angle too, on pads equal travels", VIRTUAL_WORK, [WheelRadius, Springs], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 2, false, one_by_one, loads::ride_rate_without_tyres, None;
+        RideRate, "ride_rate", Unit::ForcePerLength, "always", "half of d(F_l + F_r)/d heave, per wheel, in series with the tyre if [tyre] gives its rate; rack held; on a plane ground, roll angle held; on pads, equal travels", VIRTUAL_WORK, [WheelRadius, Springs], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 2, false, one_by_one, loads::ride_rate, None;
+        RideRateWithoutTyres, "ride_rate_without_tyres", Unit::ForcePerLength, "always", "half of d(F_l + F_r)/d heave, per wheel, of the springs alone; rack held; on a plane ground, roll angle held; on pads, equal travels", VIRTUAL_WORK, [WheelRadius, Springs], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 2, false, one_by_one, loads::ride_rate_without_tyres, None;
         RideFrequency, "ride_frequency", Unit::Frequency, "always", "sqrt(2 ride_rate/sprung mass)/(2 pi)", "natural frequency of the sprung mass in heave", [WheelRadius, Springs, SprungMass], [SpringLength, BarAngle, RockerAngle, HeaveSpring], 2, false, one_by_one, loads::ride_frequency, None;
         AxleSteer, "axle_steer", ANGLE, "to the left", "atan2(-a_x, a_y), a the line of a solid axle", "kinematics of a solid axle", [], [], 0, false, lanes, rigid::axle_steer, None;
         AxleLateral, "axle_lateral", LENGTH, "to the left", "y of the middle of both wheel centres, from the design position of a solid axle", "kinematics of a solid axle", [], [], 0, false, lanes, rigid::axle_lateral, None;
@@ -198,9 +198,9 @@ catalogue! {
         RigidAntiLift, "anti_lift", PERCENT, "the rear resists lifting in braking, or a driven front under drive", "of a solid axle: 100 p (L/h)(f_l + f_r) at the rear, -100 d (L/h)(f_l + f_r) in front", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, RearBrakingOrFrontDrive], [], 1, false, lanes, rigid::anti_lift, None;
         RigidAntiDive, "anti_dive", PERCENT, "the front resists diving in braking", "of a solid axle: -100 p (L/h)(f_l + f_r)", LINK_LOADS, [WheelRadius, Wheelbase, CgHeight, FrontBraking], [], 1, false, lanes, rigid::anti_dive, None;
         DriveLoadTransfer, "drive_load_transfer", RATIO, "the right wheel gains load under drive", "of a solid axle: (f_r - f_l)/2 for a unit drive force; without the torque of the propeller shaft", LINK_LOADS, [WheelRadius, RearDrive], [], 1, false, lanes, rigid::drive_load_transfer, None;
-        BeamTwist, "beam_twist", ANGLE, "twisted by a positive roll angle: the right wheel in jounce", "angle by which the right half of a twist beam has turned against the left one", "kinematics of a twist beam", [], [BarAngle], 0, false, one_by_one, rigid::beam_twist, None;
+        BeamTwist, "beam_twist", ANGLE, "twisted by a positive roll angle: the right wheel in jounce", "angle by which the right half of a twist beam is rotated relative to the left half", "kinematics of a twist beam", [], [BarAngle], 0, false, one_by_one, rigid::beam_twist, None;
         BeamTorque, "beam_torque", Unit::Torque, "twisted by a positive roll angle", "torsional_rate beam_twist", "kinematics of a twist beam", [TorsionalRate], [BarAngle], 0, false, one_by_one, rigid::beam_torque, None;
-        WheelHopFrequency, "wheel_hop_frequency", Unit::Frequency, "always", "sqrt(2 (wheel_rate + tyre rate)/unsprung mass)/(2 pi), wheel_rate the mean of both; of a solid axle the rate of both wheels together", "natural frequency of the wheels with the body held", [WheelRadius, SpringForce, TyreRate, UnsprungMass], [SpringLength, BarAngle], 2, false, one_by_one, loads::wheel_hop_frequency, None;
+        WheelHopFrequency, "wheel_hop_frequency", Unit::Frequency, "always", "sqrt(2 (wheel_rate + tyre rate)/unsprung mass)/(2 pi), wheel_rate the mean of both wheels; for a solid axle, the rate per wheel if both wheels rise together", "natural frequency of the wheels with the body held", [WheelRadius, SpringForce, TyreRate, UnsprungMass], [SpringLength, BarAngle], 2, false, one_by_one, loads::wheel_hop_frequency, None;
     }
 }
 
@@ -218,8 +218,8 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Quantities with this name, left before right. Empty if there are none. Both the wheels and the axle have a
-    /// `roll_steer`.
+    /// Returns the quantities with this name, left before right. Empty if there are none. The name `roll_steer` belongs
+    /// to a quantity of each wheel and to a quantity of the axle.
     pub fn named(name: &str) -> Vec<Quantity> {
         let sides = Side::ALL;
         let mut found = Vec::new();
@@ -325,7 +325,7 @@ impl Quantity {
         }
     }
 
-    /// Highest order of the derivatives with respect to travel and rack from which the value is computed.
+    /// Returns the order of the highest derivative, with respect to travel and rack, from which the value is computed.
     pub fn rate_order(self) -> usize {
         self.info().rate_order
     }
@@ -344,7 +344,7 @@ impl Quantity {
         }
     }
 
-    /// Returns true if a rocker on this side influences the quantity.
+    /// Returns true if the motion of a rocker on this side changes the quantity.
     pub fn moves_with_rocker(self, side: Side) -> bool {
         let of_side = self.side().is_none_or(|own| own == side);
         of_side && self.info().reads.iter().any(|slot| slot.may_turn())
@@ -373,7 +373,7 @@ impl Quantity {
         )
     }
 
-    /// Reason, in words, why the quantity may have no value in a pose that exists.
+    /// Returns the reason, in words, why the quantity has no value in some poses.
     pub fn undefined_where(self) -> &'static str {
         let void = match self {
             Quantity::Corner(_, c) => return c.undefined_where(),

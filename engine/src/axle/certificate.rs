@@ -1,16 +1,17 @@
 //! Certificates of an axle's pose: rigorous bounds for the poses of both wheels and for the conditions at the ground.
 //!
-//! On a plane ground, one number is a result. If the roll angle is given, this number is half the difference s of the
-//! travels. If both travels are given, it is the roll angle. It is the root of f = h_l - h_r, the difference in height of
-//! the contact points. With f enclosed at the computed number u, and f' enclosed over [u - d, u + d],
+//! On a plane ground, the program certifies one additional number u. If the roll angle is given, u is half the
+//! difference s of the travels. If both travels are given, u is the roll angle. The exact value of u is the root of f =
+//! h_l - h_r, the difference in height of the contact points. With f enclosed at the computed number u, and f' enclosed
+//! over [u - d, u + d],
 //!
 //! ```text
 //! f' > 0 and |f(u)| <= d f'   =>   one and only one root in [u - d, u + d], and |root - u| <= |f(u)|/f'
 //! ```
 //!
-//! In roll, f' = n.C_l' + n.C_r', on poses enclosed over the intervals of travel ([`Certifier::over_travels`]). With respect
-//! to the roll angle, f' is the track. The sine and cosine of the angle, the design and the radius are enclosed, too. So the
-//! certificate applies to the exact axle whose numbers are the given doubles.
+//! In roll, f' = n.C_l' + n.C_r', on poses enclosed over the intervals of travel ([`Certifier::over_travels`]). The
+//! derivative of f with respect to the roll angle is the track. The sine and cosine of the angle, the design and the
+//! radius are enclosed, too. So the certificate applies to the exact axle whose numbers are the given doubles.
 
 use super::solver::{AxlePose, Placement};
 use super::{Axle, Ground};
@@ -23,15 +24,15 @@ use crate::number::{Each, Interval, Jet, Real, Vector3};
 /// Certified bounds on an axle's pose. Lengths are in the study's unit, angles in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxleProof {
-    /// Bound on the distance of any point of the left and right wheel carrier from its exact position.
+    /// Bound on the position error of any point of the left and of the right wheel carrier.
     pub position_errors: [f64; 2],
-    /// Bound on the error of both travels. 0 if they are given.
+    /// Bound on the error of both travels. It is 0 if the travels are given.
     pub travel_error: f64,
-    /// Bound on the error of the roll angle, in radians. 0 if it is given.
+    /// Bound on the error of the roll angle, in radians. It is 0 if the roll angle is given.
     pub roll_error: f64,
-    /// Lower bound on the distance to any other pose. Any other pose differs by at least this length in one of these
-    /// numbers: a coordinate of a carrier's origin, an entry of a rotation, the roll angle. The last two are multiplied by
-    /// the mechanism's size.
+    /// Lower bound on the distance to any other pose. In any other pose, at least one of these numbers differs by this
+    /// length: a coordinate of a carrier's origin, an entry of a rotation matrix, the roll angle. The last two are
+    /// multiplied by the mechanism's size.
     pub uniqueness: f64,
 }
 
@@ -39,25 +40,25 @@ pub struct AxleProof {
 pub struct AxleCertifier<'a> {
     wheels: [Wheel<'a>; 2],
     radius: f64,
-    /// True if one body carries both wheels. The difference of the travels then drives the axle, and the mean travel
+    /// True if one body carries both wheels. Then the difference of the travels drives the axle, and the mean travel
     /// replaces the rack.
     is_rigid: bool,
 }
 
-/// One wheel of the axle, in the kernel's frame of its side.
+/// One wheel of the axle, in the kernel's frame of the wheel's side.
 struct Wheel<'a> {
     prover: Prover<'a>,
     mechanism: &'a Mechanism,
     design: Vec<Vector3<Jet<Interval, 2>>>,
-    /// Bound on the rise of the wheel centre if each coordinate of the pose changes by at most 1.
+    /// Bound on the rise of the wheel centre, if each coordinate of the pose changes by at most 1.
     rise: f64,
 }
 
-/// Largest number of times that an interval is reduced to a quarter before the certificate fails.
+/// Largest number of times that the interval is reduced to a quarter. After that, the certificate fails.
 const MOST_QUARTERINGS: usize = 24;
-/// Factor for the width of the interval after a failed attempt. It changes the path, not the result.
+/// Factor on the width of the interval after a failed attempt. It changes the number of attempts, not the result.
 const NARROWER: f64 = 0.25;
-/// Half the width of the widest interval for the root of a roll angle, in radians.
+/// Half-width of the widest interval in which the roll angle is certified, in radians.
 const WIDEST_ROLL: f64 = 0.1;
 
 /// A certified root.
@@ -69,8 +70,8 @@ struct Root {
 }
 
 impl Root {
-    /// Certifies a root near `at`. `function` returns enclosures of the value and the derivative over an interval. `None` if
-    /// the root cannot be certified.
+    /// Certifies a root near `at`. `function` returns intervals that enclose the value and the derivative over an
+    /// interval. `None` if the root cannot be certified.
     fn near(
         at: f64,
         widest: f64,
@@ -85,7 +86,8 @@ impl Root {
         let mut alone = widest;
         for _ in 0..MOST_QUARTERINGS {
             if let Some(off) = off_by(alone) {
-                // The root is certainly within this distance, where the slope has a narrower enclosure.
+                // The root is certainly within the distance `off`. Over this shorter interval, the enclosure of the
+                // slope is narrower.
                 let off = off_by(off).unwrap_or(off);
                 return Some(Root { off, alone });
             }
@@ -111,7 +113,7 @@ impl<'a> Wheel<'a> {
             let [x, y, z] = lever.to_array().each(f64::abs);
             1.0 + (x + y + z) / scale
         };
-        // The travel that drives a rigid axle is half the sum or half the difference of the rises of both wheel centres.
+        // The travel that drives a rigid axle is half the sum or half the difference of the rises of the wheel centres.
         let far = mechanism
             .rigid_axle
             .as_ref()
@@ -128,7 +130,7 @@ impl<'a> Wheel<'a> {
         }
     }
 
-    /// Enclosure of the contact point's height above the origin, over all enclosed poses.
+    /// Returns an enclosure of the contact point's height above the origin, over all enclosed poses.
     fn height(
         &self,
         inclusion: &Inclusion,
@@ -158,7 +160,7 @@ impl<'a> AxleCertifier<'a> {
         }
     }
 
-    /// Certifier for the poses of one wheel.
+    /// Returns the certifier for the poses of one wheel.
     pub fn wheel(&self, side: Side) -> &Certifier<'a> {
         &self.wheels[side as usize].prover.certifier
     }
@@ -166,8 +168,8 @@ impl<'a> AxleCertifier<'a> {
     /// Certifies a pose that was found for a placement.
     ///
     /// # Errors
-    /// [`NoPose::Wheel`] if the pose of a wheel cannot be certified. [`NoPose::Unproven`] if both wheels can be certified,
-    /// but not the travels or the roll angle at which they fit the ground.
+    /// [`NoPose::Wheel`] if the pose of a wheel cannot be certified. [`NoPose::Unproven`] if the poses of both wheels
+    /// can be certified, but not the travels or the roll angle at which the wheels touch the ground.
     pub fn prove(&self, placement: &Placement, placed: &AxlePose) -> Result<AxleProof, NoPose> {
         let over = |side: Side, travel: Interval, rack: f64| {
             let pose = &placed.poses()[side as usize];
@@ -191,7 +193,7 @@ impl<'a> AxleCertifier<'a> {
             Ok([over(Side::Left, left, one)?, over(Side::Right, right, two)?])
         };
         match *placement {
-            // Loads have no enclosure.
+            // The program cannot enclose loads.
             Placement::AtLoad { .. } => Err(NoPose::Unproven),
             Placement::Roll { heave, roll, .. } => {
                 self.in_roll([heave, roll], placed.travels, over)
@@ -229,8 +231,8 @@ impl<'a> AxleCertifier<'a> {
         ]
     }
 
-    /// Certifies a pose with given heave and roll angle. `over` encloses the poses of both wheels over intervals of their
-    /// travels.
+    /// Certifies a pose with given heave and roll angle. `over` returns enclosures of the poses of both wheels over
+    /// intervals of the travels.
     fn in_roll(
         &self,
         [heave, roll]: [f64; 2],
@@ -241,7 +243,8 @@ impl<'a> AxleCertifier<'a> {
         let ground = Ground { sine, cosine }.map(Jet::constant);
         let half = 0.5 * (travels[0] - travels[1]);
         let written = travels.each(Interval::point);
-        // Includes the stored travels, at which the poses are certified to lie on the branch of the design position.
+        // The intervals include the stored travels. At these travels, the poses are certified to be on the solution
+        // branch of the design position.
         let travels = |half: Interval| {
             let heave = Interval::point(heave);
             let [left, right] = written;
@@ -258,7 +261,8 @@ impl<'a> AxleCertifier<'a> {
         let found = travels(around(half, root.off));
         let wheels = over(found)?;
         let errors = [0, 1].each(|wheel| (found[wheel] - written[wheel]).magnitude());
-        // Any other pose close to both of these poses would have travels in the interval, which contains only one root.
+        // Any other pose close to the poses of both wheels would have travels in the interval, but the interval
+        // contains only one root.
         let nearest = nearest_other(&over(travels(around(half, root.alone)))?);
         let reach = |wheel: usize| {
             let error = wheels[wheel].certificate.error;
@@ -273,7 +277,8 @@ impl<'a> AxleCertifier<'a> {
         })
     }
 
-    /// Certifies a pose with given travels, on level pads or, if there is a roll angle, on a plane.
+    /// Certifies a pose with given travels. Without a roll angle, the wheels are on level pads. With a roll angle, they
+    /// are on a plane.
     fn at_travels(&self, wheels: &[Inclusion; 2], roll: Option<f64>) -> Result<AxleProof, NoPose> {
         let nearest = nearest_other(wheels);
         let proof = AxleProof {
@@ -317,7 +322,7 @@ impl<'a> AxleCertifier<'a> {
     }
 }
 
-/// Distance from both poses within which neither wheel has another pose.
+/// Distance from the poses of both wheels within which neither wheel has another pose.
 fn nearest_other(wheels: &[Inclusion; 2]) -> f64 {
     let [left, right] = wheels.each(|wheel| wheel.certificate.uniqueness);
     left.min(right)

@@ -1,4 +1,4 @@
-//! Columns of an axle's curves: each with a name, a quantity and a unit.
+//! Columns of an axle's curves: each column has a name, a quantity and a unit.
 
 use super::reading::WheelParts;
 use super::series::ByGear;
@@ -11,14 +11,14 @@ use crate::curves::{ByTime, Column, Loads, per, velocity_name};
 use crate::model::{Axis, LengthUnit, PointId, Side};
 use crate::number::{Each, Jet};
 
-/// A column of values.
+/// A column of values in the results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleColumn {
     /// Name with unit.
     pub name: String,
     /// Content of the column.
     pub of: Of,
-    /// Motion along which the column is differentiated. `None` for a value.
+    /// Motion along which the column is differentiated. `None` for a value that is not differentiated.
     pub by: Option<Motion>,
     /// True if the derivative is with respect to time, while the axle moves along `by`.
     pub is_by_time: bool,
@@ -39,7 +39,7 @@ pub enum Of {
     Point {
         /// The wheel.
         side: Side,
-        /// Index of the point in the plan.
+        /// Index of the point in [`AxlePlan::points`](super::AxlePlan::points).
         number: usize,
         /// The point.
         id: PointId,
@@ -52,7 +52,7 @@ pub enum Of {
     },
     /// A component of the angular velocity of one wheel carrier.
     Turn(Side, Axis),
-    /// A force in a member that carries a load on one wheel.
+    /// Force in a member that carries a load on one wheel.
     Force {
         /// Name without the unit.
         name: String,
@@ -70,8 +70,8 @@ impl AxleColumn {
         }
     }
 
-    /// Quantity or coordinate that the column shows or differentiates. `None` if the column has no derivatives with respect
-    /// to hardpoints.
+    /// Returns the quantity or coordinate that the column contains or differentiates. `None` if the column has no
+    /// derivatives with respect to hardpoints.
     pub(super) fn sought(&self) -> Option<Sought> {
         match self.of {
             Of::Quantity(quantity) => Some(Sought::Quantity(quantity)),
@@ -80,10 +80,10 @@ impl AxleColumn {
         }
     }
 
-    /// Number in the column for a pose, in radians, length units, newtons and seconds, or the reason for its absence. `None`
-    /// for a force, which does not follow from the pose alone. `by_drag_link` has the derivatives with respect to the
-    /// displacement of a steering gear ([`AxleSolver::by_drag_link`](super::AxleSolver)), if the number changes with this
-    /// displacement.
+    /// Returns the number in the column for a pose, in radians, length units, newtons and seconds, or the reason why
+    /// the number does not exist. `None` for a force, because the pose alone does not determine it. If the number
+    /// depends on the displacement of a steering gear, `by_drag_link` contains the derivatives with respect to this
+    /// displacement ([`AxleSolver::by_drag_link`](super::AxleSolver)).
     pub(crate) fn evaluate(
         &self,
         read: &Read,
@@ -113,7 +113,7 @@ impl AxleColumn {
         Some(Ok(time.apply(false, derivatives, self.order)))
     }
 
-    /// The value, or its derivative of this order along the motion.
+    /// Returns the value, or its derivative of this order along the motion.
     fn along(&self, read: &Read, order: usize) -> Option<Result<f64, NoValue>> {
         match &self.of {
             Of::Quantity(quantity) => Some(self.quantity_in(*quantity, read, order)),
@@ -146,7 +146,8 @@ impl AxleColumn {
         })
     }
 
-    /// Column for the derivative of this value along a motion. `rack_sign` is the sign of the rack's axis in the study.
+    /// Makes the column for the derivative of this value along a motion. `rack_sign` is the sign of the rack's axis in
+    /// the study.
     fn by_motion(
         &self,
         order: usize,
@@ -182,7 +183,7 @@ impl AxleColumn {
         }
     }
 
-    /// Column for a time derivative of this value, under a law for this motion over time.
+    /// Makes the column for a time derivative of this value, if the coordinate of this motion is a function of time.
     fn by_time(&self, order: usize, (motion, ..): &ByMotion) -> AxleColumn {
         let unit = per(&self.unit, "s", order);
         let stem = match &self.of {
@@ -201,7 +202,7 @@ impl AxleColumn {
         }
     }
 
-    /// Name of the column's content, without motion and unit.
+    /// Name of the column without motion and unit.
     pub fn output(&self) -> String {
         match &self.of {
             Of::Quantity(quantity) => quantity.name(),
@@ -221,7 +222,7 @@ impl AxleColumn {
     }
 }
 
-/// Derivative of a coordinate, which is a function of the wheel's own travel and rack.
+/// Derivative of a coordinate. The coordinate is a function of the travel of its own wheel and of the rack.
 fn of_point(
     place: &Taylor<f64>,
     motion: Motion,
@@ -279,10 +280,11 @@ impl From<&AxleColumn> for Column {
     }
 }
 
-/// A motion, its name and unit in columns, and the factor that converts a derivative along this motion to its printed value.
+/// A motion, its name and unit in columns, and the factor that converts a derivative along this motion to the unit of
+/// the column.
 type ByMotion = (Motion, &'static str, String, f64);
 
-/// All three axes for the left wheel, then all three axes for the right wheel.
+/// Lists all three axes for the left wheel, then all three axes for the right wheel.
 fn by_wheel() -> impl Iterator<Item = (Side, Axis)> {
     let sides = Side::ALL.into_iter();
     sides.flat_map(|side| Axis::ALL.each(|axis| (side, axis)))
@@ -319,8 +321,8 @@ impl AxlePlan {
         motions
     }
 
-    /// Columns of the plan. Each value comes before its derivatives. The order is: quantities, points, wheel carriers,
-    /// forces.
+    /// Returns the columns of the plan. Each value comes before its derivatives. The order is: quantities, points,
+    /// wheel carriers, forces.
     pub fn columns(&self, axle: &Axle) -> Vec<AxleColumn> {
         let length = axle.left.length_unit;
         let motions = self.motions(length);
@@ -409,7 +411,7 @@ impl AxlePlan {
         columns
     }
 
-    /// Loads on one wheel, and the members that carry them.
+    /// Returns the loads on one wheel, and the members that carry these loads.
     pub(super) fn carried<'a>(&'a self, axle: &'a Axle, side: Side) -> Loads<'a> {
         let mechanism = &axle.suspension(side).mechanism;
         let units = (axle.frame(side), axle.left.length_unit);

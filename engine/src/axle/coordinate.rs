@@ -1,4 +1,4 @@
-//! Coordinates of an axle's pose, and their representation in a study.
+//! Coordinates of an axle's pose, and how a study writes them.
 
 use super::state::Motion;
 use super::{Axle, AxleMotion, Placement, WheelMotion};
@@ -77,8 +77,8 @@ impl Coordinate {
         format!("{}_{}", self.key(), self.unit(length))
     }
 
-    /// Converts a value in a study (degrees, lengths along the study's axes) to a value of an [`AxleMotion`]. It converts an
-    /// angle of the steering wheel to the displacement of the rack.
+    /// Converts a value of a study (degrees, lengths along the study's axes) to a value of an [`AxleMotion`]. If the
+    /// coordinate is the angle of the steering wheel, the result is the displacement of the rack.
     pub fn in_kernel(self, written: f64, axle: &Axle) -> f64 {
         match self {
             Coordinate::Roll => written.to_radians(),
@@ -88,8 +88,8 @@ impl Coordinate {
         }
     }
 
-    /// Converts a value of a motion to its representation in a study. An angle becomes the shortest decimal number that
-    /// represents it.
+    /// Converts a value of a motion to the value that a study contains. For an angle, the result is the shortest
+    /// decimal number that represents it.
     pub fn written(self, value: f64, axle: &Axle) -> f64 {
         let short = |value: f64| format!("{value:.12e}").parse().unwrap_or(value);
         match self {
@@ -100,7 +100,8 @@ impl Coordinate {
 }
 
 impl Placement {
-    /// Value of a coordinate in the units of a motion. 0 for a coordinate that does not define this placement.
+    /// Returns the value of a coordinate in the units of a motion. The result is 0 if the placement is not defined by
+    /// this coordinate.
     pub fn along(&self, coordinate: Coordinate) -> f64 {
         match (coordinate, *self) {
             (Coordinate::Rack | Coordinate::SteeringWheel, placement) => placement.rack(),
@@ -121,8 +122,9 @@ impl Placement {
 }
 
 impl AxleMotion {
-    /// Coordinates that move independently, at least one. The first one is the abscissa of curves. In a motion of rows, the
-    /// result contains only the coordinate with the most different values.
+    /// Returns the coordinates that move independently, at least one. The first coordinate is the abscissa of curves.
+    /// If the stations are rows of a table, the result contains only the coordinate with the largest number of
+    /// different values.
     pub fn moving(&self) -> Vec<Coordinate> {
         let mut moving = self.all_moving();
         if self.has_rows() {
@@ -140,8 +142,8 @@ impl AxleMotion {
         moving
     }
 
-    /// Coordinates with several values. If no coordinate has several values, the first coordinate alone. The first coordinate
-    /// of the result is the abscissa of curves.
+    /// Returns the coordinates with several values. If no coordinate has several values, the result contains only the
+    /// first coordinate. The first coordinate of the result is the abscissa of curves.
     pub fn all_moving(&self) -> Vec<Coordinate> {
         let mut motion = self.clone();
         let by_wheel = motion.steering_wheel.is_some();
@@ -157,7 +159,7 @@ impl AxleMotion {
         moving.retain(|c| {
             let values = motion.along(*c).map_or(&[][..], |values| values);
             if has_rows {
-                // The same value may appear in several rows.
+                // Several rows of the table may contain the same value.
                 values.iter().any(|value| *value != values[0])
             } else {
                 values.len() > 1
@@ -172,8 +174,8 @@ impl AxleMotion {
         moving
     }
 
-    /// Values of a coordinate. `None` if this motion does not have the coordinate. Rack and steering wheel have the same
-    /// values, which are displacements of the rack.
+    /// Returns the values of a coordinate. `None` if this motion does not have the coordinate. For the rack and for the
+    /// steering wheel, the values are displacements of the rack.
     pub fn along(&mut self, coordinate: Coordinate) -> Option<&mut Vec<f64>> {
         let wheels = &mut self.wheels;
         match (coordinate, wheels) {

@@ -20,7 +20,7 @@ pub struct AxlePlan {
     pub motion: AxleMotion,
     /// Quantities, in the order of the study.
     pub quantities: Vec<Quantity>,
-    /// Highest derivative along the motions in the results, at most 2.
+    /// Order of the highest derivatives along the motions in the results, at most 2.
     pub derivatives: usize,
     /// Hardpoints for which gradients are computed. May be empty.
     pub sensitivities: Vec<PointId>,
@@ -35,7 +35,7 @@ pub struct AxlePlan {
 }
 
 impl AxlePlan {
-    /// Plan with only these quantities over a motion.
+    /// Makes a plan with only these quantities over a motion.
     pub fn of(motion: AxleMotion, quantities: Vec<Quantity>) -> AxlePlan {
         AxlePlan {
             motion,
@@ -49,7 +49,7 @@ impl AxlePlan {
         }
     }
 
-    /// This plan without sensitivities and certificates.
+    /// Returns this plan without sensitivities and certificates.
     pub fn values_alone(&self) -> AxlePlan {
         AxlePlan {
             sensitivities: Vec::new(),
@@ -58,12 +58,12 @@ impl AxlePlan {
         }
     }
 
-    /// Plan for the same quantities over the same motion, without any other results.
+    /// Returns a plan for the same quantities over the same motion, without any other results.
     pub fn quantities_alone(&self) -> AxlePlan {
         AxlePlan::of(self.motion.clone(), self.quantities.clone())
     }
 
-    /// Plan of the same quantities in the design position.
+    /// Returns a plan for the same quantities in the design position.
     pub fn at_design(&self) -> AxlePlan {
         AxlePlan {
             motion: self.motion.at_design(),
@@ -99,13 +99,13 @@ pub struct AxleCurves {
 }
 
 impl AxlePlan {
-    /// Highest derivative of a wheel with respect to travel and rack that the plan reads.
+    /// Order of the highest derivative of a wheel, with respect to travel and rack, that the plan needs.
     pub fn degree(&self) -> usize {
         self.degree_for(!self.sensitivities.is_empty())
     }
 
-    /// Highest derivative of a wheel with respect to travel and rack that the plan reads. `by_design` says whether
-    /// derivatives with respect to the design are computed.
+    /// Order of the highest derivative of a wheel, with respect to travel and rack, that the plan needs. `by_design` is
+    /// true if derivatives with respect to the design are computed.
     pub(crate) fn degree_for(&self, by_design: bool) -> usize {
         let orders = self.quantities.iter().map(|q| q.rate_order());
         let along = self.derivatives;
@@ -119,7 +119,7 @@ impl AxlePlan {
     }
 }
 
-/// Computes the curves of an axle. An error says why the design position of a wheel cannot be solved.
+/// Computes the curves of an axle. The error is the reason why the design position of a wheel cannot be solved.
 pub fn axle_curves(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side, DesignFault)> {
     if let Some(elastic) = &axle.elastic {
         return super::elastic::curves(axle, elastic, plan);
@@ -160,7 +160,7 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
         placed: Vec::with_capacity(placements.len()),
     };
     let mut of_wheels = WheelCurves::default();
-    // Poses in roll are computed together. If travels are given, poses come from the curves of the wheels.
+    // Poses in roll are solved together. If travels are given, the poses are taken from the curves of the wheels.
     let mut rolled = match plan.motion.wheels {
         WheelMotion::Roll { .. } => solver.place_all(&placements).into_iter(),
         _ => Vec::new().into_iter(),
@@ -179,7 +179,7 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
             station.at = place(&plan.motion, axle, (number, placement), Some(&placed));
             if !plan.sensitivities.is_empty() {
                 let more = gradients(axle, plan, &mut solver, &columns, &placed, number)?;
-                // A column without a value has no derivatives.
+                // If the value of a column does not exist, its derivatives do not exist either.
                 let has_value = |s: &Sensitivity| station.values[s.column].is_ok();
                 let all = &mut found.curves.sensitivities;
                 all.extend(more.into_iter().filter(has_value));
@@ -204,7 +204,7 @@ fn run<const N: usize>(axle: &Axle, plan: &AxlePlan) -> Result<AxleCurves, (Side
     Ok(found)
 }
 
-/// Makes a failed station: it has no pose, or its pose could not be certified.
+/// Makes a station without results: the station has no pose, or the pose could not be certified.
 fn failed(at: Vec<Option<f64>>, reason: NoPose, columns: usize) -> Station {
     Station {
         at,
@@ -215,8 +215,9 @@ fn failed(at: Vec<Option<f64>>, reason: NoPose, columns: usize) -> Station {
     }
 }
 
-/// Certifies that each computed pose is within its bounds of an exact pose, and that each wheel's pose lies on the branch of
-/// its design position. A station that cannot be certified becomes a failed station.
+/// Certifies that each computed pose is within its bounds of an exact pose. Also certifies that the pose of each wheel
+/// lies on the solution branch of its design position. If a station cannot be certified, it becomes a station without
+/// results.
 fn certify<const N: usize>(
     axle: &Axle,
     plan: &AxlePlan,
@@ -262,7 +263,7 @@ fn certify<const N: usize>(
     }
 }
 
-/// Curves of both wheels at one rack displacement, for placements with given travels.
+/// Curves of both wheels at one rack displacement, for placements whose travels are given.
 #[derive(Default)]
 struct WheelCurves {
     rack: Option<f64>,
@@ -271,7 +272,8 @@ struct WheelCurves {
 }
 
 impl WheelCurves {
-    /// Finds and reads a pose. If the travels are given, it uses the curves of both wheels; otherwise it solves the pose.
+    /// Finds a pose and computes its quantities. If the travels are given, the function uses the curves of both wheels.
+    /// Otherwise it solves the pose.
     fn position<'a, const N: usize>(
         &mut self,
         solver: &mut AxleSolver<'a, N>,
@@ -314,7 +316,7 @@ impl WheelCurves {
     }
 }
 
-/// Values of a station whose coordinates are not set yet.
+/// Returns the values of a station. The coordinates of the station are not set yet.
 fn values(
     (columns, by_drag_link): (&[AxleColumn], &[Option<ByGear>]),
     read: &Read,
@@ -387,7 +389,8 @@ fn gradients<const N: usize>(
     station: usize,
 ) -> Result<Vec<Sensitivity>, NoPose> {
     let mut found = Vec::new();
-    // For a rigid axle, derivatives are with respect to the points of the left half. The right half follows the left half.
+    // For a rigid axle, derivatives are with respect to the points of the left half. The points of the right half move
+    // with them.
     let is_own = axle.right.is_some() && !axle.is_rigid();
     let values = columns.iter().enumerate().filter(|(_, c)| c.by.is_none());
     let sought = values.filter_map(|(column, c)| Some((column, c.sought()?)));
@@ -413,7 +416,8 @@ fn gradients<const N: usize>(
                     add(Some(Side::Left), by[0] * frames[0].sign(axis));
                     add(Some(Side::Right), by[1] * frames[1].sign(axis));
                 } else {
-                    // The right wheel follows the left one, so both derivatives add up.
+                    // The points of the right wheel move with the points of the left wheel, so the derivatives of both
+                    // are added.
                     add(None, (by[0] + by[1]) * frames[0].sign(axis))
                 }
             }

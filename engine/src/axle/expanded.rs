@@ -1,10 +1,10 @@
 //! A wheel as a function of its travels and of one direction of its design.
 //!
-//! With the design d(e) = d_0 + d_1 e + d_2 e^2, each number of a wheel is u(a, b, e). Here a and b are steps of travel and
-//! rack. For a rigid axle, they are steps of both travels. Along a line (a, b) = t (p, q) it is a polynomial in t and e. Its
-//! coefficients c_ij of t^i e^j come from power series in s along straight lines (t, e) = s (1, 0), s (0, 1), s (1, 1), s
-//! (1, -1), as in module `taylor`. Degree 4 needs one more line, s (2, 1). With A, B and C, the coefficients of s^4 along
-//! the last three lines,
+//! With the design d(e) = d_0 + d_1 e + d_2 e^2, each number of a wheel is u(a, b, e). Here a and b are steps of travel
+//! and rack. For a rigid axle, a and b are steps of its two travels. Along a line (a, b) = t (p, q), the number is a
+//! polynomial in t and e. The coefficients c_ij of t^i e^j are computed from power series in s along straight lines (t,
+//! e) = s (1, 0), s (0, 1), s (1, 1), s (1, -1), as in module `taylor`. Degree 4 needs one more line, s (2, 1). With A,
+//! B and C, the coefficients of s^4 along the last three lines,
 //!
 //! ```text
 //! c_22 = (A + B)/2 - c_40 - c_04                                                                                (1)
@@ -35,9 +35,9 @@ pub(crate) struct Expandable<'a> {
     /// Design in which the wheel was solved, with its steering gear in the middle.
     pub(super) design: &'a [Vector3<f64>],
     pub(super) pose: Pose<f64>,
-    /// Factors of the Jacobian in this pose.
+    /// LU factors of the Jacobian in this pose.
     pub(super) factors: Lu6<f64>,
-    /// Drive and rack of the wheel, in its own frame.
+    /// Drive and rack displacement of the wheel, in its own frame.
     pub(super) coordinates: (f64, f64),
     /// Displacement of the steering gear of a steered axle.
     pub(super) gear: f64,
@@ -45,8 +45,8 @@ pub(crate) struct Expandable<'a> {
     pub(super) parts: Parts,
 }
 
-/// A wheel whose numbers are series along a direction of its design. They are known up to the third power of its travels,
-/// for an independent wheel up to the fourth.
+/// A wheel whose numbers are series along a direction of its design. The series go to the third power of travel. For an
+/// independent wheel, they go to the fourth power.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ExpandedWheel {
     reading: Reading<Series>,
@@ -58,13 +58,13 @@ pub(crate) struct ExpandedWheel {
 type ByTravel = [Series; TERMS];
 
 impl Expandable<'_> {
-    /// Wheel of the unchanged design.
+    /// Returns the wheel of the unchanged design.
     pub(crate) fn still(&self) -> ExpandedWheel {
         let design: Vec<_> = self.design.iter().map(|p| p.map(Jet::constant)).collect();
         self.along(&design)
     }
 
-    /// Wheel of a design whose points are series.
+    /// Returns the wheel of a design whose points are series.
     pub(crate) fn along(&self, design: &[Vector3<Series>]) -> ExpandedWheel {
         let lines = self.lines.iter();
         let series: Vec<Vec<ByTravel>> = match self.mechanism.rigid_axle {
@@ -89,7 +89,8 @@ impl Expandable<'_> {
         }
     }
 
-    /// Numbers of the wheel along (t, e) = s (`travel`, `design`). Here t is the step along a line in travel and rack.
+    /// Returns the numbers of the wheel along (t, e) = s (`travel`, `design`). Here t is the step along a line in
+    /// travel and rack.
     fn series<const N: usize>(
         &self,
         along: &[Vector3<Series>],

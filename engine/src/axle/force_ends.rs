@@ -1,11 +1,12 @@
-//! Poses in which a spring pulls, or a spring or bump stop is beyond the ends of its force curve.
+//! Finds poses in which a spring is in tension, or in which a spring or bump stop is beyond the ends of its force
+//! curve.
 
 use super::spring::{ForceCurve, Law, SpringLaw};
 use super::{Axle, AxleCurves};
 use crate::mechanism::Configuration;
 use crate::model::Side;
 
-/// Part whose force follows a curve.
+/// Part with a force curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ForcePart {
     /// Spring, with its length as abscissa.
@@ -14,22 +15,22 @@ pub enum ForcePart {
     BumpStop,
 }
 
-/// Pose that is farthest beyond an end of a force curve.
+/// Pose in which a part is farthest beyond an end of its force curve.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BeyondCurve {
     /// The wheel.
     pub side: Side,
     /// The part.
     pub part: ForcePart,
-    /// Length or compression, in the study's unit.
+    /// Length of the spring or compression of the bump stop, in the study's unit.
     pub value: f64,
-    /// End of the curve, in the same unit.
+    /// Value at the end of the curve, in the same unit.
     pub end: f64,
     /// Travel of the wheel.
     pub travel: f64,
 }
 
-/// Station at which a spring pulls.
+/// Station at which a spring is in tension.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pull {
     /// The wheel.
@@ -79,8 +80,8 @@ impl Axle {
         found
     }
 
-    /// Finds the station with the largest tension in a spring. `None` if no spring pulls. The forces of stops are excluded,
-    /// because a rebound stop always pulls.
+    /// Finds the station with the largest tension in a spring. `None` if no spring is in tension. The forces of stops
+    /// are excluded, because a rebound stop is always in tension.
     pub fn pulling_spring(&self, curves: &AxleCurves) -> Option<Pull> {
         let stations = curves.placed.iter().enumerate();
         let forces = stations.flat_map(|(station, placed)| {
@@ -101,7 +102,8 @@ impl Axle {
         (least.force < 0.0).then_some(least)
     }
 
-    /// Length of a wheel's spring in a pose, its length in the design position, and its law. `None` without a spring.
+    /// Returns the length of a wheel's spring in a pose, its length in the design position, and its law. `None` without
+    /// a spring.
     fn spring_lengths(
         &self,
         side: Side,
@@ -116,7 +118,8 @@ impl Axle {
         Some(([length, design], &springs[side as usize]))
     }
 
-    /// Parts of a wheel that are beyond an end of their curve in a pose, with value and end.
+    /// Returns the parts of a wheel that are beyond an end of their force curve in a pose. For each part, the result
+    /// contains the value and the end of the curve.
     fn beyond_at(
         &self,
         side: Side,
@@ -139,7 +142,7 @@ impl Axle {
     }
 }
 
-/// End that a value exceeds. `None` if the value is within the curve.
+/// Returns the end of the curve that a value exceeds. `None` if the value is within the curve.
 fn beyond(curve: &ForceCurve, value: f64) -> Option<f64> {
     let (first, last) = (curve.points().first()?[0], curve.points().last()?[0]);
     if value < first {

@@ -1,7 +1,8 @@
 //! Positions of all points of both wheels along a motion, for drawings: the ground is level and the body rolls.
 //!
-//! Curves of an axle are in the body's axes, in which the ground tilts. A drawing rotates both wheels and the ground back by
-//! the roll angle about x. It then moves the body vertically, so that the ground keeps its height of the design position.
+//! Curves of an axle are in the axes of the body, so the ground is inclined. For a drawing, the program rotates both
+//! wheels and the ground back by the roll angle about x. It then moves the body vertically. So the ground has the same
+//! height as in the design position.
 
 use super::elastic::Equilibria;
 use super::formulas::steering::turn;
@@ -16,9 +17,9 @@ use crate::model::{Frame, PointId, Side};
 use crate::number::{Each, Vector3};
 use crate::study::AxleComplianceStudy;
 
-/// Both wheels in every pose, in the study's axes, or the reason why a pose does not exist. With elastic parts, the carriers
-/// are in their equilibrium positions, and there are no instant centres. An error says why the design position of a wheel
-/// cannot be solved, or why it has no elastic model.
+/// Returns both wheels in every pose, in the study's axes, or the reason why a pose does not exist. With elastic parts,
+/// the carriers are in their equilibrium positions, and there are no instant centres. The error is the reason why the
+/// design position of a wheel cannot be solved, or why it has no elastic model.
 pub fn axle_frames(
     axle: &Axle,
     placements: &[Placement],
@@ -42,8 +43,8 @@ pub fn axle_frames(
     Ok(drawn.collect())
 }
 
-/// Both wheels in the body's axes, or the reason why there is no pose. The points of each wheel are in the study's axes, on
-/// the correct side. With elastic parts, the carriers are in their equilibrium positions.
+/// Returns both wheels in the body's axes, or the reason why there is no pose. The points of each wheel are in the
+/// study's axes, on the correct side. With elastic parts, the carriers are in their equilibrium positions.
 ///
 /// # Errors
 /// If the design position of a wheel cannot be solved, or has no elastic model.
@@ -70,7 +71,7 @@ fn in_equilibrium(equilibria: &Equilibria<'_>, placement: &Placement) -> Result<
     Ok(equilibria.here(place)?)
 }
 
-/// A wheel of an axle in equilibrium, and its contact point.
+/// Returns a wheel of an axle in equilibrium, and the contact point of this wheel.
 fn carrier_at<'a>(
     axle: &'a Axle,
     solver: &'a AxleSolver<'_, 2>,
@@ -84,8 +85,8 @@ fn carrier_at<'a>(
     (Configuration::new(mechanism, design, pose, rack), contact)
 }
 
-/// Both wheels in equilibrium at each of these placements. The body is level, and each wheel is on a separate pad. The mean
-/// height of the pads equals the height of the ground in the design position.
+/// Returns both wheels in equilibrium for each of these placements. The body is level, and each wheel is on a separate
+/// pad. The mean height of the pads equals the height of the ground in the design position.
 fn equilibrium_frames(
     axle: &Axle,
     elastic: &AxleComplianceStudy,
@@ -172,18 +173,18 @@ fn design_ground(axle: &Axle, solver: &mut AxleSolver<2>) -> f64 {
     0.5 * (left + right)
 }
 
-/// Attitude of the axle in a drawing: the body is rotated by the roll angle, and the ground keeps its height.
+/// Position of the body in a drawing: the body is rotated by the roll angle, and the ground keeps its height.
 struct Attitude<'a> {
     frame: &'a Frame,
     sine: f64,
     cosine: f64,
-    /// Distance by which the body is lifted.
+    /// Vertical displacement of the body, positive up.
     lifted: f64,
 }
 
 impl Attitude<'_> {
-    /// Rotates a vector with the body. The vector is in the frame of its side; the right frame is the mirror image of the
-    /// left.
+    /// Rotates a vector with the body. The vector is in the frame of its side. The frame of the right side is the
+    /// mirror image of the frame of the left side.
     fn turned(&self, side: Side, v: Vector3<f64>) -> Vector3<f64> {
         let y = match side {
             Side::Left => v.y,
@@ -193,7 +194,7 @@ impl Attitude<'_> {
         Vector3::new(v.x, y * cosine - v.z * sine, y * sine + v.z * cosine)
     }
 
-    /// Position of a point, in the kernel's axes of the drawing.
+    /// Returns the position of a point in the drawing, in the kernel's axes.
     fn placed(&self, side: Side, v: Vector3<f64>) -> Vector3<f64> {
         self.turned(side, v) + Vector3::new(0.0, 0.0, self.lifted)
     }
@@ -242,7 +243,8 @@ impl Attitude<'_> {
         drawn
     }
 
-    /// Roll centre in the drawing, from its coordinates along the ground and above it.
+    /// Position of the roll centre in the drawing. It is computed from the coordinates along the ground and above the
+    /// ground.
     fn roll_centre(&self, state: &AxleState<f64>) -> Option<[f64; 3]> {
         let value = |quantity| Quantity::Axle(quantity).value(state).ok();
         let height = value(AxleQuantity::RollCentreHeight)?;

@@ -1,4 +1,4 @@
-//! Quantities of several axles at a time. Each axle is in one SIMD lane.
+//! Quantities of several axles at the same time. Each SIMD lane contains one axle.
 
 use super::Quantity;
 use super::formulas::{roll, steering};
@@ -12,8 +12,8 @@ use crate::characteristics::{
 use crate::model::Side;
 use crate::number::{Outlined, SimdReal, Vector3, outlined};
 
-/// Several wheels in SIMD lanes: their parts and their first derivatives with respect to travel. Derivatives with respect to
-/// the rack are available only for the carrier and, if the axle is rigid, for the axle itself.
+/// Several wheels in SIMD lanes: parts of the wheels, and first derivatives with respect to travel. Derivatives with
+/// respect to the rack are available only for the carrier and, if the axle is rigid, for the axle itself.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneWheel<'i, B> {
     inputs: &'i Inputs<B>,
@@ -22,7 +22,7 @@ pub struct LaneWheel<'i, B> {
 }
 
 impl<'i, B> LaneWheel<'i, B> {
-    /// Makes the wheels from their inputs in lanes.
+    /// Makes the wheels from the inputs in SIMD lanes.
     #[inline(always)]
     pub fn of(read: &'i LaneInputs<B>) -> Self {
         LaneWheel {
@@ -59,8 +59,8 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
         }
     }
 
-    /// Lanes contain the angular velocities of the carrier. For a rigid axle, they also contain the columns along x and y of
-    /// its rotation.
+    /// Lanes contain the angular velocity of the carrier instead of the columns of its rotation matrix. For a rigid
+    /// axle, they also contain the columns of the axle's rotation along x and y.
     #[inline(always)]
     fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<B> {
         if self.axle.is_steered {
@@ -117,7 +117,7 @@ impl<B: SimdReal> WheelParts<B> for LaneWheel<'_, B> {
 }
 
 impl<B: SimdReal> LaneWheel<'_, B> {
-    /// The wheels, or their derivatives with respect to travel. `None` for other powers of travel and rack.
+    /// Returns the wheels, or their derivatives with respect to travel. `None` for other powers of travel and rack.
     #[inline(always)]
     fn wheel(&self, powers: [usize; 2]) -> Option<&Wheel<B>> {
         match powers {
@@ -135,8 +135,8 @@ impl<B: SimdReal> LaneWheel<'_, B> {
 }
 
 impl Quantity {
-    /// Returns true if lanes can compute the quantity. They compute every wheel characteristic, and the quantities that are
-    /// marked in the axle's catalogue.
+    /// Returns true if SIMD lanes can compute the quantity. They can compute every wheel characteristic, and the
+    /// quantities that are marked `lanes` in the axle's catalogue.
     pub fn is_for_lanes(self) -> bool {
         match self {
             Quantity::Corner(..) => true,
@@ -146,7 +146,7 @@ impl Quantity {
         }
     }
 
-    /// Slots of a wheel that the quantity reads if the lanes hold several designs.
+    /// Returns the slots of a wheel that the quantity uses, if the lanes contain several designs.
     pub fn lane_slots(self, side: Side) -> Slots {
         match self {
             Quantity::Corner(own, _) if own != side => Slots::default(),
@@ -158,7 +158,8 @@ impl Quantity {
         }
     }
 
-    /// Values in lanes. NaN for a missing value, under the same conditions as [`Quantity::value`].
+    /// Returns the values in SIMD lanes. A value is NaN if it is missing, under the same conditions as in
+    /// [`Quantity::value`].
     #[inline(always)]
     pub fn value_in_lanes<B: SimdReal>(self, state: &AxleState<B, LaneWheel<B>>) -> B {
         let like = state.like();

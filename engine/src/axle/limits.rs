@@ -1,8 +1,8 @@
 //! Limits of an axle: the travel of each wheel, the rack of both wheels, and the roll angle.
 //!
-//! In roll, the rack is fixed, and the travels of both wheel centres are heave +- s. Roll continues until the first wheel
-//! reaches the end of its travel. A rigid axle rolls until its links reach a fold. The plane under both wheels gives the
-//! roll angle at the end.
+//! In roll, the rack is fixed, and the travels of both wheel centres are heave +- s. Roll continues until the first
+//! wheel reaches the end of its travel. A rigid axle rolls until its links reach a fold, the turning point at which the
+//! travel reverses. The roll angle at the end is the angle of the plane under both wheels.
 
 use super::Axle;
 use super::solver::{AxlePose, AxleSolver, Placement};
@@ -12,24 +12,26 @@ use crate::model::{AxleTravel, Drive, Rod, Side};
 use crate::number::Each;
 use crate::solve::Solver;
 
-/// Limits of an axle's motion, found by moving away from its design position.
+/// Limits of an axle's motion, found by moving the axle away from its design position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleLimits {
     /// Ranges of the travels.
     pub travels: TravelRanges,
-    /// Toggles of the rockers of each wheel within its travel. Empty if one body carries both wheels.
+    /// Ranges of the rockers of each wheel up to their toggles, within the wheel's travel. Empty if one body carries
+    /// both wheels.
     pub rockers: [Vec<RockerRange>; 2],
-    /// Smallest and largest displacement of the rack at zero travel, positive in the outboard direction of the left wheel.
-    /// For a steered solid axle, displacement of its drag link. `None` if nothing steers the wheels.
+    /// Smallest and largest displacement of the rack at zero travel, positive in the outboard direction of the left
+    /// wheel. For a steered solid axle, these are displacements of the drag link. `None` if nothing steers the wheels.
     pub rack: Option<[AxleEnd; 2]>,
-    /// Smallest and largest roll angle (radians) at zero heave, with the rack in the middle. `None` for an unknown angle.
+    /// Smallest and largest roll angle (radians) at zero heave, with the rack centred. `None` if the angle is not
+    /// known.
     pub roll: [Option<AxleEnd>; 2],
 }
 
 /// Limits of the travels of an axle's wheels, found by moving away from the design position.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TravelRanges {
-    /// Travels of the left and right wheel separately, with the rack in the middle.
+    /// Travels of the left and right wheel separately, with the rack centred.
     OfWheels([Range; 2]),
     /// Travels of a rigid axle.
     OfAxle {
@@ -40,30 +42,30 @@ pub enum TravelRanges {
     },
 }
 
-/// End of an axle's range: the value at which one of its wheels first reaches an end.
+/// End of an axle's range. It is the value at which the first of the two wheels reaches an end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleEnd {
     /// Value at the end: a travel, a rack displacement or a roll angle in radians.
     pub value: f64,
     /// Wheel that reaches its end.
     pub side: Side,
-    /// End of that wheel's travel, in its own frame.
+    /// End of the travel of this wheel, in the wheel's own frame.
     pub end: RangeEnd,
 }
 
-/// Fraction of the roll angle at the end at which the axle must still have a pose. Otherwise the end is not reported.
+/// The end of the roll angle is reported only if the axle has a pose at this fraction of it.
 const BEFORE_END: f64 = 0.999;
-/// Fraction like [`BEFORE_END`] for a rigid axle. Near its fold, the heights of the wheels change with the square root of
-/// the distance to the fold.
+/// Same fraction as [`BEFORE_END`], but for a rigid axle. Near the end of a rigid axle's motion (a fold), the heights
+/// of the wheels change with the square root of the distance to this end.
 const BEFORE_FOLD: f64 = 0.97;
-/// Fractions of the travel at a toggle, tried until the axle has a pose at one of them. There, the heights of the wheels
-/// differ from those at the toggle by at most 1e-8 of the travel.
+/// Fractions of the travel at a toggle. The program tries them in turn until the axle has a pose. At these fractions,
+/// the heights of the wheels differ from the heights at the toggle by at most 1e-8 of the travel.
 const BEFORE_TOGGLE: [f64; 3] = [1.0 - 1e-12, 1.0 - 1e-10, 1.0 - 1e-8];
-/// Largest displacement of a steering gear, relative to the mechanism's size, up to which toggles are searched.
+/// Toggles are searched up to this displacement of a steering gear, relative to the mechanism's size.
 const FARTHEST_GEAR: f64 = 2.0;
 
 impl Axle {
-    /// Returns the limits of the axle's motion, found by moving away from its design position.
+    /// Returns the limits of the axle's motion, found by moving the axle away from its design position.
     ///
     /// # Errors
     /// If the design position of a wheel is singular.
@@ -78,7 +80,7 @@ impl<const N: usize> AxleSolver<'_, N> {
     /// # Errors
     /// If the design position of a wheel is singular.
     pub fn limits(&mut self) -> Result<AxleLimits, (Side, DesignFault)> {
-        // Without displacement, the axle is the solved design, so the call does not fail.
+        // Without displacement, the axle has its solved design, so the call cannot fail.
         let _ = self.steer(0.0);
         let left = self.limits_of(Side::Left)?;
         let right = self.limits_of(Side::Right)?;
@@ -116,7 +118,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         })
     }
 
-    /// Range of the steering gear of a steered axle in which the axle has a position at zero travel. `None` for other axles.
+    /// Returns the range of the steering gear of a steered axle in which the axle has a position at zero travel. `None`
+    /// for other axles.
     fn drag_link_range(&mut self) -> Option<[AxleEnd; 2]> {
         if !self.is_steered() {
             return None;
@@ -166,9 +169,9 @@ impl<const N: usize> AxleSolver<'_, N> {
         AxleEnd { value, side, end }
     }
 
-    /// Finds the rod that is at its toggle, and the side of the knuckle that it steers. During the solution, the knuckles
-    /// turn first while the axle rests. So a rod can be at its toggle at rest or in the final position. `None` if no rod is
-    /// at its toggle.
+    /// Finds a rod that is at its toggle, and the side of the knuckle that this rod steers. The solver first turns the
+    /// knuckles while the axle is at rest. Then it moves the axle to the final position. So a rod can be at its toggle
+    /// at rest or in the final position. `None` if no rod is at its toggle.
     fn nearest_toggle(&mut self, placed: &AxlePose) -> Option<(Side, Rod)> {
         self.steer(placed.rack).ok()?;
         let steering = self.axle.left.mechanism.axle_steering()?;
@@ -191,7 +194,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         (leverages[side as usize] < AT_TOGGLE).then_some((side, rod))
     }
 
-    /// Range of the mean travel of a rigid axle, with equal travels of both wheels.
+    /// Finds the range of the mean travel of a rigid axle, with equal travels of both wheels.
     fn heave_range(&self) -> Result<Range, (Side, DesignFault)> {
         let [left, _] = self.designs();
         let mechanism = self.axle.left.mechanism.holding(AxleTravel::Difference);
@@ -200,12 +203,12 @@ impl<const N: usize> AxleSolver<'_, N> {
         limits.map_err(|fault| (Side::Left, fault))
     }
 
-    /// Finds the roll angle at which the first wheel reaches the end of its travel. `ends` has the end of the left and the
-    /// end of the right wheel, for one direction of roll. `None` if the angle is not known.
+    /// Finds the roll angle at which the first wheel reaches the end of its travel. `ends` contains the end of the left
+    /// wheel and the end of the right wheel, for one direction of roll. `None` if the angle is not known.
     fn roll_end(&mut self, ends: [&RangeEnd; 2]) -> Option<AxleEnd> {
         let [left, right] = ends;
         let end = if self.is_rigid() {
-            // The result names parts of the axle as they are seen from the left wheel.
+            // Parts of the axle are named as they are seen from the left wheel.
             AxleEnd {
                 value: left.value(),
                 side: Side::Left,
@@ -236,8 +239,9 @@ impl<const N: usize> AxleSolver<'_, N> {
         is_reached.then_some(AxleEnd { value: roll, ..end })
     }
 
-    /// Poses of both wheels in which the first wheel reaches its end. The other wheel has the opposite travel. At the toggle
-    /// of a rod there is no pose, so the poses shortly before the toggle are returned.
+    /// Returns the poses of both wheels in which the first wheel reaches its end. The other wheel has the opposite
+    /// travel. At the toggle of a rod there is no pose. In this case, the function returns the poses shortly before the
+    /// toggle.
     fn poses_at(&mut self, end: &AxleEnd) -> Option<[Pose<f64>; 2]> {
         let mut opposite = |side: Side, travel: f64| match side {
             Side::Left => self.pose(Side::Left, travel),
@@ -262,8 +266,8 @@ impl<const N: usize> AxleSolver<'_, N> {
     }
 }
 
-/// Returns the end that is nearer to the design position. Each end comes with the sign that converts the wheel's value to
-/// the axle's.
+/// Returns the end that is nearer to the design position. Each end has a sign, which converts the value of the wheel to
+/// the value of the axle.
 fn nearer(ends: [(&RangeEnd, f64); 2]) -> AxleEnd {
     let [left, right] = ends.each(|(end, sign)| (end, sign * end.value()));
     let (side, (end, value)) = if left.1.abs() <= right.1.abs() {

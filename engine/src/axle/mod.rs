@@ -1,9 +1,9 @@
 //! Both wheels of an axle: roll on a plane ground, steering and springs.
 //!
 //! An independent axle has two corners at travels z_l and z_r and racks r and -r, each in the kernel's frame of a left
-//! wheel. Each corner is solved like a single wheel, with one difference: its contact point depends on the ground's normal
-//! instead of the vertical. Both wheels use the signs of ISO 8855. `steer` and `mean_steer` are positive to the left. Roll
-//! is positive about +x.
+//! wheel. Each corner is solved like a single wheel, with one difference: its contact point depends on the ground's
+//! normal instead of the vertical. The signs of both wheels are those of ISO 8855. `steer` and `mean_steer` are
+//! positive to the left. Roll is positive about +x.
 
 mod adjoint;
 mod at_load;
@@ -75,15 +75,16 @@ use crate::study::AxleComplianceStudy;
 pub struct Axle {
     /// Left wheel.
     pub left: Suspension,
-    /// Right wheel in the kernel's frame, as if it were a left one. `None` if it is the mirror image of the left wheel.
+    /// Right wheel in the kernel's frame, described like a left wheel. `None` if it is the mirror image of the left
+    /// wheel.
     pub right: Option<Suspension>,
     /// Further inputs of the study: steering, springs, masses.
     pub setup: Setup,
-    /// Elastic parts and their tests, if there are any.
+    /// Elastic parts and their tests, if the study has elastic parts.
     pub elastic: Option<Box<AxleComplianceStudy>>,
 }
 
-/// Kinds of axles. Each has its own set of quantities.
+/// Kinds of axles. The available quantities depend on the kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxleKind {
     /// Each wheel has its own suspension.
@@ -92,7 +93,7 @@ pub enum AxleKind {
     Solid,
     /// One body carries both wheels, and a drag link steers them.
     SteeredSolid,
-    /// Two halves that twist against each other.
+    /// Twist beam: two halves that twist relative to each other.
     TwistBeam,
 }
 
@@ -105,7 +106,8 @@ impl Axle {
         }
     }
 
-    /// Mean of both wheel centres, each in the frame of its side. Its y is half the distance between the wheel centres.
+    /// Mean position of both wheel centres, each in the frame of its side. The y of this position is half the distance
+    /// between the wheel centres.
     pub(crate) fn mean_wheel_centre(&self) -> Vector3<f64> {
         let centre = |side: Side| {
             let wheel = self.suspension(side);
@@ -114,7 +116,8 @@ impl Axle {
         (centre(Side::Left) + centre(Side::Right)) * 0.5
     }
 
-    /// Right wheel with independent hardpoints. `None` if it is a mirror image, or if one mechanism carries both wheels.
+    /// Returns the right wheel if it has independent hardpoints. `None` if it is a mirror image, or if one mechanism
+    /// carries both wheels.
     pub fn own_right(&self) -> Option<&Suspension> {
         self.right.as_ref().filter(|_| !self.is_rigid())
     }
@@ -134,8 +137,8 @@ impl Axle {
         }
     }
 
-    /// Converts derivatives with respect to every point of both sides to the derivative with respect to the displacement of
-    /// a steered axle's steering gear: (2) of `model/steered_axle.rs`. `None` for other axles.
+    /// Converts derivatives with respect to every point of both sides. The result is the derivative with respect to the
+    /// displacement of a steered axle's steering gear, by (2) of `model/steered_axle.rs`. `None` for other axles.
     pub(crate) fn by_steering_gear(&self, gradients: [&[Vector3<f64>]; 2]) -> Option<f64> {
         let along = |(side, gradient): (Side, &[Vector3<f64>])| {
             let steering = self.suspension(side).mechanism.axle_steering()?;
@@ -144,17 +147,17 @@ impl Axle {
         Side::ALL.into_iter().zip(gradients).map(along).sum()
     }
 
-    /// Reason why the design of a wheel cannot be solved, in words with the names of its points.
+    /// Returns the reason why the design of a wheel cannot be solved, in words with the names of the points.
     pub fn describe_fault(&self, (side, fault): (Side, DesignFault)) -> String {
         let words = fault.describe(&self.suspension(side).mechanism);
         match fault {
-            // The description of an elastic fault already names the wheel, if one wheel is the reason.
+            // If one wheel is the reason for an elastic fault, the description already names this wheel.
             DesignFault::Elastic(_) => words,
             _ => side.about(&words),
         }
     }
 
-    /// Transformation between the study's axes and the kernel's frame of a side.
+    /// Returns the transformation between the study's axes and the kernel's frame of a side.
     pub fn frame(&self, side: Side) -> Frame {
         match side {
             Side::Left => self.left.frame,
@@ -162,9 +165,9 @@ impl Axle {
         }
     }
 
-    /// Points of a right wheel with independent hardpoints, after the left wheel's points have moved to `left`. Each point
-    /// moves by the same displacement as its left counterpart. A mirror image of a left point stays an exact mirror image.
-    /// `None` if the whole wheel is a mirror image.
+    /// Returns the points of a right wheel with independent hardpoints, after the points of the left wheel have moved
+    /// to `left`. Each right point moves by the same displacement as the corresponding left point. A point that is a
+    /// mirror image stays an exact mirror image. `None` if the whole wheel is a mirror image.
     pub fn right_design(
         &self,
         left: &[Vector3<f64>],
@@ -189,8 +192,9 @@ impl Axle {
         )
     }
 
-    /// Completes a left design after its points have moved, like the reader of a study. The far half of a rigid axle follows
-    /// the near half. Points that the study does not give are computed again.
+    /// Completes a left design after its points have moved, as the reader of a study does. The far half of a rigid axle
+    /// moves with the near half, by mirror-image displacements. Points that the study does not contain are computed
+    /// again.
     pub fn complete(&self, left: &mut [Vector3<f64>]) {
         let Some(rigid) = &self.left.mechanism.rigid_axle else {
             return;
@@ -203,9 +207,9 @@ impl Axle {
         }
     }
 
-    /// Returns the axle with other wheels of the same topology at rest. Its springs are the unchanged parts of this axle, so
-    /// a spring that becomes shorter exerts more force. Springs among the elastic parts keep their force in the design
-    /// position.
+    /// Returns the axle with other wheels of the same topology at rest. The springs are the same physical parts as in
+    /// this axle. So if the new design makes a spring shorter, the force of the spring increases. Springs among the
+    /// elastic parts keep their force in the design position.
     pub fn with_wheels(&self, left: Suspension, right: Option<Suspension>) -> Axle {
         let mut changed = self.clone();
         changed.setup.springs = self.kept_springs();
@@ -219,7 +223,8 @@ impl Axle {
         changed
     }
 
-    /// Returns the axle with springs that keep their force-length curve if the design changes, also among elastic parts.
+    /// Returns the axle with springs that keep their force-length curve if the design changes. This includes springs
+    /// among the elastic parts.
     pub fn with_kept_springs(&self) -> Axle {
         let mut kept = self.clone();
         kept.setup.springs = self.kept_springs();
@@ -231,7 +236,7 @@ impl Axle {
         kept
     }
 
-    /// Spring laws of springs that keep their force-length curve if the design changes.
+    /// Returns the laws of springs that keep their force-length curve if the design changes.
     fn kept_springs(&self) -> Option<[SpringLaw; 2]> {
         let laws = self.setup.springs.as_ref()?;
         let kept = |side: Side| {
@@ -242,8 +247,8 @@ impl Axle {
         Some(Side::ALL.map(kept))
     }
 
-    /// Returns true if a set-up adjusts the axle as a whole: one body carries both wheels, or elastic parts couple wheels
-    /// that differ. Otherwise it adjusts each wheel separately, or both wheels alike.
+    /// Returns true if a set-up must adjust both wheels in one calculation: one body carries both wheels, or elastic
+    /// parts couple two different wheels. Otherwise the set-up adjusts each wheel separately, or both wheels alike.
     pub fn is_set_up_as_a_whole(&self) -> bool {
         let differs = |elastic: &AxleComplianceStudy| {
             let [left, right] = &elastic.parts.wheels;
@@ -263,7 +268,7 @@ impl Axle {
         Some(rocker_springs::between(left, right).norm())
     }
 
-    /// Returns true if the study gives this input.
+    /// Returns true if the study contains this input.
     pub fn meets(&self, need: Need) -> bool {
         let setup = &self.setup;
         match need {
@@ -283,7 +288,7 @@ impl Axle {
         }
     }
 
-    /// Quantities of this axle with this name, left before right. Empty if the axle has no such quantity.
+    /// Returns the quantities of this axle with this name, left before right. Empty if the axle has no such quantity.
     pub fn quantities(&self, name: &str) -> Vec<Quantity> {
         let mut found = Quantity::named(name);
         found.retain(|quantity| quantity.is_of(self.kind()));
@@ -309,7 +314,7 @@ impl Axle {
         self.elastic.as_ref().map_or(&[], |own| &own.figures)
     }
 
-    /// Returns true if the study gives all inputs of a quantity.
+    /// Returns true if the study contains all inputs of a quantity.
     pub fn has(&self, quantity: Quantity) -> bool {
         let in_equilibrium =
             self.elastic.is_none() || not_in_equilibrium(quantity, self.kind(), false).is_none();
@@ -317,7 +322,7 @@ impl Axle {
         in_equilibrium && quantity.is_of(self.kind()) && needs.iter().all(|need| self.meets(*need))
     }
 
-    /// Rockers on one side that influence the quantities.
+    /// Returns the rockers on one side whose motion changes these quantities.
     fn rockers(&self, side: Side, quantities: &[Quantity]) -> Vec<RockerId> {
         let mechanism = &self.suspension(side).mechanism;
         let reads = |slots: &[Slot]| {

@@ -1,10 +1,10 @@
-//! A wheel along a motion. Its parts are series in the motion's parameter.
+//! A wheel along a motion. The numbers of the wheel are series in the parameter of the motion.
 
 use super::reading::WheelParts;
 use crate::characteristics::{DesignWheel, NumberPart, VectorPart};
 use crate::number::{Jet, Real, Vector3};
 
-/// A wheel that moves. Each part is computed when it is read.
+/// A wheel that moves. Each number is computed when it is needed.
 #[derive(Debug)]
 pub struct Moving<'w, W, T> {
     pub(super) of: &'w W,
@@ -21,7 +21,7 @@ impl<W, T: Copy> Clone for Moving<'_, W, T> {
 impl<W, T: Copy> Copy for Moving<'_, W, T> {}
 
 impl<T: Real, W: WheelParts<T>> Moving<'_, W, T> {
-    /// Series of a vector along the motion, from its coefficients.
+    /// Makes the series of a vector along the motion, from the coefficients of the vector.
     #[inline(always)]
     fn vector_series(
         &self,

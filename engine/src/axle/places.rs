@@ -1,4 +1,4 @@
-//! Printed coordinates of the stations of an axle's motion, and printed bounds of certificates.
+//! Coordinates of an axle's stations, and bounds of certificates, as they are printed.
 
 use super::certificate::AxleProof;
 use super::solver::{AxlePose, Placement};
@@ -7,8 +7,8 @@ use crate::curves::{MotionColumn, Proof};
 use crate::model::Axis;
 use crate::number::Each;
 
-/// Columns of a motion's coordinates: roll, heave, both travels, rack, steering wheel and time. In roll, the travels are
-/// results. If travels are given, the roll angle is a result.
+/// Returns the columns for the coordinates of a motion: roll, heave, both travels, rack, steering wheel and time. In
+/// roll, the travels are results. If travels are given, the roll angle is a result.
 pub(super) fn motion_columns(motion: &AxleMotion, axle: &Axle) -> Vec<MotionColumn> {
     let length = axle.left.length_unit.symbol();
     let given = MotionColumn::given;
@@ -42,7 +42,8 @@ pub(super) fn motion_columns(motion: &AxleMotion, axle: &Axle) -> Vec<MotionColu
     columns
 }
 
-/// Values of these coordinates at a station with this index and placement. `placed` is the pose, if the station has a pose.
+/// Returns the values of these coordinates at the station with this index and placement. `placed` is the pose, if the
+/// station has a pose.
 pub(super) fn place(
     motion: &AxleMotion,
     axle: &Axle,
@@ -80,13 +81,13 @@ fn degrees(angle: f64) -> f64 {
     }
 }
 
-/// Returns two flags. They say whether the travels are results, and whether the roll angle is a result.
+/// Returns two flags. The first is true if the travels are results. The second is true if the roll angle is a result.
 fn follows(plan: &AxlePlan) -> [bool; 2] {
     let rolls = matches!(plan.motion.wheels, WheelMotion::Roll { .. });
     [rolls, plan.motion.shows_roll() && !rolls]
 }
 
-/// Names of the certified bounds. Empty unless the plan requests certificates.
+/// Returns the names of the certified bounds. Empty unless the plan requests certificates.
 pub(super) fn bounds(plan: &AxlePlan, axle: &Axle) -> Vec<String> {
     if !plan.certify {
         return Vec::new();
@@ -101,13 +102,13 @@ pub(super) fn bounds(plan: &AxlePlan, axle: &Axle) -> Vec<String> {
     names
 }
 
-/// Certificate of a station, with the bounds in the order of [`bounds`].
+/// Returns the certificate of a station. The bounds are in the order of [`bounds`].
 pub(super) fn proof(plan: &AxlePlan, proved: &AxleProof) -> Proof {
     let [travels, roll] = follows(plan);
     let [left, right] = proved.position_errors;
     let mut bounds = vec![left, right];
     bounds.extend(travels.then_some(proved.travel_error));
-    // The factor exceeds the rounding of the conversion.
+    // The factor is larger than the rounding of the conversion.
     bounds.extend(roll.then(|| proved.roll_error.to_degrees() * (1.0 + 1e-12)));
     bounds.push(proved.uniqueness);
     Proof {

@@ -1,6 +1,6 @@
-//! Reads one wheel as a function of its own travel and rack.
+//! One wheel as a function of its own travel and of the rack.
 //!
-//! Everything is in the kernel's frame of a left wheel. A right wheel is read as its mirror image.
+//! All numbers are in the kernel's frame of a left wheel. A right wheel is described as its mirror image.
 
 use super::carriers::Carriers;
 use super::moving::Moving;
@@ -14,10 +14,10 @@ use crate::model::Drive;
 use crate::number::{Each, Jet, Matrix3, Real, Vector3, outlined};
 use std::cell::Cell;
 
-/// Largest number of lines along which a wheel is read.
+/// Largest number of lines (directions in travel and rack) along which a wheel is computed.
 pub(super) const MOST_LINES: usize = 4;
 
-/// Slots of each wheel that every axle reads.
+/// Slots (numbers of a wheel) that are computed for every axle.
 pub(super) const ALWAYS: &[Slot] = &[
     Slot::SpinAxis,
     Slot::Centre,
@@ -26,8 +26,8 @@ pub(super) const ALWAYS: &[Slot] = &[
     Slot::DesignCentre,
 ];
 
-/// Numbers of a wheel in one pose: its parts, the columns of its carrier's rotation, and its design. For a steered axle, in
-/// which the carrier turns, also the columns along x and y of the axle's rotation.
+/// Numbers of a wheel in one pose: its parts, the columns of its carrier's rotation matrix, and its design. For a
+/// steered axle, in which the carrier turns, also the columns of the axle's rotation along x and y.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WheelPose<T> {
     pub(super) wheel: Wheel<T>,
@@ -47,7 +47,7 @@ impl<T: Copy> WheelPose<T> {
         }
     }
 
-    /// Converts the pose to another number type. `f` gets the numbers in a fixed order.
+    /// Converts the pose to another number type. The function calls `f` for the numbers in a fixed order.
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> WheelPose<U> {
         WheelPose {
             wheel: self.wheel.map(f),
@@ -58,17 +58,17 @@ impl<T: Copy> WheelPose<T> {
     }
 }
 
-/// Parts to read, and the position of their numbers on a tape.
+/// Numbers of a wheel that formulas use, and the position of these numbers on a tape.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
     slots: Slots,
-    /// Index of each number on the tape. `None` for numbers that are not read.
+    /// Index of each number on the tape. `None` for numbers that are not used.
     pub(super) places: WheelPose<Option<usize>>,
     pub(super) count: usize,
 }
 
 impl Parts {
-    /// Parts for these slots, and those that every axle of this kind reads.
+    /// Makes the parts for these slots, and adds the slots that every axle of this kind uses.
     pub fn of(slots: &[Slot], carriers: Carriers) -> Self {
         let mut slots = Slots::default().with(ALWAYS).with(slots);
         let is_steered = matches!(carriers, Carriers::Steered(_));
@@ -110,23 +110,23 @@ impl Parts {
         }
     }
 
-    /// Returns true if the steering axis is among the parts.
+    /// Returns true if the parts include the steering axis.
     pub fn contain_steering_axis(&self) -> bool {
         self.slots.contain_steering_axis()
     }
 }
 
-/// A wheel along one line in travel and rack, as power series. A part that is not read is NaN.
+/// A wheel along one line in travel and rack, as power series. Numbers that are not used are NaN.
 #[derive(Clone, Copy, Debug)]
 pub struct Snapshot<const N: usize>(pub(super) WheelPose<Jet<f64, N>>);
 
 impl<const N: usize> Snapshot<N> {
-    /// A wheel without known parts: all numbers are NaN.
+    /// Returns a wheel whose numbers are all unknown (NaN).
     pub fn unknown() -> Self {
         Snapshot(WheelPose::filled(Jet::constant(f64::NAN)))
     }
 
-    /// Reads a configuration.
+    /// Takes the numbers from a configuration.
     pub fn of(at: &Configuration<Jet<f64, N>>, parts: &Parts) -> Self {
         let inputs = Inputs::without_rates(at, Constants::default(), parts.slots);
         Snapshot(WheelPose {
@@ -138,7 +138,7 @@ impl<const N: usize> Snapshot<N> {
     }
 }
 
-/// Motion from a point along a line in travel and rack.
+/// Makes the motion from a point along a line in travel and rack.
 pub(super) fn along<const N: usize>(
     line: &Line,
     travel: f64,
@@ -170,7 +170,7 @@ pub struct Reading<T> {
 }
 
 impl<T: Real> Reading<T> {
-    /// Makes a wheel from a pose. `moving` converts numbers that change with travel and rack to polynomials, and `fixed`
+    /// Makes a wheel from a pose. `moving` converts numbers that change with travel and rack to polynomials. `fixed`
     /// converts constant numbers.
     pub(super) fn made_of<U: Copy>(
         pose: &WheelPose<U>,
@@ -185,7 +185,7 @@ impl<T: Real> Reading<T> {
         }
     }
 
-    /// The wheel as series about a slightly different travel; see [`Taylor::shifted`].
+    /// Returns the wheel as series about a slightly different travel; see [`Taylor::shifted`].
     pub fn shifted(&self, travel: T) -> Self {
         let shifted = |polynomial: Taylor<T>| polynomial.shifted(travel);
         Reading {
@@ -198,7 +198,7 @@ impl<T: Real> Reading<T> {
 }
 
 impl Reading<f64> {
-    /// Makes the wheel from the series along the lines of [`Line::needed`].
+    /// Makes the wheel from its series along the lines of [`Line::needed`].
     pub fn of<const N: usize>(lines: &[Snapshot<N>]) -> Self {
         let mut along = [WheelPose::filled(Jet::constant(f64::NAN)); MOST_LINES];
         for (along, line) in along.iter_mut().zip(lines) {
@@ -248,7 +248,7 @@ pub(super) fn zipped<T: Copy, U: Copy>(
 }
 
 impl<const N: usize> Reading<Jet<f64, N>> {
-    /// Makes a wheel whose numbers are series in another variable than travel or rack. Its derivatives with respect to
+    /// Makes a wheel whose numbers are series in a variable other than travel and rack. Its derivatives with respect to
     /// travel and rack are unknown.
     pub fn without_rates(read: &Snapshot<N>) -> Self {
         let value = |series: Jet<f64, N>| Taylor::through(&[&[series]]);
@@ -256,33 +256,34 @@ impl<const N: usize> Reading<Jet<f64, N>> {
     }
 }
 
-/// Parts of one wheel as functions of its travel and the rack, for formulas.
+/// Numbers of one wheel as functions of its travel and the rack, for formulas.
 ///
 /// The compiler makes separate functions for vectors and twists, because many formulas use them.
 pub trait WheelParts<T: Real>: Copy {
     /// True if the coefficients of the fourth power of travel are known.
     const HAS_FOURTH: bool = false;
-    /// True if the wheel is read only at the travels of its coefficients, without a step away from them.
+    /// True if the numbers of the wheel are used only at the travel of the coefficients, without a step away from it.
     const IS_AT_TRAVELS: bool = false;
 
-    /// Vector part. The powers `[0, 0]` of travel and rack select its value, other powers the coefficient with these powers.
-    /// NaN if it is unknown.
+    /// Returns a vector of the wheel. The powers `[0, 0]` of travel and rack select the value; other powers select the
+    /// coefficient with these powers. The result is NaN if it is unknown.
     fn read_vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<T>;
 
-    /// Number part. The powers `[0, 0]` of travel and rack select its value, other powers the coefficient with these powers.
-    /// NaN if it is unknown.
+    /// Returns a number of the wheel. The powers `[0, 0]` of travel and rack select the value; other powers select the
+    /// coefficient with these powers. The result is NaN if it is unknown.
     fn number(&self, part: NumberPart, powers: [usize; 2]) -> T;
 
-    /// A column of the carrier's rotation, with powers as in [`WheelParts::read_vector`].
+    /// Returns a column of the carrier's rotation matrix, with powers as in [`WheelParts::read_vector`].
     fn column(&self, i: usize, powers: [usize; 2]) -> Vector3<T>;
 
-    /// A column of the rotation of a steered axle, along x (0) or y (1), with powers as in [`WheelParts::read_vector`].
+    /// Returns a column of the rotation matrix of a steered axle, along x (0) or y (1), with powers as in
+    /// [`WheelParts::read_vector`].
     fn axle_column(&self, i: usize, powers: [usize; 2]) -> Vector3<T>;
 
     /// Numbers of the wheel in the design position.
     fn design(&self) -> DesignWheel<T>;
 
-    /// Any number of the wheel. Constants get its number type and length.
+    /// Returns any number of the wheel. Constants get its number type and its number of coefficients.
     fn like(&self) -> T;
 
     /// Calls [`WheelParts::read_vector`] through a function that is compiled separately.
@@ -347,14 +348,15 @@ pub trait WheelParts<T: Real>: Copy {
         self.twist([1, 0])
     }
 
-    /// Velocity of the wheel centre and angular velocity of the carrier with respect to the rack displacement. The height of
-    /// the wheel centre is constant.
+    /// Velocity of the wheel centre and angular velocity of the carrier, with respect to the rack displacement. The
+    /// height of the wheel centre stays constant.
     #[inline(always)]
     fn by_rack(&self) -> [Vector3<T>; 2] {
         self.twist([0, 1])
     }
 
-    /// Velocity and angular velocity with respect to travel or rack: half the sum of (column x rate of column).
+    /// Velocity of the wheel centre and angular velocity of the carrier, with respect to travel or rack. The angular
+    /// velocity is half the sum of (column x rate of column).
     #[inline(always)]
     fn twist(&self, powers: [usize; 2]) -> [Vector3<T>; 2] {
         outlined!(
@@ -371,8 +373,8 @@ pub trait WheelParts<T: Real>: Copy {
         )
     }
 
-    /// Velocity of the steering axis's point and angular velocity of a steered axle, with respect to travel or rack. With a
-    /// and b the columns along x and y, the angular velocity is a x a' + a (b'.(a x b)).
+    /// Velocity of the steering axis's point, and angular velocity of a steered axle, with respect to travel or rack.
+    /// With a and b the columns along x and y, the angular velocity is a x a' + a (b'.(a x b)).
     #[inline(always)]
     fn axle_twist(&self, powers: [usize; 2]) -> [Vector3<T>; 2] {
         outlined!(
@@ -386,7 +388,7 @@ pub trait WheelParts<T: Real>: Copy {
         )
     }
 
-    /// Inputs of the characteristics catalogue.
+    /// Collects the inputs of the characteristics catalogue.
     #[inline(always)]
     fn inputs(&self, constants: Constants) -> Inputs<T> {
         let wheel = |powers: [usize; 2]| {
@@ -405,8 +407,8 @@ pub trait WheelParts<T: Real>: Copy {
         }
     }
 
-    /// The wheel as series in a motion with these rates of travel and rack. `None` stands for a rack at rest. The series
-    /// have one degree less than the coefficients.
+    /// Returns the wheel as series in a motion with these rates of travel and rack. `None` means that the rack is at
+    /// rest. The degree of the series is one less than the degree of the coefficients.
     #[inline(always)]
     fn moving(&self, travel: T, rack: Option<T>) -> Moving<'_, Self, T> {
         Moving {

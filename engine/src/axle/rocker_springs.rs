@@ -24,7 +24,7 @@ pub struct Preloaded<T = f64> {
     pub rate: T,
 }
 
-/// Laws of the springs between the rockers. `None` for missing springs.
+/// Laws of the springs between the rockers. `None` for springs that do not exist.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct RockerSprings<T = f64> {
     /// Force of the heave spring as a function of its shortening.
@@ -35,7 +35,7 @@ pub struct RockerSprings<T = f64> {
     pub heave_bar: Option<Preloaded<T>>,
 }
 
-/// Motion of one wheel's rocker with the wheel's travel, in the frame of its side. Missing parts are NaN.
+/// Motion of one wheel's rocker with the wheel's travel, in the frame of its side. Numbers that do not exist are NaN.
 #[derive(Clone, Copy, Debug)]
 pub struct RockerMotion<T> {
     /// End point of the heave spring, and its rate with respect to the wheel's travel.
@@ -46,7 +46,7 @@ pub struct RockerMotion<T> {
     pub angle: [T; 2],
 }
 
-/// Forces of the springs between the rockers. Forces of missing springs are NaN.
+/// Forces of the springs between the rockers. Forces of springs that do not exist are NaN.
 #[derive(Clone, Copy, Debug)]
 pub struct RockerForces<T> {
     /// Force of the heave spring, positive in compression.
@@ -59,9 +59,9 @@ pub struct RockerForces<T> {
     pub t_bar: T,
     /// Torque of the heave bar that acts on both rockers, against the direction of their angles.
     pub heave_bar: T,
-    /// Rates of the energy with respect to the travels of left and right wheel.
+    /// Derivatives of the energy with respect to the travels of the left and the right wheel.
     pub work: [T; 2],
-    /// Energy, (1) to (3), relative to the design position.
+    /// Energy by (1) to (3), relative to the design position.
     pub energy: T,
 }
 
@@ -73,7 +73,7 @@ pub(super) fn between<T: Real>(left: Vector3<T>, right: Vector3<T>) -> Vector3<T
 }
 
 impl RockerSprings {
-    /// Returns true if a spring between the rockers carries the body.
+    /// Returns true if a spring between the rockers carries a part of the car's weight.
     pub fn carry(&self) -> bool {
         self.heave_spring.is_some() || self.heave_bar.is_some()
     }

@@ -1,8 +1,9 @@
-//! Positions of an axle as power series in one number e, in which its designs or its steering gear change.
+//! Positions of an axle as power series in a number e. The designs, or the displacement of the steering gear, change
+//! with e.
 //!
-//! The poses of both wheels follow from their closure equations, order by order. The travels, or the roll angle, follow from
-//! the condition f = h_l - h_r = 0 on the heights of both contact points. If the roll angle is given, the travels are z +-
-//! s(e). If both travels are given on a plane, the roll angle phi(e) changes:
+//! The poses of both wheels are computed from their closure equations, order by order. The travels, or the roll angle,
+//! are computed from the condition f = h_l - h_r = 0 on the heights of both contact points. If the roll angle is given,
+//! the travels are z +- s(e). If both travels are given on a plane, the roll angle phi(e) changes:
 //!
 //! ```text
 //! s_k = -f_k/(n.C_l' + n.C_r'),   phi_k = -f_k/track                                           (1)
@@ -10,9 +11,10 @@
 //!
 //! with f_k the coefficient of f that remains when the lower orders of s or phi are known.
 //!
-//! In a solid axle, C_b' is the velocity with respect to the wheel's own share of the difference of travels, and the mean
-//! travel is held. In a steered solid axle, the steering gear displaces the drag link's end. If its displacement grows by e
-//! in a constant design, each second coefficient is half a second derivative with respect to this displacement.
+//! In a solid axle, C_b' is the velocity with respect to the wheel's own share of the difference of travels, and the
+//! mean travel is held. In a steered solid axle, the steering gear displaces the drag link's end. If this displacement
+//! increases by e in a constant design, each second coefficient is half a second derivative with respect to this
+//! displacement.
 
 use super::carriers::Carriers;
 use super::reading::{Parts, Reading, Snapshot};
@@ -29,16 +31,16 @@ use std::borrow::Cow;
 /// A number as a series along a direction of the design, to second order.
 pub(crate) type Series = Jet<f64, 3>;
 
-/// A wheel whose design is a series.
+/// A wheel whose design is a series in e.
 pub(crate) struct DesignedWheel<'d> {
     design: Cow<'d, [Vector3<Series>]>,
     closure: Closure<Series>,
-    /// Contributions of the knuckles' rotation to drive and rack.
+    /// Changes of drive and rack due to the rotation of the knuckles.
     lifts: [Series; 2],
 }
 
 impl<'d> DesignedWheel<'d> {
-    /// Both wheels of these designs, with the steering gear in the middle.
+    /// Makes both wheels of these designs, with the steering gear centred.
     pub(crate) fn both(axle: &Axle, designs: &'d [Vec<Vector3<Series>>]) -> [Self; 2] {
         Side::ALL.map(|side| {
             let design = &designs[side as usize][..];
@@ -50,7 +52,7 @@ impl<'d> DesignedWheel<'d> {
         })
     }
 
-    /// Both wheels with the steering gear of a steered axle at the displacement `gear`.
+    /// Makes both wheels. The steering gear of a steered axle is at the displacement `gear`.
     pub(crate) fn steered<'s>(
         axle: &Axle,
         wheels: &'s [Self; 2],
@@ -82,21 +84,21 @@ impl<'d> DesignedWheel<'d> {
     }
 }
 
-/// A position of an axle, with the data for its series.
+/// A position of an axle, with the data from which its series are computed.
 pub(crate) struct SeriesPosition {
-    /// Drive and rack of each wheel, in its own frame.
+    /// Drive and rack displacement of each wheel, in its own frame.
     coordinates: [(f64, f64); 2],
     roll: f64,
     /// Displacement of the rack or of the steering gear.
     pub(crate) rack: f64,
     hold: Hold,
-    /// Slopes n.C_l' + n.C_r' and track, for (1).
+    /// Slopes n.C_l' + n.C_r' and track, for equation (1).
     slopes: [f64; 2],
     wheels: [(Pose<f64>, Lu6<f64>); 2],
 }
 
 impl SeriesPosition {
-    /// One wheel with its travel changed by +-`apart`: plus for the left wheel, minus for the right one.
+    /// Returns one wheel with its travel changed by +-`apart`: plus for the left wheel, minus for the right wheel.
     fn configuration<'w>(
         &self,
         axle: &'w Axle,
@@ -119,7 +121,7 @@ impl SeriesPosition {
         Configuration::new(mechanism, design, pose, rack)
     }
 
-    /// State of the axle. The travels change by +-`apart`, and the ground rotates by `turn`.
+    /// Returns the state of the axle. The travels change by +-`apart`, and the ground rotates by `turn`.
     fn state<'a>(
         &self,
         axle: &'a Axle,
@@ -133,7 +135,7 @@ impl SeriesPosition {
         };
         let (sine, cosine) = self.roll.sin_cos();
         let [sine, cosine] = [sine, cosine].map(Series::constant);
-        // Cosine to second order.
+        // Cosine of `turn` to second order.
         let upright = Series::constant(1.0) - turn * turn * Series::constant(0.5);
         AxleState {
             readings: [reading(Side::Left), reading(Side::Right)],
@@ -148,7 +150,7 @@ impl SeriesPosition {
         }
     }
 
-    /// State of the axle in which (1) holds to every order, and the changes s of the travels.
+    /// Returns the state of the axle in which f = 0 holds to every order, and the changes s of the travels, by (1).
     pub(crate) fn on_ground<'a>(
         &self,
         axle: &'a Axle,
@@ -175,13 +177,13 @@ impl SeriesPosition {
 /// First and second derivative of a number with respect to the displacement of a steering gear.
 pub(crate) type ByGear = [f64; 2];
 
-/// First and second derivative of a number from its series.
+/// Computes the first and second derivative of a number from its series.
 fn derivatives(series: Series) -> ByGear {
     [series.derivative(1), series.derivative(2)]
 }
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// Data for series about a position that was just read. `None` if a wheel is singular.
+    /// Prepares series about a position whose quantities were just computed. `None` if a wheel is singular.
     pub(crate) fn series_position(&self, placed: &AxlePose, read: &Read) -> Option<SeriesPosition> {
         let [left_factors, right_factors] = self.factorised(placed)?;
         let [left_pose, right_pose] = *placed.poses();
@@ -196,8 +198,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// Derivatives of these columns with respect to the displacement of a steered axle's steering gear, to second order. The
-    /// other coordinates of the station stay constant. NaN for a quantity that contains velocities.
+    /// Computes the derivatives of these columns with respect to the displacement of a steered axle's steering gear, to
+    /// second order. The other coordinates of the station stay constant. The result is NaN for a quantity that contains
+    /// velocities.
     pub(super) fn second_by_gear<'c>(
         &self,
         axle: &Axle,
@@ -205,7 +208,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         columns: impl Iterator<Item = &'c AxleColumn>,
     ) -> Option<Vec<ByGear>> {
         let position = self.series_position(placed, read)?;
-        // In these designs, the drag link is at its hardpoint. It moves from there as a series.
+        // In these designs, the end of the drag link is at its hardpoint. Its displacement from there is a series.
         let designs = self.designs().map(|design| {
             let series = design.iter().map(|place| place.map(Jet::constant));
             series.collect::<Vec<_>>()

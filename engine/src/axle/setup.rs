@@ -1,4 +1,4 @@
-//! Inputs of an axle's formulas in addition to its two linkages.
+//! Inputs of an axle's formulas other than the hardpoints: steering, springs, masses.
 
 use super::rocker_springs::RockerSprings;
 use super::spring::SpringLaw;
@@ -14,7 +14,7 @@ pub struct Setup {
     pub wheelbase: Option<f64>,
     /// Position of this axle, front or rear; `None` counts as front.
     pub position: Option<AxlePosition>,
-    /// Rack displacement towards the kernel's +y per turn (2 pi) of the steering wheel to the left.
+    /// Rack displacement per turn (2 pi) of the steering wheel to the left. It is positive towards the kernel's +y.
     pub c_factor: Option<f64>,
     /// Springs of the left and right wheel.
     pub springs: Option<[SpringLaw; 2]>,
@@ -24,13 +24,13 @@ pub struct Setup {
     pub bar_rate: Option<f64>,
     /// Tyre rate: force per deflection. `None` means a rigid tyre.
     pub tyre_rate: Option<f64>,
-    /// Tyre load at which the wheel has the given radius. Only a car uses it.
+    /// Tyre load at which the wheel has the given radius. Only the calculation of a whole car uses it.
     pub tyre_load: Option<f64>,
     /// Sprung mass on the axle, kg.
     pub sprung_mass: Option<f64>,
     /// Unsprung mass of the axle, kg.
     pub unsprung_mass: Option<f64>,
-    /// Constants that wheel characteristics read.
+    /// Constants that are inputs of wheel characteristics.
     pub constants: Constants,
     /// Length units per metre.
     pub per_metre: f64,

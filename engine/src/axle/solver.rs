@@ -1,9 +1,9 @@
 //! Solver for the position of an axle: it solves both corners and the conditions at the ground.
 //!
-//! On a plane ground both contact points have the same height, f = h_l(z_l) - h_r(z_r) = 0 with h = n.C. For a given roll
-//! angle and z_l, z_r = heave +- s, this is one equation in s. Its slope n.C_l' + n.C_r' is near 2. It stays positive until
-//! a wheel reaches a fold of its travel, so Newton's method finds the only root. For given travels it is one equation in the
-//! roll angle, with the slope -track.
+//! On a plane ground both contact points have the same height, f = h_l(z_l) - h_r(z_r) = 0 with h = n.C. For a given
+//! roll angle and z_l, z_r = heave +- s, this is one equation in s. Its slope n.C_l' + n.C_r' is near 2. The slope
+//! stays positive until a wheel reaches a fold, the turning point at which the travel reverses. So Newton's method
+//! finds the only root. For given travels, f = 0 is one equation in the roll angle, with the slope -track.
 
 mod corner;
 mod linearised;
@@ -40,7 +40,8 @@ use corner::{Corner, read_wheel};
 use linearised::{LinearisedAxle, linearise};
 use std::ops::ControlFlow;
 
-/// Absolute value of the rack displacement at which the range of the wheel ends. `None` for any other failure.
+/// If the range of the rack causes the failure, returns the absolute value of the rack displacement at the end of this
+/// range. `None` for any other failure.
 fn rack_end(failure: &NoPose) -> Option<f64> {
     match failure.of_wheel()? {
         Failure::RackUnreachable { limit, .. } => Some(limit.abs()),
@@ -48,8 +49,8 @@ fn rack_end(failure: &NoPose) -> Option<f64> {
     }
 }
 
-/// Joins the results of both wheels. If neither wheel can follow the rack, it returns the failure of the
-/// wheel whose range ends first.
+/// Joins the results of both wheels. If neither wheel can reach the rack displacement, the function returns the failure
+/// of the wheel whose range ends first.
 pub(super) fn join_results<T>(
     left: Result<T, NoPose>,
     right: Result<T, NoPose>,
@@ -65,8 +66,8 @@ pub(super) fn join_results<T>(
     }
 }
 
-/// Callback that receives the index of a requested quantity, and its gradients with respect to the points of the left and
-/// right wheel.
+/// Callback with two arguments: the index of a requested quantity, and the gradients of this quantity with respect to
+/// the points of the left and right wheel.
 pub(super) type ReceiveGradients<'r> = dyn FnMut(usize, [&[Vector3<f64>]; 2]) + 'r;
 
 /// A position of an axle that the solver found.
@@ -80,7 +81,7 @@ pub struct AxlePose {
     pub rack: f64,
     /// Coordinates that stay constant in motions from this position.
     pub hold: Hold,
-    /// Heave at which the level axle carries the same load. `None` unless a load determined the mean travel.
+    /// Heave at which the level axle carries the same load. `None` if the mean travel is not computed from a load.
     pub(super) at_load: Option<f64>,
     poses: [Pose<f64>; 2],
 }
@@ -92,14 +93,14 @@ impl AxlePose {
     }
 }
 
-/// Solver for the positions of one axle. Its design can be replaced. Every power series has `N` coefficients, one more than
-/// the order of its highest derivative.
+/// Solver for the positions of one axle. The design of the axle can be replaced. Every power series has `N`
+/// coefficients, one more than the order of its highest derivative.
 #[derive(Clone, Debug)]
 pub struct AxleSolver<'a, const N: usize> {
     pub(super) axle: &'a Axle,
     corners: [Corner<'a, N>; 2],
     setup: &'a Setup,
-    /// Solver for positions at a load. It is made on first use.
+    /// Solver for positions at a load. It is created when it is first needed.
     pub(super) loads: Option<Box<AxleSolver<'a, LOAD_TERMS>>>,
     parts: Parts,
     lines: &'static [Line],
@@ -109,14 +110,15 @@ pub struct AxleSolver<'a, const N: usize> {
     gradients: [Vec<Vector3<f64>>; 2],
 }
 
-/// Largest number of Newton steps in the difference of travels, including halved steps.
+/// Largest number of Newton steps for the difference of travels, including halved steps.
 const MOST_STEPS: usize = 80;
-/// Number of terms in the series of heights.
+/// Number of terms in the series for the heights of contact points.
 const TERMS: usize = 4;
-/// Number of rounds that solve all open placements together. Placements that are still open are then solved one by one.
+/// Number of rounds in which all unsolved placements are computed together. After these rounds, the remaining
+/// placements are solved one by one.
 const MOST_ROUNDS: usize = 4;
-/// Largest step along a pose's series, relative to the mechanism's size. Up to this step, the error of four terms is below
-/// rounding.
+/// Largest step along the series of a pose, relative to the mechanism's size. Up to this step, the error of four terms
+/// is smaller than rounding.
 const NEAR: f64 = 1e-4;
 
 /// Number whose gradient is requested.
@@ -127,36 +129,36 @@ pub(super) enum Sought {
     Point(Side, PointId, Axis),
 }
 
-/// Reading of one wheel at a travel.
+/// Numbers of one wheel at a travel.
 #[derive(Clone, Debug)]
 pub struct WheelRead {
     travel: f64,
     pose: Pose<f64>,
     reading: Reading<f64>,
     condition: f64,
-    /// Rod at or beyond a toggle. `None` if no rod is there.
+    /// Rod at or beyond a toggle. `None` if there is no such rod.
     toggle: Option<Rod>,
     /// Positions of the points, as power series in the wheel's own travel and rack.
     points: Vec<Vector3<Taylor<f64>>>,
 }
 
 impl WheelRead {
-    /// Reading of the wheel. `None` if a rocker is at or beyond a toggle.
+    /// Returns the numbers of the wheel. `None` if a rocker is at or beyond a toggle.
     pub(super) fn without_toggle(self) -> Option<Reading<f64>> {
         self.toggle.is_none().then_some(self.reading)
     }
 }
 
-/// State of an axle in a position, with all numbers that its quantities need.
+/// State of an axle in a position, with all numbers that the requested quantities need.
 pub struct Read<'a> {
     /// State of the axle.
     pub state: AxleState<'a, f64>,
-    /// The larger condition number of the two wheels.
+    /// Condition number of the Jacobian, the larger of the two wheels.
     pub condition: f64,
-    /// Rod of each wheel at or beyond a toggle. `None` if no rod is there.
+    /// Rod of each wheel at or beyond a toggle. `None` if there is no such rod.
     pub toggles: [Option<Rod>; 2],
-    /// Positions of the points of [`AxleSolver::read_points`], for each wheel. Each is a power series in the wheel's own
-    /// travel and rack, in the kernel's frame of its side.
+    /// Positions of the points that [`AxleSolver::read_points`] selected, for each wheel. Each position is a power
+    /// series in the wheel's own travel and rack, in the kernel's frame of its side.
     pub points: [Vec<Vector3<Taylor<f64>>>; 2],
 }
 
@@ -170,8 +172,8 @@ impl Read<'_> {
         }
     }
 
-    /// Failure at a rocker that is at or beyond a toggle, so that parts on it have no position. `None` if there is no such
-    /// rocker.
+    /// Returns the failure if a rocker is at or beyond a toggle. Parts on this rocker then have no position. `None` if
+    /// there is no such rocker.
     pub fn toggle_failure(&self, placed: &AxlePose) -> Option<NoPose> {
         Side::ALL.into_iter().find_map(|side| {
             Some(NoPose::Wheel {
@@ -182,7 +184,7 @@ impl Read<'_> {
         })
     }
 
-    /// Returns true if a quantity moves with a rocker that is at or beyond a toggle.
+    /// Returns true if a quantity depends on a rocker that is at or beyond a toggle.
     pub fn is_stuck(&self, quantity: Quantity) -> bool {
         let mut sides = Side::ALL.into_iter();
         sides.any(|side| self.toggles[side as usize].is_some() && quantity.moves_with_rocker(side))
@@ -190,8 +192,9 @@ impl Read<'_> {
 }
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// Makes a solver for positions in which these quantities are read. `by_rack` requests derivatives with respect to the
-    /// rack beyond those that the quantities need. It fails if a wheel has no solution in the design position.
+    /// Makes a solver for positions in which these quantities are computed. If `by_rack` is true, the solver also
+    /// computes derivatives with respect to the rack that the quantities do not need. Returns an error if a wheel has
+    /// no solution in the design position.
     pub fn new(
         axle: &'a Axle,
         quantities: &[Quantity],
@@ -205,7 +208,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         let parts = Parts::of(&slots, Carriers::of(axle));
         let order = |q: &Quantity| q.rate_order();
         let orders_by_rack = quantities.iter().filter(|q| q.info().by_rack).map(order);
-        // Further terms are for derivatives along motions.
+        // The additional terms are for derivatives along motions.
         let further = (N - 1).saturating_sub(quantities.iter().map(order).max().unwrap_or(0));
         let degree_with_rack = if by_rack {
             N - 1
@@ -239,7 +242,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// Checks every rocker for toggles, not only the rockers that move requested quantities.
+    /// Checks every rocker for toggles, including rockers that do not affect the requested quantities.
     pub fn watch_all_rockers(&mut self) {
         for corner in &mut self.corners {
             let rockers = (0..corner.mechanism.rockers.len()).map(RockerId);
@@ -248,14 +251,14 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Checks these rockers of one wheel for toggles, in addition to the rockers that move requested quantities.
+    /// Checks these rockers of one wheel for toggles, in addition to the rockers that affect the requested quantities.
     pub fn watch(&mut self, side: Side, rockers: impl IntoIterator<Item = RockerId>) {
         let corner = &mut self.corners[side as usize];
         corner.toggles = corner.toggles.and(corner.mechanism, rockers);
         corner.begun = None;
     }
 
-    /// Reads these points of both wheels in every position.
+    /// Selects points of both wheels. Their positions are then computed in every position of the axle.
     pub fn read_points(&mut self, points: &[PointId]) {
         for side in Side::ALL {
             let corner = &mut self.corners[side as usize];
@@ -277,7 +280,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.axle.left.mechanism.axle_steering().is_some()
     }
 
-    /// One wheel in a position, prepared for loads. [`Failure::Singular`] if the support cannot carry a load.
+    /// Prepares one wheel in a position for the calculation of loads. Returns [`Failure::Singular`] if the suspension
+    /// cannot carry a load.
     pub fn balance(
         &self,
         side: Side,
@@ -295,8 +299,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             .balance(&placed.poses[side as usize], rack, support)
     }
 
-    /// Factors of the Jacobian of each wheel in a position. The steering gear must be at the displacement of this position.
-    /// `None` if a Jacobian is singular.
+    /// Returns the LU factors of the Jacobian of each wheel in a position. The steering gear must be at the
+    /// displacement of this position. `None` if a Jacobian is singular.
     pub(crate) fn factorised(&self, placed: &AxlePose) -> Option<[Lu6<f64>; 2]> {
         let coordinates = self.coordinates(placed.travels, placed.rack);
         let wheel = |side: Side| {
@@ -339,9 +343,10 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         linearise(&self.corners, (self.lines, self.parts), placed, coordinates)
     }
 
-    /// Replaces the designs by others of the same mechanisms, each in the frame of its side.
+    /// Replaces the designs by other designs of the same mechanisms, each in the frame of its side.
     ///
-    /// For a rigid axle, the far half follows the near half of the left design. The right design is not read.
+    /// For a rigid axle, the far half moves with the near half of the left design, by mirror-image displacements. The
+    /// right design is not used.
     pub fn prepare(&mut self, designs: [&[Vector3<f64>]; 2]) -> Result<(), (Side, DesignFault)> {
         let Some(rigid) = self.rigid() else {
             return self.prepare_whole(designs);
@@ -364,13 +369,14 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.axle.is_rigid()
     }
 
-    /// Other half of the axle, if one body carries both wheels.
+    /// Returns the other half of the axle, if one body carries both wheels.
     fn rigid(&self) -> Option<&'a RigidAxle> {
         self.axle.left.mechanism.rigid_axle.as_ref()
     }
 
-    /// Drive and rack of each wheel at these travels, in its own frame. For a rigid axle, drive and rack are the mean travel
-    /// and half the difference of the travels. The held one of these two travels takes the place of the rack.
+    /// Returns drive and rack of each wheel at these travels, in its own frame. For a rigid axle, the mean travel and
+    /// half the difference of the travels take their place: one of them is the drive, and the one that is held replaces
+    /// the rack.
     pub(crate) fn coordinates(&self, travels: [f64; 2], rack: f64) -> [(f64, f64); 2] {
         let [left, right] = travels;
         match self.rigid() {
@@ -385,8 +391,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Drive of both wheels, and rack, at a level position with this `heave`. Roll changes the drives of the wheels in
-    /// opposite directions.
+    /// Returns the drive of both wheels, and the rack, in a level position with this `heave`. In roll, the drives of
+    /// the two wheels change in opposite directions.
     fn level(&self, heave: f64, rack: f64) -> (f64, f64) {
         match self.rigid() {
             Some(_) => (0.0, heave),
@@ -394,7 +400,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Replaces the designs by complete designs of both sides, such as simulated builds. No point follows another point.
+    /// Replaces the designs by complete designs of both sides, such as simulated builds. No point is computed from
+    /// another point.
     pub(crate) fn prepare_whole(
         &mut self,
         designs: [&[Vector3<f64>]; 2],
@@ -409,7 +416,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Parts of each wheel that are read.
+    /// Numbers of each wheel that are computed.
     pub(super) fn parts(&self) -> &Parts {
         &self.parts
     }
@@ -418,19 +425,19 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.setup.wheel_radius.unwrap_or(f64::NAN)
     }
 
-    /// Limits of one wheel alone, in the frame of its side.
+    /// Finds the limits of one wheel alone, in the frame of its side.
     pub(super) fn limits_of(&mut self, side: Side) -> Result<Limits, (Side, DesignFault)> {
         let limits = self.corners[side as usize].solver.limits();
         limits.map_err(|fault| (side, fault))
     }
 
-    /// Pose of one wheel at a travel, with the rack centred.
+    /// Finds the pose of one wheel at a travel, with the rack centred.
     pub(super) fn pose(&mut self, side: Side, travel: f64) -> Option<Pose<f64>> {
         let corner = &mut self.corners[side as usize];
         corner.at(travel, 0.0, |_, _, pose| Ok(*pose)).ok()
     }
 
-    /// Roll angle of a plane under both wheels in these poses.
+    /// Returns the roll angle of the plane under both wheels in these poses.
     pub(super) fn plane_under(&self, poses: &[Pose<f64>; 2]) -> Option<f64> {
         self.tilted(poses).ok()
     }
@@ -442,18 +449,19 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         corner.configuration(design_pose).designed_spin_axis()
     }
 
-    /// Design of a wheel in the frame of its side. The steering gear of a steered axle is at the displacement of the last
-    /// position that was read.
+    /// Returns the design of a wheel in the frame of its side. The steering gear of a steered axle has the displacement
+    /// of the last position that was computed.
     pub(super) fn design(&self, side: Side) -> &[Vector3<f64>] {
         self.corners[side as usize].solver.design()
     }
 
-    /// One wheel in a position. The steering gear must be at the displacement of this position.
+    /// Returns one wheel in a position. The steering gear must be at the displacement of this position.
     pub(super) fn configuration_of(&self, side: Side, placed: &AxlePose) -> Configuration<'_, f64> {
         self.corners[side as usize].configuration(placed.poses[side as usize])
     }
 
-    /// One wheel in a position, for drawings. The rack of an independent suspension is at the displacement of this position.
+    /// Returns one wheel in a position, for drawings. The rack of an independent suspension is at the displacement of
+    /// this position.
     pub(super) fn drawn_configuration(
         &self,
         side: Side,
@@ -464,13 +472,15 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         at
     }
 
-    /// A solid axle in the design position, as seen from its left wheel. Its steering gear is at the last displacement.
+    /// Returns a solid axle in the design position, as seen from its left wheel. The steering gear has its last
+    /// displacement.
     pub(super) fn configuration_at_rest(&self) -> Configuration<'_, f64> {
         let [left, _] = &self.corners;
         left.configuration(left.solver.design_pose())
     }
 
-    /// Designs of both wheels, each in the frame of its side. The steering gear of a steered axle is in the middle.
+    /// Returns the designs of both wheels, each in the frame of its side. The steering gear of a steered axle is
+    /// centred.
     pub(super) fn designs(&self) -> [Vec<Vector3<f64>>; 2] {
         let steering = self.axle.left.mechanism.axle_steering();
         self.corners.each_ref().map(|corner| {
@@ -482,7 +492,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// Size of the left wheel's mechanism, the reference for lengths.
+    /// Returns the size of the left wheel's mechanism, the reference for lengths.
     pub(super) fn size(&self) -> f64 {
         self.corners[0].solver.size()
     }

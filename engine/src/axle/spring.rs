@@ -12,29 +12,29 @@ pub enum Law<T = f64> {
         /// Force per length.
         rate: T,
     },
-    /// Curve through points of length and force.
+    /// Curve through points (length, force).
     Curve(ForceCurve),
 }
 
-/// A spring with its stops, which act in parallel.
+/// A spring with its stops. The stops act in parallel with the spring.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SpringLaw<T = f64> {
     /// The spring.
     pub spring: Law<T>,
-    /// Bump stop. Its abscissa is its compression.
+    /// Bump stop. The abscissa of its curve is the compression of the stop.
     pub bump_stop: Option<BumpStop>,
-    /// Rebound stop. Its abscissa is its deformation: the spring's extension minus the gap.
+    /// Rebound stop. The abscissa of its curve is the deformation of the stop: the spring's extension minus the gap.
     pub rebound_stop: Option<BumpStop>,
-    /// Length of the spring from which its deflection and the gaps of its stops are measured. `None` stands for the length in
-    /// the design position, so that hardpoints can move without a change of the force. The springs of an assembled car keep
-    /// their length.
+    /// Length of the spring from which its deflection and the gaps of its stops are measured. `None` means the length
+    /// in the design position: the force then stays the same if hardpoints move. The springs of an assembled car keep a
+    /// fixed length.
     pub own_length: Option<f64>,
 }
 
 /// A stop. The field comments describe a bump stop; for a rebound stop, read extension in place of compression.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BumpStop {
-    /// Compression of the spring, from the design position, at which it touches the stop.
+    /// Compression of the spring, from the design position, at which the stop is reached.
     pub gap: f64,
     /// Force as a function of the stop's compression, 0 at 0.
     pub curve: ForceCurve,
@@ -57,7 +57,7 @@ impl<T: Copy> SpringLaw<T> {
         }
     }
 
-    /// Length from which deflections are measured. `design` is the length in the design position.
+    /// Returns the length from which deflections are measured. `design` is the length in the design position.
     #[inline(always)]
     fn reference<U: Valued>(&self, design: U) -> U {
         self.own_length.map_or(design, |own| design.constant(own))
@@ -69,7 +69,8 @@ impl<T: Copy> SpringLaw<T> {
         self.reference(design) - length
     }
 
-    /// Force at a length, without the stops. `over` converts the numbers of the law to the type of the length.
+    /// Returns the force at a length, without the stops. `over` converts the numbers of the law to the number type of
+    /// the length.
     #[inline(always)]
     fn without_stops<U: Valued>(&self, length: U, design: U, over: &impl Fn(T) -> U) -> U {
         match &self.spring {
@@ -80,7 +81,7 @@ impl<T: Copy> SpringLaw<T> {
         }
     }
 
-    /// Force at a length. `over` converts the numbers of the law to the type of the length.
+    /// Returns the force at a length. `over` converts the numbers of the law to the number type of the length.
     #[inline(always)]
     fn force_over<U: Valued>(&self, length: U, design: U, over: impl Fn(T) -> U) -> U {
         let shortened = self.shortened(length, design);
@@ -160,8 +161,8 @@ impl SpringLaw {
         self.force_over(length, design, |c| length.constant(c))
     }
 
-    /// Energy at a length: integral of the force over the shortening. It is zero in the design position, or at the spring's
-    /// own length.
+    /// Energy at a length: integral of the force over the shortening. It is zero in the design position. If
+    /// [`SpringLaw::own_length`] is set, it is zero at this length.
     pub fn energy<T: Scalar>(&self, length: T, design: T) -> T {
         let reference = self.reference(design);
         let shortened = reference - length;
@@ -181,8 +182,8 @@ impl SpringLaw {
         spring + touched(&self.bump_stop, shortened) + touched(&self.rebound_stop, -shortened)
     }
 
-    /// Law with the same force-length curve for use in another design. `length` is the spring's length in the design of this
-    /// law.
+    /// Returns a law with the same force-length curve, for another design. `length` is the length of the spring in the
+    /// present design.
     pub fn kept_from(&self, length: f64) -> SpringLaw {
         let mut kept = self.clone();
         kept.own_length.get_or_insert(length);
@@ -190,9 +191,9 @@ impl SpringLaw {
     }
 }
 
-/// A smooth curve through points. It consists of cubics whose slopes make the curve monotone in each interval in which the
-/// points are monotone (F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17, 1980). Beyond its ends it is straight. The
-/// second derivative jumps at the points.
+/// A smooth curve through points. It consists of cubic polynomials. In each interval in which the points are monotone,
+/// the slopes make the curve monotone (F. N. Fritsch, R. E. Carlson, SIAM J. Numer. Anal. 17, 1980). Beyond its ends
+/// the curve is straight. The second derivative jumps at the points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForceCurve {
     points: Vec<[f64; 2]>,
@@ -200,7 +201,7 @@ pub struct ForceCurve {
 }
 
 impl ForceCurve {
-    /// Makes a curve through two or more points with rising abscissa. `None` for any other points.
+    /// Makes a curve through two or more points whose abscissas increase. `None` for any other points.
     pub fn through(points: &[[f64; 2]]) -> Option<Self> {
         let rises = points.windows(2).all(|p| p[0][0] < p[1][0]);
         if points.len() < 2 || !rises {
@@ -211,8 +212,8 @@ impl ForceCurve {
             .map(|p| (p[1][1] - p[0][1]) / (p[1][0] - p[0][0]))
             .collect();
         let last = secants.len() - 1;
-        // Inside, the slope is the weighted harmonic mean of the neighbouring secants (Fritsch and Butland 1984). It is 0 if
-        // the secants differ in sign.
+        // At an inner point, the slope is the weighted harmonic mean of the neighbouring secants (Fritsch and Butland
+        // 1984). The slope is 0 if the secants have different signs.
         let inside = |i: usize| {
             let (a, b) = (secants[i - 1], secants[i]);
             if a * b <= 0.0 {
@@ -243,8 +244,8 @@ impl ForceCurve {
         &self.points
     }
 
-    /// Polynomial at an abscissa: its start a, the inverse 1/h of its length, and its coefficients in powers of (x - a)/h. A
-    /// straight end has the length 1.
+    /// Returns the polynomial at an abscissa: the start a of its interval, the inverse 1/h of the interval's length,
+    /// and its coefficients in powers of (x - a)/h. For the straight ends, h is 1.
     fn piece(&self, here: f64) -> [f64; 6] {
         let points = &self.points;
         let end = points.len() - 1;
@@ -262,7 +263,7 @@ impl ForceCurve {
         let h = b - a;
         let secant = right - left;
         let (m, n) = (self.slopes[i] * h, self.slopes[i + 1] * h);
-        // Hermite cubic.
+        // Hermite cubic polynomial.
         let (quadratic, cubic) = (3.0 * secant - 2.0 * m - n, m + n - 2.0 * secant);
         [a, 1.0 / h, left, m, quadratic, cubic]
     }
@@ -279,7 +280,7 @@ impl ForceCurve {
         left + t * (m + t * (quadratic + t * cubic))
     }
 
-    /// Polynomials for all lanes, each in the form of [`ForceCurve::piece`].
+    /// Returns the polynomials for all SIMD lanes, each in the form of [`ForceCurve::piece`].
     #[inline(always)]
     fn pieces<T: Valued>(&self, x: T) -> [T; 6] {
         let mut values = [0.0; MOST_LANES];
@@ -302,7 +303,7 @@ impl ForceCurve {
     pub fn integral<T: Scalar>(&self, x: T) -> T {
         let points = &self.points;
         let end = points.len() - 1;
-        // Hermite cubic of a piece in powers of t, and the length of the piece.
+        // Hermite cubic polynomial of an interval in powers of t, and the length of the interval.
         let piece = |i: usize| {
             let [[a, left], [b, right]] = [points[i], points[i + 1]];
             let h = b - a;
@@ -354,7 +355,8 @@ mod tests {
         assert!(ForceCurve::through(&[[1.0, 0.0], [1.0, 2.0]]).is_none());
     }
 
-    /// Between points the curve is the Hermite cubic with the slopes of Fritsch and Butland. Beyond the ends it is straight.
+    /// Between points, the curve is the Hermite cubic polynomial with the slopes of Fritsch and Butland. Beyond the
+    /// ends it is straight.
     #[test]
     fn a_curve_has_the_slopes_of_fritsch_and_butland() {
         let points = [
@@ -447,7 +449,7 @@ mod tests {
                 );
             }
         }
-        // The force does not depend on the design, so its derivative with respect to the length is zero.
+        // The force depends only on the length, so its derivative with respect to the design length is zero.
         let design = Jet::<f64, 2>::variable(492.0);
         assert_eq!(kept.force(Jet::constant(470.0), design)[1], 0.0);
     }

@@ -1,9 +1,10 @@
 //! An axle in one pose, with all inputs of formulas.
 //!
-//! An [`AxleState`] holds both wheels as functions of their travels and racks. Along a [`Motion`] the travels, the rack and
-//! the roll angle change at rates that follow from the state itself. [`AxleState::moving`] gives the same state as series
-//! along the motion, and so derivatives of any order. C' and C,r are velocities of the carrier's point at the contact point,
-//! with respect to the wheel's own travel and to the rack. With h = n.C and, on a plane, f = h_l - h_r = 0,
+//! An [`AxleState`] contains both wheels as functions of their travels and racks. Along a [`Motion`] the travels, the
+//! rack and the roll angle change. Their rates are computed from the state itself. [`AxleState::moving`] returns the
+//! same state as series along the motion. These series contain the derivatives. C' and C,r are velocities of the
+//! carrier's point at the contact point, with respect to the wheel's own travel and to the rack. With h = n.C and, on a
+//! plane, f = h_l - h_r = 0,
 //!
 //! ```text
 //! roll        z_l' = -z_r' = -track/F        F = n.C_l' + n.C_r'
@@ -11,17 +12,18 @@
 //! rack        z_l' = -z_r' = -(n.C_l,r - n.C_r,r)/F
 //! ```
 //!
-//! because C is the lowest point of the wheel: its displacement along the rim does not change its height to first order.
+//! because C is the lowest point of the wheel: its displacement along the rim does not change its height to first
+//! order.
 //!
 //! Each wheel of a rigid axle moves with both travels. C_b,d and C_b,h are velocities of the carrier's point at contact
-//! point b. C_b,d is with respect to the wheel's own share of the difference (d z_own = -d z_other), and C_b,h with respect
-//! to the mean travel. Then F above contains C_b,d, and
+//! point b. C_b,d is with respect to the wheel's own share of the difference (d z_own = -d z_other), and C_b,h with
+//! respect to the mean travel. Then F above contains C_b,d, and
 //!
 //! ```text
 //! heave       z_l' = 1 + D,  z_r' = 1 - D        D = -(n.C_l,h - n.C_r,h)/F
 //! ```
 //!
-//! A pose on a plane may be given by its roll angle and mean travel, by both travels, or at a load. Derivatives along
+//! A pose on a plane can be defined by its roll angle and mean travel, by both travels, or by a load. Derivatives along
 //! [`Motion::Rack`] depend on this choice, since the given coordinates of the station stay constant. Formulas of the
 //! catalogue must not depend on this choice, so they use the other motions.
 
@@ -34,7 +36,8 @@ use crate::mechanism::Ground;
 use crate::model::{AxleTravel, Side};
 use crate::number::{Each, Jet, Real, Vector3, outlined};
 
-/// Coordinates that stay constant while the rack, the heave or the roll angle changes. They make the motion unique.
+/// Coordinates that stay constant while the rack, the heave or the roll angle changes. Without them, the motion would
+/// not be unique.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Hold {
     /// Roll angle and mean travel of the wheel centres are constant, on a plane ground.
@@ -50,13 +53,14 @@ pub enum Hold {
 pub enum Motion {
     /// Roll of the body with constant mean travel and rack. The parameter is the angle in radians.
     Roll,
-    /// Mean travel of the wheel centres. The rack is constant. On a plane the roll angle is constant, too; on pads both
-    /// travels change equally.
+    /// Mean travel of the wheel centres. The rack is constant. On a plane, the roll angle is constant, too. On pads,
+    /// the travels of both wheels change equally.
     Heave,
     /// Displacement of the rack towards the left wheel. The other given coordinates of the station are constant.
     Rack,
-    /// Displacement of the rack towards the left wheel, for any choice of given coordinates. On a plane, the roll angle and
-    /// the mean travel are constant. On pads, both travels are constant.
+    /// Displacement of the rack towards the left wheel. Unlike [`Motion::Rack`], it does not depend on the given
+    /// coordinates. On a plane, the roll angle and the mean travel are constant. On pads, the travels of both wheels
+    /// are constant.
     Steering,
     /// Travel of the left wheel, with everything else constant.
     TravelLeft,
@@ -85,20 +89,20 @@ impl Motion {
 /// One wheel in a state, in the kernel's frame of its own side.
 #[derive(Clone, Copy, Debug)]
 pub struct WheelState<'s, T, W = Reading<T>> {
-    /// Reading of the wheel.
+    /// Numbers of the wheel as functions of travel and rack.
     pub reading: &'s W,
     /// Ground under the wheel.
     pub ground: Ground<T>,
-    /// Loaded radius. NaN if the study does not give it.
+    /// Loaded radius. NaN if the study does not contain it.
     pub radius: f64,
-    /// Carriers of the wheels.
+    /// Bodies that carry the wheels.
     pub carriers: Carriers,
 }
 
 /// An axle in one pose.
 #[derive(Clone, Copy, Debug)]
 pub struct AxleState<'a, T, W = Reading<T>> {
-    /// Readings of the left and right wheel, each in its own frame.
+    /// Numbers of the left and right wheel, each in its own frame.
     pub readings: [W; 2],
     /// Ground in the left wheel's frame: sine and cosine of the roll angle.
     pub ground: Ground<T>,
@@ -106,7 +110,7 @@ pub struct AxleState<'a, T, W = Reading<T>> {
     pub roll: T,
     /// Coordinates that stay constant in a motion.
     pub hold: Hold,
-    /// Carriers of the wheels.
+    /// Bodies that carry the wheels.
     pub carriers: Carriers,
     /// Further inputs of the study.
     pub setup: &'a Setup,
@@ -120,7 +124,7 @@ impl AxleState<'_, f64> {
     }
 }
 
-/// Rates of both travels, of the rack towards the left wheel's outside, and of the roll angle along a motion.
+/// Rates along a motion: of both travels, of the rack towards the outside of the left wheel, and of the roll angle.
 struct Rates<T> {
     travel: [T; 2],
     rack: Option<T>,
@@ -141,8 +145,8 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
         self.reading.centre() + self.contact_lever()
     }
 
-    /// Velocity C' of the carrier's point at C with respect to the wheel's own travel. The wheel does not rotate in its
-    /// carrier.
+    /// Velocity C' of the carrier's point at C with respect to the wheel's own travel. The wheel does not rotate
+    /// relative to its carrier.
     #[inline(always)]
     pub fn contact_velocity(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.by_travel())
@@ -166,7 +170,7 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
         self.carried_at_contact(self.reading.twist(self.carriers.by_mean()))
     }
 
-    /// Velocity at C of a carrier with this velocity of the wheel centre and this angular velocity.
+    /// Velocity at C of a carrier. `twist` is the velocity of the wheel centre and the angular velocity of the carrier.
     #[inline(always)]
     fn carried_at_contact(&self, twist: [Vector3<T>; 2]) -> Vector3<T> {
         outlined!(
@@ -248,13 +252,13 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         left.half_track() + right.half_track()
     }
 
-    /// Any number of the state. Constants get its number type and length.
+    /// Returns any number of the state. Constants get its number type and its number of coefficients.
     #[inline(always)]
     pub fn like(&self) -> T {
         self.roll
     }
 
-    /// Returns the wheels with the body level, each on a level pad at its travel.
+    /// Returns the state with the body level, and each wheel on a level pad at its travel.
     #[inline(always)]
     pub fn on_pads(&self) -> Self {
         AxleState {
@@ -265,7 +269,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// Returns the state with both wheels on one plane ground, for any choice of given coordinates. Roll angle and mean
+    /// Returns the state with both wheels on one plane ground, whatever coordinates are given. Roll angle and mean
     /// travel are constant in motions.
     #[inline(always)]
     pub fn on_plane(&self) -> Self {
@@ -287,7 +291,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
     fn rises(&self) -> [T; 2] {
         let [left, right] = self.wheels();
         if self.carriers.is_rigid() {
-            // The contact points of a rigid axle rise with each wheel's own share of the difference.
+            // The contact points of a rigid axle rise with each wheel's own share of the difference of travels.
             [left, right].each(|wheel| wheel.rise_by_difference())
         } else {
             [left.rise(), right.rise()]
@@ -370,8 +374,8 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         rates
     }
 
-    /// Rates of a wheel's travel and of its rack (or held travel), in its own frame. `None` if the second variable is at
-    /// rest.
+    /// Returns the rates of a wheel's travel and of its rack (or held travel), in its own frame. `None` if the rack or
+    /// held travel is at rest.
     #[inline(always)]
     fn own_rates(&self, side: Side, rates: &Rates<T>) -> (T, Option<T>) {
         let [left, right] = rates.travel;
@@ -393,7 +397,8 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// Derivative of a number of one wheel along a motion, from its derivatives with respect to the wheel's own travel and rack.
+    /// Derivative of a number of one wheel along a motion. It is computed from the derivatives of this number with
+    /// respect to the wheel's own travel and rack.
     pub fn along(&self, motion: Motion, side: Side, [by_travel, by_rack]: [T; 2]) -> T {
         let (travel, rack) = self.own_rates(side, &self.rates(motion));
         match rack {
@@ -402,7 +407,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// The state as series along a motion.
+    /// Returns the state as series along a motion.
     #[inline(always)]
     pub fn moving(&self, motion: Motion) -> AxleState<'a, Jet<T, 2>, Moving<'_, W, T>> {
         // The compiler makes a separate function, because most formulas take derivatives along a motion.
@@ -435,9 +440,9 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
 }
 
 impl<T: Real> AxleState<'_, T> {
-    /// Returns the state with travels or roll angle corrected to first order, so that both wheels stand on the same ground.
-    /// For numbers with gradients, the correction adds the gradients of the travels or of the roll angle if they are results.
-    /// The arguments are the plain values of F and track.
+    /// Corrects travels or roll angle to first order, so that both wheels are on the same ground. For numbers with
+    /// gradients, this correction adds the gradients of the travels or of the roll angle, if they are results. The
+    /// arguments are the values of F and of the track, without derivatives.
     pub fn settled(&self, [rise, track]: [f64; 2]) -> Self {
         let like = self.like();
         match self.hold {

@@ -1,10 +1,10 @@
 //! Taylor polynomials in two variables: the travel and the rack displacement of one wheel.
 //!
-//! A quantity is u(z + a, r + b) = sum c_ij a^i b^j up to degree 3. The coefficients come from power series along straight
-//! lines (a, b) = e (p, q): the coefficient of e^k is sum_(i+j=k) c_ij p^i q^j, and k + 1 lines give the k + 1 coefficients
-//! of that degree (A. Griewank, J. Utke, A. Walther, *Evaluating higher derivative tensors by forward propagation of
-//! univariate Taylor series*, Math. Comp. 69, 2000). The lines are the two axes and the two diagonals, so that only sums and
-//! differences are needed.
+//! A quantity is u(z + a, r + b) = sum c_ij a^i b^j up to degree 3. The coefficients are computed from power series
+//! along straight lines (a, b) = e (p, q). The coefficient of e^k is sum_(i+j=k) c_ij p^i q^j. So k + 1 lines determine
+//! the k + 1 coefficients of that degree (A. Griewank, J. Utke, A. Walther, *Evaluating higher derivative tensors by
+//! forward propagation of univariate Taylor series*, Math. Comp. 69, 2000). The lines are the two axes and the two
+//! diagonals, so that only sums and differences are needed.
 
 use crate::number::Real;
 
@@ -41,7 +41,7 @@ pub struct Line {
 }
 
 impl Line {
-    /// Lines that determine polynomials whose terms with the rack have at most this degree.
+    /// Returns the lines that determine a polynomial. Terms that contain the rack have at most this degree.
     pub fn needed(degree_with_rack: usize) -> &'static [Line] {
         const LINES: [Line; 4] = {
             const fn line(travel: f64, rack: f64) -> Line {
@@ -74,13 +74,14 @@ impl<T: Real> Taylor<T> {
         Taylor(coefficients)
     }
 
-    /// Makes a polynomial with unknown coefficients: all NaN. Constants get the number type and length of `like`.
+    /// Makes a polynomial with unknown coefficients: all are NaN. Constants get the number type and the number of
+    /// coefficients of `like`.
     pub fn unknown(like: T) -> Self {
         Taylor([like.constant(f64::NAN); COEFFICIENTS])
     }
 
-    /// Makes the polynomial with these series along the lines of [`Line::needed`]. Each series lists its coefficients by
-    /// rising degree, and all have the same length.
+    /// Makes the polynomial from its series along the lines of [`Line::needed`]. Each series lists its coefficients by
+    /// rising degree. All series have the same length.
     pub fn through(lines: &[&[T]]) -> Self {
         let first = lines[0];
         let mut taylor = Taylor::unknown(first[0]);
@@ -107,7 +108,7 @@ impl<T: Real> Taylor<T> {
         taylor
     }
 
-    /// Coefficient with these powers of travel and rack. NaN beyond the known orders.
+    /// Returns the coefficient with these powers of travel and rack. The result is NaN beyond the known orders.
     #[inline(always)]
     pub fn coefficient(&self, [travel, rack]: [usize; 2]) -> T {
         match travel + rack {
@@ -116,7 +117,7 @@ impl<T: Real> Taylor<T> {
         }
     }
 
-    /// Polynomial about a point moved by `travel`, to first order in `travel`.
+    /// Returns the polynomial about a point that is moved by `travel`, to first order in `travel`.
     pub fn shifted(&self, travel: T) -> Self {
         let mut moved = *self;
         for (coefficient, [i, j]) in moved.0.iter_mut().zip(POWERS) {
@@ -131,7 +132,8 @@ impl<T: Real> Taylor<T> {
 mod tests {
     use super::*;
 
-    /// Series along these lines determine a cubic polynomial, and so its values along any other line.
+    /// Series along these lines determine a cubic polynomial, and so also the values of this polynomial along any other
+    /// line.
     #[test]
     fn polynomials_come_back_from_lines() {
         let coefficients: [f64; COEFFICIENTS] =

@@ -1,9 +1,9 @@
 //! A wheel of an independent axle as a function of its own travel: piecewise polynomials between poses.
 //!
-//! Newton's method for a car evaluates the same wheels at thousands of travels. In each step, poses take most of the time.
-//! So a wheel is solved only at nodes, and pieces connect the nodes. Each node has three derivatives with respect to travel.
-//! In a piece of length h from z_0, with t = (z - z_0)/h, each number f becomes the polynomial p of degree 7 that has its
-//! values and derivatives at both nodes:
+//! Newton's method for a car evaluates the same wheels at thousands of travels. In each step, poses take most of the
+//! time. So a wheel is solved only at some travels (nodes), and polynomial pieces connect the nodes. Each node has
+//! three derivatives with respect to travel. In a piece of length h from z_0, with t = (z - z_0)/h, each number f
+//! becomes the polynomial p of degree 7 that has the same values and derivatives as f at both nodes:
 //!
 //! ```text
 //! p(t) = c_0 + c_1 t + c_2 t^2 + c_3 t^3 + t^4 q(t),     c_k = h^k f^(k)(z_0)/k!                                (1)
@@ -12,10 +12,10 @@
 //! f - p = f^(8)(..) h^8 t^4 (1-t)^4/8!                                                                          (4)
 //! ```
 //!
-//! D_k is the k-th coefficient of f at the second node minus that of the cubic c_0 + c_1 t + c_2 t^2 + c_3 t^3. The error
-//! (4) and the error of the first derivative fall with the eighth power of h. The error of the first derivative is largest
-//! near t = 0.31. At this t, another pose checks value and derivative of each piece. If they differ by more than rounding,
-//! all pieces become half as long.
+//! D_k is the k-th coefficient of f at the second node minus that of the cubic c_0 + c_1 t + c_2 t^2 + c_3 t^3. The
+//! error (4) and the error of the first derivative fall with the eighth power of h. The error of the first derivative
+//! is largest near t = 0.31. At this t, each piece is compared with one more pose: value and derivative must agree. If
+//! they differ by more than rounding, the length of all pieces is halved.
 
 use super::reading::{Reading, WheelParts};
 use super::solver::AxleSolver;
@@ -23,18 +23,18 @@ use crate::characteristics::{DesignWheel, NumberPart, VectorPart};
 use crate::model::Side;
 use crate::number::{Each, SimdReal, SimdTask, Vector3, array_of, run_short};
 
-/// Largest number of pieces on each side of the design position.
+/// Largest number of polynomial pieces on each side of the design position.
 const MOST_PIECES: i32 = 48;
 /// Initial length of pieces, relative to the mechanism's size.
 const LENGTH: f64 = 1.0 / 24.0;
-/// Largest number of times that pieces are halved.
+/// The length of the pieces is halved at most this number of times.
 const MOST_HALVINGS: u32 = 4;
-/// Value of t at which each piece is checked.
+/// Value of t at which each piece is compared with a pose.
 const CHECK: f64 = 0.31;
-/// Largest accepted error, relative to the size of the number and the length of the piece.
+/// Largest accepted error of a piece, relative to the size of the number and the length of the piece.
 const TOLERANCE: f64 = 4e-13;
 
-/// Vectors that a curve contains, besides the columns of the carrier's rotation.
+/// Vectors that a curve contains, in addition to the columns of the carrier's rotation matrix.
 const VECTORS: [VectorPart; 3] = [
     VectorPart::Centre,
     VectorPart::SpinAxis,
@@ -46,20 +46,20 @@ const SINGLE: [NumberPart; 3] = [
     NumberPart::BarAngle,
     NumberPart::RockerAngle,
 ];
-/// Index of the first column of the rotation.
+/// Index of the first column of the rotation matrix.
 const COLUMNS: usize = 3 * VECTORS.len();
-/// Index of the first number.
+/// Index of the first scalar.
 const NUMBERS: usize = COLUMNS + 9;
-/// Count of all numbers, rounded up to whole bundles of [`LANES`]. The last numbers of the last bundle are unused.
+/// Count of all numbers, rounded up to a multiple of [`LANES`]. The last numbers are unused.
 const COUNT: usize = (NUMBERS + SINGLE.len()).next_multiple_of(LANES);
-/// Count of numbers, and of wheels, that are evaluated at a time, on processors with registers of this width. In wider
-/// registers, a part of the last bundle would be unused.
+/// Count of numbers, and of wheels, that the processor evaluates at the same time. With wider registers, a part of the
+/// last group of numbers would be unused.
 pub(crate) const LANES: usize = 8;
 
-/// All numbers of a wheel for each power of travel. Numbers that are not read are NaN.
+/// All numbers of a wheel for each power of travel. Numbers that are not used are NaN.
 type Powers<const N: usize> = [[f64; COUNT]; N];
 
-/// Coefficients of (1), and the wheel in the design position.
+/// Polynomial coefficients of (1), and the wheel in the design position.
 #[derive(Clone, Debug)]
 struct Piece {
     polynomials: Powers<8>,
@@ -82,7 +82,7 @@ impl CurveWheel {
         }
     }
 
-    /// Copies those numbers of a reading that curves contain.
+    /// Copies the numbers that curves contain from a wheel.
     fn of(reading: &Reading<f64>) -> Self {
         let mut wheel = CurveWheel::unknown();
         for (k, numbers) in wheel.coefficients.iter_mut().enumerate() {
@@ -98,7 +98,7 @@ impl CurveWheel {
         wheel
     }
 
-    /// Coefficients of powers of travel, with the length of a piece as the unit of travel.
+    /// Returns the coefficients of powers of travel. The unit of travel is the length of a piece.
     fn scaled(&self, length: f64) -> Powers<4> {
         let mut power = 1.0;
         self.coefficients.each(|numbers| {
@@ -118,7 +118,7 @@ impl CurveWheel {
     }
 }
 
-/// Coefficients of powers of the rack are NaN, and so are parts that curves do not contain.
+/// Curves contain no derivatives with respect to the rack, and only some parts of a wheel. All other numbers are NaN.
 impl WheelParts<f64> for CurveWheel {
     #[inline(always)]
     fn like(&self) -> f64 {
@@ -157,7 +157,7 @@ impl WheelParts<f64> for CurveWheel {
     }
 }
 
-/// Wheels at their travels, one in each lane: their numbers and first derivatives with respect to travel.
+/// Wheels in SIMD lanes, each at its own travel: numbers of the wheels and first derivatives with respect to travel.
 #[derive(Clone, Debug)]
 pub(crate) struct CurveLanes {
     numbers: [[[f64; LANES]; COUNT]; 2],
@@ -165,7 +165,7 @@ pub(crate) struct CurveLanes {
 }
 
 impl CurveLanes {
-    /// Makes lanes that all contain this wheel.
+    /// Makes SIMD lanes that all contain this wheel.
     pub(crate) fn filled(wheel: &CurveWheel) -> Self {
         let mut lanes = CurveLanes {
             numbers: [[[f64::NAN; LANES]; COUNT]; 2],
@@ -185,7 +185,7 @@ impl CurveLanes {
     }
 }
 
-/// Wheels in lanes, at the travels at which they were read.
+/// Wheels in SIMD lanes, at the travels of their numbers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct LaneCurveWheel<'n, B> {
     pub(crate) of: &'n CurveLanes,
@@ -293,7 +293,7 @@ impl<T> Known<T> {
 }
 
 impl WheelCurve {
-    /// Curve of one wheel of the solver's axle, without any pieces yet.
+    /// Makes the curve of one wheel of the solver's axle. The curve has no pieces yet.
     pub(crate) fn new<const N: usize>(solver: &AxleSolver<'_, N>, side: Side) -> Self {
         let mut curve = WheelCurve {
             side,
@@ -315,7 +315,7 @@ impl WheelCurve {
         self.nodes.resize(pieces + 1, Known::NotYet);
     }
 
-    /// Writes the wheel at a travel to `into`. `None` if the curve has no piece at this travel that is exact to rounding.
+    /// Writes the wheel at a travel to `into`. `None` if no piece of the curve at this travel is exact to rounding.
     pub(crate) fn at<const N: usize>(
         &mut self,
         solver: &mut AxleSolver<'_, N>,
@@ -349,12 +349,12 @@ impl WheelCurve {
         }
     }
 
-    /// Travel at a node.
+    /// Returns the travel at a node.
     fn travel(&self, node: f64) -> f64 {
         (node - f64::from(MOST_PIECES)) * self.length
     }
 
-    /// The wheel in a solved pose. `None` if the wheel has no pose, or if a rocker is at a toggle.
+    /// Returns the wheel in a solved pose. `None` if the wheel has no pose, or if a rocker is at a toggle.
     fn read<const N: usize>(
         &self,
         solver: &mut AxleSolver<'_, N>,
@@ -376,7 +376,7 @@ impl WheelCurve {
         self.nodes[node].get()
     }
 
-    /// Computes a piece by equations (1) to (3).
+    /// Computes a polynomial piece by equations (1) to (3).
     fn piece<const N: usize>(
         &mut self,
         solver: &mut AxleSolver<'_, N>,
@@ -421,7 +421,8 @@ impl WheelCurve {
         })
     }
 
-    /// Returns true if a piece differs by more than rounding from a pose at a travel within the piece.
+    /// Returns true if a polynomial piece is inexact: at one travel inside the piece, it differs from the solved pose
+    /// by more than rounding.
     fn is_inexact<const N: usize>(
         &self,
         solver: &mut AxleSolver<'_, N>,
@@ -439,7 +440,7 @@ impl WheelCurve {
         let mut found = CurveWheel::unknown();
         piece.write(CHECK, length, &mut found);
         let (found, read) = (found.scaled(length), read.scaled(length));
-        // Numbers that are not read are NaN in both wheels.
+        // Numbers that are not used are NaN in both wheels.
         (0..COUNT).any(|k| {
             let bound = TOLERANCE * (read[0][k].abs() + length);
             (found[0][k] - read[0][k]).abs() > bound || (found[1][k] - read[1][k]).abs() > bound
@@ -448,7 +449,7 @@ impl WheelCurve {
 }
 
 impl Piece {
-    /// Writes the wheel at the value `t` in the piece to `into`.
+    /// Writes the wheel at position `t` of the piece to `into`.
     #[inline]
     fn write(&self, t: f64, length: f64, into: &mut CurveWheel) {
         run_short(Evaluation {

@@ -1,5 +1,5 @@
-//! Values that the study of a car accepts. The reader of a study, ranges of variables, scatter, and designs of sweeps and
-//! tunings use these limits.
+//! Limits on the values of a car in a study. The reader of a study, ranges of variables, scatter, and designs of sweeps
+//! and tunings use these limits.
 
 use super::parameters::{AxleParameter, BodyParameter};
 use super::{Car, Masses, Moves};
@@ -27,7 +27,7 @@ const FIGURES: [Moves; 7] = [
 ];
 
 impl Car {
-    /// Returns the first value that a study does not accept, in words. `None` if a study accepts all values of this car.
+    /// Describes the first value that a study does not accept. `None` if a study accepts all values of this car.
     pub fn refusal(&self) -> Option<String> {
         Moves::values().find_map(|moves| {
             let value = moves.value(self)?;
@@ -49,7 +49,7 @@ impl Car {
         front.mean_wheel_centre().z - front.setup.wheel_radius.unwrap_or(0.0)
     }
 
-    /// Distances of the front and the rear axle ahead of the origin, in the design position.
+    /// Distances of the front and the rear axle from the origin in the design position, positive ahead of it.
     pub(crate) fn axles_ahead(&self) -> [f64; 2] {
         let [front, rear] = self.axles.each_ref().map(|axle| axle.mean_wheel_centre().x);
         [front, rear + self.rear_offset.x]
@@ -57,7 +57,8 @@ impl Car {
 }
 
 impl Moves {
-    /// Values that a study can vary, except hardpoints: rates of both axles, then values of the whole car.
+    /// Returns the values that a study can vary, except hardpoints: first the rates of both axles, then the values of
+    /// the whole car.
     pub fn values() -> impl Iterator<Item = Moves> {
         let rates = [0, 1].into_iter().flat_map(|axle| {
             let rate = move |parameter| Moves::Rate { axle, parameter };
@@ -66,7 +67,7 @@ impl Moves {
         rates.chain(FIGURES)
     }
 
-    /// Values that a study accepts while all other values of the car stay unchanged, in the study's unit.
+    /// Returns the values that a study accepts, in the study's unit, while all other values of the car stay unchanged.
     pub fn accepted(&self, car: &Car) -> Accepted {
         match *self {
             Moves::Hardpoints(_) => Accepted::All,
@@ -75,7 +76,7 @@ impl Moves {
                 _ => Accepted::Above(0.0),
             },
             Moves::Wheelbase => match car.masses {
-                // The centre of gravity of the whole car is between the axles.
+                // The centre of gravity of the whole car must be between the axles.
                 Masses::Whole => Accepted::Above((car.axles_ahead()[0] - car.cg.x).max(0.0)),
                 Masses::Sprung => Accepted::Above(0.0),
             },
@@ -102,8 +103,9 @@ impl Moves {
         }
     }
 
-    /// Left spring rate minus right spring rate; 0 if the left rate is lower. A variable changes both rates by the same
-    /// amount.
+    /// Returns the left spring rate minus the right spring rate, or 0 if the left rate is lower. A variable changes
+    /// both rates by the same amount. So the left rate must stay above this difference, or the right rate would not be
+    /// positive.
     fn excess_of_left(&self, car: &Car, axle: usize) -> f64 {
         let Some(laws) = &car.axles[axle].setup.springs else {
             return 0.0;
@@ -115,7 +117,7 @@ impl Moves {
         }
     }
 
-    /// Singular and plural noun for the value, for messages.
+    /// Returns the noun for the value in singular and plural, for messages.
     pub fn nouns(&self) -> [&'static str; 2] {
         match self {
             Moves::Hardpoints(_) => ["offset", "offsets"],
@@ -129,7 +131,7 @@ impl Moves {
         }
     }
 
-    /// Reason for limits that depend on other values of the car.
+    /// Returns the reason for limits that depend on other values of the car.
     pub(crate) fn reason_of_limits(&self, car: &Car) -> Option<&'static str> {
         match (self, car.masses) {
             (Moves::Body(BodyParameter::Mass), Masses::Whole) => {

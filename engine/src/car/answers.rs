@@ -1,4 +1,4 @@
-//! Results of load cases for designs of a car, one design after another.
+//! Results of load cases for several designs of a car, one design after another.
 
 use super::{Car, CarGradient, CarQuantity, CarSolver, Case, NoEquilibrium};
 use crate::mechanism::DesignFault;
@@ -10,20 +10,20 @@ use crate::sorting::sort_by_key;
 pub struct CaseResult {
     /// Index of the case.
     pub case: usize,
-    /// Quantity.
+    /// The result.
     pub quantity: CarQuantity,
 }
 
-/// Requested results of load cases for each design, case after case.
+/// Results of load cases that are requested for each design, ordered by case.
 #[derive(Clone, Debug)]
 pub struct CarRequest<'c> {
     /// Load cases.
     pub cases: &'c [Case],
-    /// Results, case after case.
+    /// Results, ordered by case.
     pub results: Vec<CaseResult>,
 }
 
-/// Number of a design's cases that have no equilibrium, and the first such case.
+/// Number of load cases without an equilibrium for one design, and the first such case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FailedCases {
     /// Number of cases that failed.
@@ -34,11 +34,11 @@ pub struct FailedCases {
     pub why: NoEquilibrium,
 }
 
-/// Axle, wheel and reason of a design that cannot be solved at all.
+/// Fault of a design that cannot be solved at all: index of the axle, side of the wheel, reason.
 pub type CarFault = (usize, Side, DesignFault);
 
 impl<'c> CarRequest<'c> {
-    /// Requests every result in every case in which it is defined, and the `further` results.
+    /// Requests every result in every case in which this result is defined, and the `further` results.
     pub fn of(
         cases: &'c [Case],
         quantities: &[CarQuantity],
@@ -62,7 +62,7 @@ impl<'c> CarRequest<'c> {
         CarRequest { cases, results }
     }
 
-    /// Index of a requested result.
+    /// Returns the index of a requested result.
     pub fn place(&self, case: usize, quantity: CarQuantity) -> Option<usize> {
         let wanted = CaseResult { case, quantity };
         self.results.iter().position(|result| *result == wanted)
@@ -74,18 +74,18 @@ impl<'c> CarRequest<'c> {
         format!("{case}_{}", result.quantity.column(car.length_unit))
     }
 
-    /// Index of a case's first result, and all results of the case.
+    /// Returns the index of a case's first result, and all results of the case.
     fn of_case(&self, case: usize) -> (usize, &[CaseResult]) {
         let from = self.results.partition_point(|result| result.case < case);
         let to = self.results.partition_point(|result| result.case <= case);
         (from, &self.results[from..to])
     }
 
-    /// Writes the results of a design in printed units. Missing results are NaN. The solver starts every case from the
-    /// design position, so its results do not depend on other cases.
+    /// Writes the results of a design to `into`, in printed units. Missing results are NaN. The solver starts every
+    /// case from the design position, so its results do not depend on other cases.
     ///
     /// # Errors
-    /// The reason if the design position cannot be solved.
+    /// Returns the reason if the design position cannot be solved.
     pub fn values(&self, car: &Car, into: &mut [f64]) -> Result<Option<FailedCases>, CarFault> {
         into.fill(f64::NAN);
         let mut solver = CarSolver::new(car)?;
@@ -100,7 +100,7 @@ impl<'c> CarRequest<'c> {
                 Ok(solved) => {
                     for (value, result) in into[from..].iter_mut().zip(results) {
                         let printed = result.quantity.printed(&solved, case);
-                        // A negative zero becomes 0.
+                        // Adding 0 converts a negative zero to 0.
                         *value = printed.map_or(f64::NAN, |value| value + 0.0);
                     }
                 }
@@ -119,10 +119,11 @@ impl<'c> CarRequest<'c> {
         Ok(failed)
     }
 
-    /// Every result with its derivatives, in radians, newtons and length units. `None` if its case has no equilibrium.
+    /// Returns every result with its derivatives, in radians, newtons and length units. `None` if the result's case has
+    /// no equilibrium.
     ///
     /// # Errors
-    /// The reason if the design position cannot be solved.
+    /// Returns the reason if the design position cannot be solved.
     pub fn gradients(&self, car: &Car) -> Result<Vec<Option<CarGradient>>, CarFault> {
         let mut solver = CarSolver::new(car)?;
         let mut all = Vec::with_capacity(self.results.len());

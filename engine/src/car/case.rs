@@ -19,7 +19,7 @@ pub struct Case {
     pub speed: f64,
     /// Yaw acceleration in rad/s2, positive to the left.
     pub yaw_acceleration: f64,
-    /// Displacements of the racks towards the left wheels, [front, rear].
+    /// Displacements of the racks towards the left wheels: [front, rear].
     pub racks: [f64; 2],
     /// Settings of the case.
     pub setting: Setting,
@@ -28,9 +28,9 @@ pub struct Case {
 /// Settings of a load case.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Setting {
-    /// True if tyres act as springs, provided that the car has tyre springs.
+    /// True if tyres act as springs. It has no effect if the car has no tyre springs.
     pub elastic_tyres: bool,
-    /// Source of longitudinal forces.
+    /// Source of the longitudinal forces: brakes or drive.
     pub longitudinal: Longitudinal,
     /// Distribution of an axle's lateral force between its wheels.
     pub lateral_shares: LateralShares,
@@ -40,7 +40,7 @@ pub struct Setting {
     pub tyre_axes: TyreAxes,
 }
 
-/// Source of longitudinal forces.
+/// Source of the longitudinal forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Longitudinal {
     /// The brakes.
@@ -56,7 +56,7 @@ pub enum LateralShares {
     ByLoad,
     /// Half on each wheel.
     Equal,
-    /// Shares of the left wheels, [front, rear].
+    /// Fractions of the force that the left wheels carry: [front, rear].
     Left([f64; 2]),
 }
 
@@ -79,7 +79,7 @@ pub enum TyreAxes {
 }
 
 impl Case {
-    /// The car at rest, with the racks in the middle.
+    /// Returns the case of the car at rest, with the racks centred.
     pub fn at_rest(name: &str) -> Self {
         Case {
             name: name.to_owned(),
@@ -103,7 +103,7 @@ impl Case {
 /// Reason why a case has no equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoEquilibrium {
-    /// A wheel has no pose in a state during the solution.
+    /// In a state during the solution, a wheel has no pose.
     NoPose {
         /// Axle: 0 front, 1 rear.
         axle: usize,
@@ -118,7 +118,8 @@ pub enum NoEquilibrium {
     NoContactSet {
         /// Wheel for which neither contact nor lift satisfies the equations.
         wheel: WheelPlace,
-        /// True if an axle distributes its force equally between its wheels. Equal shares may be the reason.
+        /// True if an axle distributes a force equally between its wheels. The equal distribution may be the reason for
+        /// the failure.
         equal_shares: bool,
     },
     /// All wheels have lifted.
@@ -137,7 +138,7 @@ pub enum NoEquilibrium {
 }
 
 impl NoEquilibrium {
-    /// Word for the `status` column.
+    /// Returns the word for the `status` column.
     pub fn status(&self) -> &'static str {
         match self {
             NoEquilibrium::NoPose { failure, .. } => crate::curves::Status::Failed(*failure).word(),
@@ -150,7 +151,7 @@ impl NoEquilibrium {
 }
 
 impl NoEquilibrium {
-    /// Describes the reason in words, with lengths in the car's unit and racks in the axes of the axle's study.
+    /// Describes the reason in words. Lengths are in the car's unit, racks in the axes of the axle's study.
     pub fn describe(&self, car: &Car) -> String {
         let end = |axle: usize| AXLE_NAMES[axle];
         match self {
@@ -169,13 +170,13 @@ impl NoEquilibrium {
                 equal_shares,
             } => {
                 let reason = format!(
-                    "no set of wheels in contact is possible: {} would pull on the ground in \
-                     contact, and would be below the ground if lifted",
+                    "no set of wheels on the ground is possible: with contact, {} would pull on the \
+                     ground; lifted, this wheel would be below the ground",
                     wheel.words()
                 );
                 if *equal_shares {
                     format!(
-                        "{reason}; a wheel without load cannot take an equal share of a force, use shares \"by_load\""
+                        "{reason}; a wheel without load cannot carry an equal share of a force: use shares \"by_load\""
                     )
                 } else {
                     reason

@@ -1,4 +1,4 @@
-//! Results of a car. Each has a name, a unit, a sign and a formula.
+//! Results of a car. Each result has a name, a unit, a sign and a formula.
 
 mod need;
 
@@ -62,13 +62,13 @@ impl AxleEnd {
 pub struct CarInfo {
     /// Name in studies. For a result of an axle, `{}` is replaced by `front` or `rear`.
     pub name: &'static str,
-    /// Kind of unit.
+    /// Type of unit.
     pub unit: Unit,
     /// Meaning of a positive value.
     pub positive: &'static str,
     /// Formula in the notation of the manual.
     pub formula: &'static str,
-    /// Parts that the car must have.
+    /// Parts that the car must have for this result.
     pub needs: &'static [CarNeed],
     /// True if the value is computed from derivatives of the state.
     pub is_rate: bool,
@@ -150,7 +150,7 @@ catalogue! {
         BumpStopCompression, "bump_stop_compression", Length, "always; 0 without contact", "shortening of the spring beyond the gap", [BumpStop], state, wheel::bump_stop_compression;
         ReboundStopExtension, "rebound_stop_extension", Length, "always; 0 without contact", "lengthening of the spring beyond the gap", [ReboundStop], state, wheel::rebound_stop_extension;
         Jacking, "jacking_coefficient", Ratio, "a side force inboard lifts the body", "(C'.o)/(C'.n), o outboard along the ground", [Independent], state, wheel::jacking;
-        SideForceJacking, "side_force_jacking", Ratio, "a side force inboard lifts the body", "(C'.o)/(C'.n), o across the wheel in the ground", [Independent], state, wheel::side_force_jacking;
+        SideForceJacking, "side_force_jacking", Ratio, "a side force inboard lifts the body", "(C'.o)/(C'.n), o across the wheel, in the ground plane", [Independent], state, wheel::side_force_jacking;
         CamberGradient, "camber_gradient", AnglePerG, "camber to the road grows with ay", "d camber_to_road/d ay", [], rate, wheel::camber_gradient;
     }
     AxleResult of place: usize, (place) {
@@ -171,7 +171,7 @@ catalogue! {
         BarTorque, "anti_roll_bar_torque_{}", Torque, "the left lever is pushed further", "k_b (b_l - b_r)", [Bar], state, axle::bar_torque;
         BeamTorque, "beam_torque_{}", Torque, "twisted by a positive roll angle", "torsional_rate times the twist of the twist beam", [Beam], state, axle::beam_torque;
         HeaveSpringForce, "heave_spring_force_{}", Force, "compressed", "force + rate (l0 - l)", [HeaveSpring], state, axle::heave_spring_force;
-        HeaveSpringLength, "heave_spring_length_{}", Length, "always", "distance of the points heave_spring of both rockers", [HeaveSpring], state, axle::heave_spring_length;
+        HeaveSpringLength, "heave_spring_length_{}", Length, "always", "distance between the points heave_spring of both rockers", [HeaveSpring], state, axle::heave_spring_length;
         HeaveSpringTravel, "heave_spring_travel_{}", Length, "compressed", "length in the design position minus the present length", [HeaveSpring], state, axle::heave_spring_travel;
         TBarTorque, "t_bar_torque_{}", Torque, "the left rocker is turned further", "k (rho_l - rho_r)", [TBar], state, axle::t_bar_torque;
         HeaveBarTorque, "heave_bar_torque_{}", Torque, "in the direction in which jounce turns it", "torque + k (rho_l + rho_r)", [HeaveBar], state, axle::heave_bar_torque;
@@ -179,7 +179,7 @@ catalogue! {
         RollSteerGradient, "roll_steer_gradient_{}", AnglePerG, "steers to the left as ay grows", "d mean_steer/d ay, rack held", [], rate, axle::roll_steer_gradient;
         PitchSteerGradient, "pitch_steer_gradient_{}", AnglePerG, "steers to the left as ax grows", "d mean_steer/d ax, rack held", [], rate, axle::pitch_steer_gradient;
         RideRate, "axle_ride_rate_{}", ForcePerLength, "always", "d(N_l + N_r)/d gamma; attitude, A, B held, tyres in series", [], rate, axle::ride_rate;
-        RideFrequency, "ride_frequency_{}", Frequency, "always", "sqrt(K_A/m_A)/(2 pi), m_A the part of the sprung mass by the lever of G", [], rate, axle::ride_frequency;
+        RideFrequency, "ride_frequency_{}", Frequency, "always", "sqrt(K_A/m_A)/(2 pi), m_A the part of the sprung mass on this axle, by the lever rule", [], rate, axle::ride_frequency;
     }
     WholeResult of _place: (), () {
         Roll, "roll", Angle, "right side down", "phi", [], state, car::roll;
@@ -187,7 +187,7 @@ catalogue! {
         Heave, "heave", Length, "body down", "gamma - n.P0, P0 the mean contact point in the design position", [], state, car::heave;
         JackingHeave, "jacking_heave", Length, "body up", "static heave minus heave", [], rate, car::jacking_heave;
         Energy, "energy", Torque, "stored since the design position", "U of springs, stops and bars", [], state, car::energy;
-        WarpStiffness, "warp_stiffness", ForcePerLength, "always", "d(N_fl - N_fr - N_rl + N_rr)/4 by the height of the ground under front left and rear right, the ground under the other wheels lower by the same height; body free", [], rate, car::warp_stiffness;
+        WarpStiffness, "warp_stiffness", ForcePerLength, "always", "derivative of (N_fl - N_fr - N_rl + N_rr)/4 with respect to the height of the ground under front left and rear right; the ground under the other wheels falls by the same height; body free", [], rate, car::warp_stiffness;
         Rake, "rake", Length, "nose down", "ride_height_rear - ride_height_front", [RideHeights], state, car::rake;
         Wheelbase, "wheelbase_at_contact", Length, "always", "i.(mid contact points front - rear)", [], state, car::wheelbase;
         CgHeight, "cg_height", Length, "above the ground", "height of the centre of gravity of all masses", [], state, car::cg_height;
@@ -240,7 +240,7 @@ pub enum CarQuantity {
 }
 
 impl CarQuantity {
-    /// All quantities: results of the car, of each wheel, and of each axle.
+    /// Returns all results: of the whole car, of each wheel, and of each axle.
     pub fn all() -> Vec<CarQuantity> {
         let whole = WholeResult::ALL.iter().copied().map(CarQuantity::Whole);
         let wheels = WheelPlace::ALL.into_iter().flat_map(|place| {
@@ -254,7 +254,8 @@ impl CarQuantity {
         whole.chain(wheels).chain(axles).collect()
     }
 
-    /// All names that [`CarQuantity::named`] accepts. A name selects one result, or one result of all wheels or both axles.
+    /// Returns all names that [`CarQuantity::named`] accepts. A name selects one result, or the result of each wheel or
+    /// of each axle.
     pub fn names() -> Vec<String> {
         let all = CarQuantity::all().into_iter();
         let mut names: Vec<String> = all.map(CarQuantity::name).collect();
@@ -266,7 +267,7 @@ impl CarQuantity {
         names
     }
 
-    /// Results with this name: one result, or the results of all four wheels or both axles.
+    /// Returns the results with this name: one result, or the results of all four wheels, or the results of both axles.
     pub fn named(name: &str) -> Vec<CarQuantity> {
         let matches = |quantity: &CarQuantity| {
             let plain = match quantity {
@@ -285,7 +286,7 @@ impl CarQuantity {
         found
     }
 
-    /// Default columns, for a study that lists none.
+    /// Returns the default columns, for a study without a list of columns.
     pub fn default_columns(car: &Car) -> Vec<CarQuantity> {
         let whole = |list: &[WholeResult]| -> Vec<CarQuantity> {
             list.iter().copied().map(CarQuantity::Whole).collect()
@@ -393,7 +394,7 @@ impl CarQuantity {
         }
     }
 
-    /// Name of its column.
+    /// Returns the name of the result's column.
     pub fn column(self, length: LengthUnit) -> String {
         crate::ask::with_unit(self.name(), &self.info().unit.suffix(length))
     }
@@ -412,13 +413,14 @@ impl CarQuantity {
         })
     }
 
-    /// Returns true if the value includes the heave of the car at rest.
+    /// Returns true if the value is measured from the heave of the car at rest.
     pub(super) fn is_since_rest(self) -> bool {
         self == CarQuantity::Whole(WholeResult::JackingHeave)
     }
 
-    /// Reason why the result is undefined in a case; `None` if it is defined. Its formula is 0/0, or the result applies
-    /// only to braking and the case has drive forces, or the reverse.
+    /// Returns the reason why the result is undefined in a case; `None` if it is defined. It is undefined if its
+    /// formula is 0/0. It is also undefined if it applies only to braking and the case has drive forces, or the
+    /// reverse.
     pub fn undefined_in(self, case: &Case) -> Option<&'static str> {
         use WholeResult::{
             AntiDive, AntiLiftFront, AntiLiftRear, AntiSquat, Distribution, DistributionElastic,
@@ -463,7 +465,7 @@ impl CarQuantity {
         value.is_finite().then_some(value)
     }
 
-    /// Value of a result that needs no derivatives of the state. NaN for others.
+    /// Returns the value of a result that needs no derivatives of the state. NaN for other results.
     pub fn evaluate_state<T: Scalar>(self, state: &Balance<T>) -> T {
         match self {
             CarQuantity::Wheel(place, result) => result.evaluate_state(state, place),
@@ -472,7 +474,8 @@ impl CarQuantity {
         }
     }
 
-    /// Value, in radians, newtons and the car's length unit. Not finite if it is not defined.
+    /// Returns the value, in radians, newtons and the car's length unit. The number is not finite if the result is not
+    /// defined.
     pub fn evaluate<T: Scalar>(self, solved: &Solved<'_, T>) -> T {
         match self {
             CarQuantity::Wheel(place, result) => result.evaluate(solved, place),

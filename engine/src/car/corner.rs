@@ -1,24 +1,24 @@
-//! State of one wheel in the car's axes, from the wheel of its axle.
+//! State of one wheel in the car's axes, computed from the wheel of its axle.
 
 use crate::axle::{Carriers, RockerMotion, WheelParts};
 use crate::characteristics::{NumberPart, VectorPart};
 use crate::model::AxleTravel;
 use crate::number::{Each, Real, Vector3};
 
-/// Derivatives of a wheel's pose with respect to one travel of its axle, with the body held.
+/// Derivatives of a wheel's pose with respect to one travel of its axle, while the body is held.
 #[derive(Clone, Copy, Debug)]
 pub struct WheelRates<T> {
     /// Derivative W' of the wheel centre.
     pub centre: Vector3<T>,
     /// Angular velocity of the carrier.
     pub turn: Vector3<T>,
-    /// Rate of the spring's length.
+    /// Derivative of the spring's length.
     pub spring: T,
-    /// Rate of the bar lever's angle.
+    /// Derivative of the angle of the anti-roll bar's lever.
     pub bar: T,
 }
 
-/// Motion of a steered solid axle, without its knuckles, as the left wheel rises and the right wheel falls.
+/// Motion of a steered solid axle, without its knuckles, while the left wheel rises and the right wheel falls.
 #[derive(Clone, Copy, Debug)]
 pub struct AxleMotion<T> {
     /// A point of the axle.
@@ -58,21 +58,22 @@ pub struct Corner<T> {
     pub axle: Option<AxleMotion<T>>,
 }
 
-/// Differences from the travels at which the wheel was read.
+/// Differences from the travels at which the numbers of the wheel were computed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps<T> {
-    /// Step of the wheel's own travel.
+    /// Change of the wheel's own travel.
     pub own: T,
-    /// Step of the other wheel's travel.
+    /// Change of the other wheel's travel.
     pub other: T,
-    /// Displacement of the rack in the wheel's frame; `None` if the wheel was read at one rack only.
+    /// Displacement of the rack in the wheel's frame; `None` if the numbers were computed at one rack displacement
+    /// only.
     pub rack: Option<T>,
 }
 
-/// Value and first derivatives of a polynomial of third degree in two variables. Their derivatives with respect to the
-/// steps are exact up to the second order. Without a second step, the function omits the second variable. If the
-/// fourth-degree coefficient is known, derivatives with respect to the first variable alone are exact up to the third
-/// order.
+/// Value and first derivatives of a polynomial with the coefficients `c` and the two variables `a` and `b`. The terms
+/// go to the third degree, so derivatives of the results are exact up to the second order. If `b` is `None`, the second
+/// variable is omitted. If `has_fourth` is true, the fourth-degree coefficient of `a` is known. Derivatives with
+/// respect to `a` alone are then exact up to the third order.
 #[inline(always)]
 fn polynomial<T: Real>(
     c: impl Fn([usize; 2]) -> T,
@@ -107,8 +108,8 @@ struct ByTravels<T> {
 
 #[inline(always)]
 fn by_travels<T: Real>(held: AxleTravel, [first, second]: [T; 2]) -> ByTravels<T> {
-    // The variables are (own + other)/2 and (own - other)/2. A unit step of the own travel changes both by 1/2. A unit step
-    // of the other travel changes the first by 1/2 and the second by -1/2.
+    // The variables are (own + other)/2 and (own - other)/2. If the own travel changes by 1, both variables change by
+    // 1/2. If the other travel changes by 1, the first variable changes by 1/2 and the second by -1/2.
     let other = match held {
         AxleTravel::Mean => second - first,
         AxleTravel::Difference => first - second,
@@ -155,7 +156,7 @@ impl<T: Copy> Corner<T> {
 }
 
 impl<T: Real> Corner<T> {
-    /// Evaluates `wheel`, in the frame of its own side, at the steps from its travels. `lift` converts the wheel's
+    /// Computes `wheel`, in the frame of its own side, at these steps from its travels. `lift` converts the wheel's
     /// numbers to this number type.
     #[inline(always)]
     pub(super) fn read<U: Real, W: WheelParts<U>>(
@@ -176,7 +177,7 @@ impl<T: Real> Corner<T> {
                 turns[1] = turns[1] + column.cross(second);
             }
         }
-        // The angular velocity is an axial vector, so mirroring also reverses its sign.
+        // The angular velocity is an axial vector, so a reflection also reverses its sign.
         let turns = turns.each(|turn| mirrored(turn.scaled(0.5)).scaled(sign));
         let mut vectors = [[Vector3::new(zero, zero, zero); 3]; 3];
         let parts = [
@@ -244,8 +245,8 @@ impl<T: Real> Corner<T> {
     }
 }
 
-/// Motion of the axle with respect to the difference of travels. The inputs are two columns of its rotation and a point,
-/// each with its derivatives with respect to both coordinates of the expansion.
+/// Computes the motion of the axle with respect to the difference of travels. The inputs are two columns of the axle's
+/// rotation matrix and a point, each with its derivatives with respect to both coordinates of the series.
 fn axle_motion<T: Real>(
     held: AxleTravel,
     [along, across]: [[Vector3<T>; 3]; 2],
@@ -265,11 +266,11 @@ fn axle_motion<T: Real>(
     }
 }
 
-/// Small displacement from the point of expansion.
+/// Small displacement from the point about which the series are expanded.
 struct Displacement<T> {
     /// Step of the first coordinate: the wheel's own travel, or the axle's travel (mean or difference) that is not held.
     first: T,
-    /// Step of the second coordinate: the rack or the held travel. `None` without such a coordinate.
+    /// Step of the second coordinate: the rack or the held travel. `None` if there is no such coordinate.
     second: Option<T>,
     /// True if the coefficients of the fourth power of the first step are known.
     has_fourth: bool,
@@ -296,18 +297,20 @@ impl<T: Real> Displacement<T> {
         }
     }
 
-    /// A number and its derivatives with respect to both coordinates, from the coefficients of its power series.
+    /// Returns a number and its derivatives with respect to both coordinates. `of` returns the coefficients of the
+    /// number's power series.
     #[inline(always)]
     fn number(&self, of: impl Fn([usize; 2]) -> T) -> [T; 3] {
         polynomial(of, self.first, self.second, self.has_fourth)
     }
 
-    /// A vector and its derivatives with respect to both coordinates, from the coefficients of its power series.
+    /// Returns a vector and its derivatives with respect to both coordinates. `of` returns the coefficients of the
+    /// vector's power series.
     #[inline(always)]
     fn vector(&self, of: impl Fn([usize; 2]) -> Vector3<T>) -> [Vector3<T>; 3] {
         let (a, b) = (self.first, self.second);
         let zero = a.zero();
-        // Reads each vector coefficient once for all three components.
+        // Read each coefficient once for all three components.
         let mut table = [[Vector3::new(zero, zero, zero); 4]; 5];
         let degrees = if self.has_fourth { 5 } else { 4 };
         for (i, row) in table.iter_mut().enumerate().take(degrees) {
@@ -328,9 +331,9 @@ impl<T: Real> Displacement<T> {
     }
 }
 
-/// A vector of a wheel and its derivatives with respect to both coordinates. At the travels of the expansion, value and
-/// derivatives are coefficients. This branch reads the coefficients directly, because the compiler would not inline the
-/// closure for SIMD lanes.
+/// Returns a vector of a wheel and its derivatives with respect to both coordinates. At the travels of the series,
+/// value and derivatives are simply coefficients. This branch then uses the coefficients directly, because the compiler
+/// would not inline the closure for SIMD lanes.
 #[inline(always)]
 fn vector<T: Real, U: Real, W: WheelParts<U>>(
     at: &Displacement<T>,
@@ -349,7 +352,7 @@ fn vector<T: Real, U: Real, W: WheelParts<U>>(
     at.vector(|p| wheel.read_vector(part, p).map(lift))
 }
 
-/// A column of the carrier's rotation and its derivatives, like [`vector`].
+/// Returns a column of the carrier's rotation matrix and its derivatives, like [`vector`].
 #[inline(always)]
 fn column<T: Real, U: Real, W: WheelParts<U>>(
     at: &Displacement<T>,
@@ -368,7 +371,7 @@ fn column<T: Real, U: Real, W: WheelParts<U>>(
     at.vector(|p| wheel.column(i, p).map(lift))
 }
 
-/// A number of a wheel and its derivatives, like [`vector`].
+/// Returns a number of a wheel and its derivatives, like [`vector`].
 #[inline(always)]
 fn number<T: Real, U: Real, W: WheelParts<U>>(
     at: &Displacement<T>,
@@ -383,8 +386,8 @@ fn number<T: Real, U: Real, W: WheelParts<U>>(
     at.number(|p| lift(wheel.number(part, p)))
 }
 
-/// Rates with respect to the wheel's own travel and to the other wheel's travel, from derivatives with respect to the
-/// coordinates of the expansion.
+/// Converts derivatives with respect to the coordinates of the series to derivatives with respect to the wheel's own
+/// travel and the other wheel's travel.
 #[inline(always)]
 fn rates<T: Real>(
     carriers: Carriers,

@@ -1,11 +1,11 @@
-//! Positions of a car's points over the ground, for drawings.
+//! Positions of a car's points relative to the ground, for drawings.
 
 use super::{CarQuantity, CarSolver, Case, Equilibrium, NoEquilibrium, WheelPlace, WheelResult};
 use crate::mechanism::Configuration;
 use crate::model::{PointId, Side};
 use crate::number::{Each, Vector3};
 
-/// Positions in the axes of the ground under the car: forward, left, height above the ground.
+/// Positions in the axes of the ground under the car. Order of the coordinates: forward, left, height above the ground.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarDrawing {
     /// Points of each axle: first the left wheel's points, then the right wheel's points.
@@ -18,7 +18,7 @@ pub struct CarDrawing {
     pub spin_axes: [[f64; 3]; 4],
     /// Centre of gravity of the sprung mass.
     pub sprung_cg: [f64; 3],
-    /// Unit vectors forward, left and up, in the axes of the body.
+    /// Forward, left and upward direction of the ground, as unit vectors in the axes of the body.
     pub axes: [[f64; 3]; 3],
 }
 
@@ -26,7 +26,7 @@ impl CarSolver<'_> {
     /// Computes the positions of all points in a state.
     ///
     /// # Errors
-    /// The reason, if a wheel has no pose.
+    /// Returns the reason if a wheel has no pose.
     pub fn drawing(
         &mut self,
         case: &Case,
@@ -47,7 +47,7 @@ impl CarSolver<'_> {
             0 => Vector3::default(),
             _ => self.car.rear_offset,
         };
-        // Each wheel has coordinates in the frame of its own side. The frame of a right wheel is mirrored.
+        // Each wheel has coordinates in the frame of its own side. The frame of a right wheel is the mirror image.
         let plain = |axle: usize, side: Side, v: Vector3<f64>| {
             Vector3::new(v.x, side.sign() * v.y, v.z) + offset(axle)
         };

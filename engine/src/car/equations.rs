@@ -17,7 +17,7 @@ pub(super) use wheel::{Placed, Stance};
 /// Number of unknowns and equations.
 pub const UNKNOWNS: usize = 14;
 
-/// Indices of the unknowns.
+/// Index of each unknown.
 pub(super) const ROLL: usize = 0;
 pub(super) const PITCH: usize = 1;
 pub(super) const GROUND: usize = 2;
@@ -34,10 +34,10 @@ pub(super) const BODY: usize = 8;
 pub(super) const VERTICAL: usize = 10;
 pub(super) const ROLL_MOMENT: usize = 11;
 pub(super) const PITCH_MOMENT: usize = 12;
-/// Equations that the solver replaces if gamma, phi and theta (in this order) are prescribed.
+/// If gamma, phi and theta (in this order) are prescribed, the solver replaces these equations.
 pub(super) const HELD_ROWS: [usize; 3] = [2, 0, 1];
 
-/// Inputs that stay fixed while the solver varies the unknowns.
+/// Inputs that stay fixed while the solver changes the unknowns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Held<'a> {
     pub car: &'a Car,
@@ -59,7 +59,7 @@ pub struct WheelState<T> {
     pub side_force: T,
     /// Longitudinal force X, positive forward.
     pub longitudinal_force: T,
-    /// Share of the axle's lateral force, f in (3).
+    /// Fraction f of the axle's lateral force that this wheel carries, by (3).
     pub share: T,
     /// Unit vector along which longitudinal forces act.
     pub heading: Vector3<T>,
@@ -96,7 +96,7 @@ pub struct Balance<T> {
     pub whole: (T, Vector3<T>),
     /// Mean contact point in the design position.
     pub design_contact: Vector3<T>,
-    /// Downforces near the front and the rear axle, then the drag.
+    /// Downforces near the front and the rear axle, and the drag, in this order.
     pub air: [T; 3],
     /// Heights of the ride-height points; NaN without such a point.
     pub ride_heights: [T; 2],
@@ -122,7 +122,7 @@ struct Assembled<T> {
 }
 
 impl<T: Scalar> Assembled<T> {
-    /// Assembles a state. The corners are the wheels at the travels in the unknowns.
+    /// Computes the parts of a state. `corners` are the wheels at the travels that `x` contains.
     fn of(
         held: &Held<'_>,
         parameters: &Parameters<T>,
@@ -164,7 +164,7 @@ pub(super) fn residuals<T: Scalar>(
 }
 
 impl<T: Scalar> Balance<T> {
-    /// Computes forces and residuals of a state. The corners are the wheels at the travels in the unknowns.
+    /// Computes forces and residuals of a state. `corners` are the wheels at the travels that `x` contains.
     pub(super) fn of(
         held: &Held<'_>,
         parameters: &Parameters<T>,
@@ -207,13 +207,13 @@ impl<T: Scalar> Balance<T> {
     }
 }
 
-/// Ground under a car, and the acceleration of its masses including gravity.
+/// Ground under a car, and the acceleration of the car's masses, including gravity.
 pub(super) struct Ground<T> {
     /// Directions of the ground.
     pub road: Road<T>,
     /// Height gamma of the ground.
     pub height: T,
-    /// Acceleration of the case, and gravity.
+    /// Acceleration of the case plus gravity.
     pub acceleration: Vector3<T>,
 }
 
@@ -234,7 +234,7 @@ impl<T: Local> Ground<T> {
     }
 }
 
-/// Resultant of forces on the car, and their moment about the origin.
+/// Resultant of forces on the car, and the moment of these forces about the origin.
 #[derive(Clone, Copy)]
 pub(super) struct Resultant<T> {
     force: Vector3<T>,
@@ -291,9 +291,9 @@ impl<T: Local> Resultant<T> {
     }
 }
 
-/// Forces on the body, except those from its wheels.
+/// Forces on the body, except the forces from its wheels.
 pub(super) struct Body<T> {
-    /// Resultant of the sprung mass's inertia and the aerodynamic forces.
+    /// Resultant of the inertia force of the sprung mass and of the aerodynamic forces.
     pub resultant: Resultant<T>,
     air: [T; 3],
     ride_heights: [T; 2],
@@ -356,8 +356,8 @@ impl<T: Local> Loaded<T> {
         [a, b, c, d]
     }
 
-    /// Computes the forces for values of the unknowns. The caller gives the wheels and the other forces on the body at
-    /// these values.
+    /// Computes the forces for values of the unknowns. The arguments contain the wheels and the other forces on the
+    /// body at these values.
     #[inline(always)]
     pub(super) fn of(
         held: &Held<'_>,

@@ -1,5 +1,5 @@
-//! Formulas of results. The jacking coefficients are j for side forces along the ground and J for side forces across the
-//! wheel.
+//! Formulas of results. There are two jacking coefficients: j for side forces along the ground, and J for side forces
+//! across the wheel.
 
 pub(super) mod axle;
 pub(super) mod car;
@@ -8,7 +8,7 @@ pub(super) mod wheel;
 use crate::number::Scalar;
 use std::f64::consts::PI;
 
-/// Frequency in hertz, from the square of an angular frequency.
+/// Converts the square of an angular frequency to a frequency in hertz.
 fn frequency<T: Scalar>(squared: T) -> T {
     squared.sqrt().scaled(0.5 / PI)
 }

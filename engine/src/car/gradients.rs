@@ -17,9 +17,9 @@ pub struct CarGradient {
     /// Derivatives with respect to the hardpoints of each axle's left wheel, in the kernel's frame. The right wheel's
     /// hardpoints move as mirror images.
     pub hardpoints: [Vec<Vector3<f64>>; 2],
-    /// Derivatives with respect to each wheel's hardpoints alone, in the kernel's frame of its side. Order of the wheels:
-    /// front left, front right, rear left, rear right. Each wheel of a solid axle has all points of the axle, in the frame
-    /// of its side.
+    /// Derivatives with respect to the hardpoints of each wheel alone, in the kernel's frame of its side. Order of the
+    /// wheels: front left, front right, rear left, rear right. For a solid axle, each wheel has the derivatives for all
+    /// points of the axle, in the frame of the wheel's side.
     pub wheels: [Vec<Vector3<f64>>; 4],
     /// Derivatives with respect to all parameters.
     pub parameters: [f64; Parameter::COUNT],
@@ -62,8 +62,9 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Adds the heave of the car at rest, with its derivatives with respect to the design, to results that are measured
-    /// from rest. This heave does not depend on accelerations, speed, warp and racks of the case.
+    /// Some results are measured from the car at rest. To these results, adds the heave of the car at rest, with its
+    /// derivatives with respect to the design. This heave does not depend on accelerations, speed, warp and racks of
+    /// the case.
     fn add_rest(
         &mut self,
         case: &Case,
@@ -175,9 +176,9 @@ impl<'a> CarSolver<'a> {
         Ok(gradients)
     }
 
-    /// Derivatives with respect to the parameters, which are the first numbers of the tape. With a steering gear, the
-    /// rack's derivative follows from the derivatives with respect to the points of the axle. Unknown derivatives with
-    /// respect to the racks are NaN.
+    /// Returns the derivatives with respect to the parameters, which are the first numbers of the tape. With a steering
+    /// gear, the derivative with respect to the rack is computed from the derivatives with respect to the points of the
+    /// axle. Derivatives with respect to the racks are NaN if they are not known.
     fn of_parameters(
         &self,
         by_numbers: &[f64],
@@ -199,12 +200,13 @@ impl<'a> CarSolver<'a> {
     }
 }
 
-/// Zero derivatives with respect to the hardpoints of a wheel.
+/// Returns derivatives of zero with respect to the hardpoints of a wheel.
 fn no_gradients(axle: &Axle) -> Vec<Vector3<f64>> {
     vec![Vector3::default(); axle.left.mechanism.points.len()]
 }
 
-/// Derivatives with respect to the hardpoints of each left wheel. The right wheel's hardpoints move as mirror images.
+/// Returns the derivatives with respect to the hardpoints of each left wheel. The right wheel's hardpoints move as
+/// mirror images.
 fn of_both_sides(car: &Car, wheels: &[Vec<Vector3<f64>>; 4]) -> [Vec<Vector3<f64>>; 2] {
     [0, 1].map(|axle| {
         let (mut left, mut right) = (wheels[2 * axle].clone(), wheels[2 * axle + 1].clone());

@@ -1,17 +1,18 @@
-//! Limits of a car along a ray of accelerations: the first lifted wheel, and the end of equilibrium.
+//! Limits of a car when its accelerations increase in a fixed ratio (along a ray): the first lifted wheel, and the end
+//! of equilibrium.
 //!
-//! On a ray, the accelerations of a case are multiplied by a factor s. With the wheel loads N of the state at s, Newton's
-//! method finds the factor at which the first wheel has no load:
+//! On a ray, the accelerations of a case are multiplied by a factor s. With the wheel loads N of the state at s,
+//! Newton's method finds the factor at which the first wheel has no load:
 //!
 //! ```text
 //! s' = s + min over the wheels with N_s < 0 of N/(-N_s)                                                       (1)
 //! ```
 //!
 //! N_s, the derivative of N with respect to s, comes from the state's exact derivatives with respect to ax and ay. A
-//! bracket keeps the iteration safe. At its lower end all wheels are on the ground; its upper end is beyond the first
-//! lift. No equation gives the end of equilibrium, so bisection finds it. Within a bracket, the solver starts each
-//! state from the previous state. The full search takes far longer where no equilibrium exists, so it only confirms the
-//! end.
+//! bracket (an interval of s) keeps the iteration safe. At its lower end all wheels are on the ground; its upper end is
+//! beyond the first lift. There is no equation for the end of equilibrium, so bisection finds it. Within a bracket, the
+//! solver starts each state from the previous state. If no equilibrium exists, the full search takes far longer than
+//! this. So the full search is only used to confirm the end.
 
 use super::catalogue::{CarQuantity, WheelPlace, WheelResult};
 use super::parameters::{BodyParameter, Parameter};
@@ -19,25 +20,25 @@ use super::solver::Start;
 use super::{CarSolver, Case, Equilibrium, Longitudinal, NoEquilibrium};
 use crate::number::Each;
 
-/// Largest acceleration of the search, g.
+/// Largest acceleration that the search tries, g.
 const MOST: f64 = 5.0;
-/// Step along the ray, g.
+/// Step of the acceleration, g.
 const STEP: f64 = 0.1;
-/// Difference of two accelerations, g, below which they count as equal.
+/// Two accelerations count as equal if their difference is below this, g.
 const SAME: f64 = 1e-9;
 /// Loads below this fraction of the largest load count as zero.
 const NO_LOAD: f64 = 1e-9;
 /// Largest number of states for each search within a bracket.
 const MOST_STATES: usize = 80;
 
-/// Limits along a ray.
+/// Limits of a car along a ray of accelerations.
 #[derive(Clone, Debug)]
 pub struct RayLimits {
-    /// Lift of the first wheel, if one lifts.
+    /// State in which the first wheel lifts, if a wheel lifts.
     pub lift: Option<Lift>,
     /// Largest acceleration with an equilibrium, g, exact up to 2e-6.
     pub end: f64,
-    /// Reason for no equilibrium beyond this acceleration; `None` if equilibrium exists up to 5 g.
+    /// Reason why there is no equilibrium beyond this acceleration; `None` if equilibria exist up to 5 g.
     pub why: Option<NoEquilibrium>,
 }
 
@@ -55,7 +56,7 @@ pub struct Lift {
 /// Direction of the accelerations along the ground. All other inputs come from the case.
 struct Ray<'c> {
     case: &'c Case,
-    /// Factor on the case's accelerations for 1 g.
+    /// Factor on the accelerations of the case that makes their resultant 1 g.
     per_g: f64,
 }
 
@@ -90,7 +91,7 @@ impl At {
         [0, 1, 2, 3].each(|wheel| x[super::equations::LOADS + wheel])
     }
 
-    /// Smallest load as a fraction of the largest, and its wheel.
+    /// Returns the smallest load as a fraction of the largest, and the wheel with the smallest load.
     fn least(&self) -> (f64, usize) {
         let loads = self.loads();
         let most = loads.iter().fold(0.0, |most: f64, load| most.max(*load));
@@ -106,11 +107,11 @@ impl At {
 }
 
 impl Case {
-    /// Makes a case with 1 g along the ground, in a direction in degrees from forward to the left. Each axle distributes its
-    /// forces in proportion to the wheel loads, as in a map of states.
+    /// Makes a case with an acceleration of 1 g along the ground. The direction is in degrees, from forward towards the
+    /// left. The forces of each axle are distributed in proportion to the wheel loads, as in a map of states.
     pub fn along(name: &str, degrees: f64, at_rest: &Case) -> Case {
-        // Along the axes, one acceleration must be exactly zero. Otherwise the equations would distribute a force that is
-        // only rounding error.
+        // In a direction along one axis, the other acceleration must be exactly zero. Otherwise the equations would
+        // distribute a force that is only rounding error.
         let [ax, ay] = match degrees.rem_euclid(360.0) {
             0.0 => [1.0, 0.0],
             90.0 => [0.0, 1.0],
@@ -135,8 +136,8 @@ impl Case {
 }
 
 impl CarSolver<'_> {
-    /// Finds the limits along the accelerations ax and ay of a case, up to 5 g. Speed, az and racks do not change. `None`
-    /// for a case without ax and ay.
+    /// Finds the limits of a case if ax and ay increase in their ratio up to 5 g. Speed, az and racks do not change.
+    /// `None` for a case without ax and ay.
     pub fn limits(&mut self, case: &Case) -> Option<RayLimits> {
         let length = case.ax.hypot(case.ay);
         if length == 0.0 {
@@ -199,7 +200,7 @@ impl CarSolver<'_> {
                 Some(found) if found.lifted == [false; 4] => low = At { g, found },
                 _ => {
                     high = g;
-                    // Newton's method approaches the lift from above only, so the lower end needs bisection.
+                    // Newton's method approaches the lift only from above, so bisection is needed for the lower end.
                     let g = 0.5 * (low.g + high);
                     match self.solve_beside(&ray.at(g), &low.found) {
                         Some(found) if found.lifted == [false; 4] => low = At { g, found },
@@ -226,8 +227,8 @@ impl CarSolver<'_> {
         step.is_finite().then_some(at.g + step)
     }
 
-    /// Describes the lift at a state if its smallest wheel load is zero. A last step by (1), from poses instead of curves,
-    /// reduces this load to rounding error.
+    /// Describes the lift in a state, if the smallest wheel load in this state is zero. One last step by (1) uses poses
+    /// instead of curves. It reduces this load to rounding error.
     fn lift(&mut self, ray: &Ray<'_>, at: &At) -> Option<Lift> {
         let (part, wheel) = at.least();
         let none = 1e3 * NO_LOAD;
@@ -253,8 +254,8 @@ impl CarSolver<'_> {
         })
     }
 
-    /// Finds the last state below an acceleration that seems to have no equilibrium, and the reason for the end. The reason
-    /// is `None` if the search from that state finds an equilibrium at the acceleration.
+    /// Finds the last state below an acceleration that seems to have no equilibrium, and the reason for the end. The
+    /// reason is `None` if a search from that state finds an equilibrium at the acceleration.
     fn end(
         &mut self,
         ray: &Ray<'_>,
@@ -268,8 +269,8 @@ impl CarSolver<'_> {
             let g = if is_last { high } else { 0.5 * (low.g + high) };
             let mut found = self.solve_beside(&ray.at(g), &low.found);
             if found.is_none() && is_last {
-                // Newton's method cannot cross a gap without equilibrium. The full search tests for an equilibrium beyond
-                // the gap.
+                // Newton's method cannot cross a range without equilibrium. The full search tests whether there is an
+                // equilibrium beyond this range.
                 match self.solve(&ray.at(g)) {
                     Ok(state) => found = Some(state),
                     Err(reason) => {

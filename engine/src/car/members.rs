@@ -13,7 +13,7 @@ use crate::mechanism::NoPose;
 use crate::model::{ArmId, Axis, Constraint, Mechanism, PointId, RockerId, Side};
 use crate::number::{Each, Vector3};
 
-/// A member of one wheel, with the force that it reports.
+/// A member of one wheel's suspension, with the force in the results.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum What {
     /// Tension of the link between two points.
@@ -28,7 +28,7 @@ enum What {
     Spring,
 }
 
-/// A reported force.
+/// A force in the results.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarMember {
     /// Wheel of the member.
@@ -43,7 +43,7 @@ pub struct CarMember {
 pub struct WheelMembers {
     /// Forces of one wheel's members, in the order of [`CarMember::all`].
     pub forces: Vec<f64>,
-    /// Unbalanced vertical force at the wheel centre. In a solved state it is only rounding error.
+    /// Unbalanced vertical force at the wheel centre. In a solved state, it is only rounding error.
     pub lacking: f64,
 }
 
@@ -64,7 +64,7 @@ impl CarMember {
         WheelPlace::ALL.into_iter().flat_map(of_wheel).collect()
     }
 
-    /// Name with the wheel, as in `front_left_tie_rod`.
+    /// Returns the name with the wheel, such as `front_left_tie_rod`.
     pub fn label(&self) -> String {
         format!("{}_{}", self.place.name(), self.name)
     }
@@ -96,8 +96,8 @@ fn members(mechanism: &Mechanism) -> Vec<(String, What)> {
     };
     for constraint in &mechanism.constraints {
         match *constraint {
-            // The legs of an arm that carries a spring or rod are in bending. The list omits them, because the force along
-            // a leg is not the whole force.
+            // If an arm carries a spring or rod, its legs are in bending. The list omits these legs, because the force
+            // along a leg is not the whole force on it.
             Constraint::Link { outer, .. } if borne(outer).is_some() => {}
             Constraint::Link { inner, outer } => {
                 let name = mechanism.link_name(inner).to_owned();
@@ -229,7 +229,7 @@ impl CarSolver<'_> {
         })
     }
 
-    /// Forces of the tyre, and of the inertia of the wheel's mass, in the frame of the wheel.
+    /// Returns the forces of the tyre and the inertia force of the wheel's mass, in the frame of the wheel.
     fn on_carrier(&self, case: &Case, state: &Balance<f64>, place: WheelPlace) -> [Applied; 3] {
         let number = place.0;
         let wheel = &state.wheels[number];
@@ -248,7 +248,7 @@ impl CarSolver<'_> {
         let moment = if self.car.carrier_takes_torque(axle, setting.longitudinal) {
             nothing
         } else {
-            // Shafts from the body carry the torque about the spin axis. This moment removes it from the carrier.
+            // Shafts from the body carry the torque about the spin axis, so this moment removes it from the carrier.
             let spin = wheel.corner.spin;
             let lever = wheel.contact - wheel.corner.centre;
             spin * -spin.dot(lever.cross(push))
@@ -259,7 +259,7 @@ impl CarSolver<'_> {
             |point: Vector3<f64>, force: Vector3<f64>, moment: Vector3<f64>| Applied::Carrier {
                 point: own(point - origin),
                 force: own(force),
-                // A moment is an axial vector, so the mirror image changes its sign as well.
+                // A moment is an axial vector, so a reflection also changes its sign.
                 moment: own(moment) * sign,
             };
         [

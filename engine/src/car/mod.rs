@@ -120,17 +120,17 @@ pub struct Car {
     pub axles: [Axle; 2],
     /// Position of the rear axle's origin.
     pub rear_offset: Vector3<f64>,
-    /// Masses that `mass` and `cg` include.
+    /// Says which masses `mass` and `cg` include.
     pub masses: Masses,
-    /// Mass in kg: of the whole car or sprung, according to `masses`.
+    /// Mass in kg: of the whole car, or the sprung mass, according to `masses`.
     pub mass: f64,
     /// Unit in which studies and results give masses.
     pub mass_unit: MassUnit,
     /// Centre of gravity of this mass in the design position.
     pub cg: Vector3<f64>,
-    /// Front share of the braking force.
+    /// Fraction of the braking force on the front axle.
     pub brake_share_front: Option<f64>,
-    /// Front share of the drive force.
+    /// Fraction of the drive force on the front axle.
     pub drive_share_front: Option<f64>,
     /// Yaw inertia, kg m2.
     pub yaw_inertia: Option<f64>,
@@ -146,7 +146,7 @@ pub struct Car {
     pub length_unit: LengthUnit,
 }
 
-/// Kind of the given mass.
+/// Masses that a given mass includes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Masses {
     /// The whole car, including the wheels.
@@ -164,7 +164,7 @@ pub struct Tyre {
     pub load: Option<f64>,
 }
 
-/// Aerodynamic forces, along -n and -i, at points of the body.
+/// Aerodynamic forces. They act along -n and -i, at points of the body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Air {
     /// Density, kg/m3.
@@ -178,14 +178,15 @@ pub struct Air {
 /// An aerodynamic force.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AirForce {
-    /// Point of the body where it acts.
+    /// Point of the body at which the force acts.
     pub point: Vector3<f64>,
-    /// Coefficient times area, m2: factors of 1, hf, hr, hf2, hf hr, hr2 with the ride heights h.
+    /// Coefficient times area, m2. With the ride heights hf and hr, these are the factors of 1, hf, hr, hf^2, hf hr and
+    /// hr^2.
     pub area: [f64; 6],
 }
 
 impl Car {
-    /// Returns true if the carrier carries the reaction to the torque of an axle's brakes or drive.
+    /// Returns true if the wheel carrier carries the reaction to the torque of an axle's brakes or drive.
     pub fn carrier_takes_torque(&self, axle: usize, longitudinal: Longitudinal) -> bool {
         let vehicle = &self.axles[axle].left.vehicle;
         let path = match longitudinal {
@@ -195,7 +196,7 @@ impl Car {
         path != Some(TorquePath::Shafts)
     }
 
-    /// Describes a design position that cannot be solved.
+    /// Describes why a design position cannot be solved.
     pub fn describe_fault(&self, (axle, side, fault): &CarFault) -> String {
         let end = AXLE_NAMES[*axle];
         let reason = self.axles[*axle].describe_fault((*side, fault.clone()));

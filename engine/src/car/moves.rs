@@ -1,29 +1,29 @@
-//! Parts of a car that design variables move.
+//! Parts of a car that design variables change.
 
 use super::parameters::{AxleParameter, BodyParameter, Parameter};
 use super::{Car, CarGradient};
 use crate::axle::Law;
 use crate::model::{Axis, PointId};
 
-/// Part of the car that a design variable moves.
+/// Part of the car that a design variable changes.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Moves {
-    /// Coordinates of hardpoints, in the axes of their study.
+    /// Coordinates of hardpoints, in the axes of the axle's study.
     Hardpoints(Vec<PointMove>),
-    /// Rate of an axle's part.
+    /// Rate of a part of an axle.
     Rate {
         /// Index of the axle.
         axle: usize,
         /// Parameter of the axle.
         parameter: AxleParameter,
     },
-    /// Parameter of the body, in the axes of the front study.
+    /// Parameter of the body, in the axes of the front axle's study.
     Body(BodyParameter),
     /// Wheelbase of the car.
     Wheelbase,
 }
 
-/// Coordinate of a hardpoint that moves on both wheels of an axle.
+/// Coordinate of a hardpoint. It changes on both wheels of an axle.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointMove {
     /// Index of the axle; 0 is the front axle.
@@ -37,23 +37,23 @@ pub struct PointMove {
 }
 
 impl PointMove {
-    /// Sign that converts the study's axis to the kernel's axis.
+    /// Returns the sign that converts the study's axis to the kernel's axis.
     fn sign(&self, car: &Car) -> f64 {
         car.axles[self.axle].left.frame.sign(self.axis)
     }
 }
 
-/// Design variable of a car. For hardpoints it is an offset, for other parts a value.
+/// Design variable of a car. For hardpoints the variable is an offset, for other parts it is a value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarVariable {
-    /// Part of the car that the variable moves.
+    /// Part of the car that the variable changes.
     pub moves: Moves,
     /// Lowest and highest value.
     pub range: [f64; 2],
 }
 
 impl Moves {
-    /// Axis of a coordinate of the centre of gravity; `None` for other parameters.
+    /// Returns the axis, if the parameter is a coordinate of the centre of gravity; `None` for other parameters.
     fn axis(parameter: BodyParameter) -> Option<Axis> {
         match parameter {
             BodyParameter::CgX => Some(Axis::X),
@@ -63,7 +63,7 @@ impl Moves {
         }
     }
 
-    /// Sign that converts the study's axis to the kernel's axis, for a parameter of the body.
+    /// Returns the sign that converts the study's axis to the kernel's axis, for a parameter of the body.
     pub(super) fn sign(parameter: BodyParameter, car: &Car) -> f64 {
         Moves::axis(parameter).map_or(1.0, |axis| car.axles[0].left.frame.sign(axis))
     }
@@ -76,7 +76,8 @@ impl Moves {
         }
     }
 
-    /// Returns true if these moves of hardpoints change the distance between the axles' wheel centres along x.
+    /// Returns true if these moves of hardpoints change the distance along x between the wheel centres of the two
+    /// axles.
     pub(crate) fn changes_wheelbase(&self, car: &Car) -> bool {
         let change = |at: &PointMove| {
             let is_centre = at.point == car.axles[at.axle].left.mechanism.wheel_centre;
@@ -89,7 +90,8 @@ impl Moves {
         self.points().iter().map(change).sum::<f64>() != 0.0
     }
 
-    /// Names of the hardpoints, each with `separator` and its axle in front, and the axis if all moves share it.
+    /// Returns the names of the hardpoints. Each name starts with its axle and `separator`. Also returns the axis, if
+    /// all hardpoints move along the same axis.
     fn names(&self, car: &Car, separator: char) -> (String, Option<Axis>) {
         let points = self.points();
         let name = |at: &PointMove| {
@@ -104,7 +106,7 @@ impl Moves {
         (names.join("+"), axis)
     }
 
-    /// Program units per unit of the study, for example newtons per pound-force or kilograms per pound.
+    /// Returns the program units per unit of the study, for example newtons per pound-force or kilograms per pound.
     pub(super) fn written_unit(&self, car: &Car) -> f64 {
         match self {
             Moves::Rate { parameter, .. } => parameter.unit(car).1,
@@ -113,12 +115,13 @@ impl Moves {
         }
     }
 
-    /// Value in a car, in the study's unit; 0 for an offset of hardpoints. `None` if the car has no such value.
+    /// Returns the value in a car, in the study's unit; 0 for an offset of hardpoints. `None` if the car has no such
+    /// value.
     pub fn value(&self, car: &Car) -> Option<f64> {
         Some(self.internal(car)? / self.written_unit(car))
     }
 
-    /// Value in a car, in program units: newtons, kilograms and the study's length unit.
+    /// Returns the value in a car, in program units: newtons, kilograms and the study's length unit.
     fn internal(&self, car: &Car) -> Option<f64> {
         match *self {
             Moves::Hardpoints(_) => Some(0.0),
@@ -204,7 +207,7 @@ impl Moves {
         }
     }
 
-    /// Name in columns, without the unit: `front_tie_rod_inner_dz`, `rear_anti_roll_bar_rate`, `car_cg_z`.
+    /// Returns the name in columns, without the unit: `front_tie_rod_inner_dz`, `rear_anti_roll_bar_rate`, `car_cg_z`.
     pub fn stem(&self, car: &Car) -> String {
         if self.points().is_empty() {
             return self.label(car).replace('.', "_");
@@ -215,7 +218,7 @@ impl Moves {
         }
     }
 
-    /// Unit of the variable; empty for a share.
+    /// Unit of the variable; empty for a fraction.
     pub fn unit(&self, car: &Car) -> String {
         let length = car.length_unit.symbol();
         match self {
@@ -227,7 +230,7 @@ impl Moves {
         }
     }
 
-    /// Parameter that the variable moves, and its change per unit of the study. `None` for hardpoints.
+    /// Returns the parameter that the variable changes, and its change per unit of the study. `None` for hardpoints.
     pub(crate) fn direction(&self, car: &Car) -> Option<(Parameter, f64)> {
         let (parameter, rate) = match *self {
             Moves::Hardpoints(_) => return None,
@@ -309,7 +312,7 @@ pub fn rate_key(parameter: AxleParameter) -> &'static str {
     }
 }
 
-/// Name of a parameter of the body or the case.
+/// Returns the name of a parameter of the body or the case.
 pub fn body_key(parameter: BodyParameter) -> &'static str {
     match parameter {
         BodyParameter::Mass => "mass",

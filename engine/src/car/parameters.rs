@@ -1,4 +1,4 @@
-//! Parameters of a car and a case. Gradients contain derivatives with respect to these parameters.
+//! Parameters of a car and a case. Gradients are derivatives with respect to these parameters.
 
 use super::{Car, Case};
 use crate::axle::{Axle, AxleKind, Preloaded, RockerSprings};
@@ -8,9 +8,9 @@ use crate::number::{Each, Real, Vector3};
 /// A parameter of one axle.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum AxleParameter {
-    /// Rate of the springs, as a change from the study's value.
+    /// Change of the spring rates from the value in the study.
     SpringRate,
-    /// Force of the springs in the design position, as a change from the study's value.
+    /// Change of the spring forces in the design position from the value in the study.
     SpringForce,
     /// Rate of the anti-roll bar.
     BarRate,
@@ -43,7 +43,7 @@ pub enum AxleParameter {
 /// A parameter of the body or of the case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum BodyParameter {
-    /// Mass of the whole car, or the sprung mass if the study gives the sprung mass.
+    /// Mass that the study gives: of the whole car, or the sprung mass.
     Mass,
     /// Forward coordinate of the centre of gravity.
     CgX,
@@ -51,9 +51,9 @@ pub enum BodyParameter {
     CgY,
     /// Upward coordinate of the centre of gravity.
     CgZ,
-    /// Share of the front axle in braking.
+    /// Fraction of the braking force on the front axle.
     BrakeShareFront,
-    /// Share of the front axle in drive.
+    /// Fraction of the drive force on the front axle.
     DriveShareFront,
     /// Acceleration forward, g.
     Ax,
@@ -63,8 +63,8 @@ pub enum BodyParameter {
     Az,
     /// Speed, m/s.
     Speed,
-    /// Height of the ground under the front left and the rear right wheel. Under the other two wheels it is minus this
-    /// height. The warp is 0 in every load case.
+    /// Warp: height of the ground under the front left and the rear right wheel. The ground under the other two wheels
+    /// is lower by the same height. The warp is 0 in every load case.
     Warp,
 }
 
@@ -98,7 +98,7 @@ impl AxleParameter {
             AxleParameter::HeaveSpringRate | AxleParameter::HeaveSpringForce => {
                 rockers.heave_spring.is_some()
             }
-            // Formulas treat a twist beam as a bar, but a study has no key for the rate of that bar.
+            // In the formulas, a twist beam is a bar, but a study has no key for the rate of this bar.
             AxleParameter::BarRate => axle.kind() != AxleKind::TwistBeam,
             AxleParameter::TBarRate => rockers.t_bar.is_some(),
             AxleParameter::HeaveBarRate | AxleParameter::HeaveBarTorque => {
@@ -113,8 +113,8 @@ impl AxleParameter {
         }
     }
 
-    /// Unit of the parameter in the study, and program units per unit of the study. Program units are newtons, kilograms and
-    /// the study's length unit.
+    /// Returns the unit of the parameter in the study, and the program units per unit of the study. Program units are
+    /// newtons, kilograms and the study's length unit.
     pub fn unit(self, car: &Car) -> (String, f64) {
         let (length, force) = (car.length_unit.symbol(), car.length_unit.force_symbol());
         let newtons = car.length_unit.newtons();
@@ -261,7 +261,7 @@ impl<T: Real> Parameters<T> {
         Vector3::from([OffsetX, OffsetY, OffsetZ].each(|parameter| self.axle(axle, parameter)))
     }
 
-    /// Spring laws of the springs between the rockers of an axle.
+    /// Returns the laws of the springs between the rockers of an axle.
     #[inline(always)]
     pub(super) fn rocker_springs(&self, car: &Car, axle: usize) -> RockerSprings<T> {
         use AxleParameter::{
@@ -283,7 +283,7 @@ impl<T: Real> Parameters<T> {
         }
     }
 
-    /// Centre of gravity that the study gives.
+    /// Centre of gravity as given in the study: of the whole car, or of the sprung mass.
     #[inline(always)]
     pub(super) fn cg(&self) -> Vector3<T> {
         use BodyParameter::{CgX, CgY, CgZ};

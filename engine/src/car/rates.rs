@@ -8,12 +8,12 @@ use super::tangent::{Matrix, held, inverse, tangent};
 use crate::axle::WheelParts;
 use crate::number::{Dual, Each, Jet, Real, Scalar, array_of};
 
-/// A state with its derivatives. All results are computed from it.
+/// A state with its derivatives. All results are computed from these numbers.
 #[derive(Clone, Debug)]
 pub struct Solved<'c, T> {
-    /// Car of the state.
+    /// The car.
     pub car: &'c Car,
-    /// State without derivatives along directions.
+    /// State without derivatives.
     pub now: Balance<T>,
     /// State with its derivative with respect to ay, per g.
     pub by_ay: Balance<Jet<T, 2>>,
@@ -21,38 +21,38 @@ pub struct Solved<'c, T> {
     pub by_ax: Balance<Jet<T, 2>>,
     /// State with its derivative with respect to a couple on the body, about the forward direction along the ground.
     pub by_couple: Balance<Jet<T, 2>>,
-    /// State with its derivative with respect to gamma, with roll, pitch, A and B held.
+    /// State with its derivative with respect to gamma. Roll, pitch, A and B are held.
     pub by_heave: Balance<Jet<T, 2>>,
-    /// State with its derivative with respect to theta, with gamma, roll, A and B held.
+    /// State with its derivative with respect to theta. Gamma, roll, A and B are held.
     pub by_pitch: Balance<Jet<T, 2>>,
-    /// State with its derivative with respect to a warp of the ground, with the body free.
+    /// State with its derivative with respect to a warp of the ground. The body is free.
     pub by_warp: Balance<Jet<T, 2>>,
     /// Heave of the car at rest on the same tyres.
     pub rest_heave: f64,
 }
 
-/// Numbers of a state without derivatives, from which its derivatives are computed.
+/// Numbers of a state from which its derivatives are computed. These numbers carry no derivatives themselves.
 #[derive(Clone, Debug)]
 pub(super) struct Plain {
     pub unknowns: [f64; UNKNOWNS],
     /// Inverse of the tangent.
     pub inverse: Matrix,
-    /// Inverse of the tangent in which held unknowns replace the equations of the whole car.
+    /// Inverse of the tangent of [`held`], in which the body and the tyre force factors are held.
     held_inverse: Matrix,
     /// Derivatives of the unknowns along each direction.
     rates: [[f64; UNKNOWNS]; DIRECTIONS.len()],
 }
 
-/// Direction along which a state is differentiated.
+/// Direction in which a state is differentiated.
 #[derive(Clone, Copy, Debug)]
 enum Direction {
     Parameter(BodyParameter),
     Couple,
-    /// Motion of the body, by its index among [`HELD_ROWS`].
+    /// Motion of the body. The field is the index in [`HELD_ROWS`].
     Body(usize),
 }
 
-/// Parameters among the directions, in the order of [`DIRECTIONS`].
+/// Those directions that are parameters, in the order of [`DIRECTIONS`].
 const PARAMETERS: [BodyParameter; 3] = [BodyParameter::Ay, BodyParameter::Ax, BodyParameter::Warp];
 
 const DIRECTIONS: [Direction; 6] = [
@@ -65,7 +65,7 @@ const DIRECTIONS: [Direction; 6] = [
 ];
 
 impl Plain {
-    /// Computes these numbers; `None` if the equations are singular.
+    /// Computes these numbers. `None` if the equations are singular.
     pub(super) fn of<R: WheelParts<f64>>(
         base: &Base<'_, '_, R>,
         parameters: &Parameters<f64>,
@@ -97,7 +97,7 @@ impl Plain {
                 }
             };
             let mut rates = times(inverse, right);
-            // One more step removes rounding error of the inverse.
+            // One correction step removes the rounding error of the inverse.
             let product = times(matrix, rates);
             let defect = array_of(|k| right[k] - product[k]);
             for (rate, step) in rates.iter_mut().zip(times(inverse, defect)) {
@@ -109,7 +109,7 @@ impl Plain {
     }
 }
 
-/// Derivatives of the residuals with respect to the parameters among [`DIRECTIONS`], in this order.
+/// Returns the derivatives of the residuals with respect to [`PARAMETERS`], in this order.
 fn by_parameters<R: WheelParts<f64>>(
     base: &Base<'_, '_, R>,
     parameters: &Parameters<f64>,
@@ -125,7 +125,7 @@ fn by_parameters<R: WheelParts<f64>>(
 }
 
 impl Direction {
-    /// Gives the parameters their derivatives along the direction.
+    /// Returns the parameters with their derivatives in this direction.
     fn moving<T: Real>(self, parameters: &Parameters<T>) -> Parameters<Jet<T, 2>> {
         let mut moved = parameters.map(Jet::constant);
         if let Direction::Parameter(parameter) = self {
@@ -135,20 +135,20 @@ impl Direction {
         moved
     }
 
-    /// Errors in the derivatives of the equations along the direction. `rates` are the derivatives of the residuals,
-    /// `level` is the work of the couple per roll angle.
+    /// Returns the errors in the derivatives of the equations in this direction. `rates` are the derivatives of the
+    /// residuals. `level` is the work of the couple per roll angle.
     fn defect<T: Real>(self, mut rates: [T; UNKNOWNS], level: T) -> [T; UNKNOWNS] {
         match self {
             Direction::Parameter(_) => {}
             Direction::Couple => rates[ROLL_MOMENT] = rates[ROLL_MOMENT] + level,
-            // A prescribed motion of the body satisfies its own equations.
+            // A prescribed motion of the body satisfies the equations of the body.
             Direction::Body(_) => rates[BODY..].fill(level.zero()),
         }
         rates
     }
 }
 
-/// Product of a plain matrix and a vector.
+/// Product of a matrix without derivatives and a vector.
 fn times<T: Real>(matrix: &Matrix, vector: [T; UNKNOWNS]) -> [T; UNKNOWNS] {
     let mut product = [vector[0].zero(); UNKNOWNS];
     for (sum, row) in product.iter_mut().zip(matrix) {
@@ -161,8 +161,8 @@ fn times<T: Real>(matrix: &Matrix, vector: [T; UNKNOWNS]) -> [T; UNKNOWNS] {
     product
 }
 
-/// Corrects the unknowns by Newton steps. For numbers that carry gradients, one step adds the gradient of the unknowns
-/// (10). For Taylor series, each step adds one order.
+/// Corrects the unknowns by Newton steps. If numbers carry gradients, one step adds the gradient of the unknowns (10).
+/// For Taylor series, each step adds one order.
 pub(super) fn settle<T: Scalar, U: Real, R: WheelParts<U>>(
     base: &Base<'_, '_, R>,
     parameters: &Parameters<T>,
@@ -194,8 +194,8 @@ impl<'c> Solved<'c, f64> {
 }
 
 impl<'c, T: Scalar> Solved<'c, T> {
-    /// Computes the state with all its derivatives, from the numbers `plain`. `orders` is the number of derivative orders
-    /// of the number type: 0 for plain numbers, 1 for gradients.
+    /// Computes the state with all its derivatives, from the numbers `plain`. `orders` is the number of derivative
+    /// orders of the number type: 0 for plain numbers, 1 for gradients.
     pub(super) fn of<U: Real, R: WheelParts<U>>(
         car: &'c Car,
         base: &Base<'_, '_, R>,

@@ -1,4 +1,4 @@
-//! Targets and constraints of one axle on its rig, as part of the tuning of a car.
+//! Targets and constraints of one axle on its test rig, as part of the tuning of a car.
 
 use super::tune::RigGoals;
 use crate::mechanism::DesignFault;
@@ -8,7 +8,7 @@ use crate::optimise::{
 use crate::study::Vehicle;
 use nalgebra::DVector;
 
-/// Rows of one axle in the tuning problem.
+/// Residuals and constraint rows of one axle in the tuning problem of the car.
 pub(super) struct RigRows<'a> {
     goals: &'a RigGoals,
     layout: &'a TargetLayout,
@@ -39,7 +39,7 @@ impl<'a> RigRows<'a> {
         self.objective.row_limits()
     }
 
-    /// Constraint of each row: its index among the axle's constraints.
+    /// For each row, the index of the constraint to which it belongs.
     pub(super) fn constraints_of_rows(&self) -> impl Iterator<Item = usize> {
         self.layout.labels().iter().map(|label| label.constraint)
     }
@@ -54,15 +54,16 @@ impl<'a> RigRows<'a> {
         self.goals.optimise.targets.iter().map(|t| t.weight).sum()
     }
 
-    /// Evaluates the axle for values `x` of the car's variables.
+    /// Computes residuals and constraints of the axle for values `x` of the car's variables.
     pub(super) fn assess(&mut self, x: &DVector<f64>) -> Result<(), Infeasible> {
         let own = self.goals.columns.iter().map(|column| x[*column]);
         let own = DVector::from_iterator(self.goals.columns.len(), own);
         self.objective.assess(&own, &mut self.assessment)
     }
 
-    /// Writes the residuals to the rows from `first` on. In the axle's problem, residuals are scaled for the axle's misfit.
-    /// In the car's problem, the factor on each squared residual is the target's weight divided by its number of stations.
+    /// Writes the residuals to the rows from `first` on. The axle's own problem scales residuals for the misfit of the
+    /// axle. In the car's problem, the factor on each squared residual is the weight of the target divided by its
+    /// number of stations.
     pub(super) fn write_residuals(&self, first: usize, scale: f64, into: &mut Linearisation) {
         let own = &self.assessment.goal;
         let rows = own.residuals.len();
@@ -72,7 +73,8 @@ impl<'a> RigRows<'a> {
         }
     }
 
-    /// Writes the rows of constraints. `first` gives the first row of the equalities and of the other constraints.
+    /// Writes the rows of the constraints. `first` contains the first row of the equalities, and the first row of the
+    /// other constraints.
     pub(super) fn write_rows(&self, first: [usize; 2], into: &mut Linearisation) {
         let equalities = self.shape().equalities;
         for row in 0..self.assessment.rows.residuals.len() {
@@ -105,12 +107,12 @@ impl<'a> RigRows<'a> {
 pub struct RigOutcome {
     /// Deviation from each target.
     pub targets: Vec<Deviation>,
-    /// Smallest margin of each constraint, in its unit; negative if violated.
+    /// Smallest margin of each constraint, in the unit of the constraint; negative if the constraint is violated.
     pub margins: Vec<f64>,
 }
 
 impl RigGoals {
-    /// Computes the outcome for values `x` of the car's variables. The error gives the reason why the axle has no outcome.
+    /// Computes the outcome for values `x` of the car's variables. The error is the reason why the axle has no outcome.
     pub fn outcome(&self, vehicle: &Vehicle, x: &[f64]) -> Result<RigOutcome, String> {
         let layout = TargetLayout::of(&self.optimise, vehicle);
         let mut rows =

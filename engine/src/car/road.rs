@@ -43,7 +43,7 @@ impl<T: Copy> Road<T> {
 }
 
 impl<T: Local> Road<T> {
-    /// Computes the ground under a body with this roll and pitch (1).
+    /// Computes the directions of the ground under a body with this roll and pitch (1).
     #[inline(always)]
     pub fn under(roll: T, pitch: T) -> Self {
         let [sine, cosine] = T::local([roll], &SinCos);

@@ -1,11 +1,11 @@
 //! Second derivatives of a state along directions of the design and of the parameters.
 //!
-//! Along a direction, parameters, wheels and unknowns are Taylor series in one number e. With the inverse of the tangent
-//! G_x of the plain state, each step x - G_x^-1 G(x(e), e) makes one more order of the unknowns exact. The formulas of the
-//! results then use these series.
+//! Along a direction, parameters, wheels and unknowns are Taylor series in a number e. Let G_x be the tangent of the
+//! state without derivatives. Each step x - G_x^-1 G(x(e), e) makes one more order of the unknowns exact. The formulas
+//! of the results then use these series.
 //!
-//! Derivatives with respect to accelerations, couples and motions of the body need one more derivative of the wheels with
-//! respect to travel. Only independent wheels have it.
+//! Some results contain derivatives with respect to accelerations, couples and motions of the body. These results need
+//! one more derivative of the wheels with respect to travel. Only independent wheels have this derivative.
 
 use super::equations::Held;
 use super::parameters::Parameters;
@@ -15,10 +15,10 @@ use super::{Car, CarQuantity, Case, NoEquilibrium, WholeResult};
 use crate::axle::{Axle, Carriers, Expandable, ExpandedWheel, Series};
 use crate::number::{Each, Real, Vector3};
 
-/// Number of derivative orders of [`Series`].
+/// Number of derivative orders that [`Series`] contains.
 const ORDERS: usize = 2;
 
-/// A state whose wheels and parameters may be Taylor series along a direction.
+/// A state in which wheels and parameters may be Taylor series along a direction.
 pub(crate) struct ExpandedState<'a> {
     car: &'a Car,
     case: &'a Case,
@@ -64,25 +64,26 @@ impl<'a> CarSolver<'a> {
 }
 
 impl ExpandedState<'_> {
-    /// Wheel number 0 to 3 (front left, front right, rear left, rear right) of a design that is a Taylor series.
+    /// Returns a wheel of a design that is a Taylor series. `number` is 0 to 3: front left, front right, rear left,
+    /// rear right.
     pub(crate) fn wheel(&self, number: usize, design: &[Vector3<Series>]) -> ExpandedWheel {
         self.wheels[number].along(design)
     }
 
-    /// Returns true if the second derivatives of a result can be computed.
+    /// Returns true if second derivatives of this result can be computed.
     pub(crate) fn knows(&self, quantity: CarQuantity) -> bool {
         let is_rigid = self.car.axles.iter().any(Axle::is_rigid);
         !(quantity.info().is_rate && !quantity.is_since_rest() && is_rigid)
     }
 
-    /// Parameters as constant Taylor series.
+    /// Returns the parameters as constant Taylor series.
     pub(crate) fn parameters(&self) -> Parameters<Series> {
         self.parameters.map(Series::constant)
     }
 
-    /// Second derivatives of results; NaN if they cannot be computed. `moved` has the wheels whose design is a Taylor
-    /// series; the other wheels have the unchanged design. For results that are measured from rest, the contribution of the
-    /// car at rest is missing.
+    /// Returns second derivatives of results; NaN if they cannot be computed. `moved` contains the wheels whose design
+    /// is a Taylor series. The other wheels have the unchanged design. Some results are measured from the car at rest.
+    /// Their derivatives here do not include the motion of the car at rest.
     pub(crate) fn second_derivatives(
         &self,
         moved: [Option<&ExpandedWheel>; 4],

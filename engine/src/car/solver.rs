@@ -24,12 +24,12 @@ pub(super) use readings::{Base, Readings, Wheels};
 pub use rows::{RowResult, RowState};
 pub(super) use start::Start;
 
-/// Number of terms in the Taylor series of wheels with respect to travel. Equations need first derivatives, their tangents
-/// need second derivatives, and design derivatives of tangents need third derivatives.
+/// Number of terms in the Taylor series of wheels with respect to travel. Equations need first derivatives, and their
+/// tangents need second derivatives. Derivatives of the tangents with respect to the design need third derivatives.
 pub(super) const TERMS: usize = 4;
 /// Largest number of sets of wheels in contact that the search tries.
 const MOST_SETS: usize = 16;
-/// Largest changes in a Newton step: angles in radians, travels in metres.
+/// Largest changes in one Newton step: angles in radians, travels in metres.
 pub(super) const LONGEST_TURN: f64 = 0.0175;
 pub(super) const LONGEST_TRAVEL: f64 = 0.008;
 
@@ -38,18 +38,18 @@ pub(super) const LONGEST_TRAVEL: f64 = 0.008;
 pub struct CarSolver<'a> {
     /// Car to solve.
     pub car: &'a Car,
-    /// True if gradients contain the derivatives with respect to the racks.
+    /// True if gradients include the derivatives with respect to the racks.
     pub(super) by_rack: bool,
-    /// States of the car at rest on rigid and on elastic tyres; `None` until they are solved.
+    /// States of the car at rest, on rigid and on elastic tyres; `None` until they are solved.
     pub(super) rests: [Option<Result<Equilibrium, NoEquilibrium>>; 2],
     pub(super) axles: [AxleSolver<'a, TERMS>; 2],
-    /// Curves of the wheels along their travels. `None` if a wheel depends on more than its own travel.
+    /// Curves of the wheels along their travels. `None` if a wheel does not depend on its own travel alone.
     curves: Option<Box<[WheelCurve; 4]>>,
-    /// Memory that is reused for wheels from their curves.
+    /// Memory for wheels on their curves. It is reused.
     spare: Option<Box<OnCurves>>,
 }
 
-/// Quantities that the solver of an axle must provide for the equations.
+/// Returns the quantities that the solver of an axle must compute for the equations of the car.
 fn read_of(car: &Car, axle: usize) -> Vec<Quantity> {
     let axle = &car.axles[axle];
     let mut quantities = Vec::new();
@@ -71,12 +71,12 @@ fn read_of(car: &Car, axle: usize) -> Vec<Quantity> {
 }
 
 impl<'a> CarSolver<'a> {
-    /// Makes a solver. The error names a wheel without a pose in the design position.
+    /// Makes a solver. The error names a wheel that has no pose in the design position.
     pub fn new(car: &'a Car) -> Result<Self, (usize, Side, DesignFault)> {
         Self::made(car, false)
     }
 
-    /// Makes a solver whose gradients include the derivatives with respect to the racks. Its gradients take longer.
+    /// Makes a solver whose gradients include the derivatives with respect to the racks. Such gradients take longer.
     pub fn with_racks(car: &'a Car) -> Result<Self, (usize, Side, DesignFault)> {
         Self::made(car, true)
     }
@@ -99,7 +99,7 @@ impl<'a> CarSolver<'a> {
         })
     }
 
-    /// Reads the wheels at these travels from their curves; `None` if a wheel has no curve there.
+    /// Computes the wheels at these travels from their curves; `None` if a wheel has no curve there.
     fn near(&mut self, travels: [f64; 4], racks: [f64; 2]) -> Option<Box<OnCurves>> {
         let curves = self.curves.as_mut()?;
         let mut near = self.spare.take().unwrap_or_default();
@@ -130,7 +130,7 @@ impl<'a> CarSolver<'a> {
         Ok([place(0)?, place(1)?])
     }
 
-    /// Reads the wheels at these travels, from poses.
+    /// Computes the wheels at these travels from poses.
     pub(super) fn read(
         &mut self,
         travels: [f64; 4],
@@ -163,8 +163,8 @@ impl<'a> CarSolver<'a> {
         match self.with_contact(case, Start::of(self.start(case))) {
             Ok(found) if found.is_stiff() => Ok(found),
             Ok(_) => self.along_load(case),
-            // Both searches failed. If the direct search gives only a general reason, report the reason of the search along
-            // the load.
+            // Both searches failed. If the direct search has only a general reason, report the reason of the search
+            // along the load.
             Err(first) => self.along_load(case).map_err(|along| match first {
                 NoEquilibrium::NotFound
                 | NoEquilibrium::Singular
@@ -177,8 +177,8 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Finds the state of a case from a neighbouring state that was accepted. Wheels come from their curves, so results can
-    /// differ from [`CarSolver::solve`] by rounding error.
+    /// Finds the state of a case from a neighbouring state that was accepted. The wheels are computed from their
+    /// curves. So results can differ from [`CarSolver::solve`] by rounding errors.
     pub fn solve_from(
         &mut self,
         case: &Case,
@@ -190,8 +190,8 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Finds the state of a case from a neighbouring state, if there is no turning point between them. `None` if Newton's
-    /// method does not find it.
+    /// Finds the state of a case from a neighbouring state, if there is no turning point between them. `None` if
+    /// Newton's method does not find the state.
     pub(super) fn solve_beside(&mut self, case: &Case, from: &Equilibrium) -> Option<Equilibrium> {
         let found = self.with_contact(case, Start::beside(from)).ok()?;
         (found.is_stiff() || found.follows(from, self.car)).then_some(found)
@@ -216,7 +216,7 @@ impl<'a> CarSolver<'a> {
         axles.clone().any(|axle| !axle.setup.is_sprung())
     }
 
-    /// Start in the design position, with a quarter of the weight on each wheel.
+    /// Returns a start of Newton's method: the design position, with a quarter of the weight on each wheel.
     pub(super) fn start(&self, case: &Case) -> [f64; UNKNOWNS] {
         let car = self.car;
         let mut x = [0.0; UNKNOWNS];
@@ -242,7 +242,7 @@ impl<'a> CarSolver<'a> {
         x
     }
 
-    /// Solves with one set of wheels in contact after another, until a set fits.
+    /// Solves with one set of wheels in contact after another, until a set agrees with the solution.
     pub(super) fn with_contact(
         &mut self,
         case: &Case,
@@ -335,7 +335,7 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Reads the wheels of a solved state: from their curves if the state used curves, otherwise from poses.
+    /// Computes the wheels of a solved state: from their curves if the state used curves, otherwise from poses.
     pub(super) fn wheels_of(&mut self, found: &Equilibrium) -> Result<Wheels<'a>, NoEquilibrium> {
         if found.placed.is_none()
             && let Some(near) = self.near(found.travels(), found.racks)
@@ -345,7 +345,7 @@ impl<'a> CarSolver<'a> {
         Ok(Wheels::Exact(Box::new(self.readings(found)?)))
     }
 
-    /// Reads the wheels of a solved state, from their poses.
+    /// Computes the wheels of a solved state from their poses.
     pub(super) fn readings(&mut self, found: &Equilibrium) -> Result<Readings<'a>, NoEquilibrium> {
         let placed = self.poses(found)?;
         let mut read = |axle: usize| {

@@ -58,15 +58,15 @@ use crate::number::Each;
 
 /// Longest step along the load, as a fraction of the full load.
 const LONGEST: f64 = 1.0 / 16.0;
-/// Shortest step, as a fraction of the full load. If the search needs a shorter step, the path has turned back.
+/// Shortest step, as a fraction of the full load. If a shorter step would be needed, the path has turned back.
 const SHORTEST: f64 = LONGEST / 1024.0;
-/// Growth of the flexibility, relative to rest, that indicates a fold.
+/// Growth of the flexibility, relative to the state at rest, that indicates a turning point (fold) of the path.
 const GROWTH: f64 = 4.0;
 /// Largest number of steps. The count includes steps back.
 const MOST_STEPS: usize = 400;
 
 impl Equilibrium {
-    /// Flexibility C by (1); NaN without factors.
+    /// Returns the flexibility C by (1). It is NaN if the tangent has no LU factors.
     fn flexibility(&self) -> [[f64; 3]; 3] {
         let Some(factors) = &self.factors else {
             return [[f64::NAN; 3]; 3];
@@ -80,7 +80,7 @@ impl Equilibrium {
         [GROUND, ROLL, PITCH].each(|unknown| answers.each(|answer| answer[unknown]))
     }
 
-    /// Checks condition (2) by the leading minors of the symmetric part.
+    /// Returns true if condition (2) holds. The check uses the leading minors of the symmetric part.
     pub(super) fn is_stiff(&self) -> bool {
         let flexibility = self.flexibility();
         let c = |i: usize, j: usize| 0.5 * (flexibility[i][j] + flexibility[j][i]);
@@ -91,7 +91,7 @@ impl Equilibrium {
         c(0, 0) > 0.0 && minor > 0.0 && determinant > 0.0
     }
 
-    /// Flexibility S by (6), column by column.
+    /// Returns the flexibility S by (6), column by column.
     fn flexibility_of_heights(&self, car: &Car) -> [[f64; 3]; 3] {
         let [[front, half_track], [rear, other]] = [0, 1].each(|number| {
             let wheel = &car.axles[number].left;
@@ -99,7 +99,7 @@ impl Equilibrium {
             let centre = wheel.design[wheel.mechanism.wheel_centre.0];
             [centre.x + offset, centre.y]
         });
-        // A ground that rises by gamma lowers the body relative to the ground.
+        // If the ground rises by gamma, the body is lower relative to the ground.
         let rows = [
             [-1.0, 0.0, -front],
             [-1.0, 0.0, -rear],
@@ -112,7 +112,7 @@ impl Equilibrium {
         })
     }
 
-    /// Describes the end of stability at a state just before the path from rest turns back, by (6).
+    /// Describes the end of stability by (6). The path from rest turns back just beyond this state.
     fn fold(&self, rest: &Equilibrium, car: &Car) -> NoEquilibrium {
         let [columns, at_rest] = [self, rest].map(|state| state.flexibility_of_heights(car));
         let size = |k: &usize| {
@@ -137,8 +137,8 @@ impl Equilibrium {
         softest.map_or(NoEquilibrium::Tips, |k| motion(columns[k]))
     }
 
-    /// Returns true if the path from an accepted state leads to this state. For this, det G_x must keep its sign, and the
-    /// motions of body and wheels must not exceed the limit of a Newton step.
+    /// Returns true if the path from an accepted state leads to this state. Two conditions must hold: det G_x keeps its
+    /// sign, and the motions of body and wheels do not exceed the limit of a Newton step.
     pub(super) fn follows(&self, from: &Equilibrium, car: &Car) -> bool {
         let near = |k: usize| {
             let longest = match k {
@@ -154,7 +154,7 @@ impl Equilibrium {
     }
 }
 
-/// Name of a motion (f, e, r) of the body, by (6).
+/// Returns the failure that belongs to a motion (f, e, r) of the body, by (6).
 fn motion([front, rear, roll]: [f64; 3]) -> NoEquilibrium {
     let (most, least) = (front.abs().max(rear.abs()), front.abs().min(rear.abs()));
     let pitches = front * rear < 0.0 && least > 0.5 * most;
@@ -166,7 +166,7 @@ fn motion([front, rear, roll]: [f64; 3]) -> NoEquilibrium {
 }
 
 impl CarSolver<'_> {
-    /// Follows the load from rest to a case, by (3) to (5).
+    /// Increases the load from rest to a case, by (3) to (5).
     pub(super) fn along_load(&mut self, case: &Case) -> Result<Equilibrium, NoEquilibrium> {
         let rest = case.scaled(0.0);
         let start = self.start(&rest);
@@ -199,7 +199,7 @@ impl CarSolver<'_> {
                     }
                     continue;
                 }
-                // If no set of contacts fits, both branches of (4) lie on the side from which the path came.
+                // If no set of contacts fits, both branches of (4) are on the side from which the path came.
                 Ok(_)
                 | Err(
                     NoEquilibrium::NotFound

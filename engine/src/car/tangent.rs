@@ -1,4 +1,4 @@
-//! Exact tangent of the equations of [`super`], and its factors.
+//! Exact tangent of the equations of [`super`], and its LU factors.
 
 use super::corner::Corner;
 use super::equations::{
@@ -13,7 +13,7 @@ use crate::number::{Dual, Each, array_of};
 
 pub(super) type Matrix = [[f64; UNKNOWNS]; UNKNOWNS];
 
-/// Factors of a tangent whose rows are divided by their largest entries.
+/// LU factors of a tangent. Each row of the tangent is divided by its largest entry.
 #[derive(Clone, Debug)]
 pub(super) struct Factors {
     lu: Lu<f64, UNKNOWNS>,
@@ -21,14 +21,14 @@ pub(super) struct Factors {
 }
 
 impl Factors {
-    /// Factors a tangent; `None` if it is singular.
+    /// Factorises a tangent; `None` if it is singular.
     pub(super) fn of(tangent: &Matrix) -> Option<Self> {
         let (matrix, scales) = scaled(tangent);
         let lu = Lu::of(matrix, 1.0)?;
         Some(Factors { lu, scales })
     }
 
-    /// Solves for the change of the unknowns that changes the residuals by `right`.
+    /// Returns the change of the unknowns that changes the residuals by `right`.
     pub(super) fn solve(&self, mut right: [f64; UNKNOWNS]) -> [f64; UNKNOWNS] {
         for (residual, scale) in right.iter_mut().zip(self.scales) {
             *residual *= scale;
@@ -47,7 +47,7 @@ impl Factors {
         inverse
     }
 
-    /// Sign of the determinant.
+    /// Sign of the determinant of the tangent.
     pub(super) fn orientation(&self) -> f64 {
         self.lu.determinant().signum()
     }
@@ -56,8 +56,8 @@ impl Factors {
 /// Numbers with derivatives with respect to all unknowns.
 type Wide = Dual<f64, UNKNOWNS>;
 
-/// Extends a number with derivatives with respect to some unknowns (in this order) to derivatives with respect to all
-/// unknowns.
+/// Converts a number with derivatives with respect to these unknowns, in this order, to a number with derivatives with
+/// respect to all unknowns.
 fn widened<const N: usize>(narrow: Dual<f64, N>, unknowns: [usize; N]) -> Wide {
     let mut wide = Wide {
         value: narrow.value,
@@ -69,8 +69,8 @@ fn widened<const N: usize>(narrow: Dual<f64, N>, unknowns: [usize; N]) -> Wide {
     wide
 }
 
-/// Unknowns on which the pose of a wheel depends: attitude of the body, its own travel, and for a solid axle the other
-/// travel.
+/// Unknowns on which the pose of a wheel depends: the attitude of the body and the wheel's own travel. For a solid
+/// axle, also the other wheel's travel.
 fn unknowns_of<const N: usize>(number: usize) -> [usize; N] {
     let all = [
         ROLL,
@@ -104,8 +104,8 @@ fn stance<const N: usize>(
     placed.stance.map(|c| widened(c, unknowns))
 }
 
-/// Residuals and their derivatives with respect to the unknowns. The pose of a wheel depends only on the attitude and on
-/// the travels of its axle. So most of the arithmetic needs only four or five derivatives.
+/// Computes the residuals and their derivatives with respect to the unknowns. The pose of a wheel depends only on the
+/// attitude and on the travels of its axle. So most of the arithmetic uses only four or five derivatives.
 pub(super) fn tangent<R: WheelParts<f64>>(
     base: &Base<'_, '_, R>,
     parameters: &Parameters<f64>,
@@ -173,7 +173,8 @@ pub(super) const HELD: [usize; 6] = [
     LONGITUDINAL,
 ];
 
-/// Tangent in which held unknowns replace the equations of the whole car, in the order of [`HELD`].
+/// Tangent in which other equations replace the equations of the whole car. Each of them holds one unknown, in the
+/// order of [`HELD`].
 pub(super) fn held(tangent: &Matrix) -> Matrix {
     let mut matrix = *tangent;
     for (row, unknown) in matrix[BODY..].iter_mut().zip(HELD) {

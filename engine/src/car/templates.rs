@@ -1,6 +1,6 @@
 //! Studies that `hardpoint new` writes for a car.
 
-/// Template for a car: its name, then name and text of each study file.
+/// Template for a car: the name of the template, then the name and the text of each study file.
 pub type CarTemplate = (&'static str, [(&'static str, &'static str); 3]);
 
 /// All templates.

@@ -1,7 +1,8 @@
-//! Tuning of a car with hardpoints, rates and parameters of the car as design variables. Goals are results of load cases,
-//! and curves and constraints of the axles on their rigs.
+//! Tuning of a car. The design variables are hardpoints, rates and parameters of the car. The goals are results of load
+//! cases, and curves and constraints of the axles on their rigs.
 //!
-//! With a target's deviations d in tolerances and its weight w, the misfit is that of an axle's study:
+//! Let d be the deviations of a target, each divided by the tolerance, and w the weight of the target. The misfit is
+//! defined as in an axle's study:
 //!
 //! ```text
 //! misfit^2 = sum w rms(d)^2 / sum w                                                                              (1)
@@ -24,7 +25,7 @@ use nalgebra::DVector;
 /// Target for a result of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CarTarget {
-    /// Result that has the target.
+    /// Result to which the target applies.
     pub quantity: CarQuantity,
     /// Index of the case.
     pub case: usize,
@@ -37,7 +38,7 @@ pub struct CarTarget {
 }
 
 impl CarTarget {
-    /// Deviation of a printed value from the target value; 0 inside a band.
+    /// Returns the deviation of a printed value from the target value. Inside a target band, the deviation is 0.
     pub fn deviation(&self, found: f64) -> f64 {
         let [low, high] = self.wanted;
         found - found.clamp(low, high)
@@ -49,13 +50,13 @@ impl CarTarget {
 pub struct CarConstraint {
     /// Name of the constraint.
     pub name: String,
-    /// Result that has the limits.
+    /// Result to which the limits apply.
     pub quantity: CarQuantity,
     /// Index of the case.
     pub case: usize,
     /// Lowest and highest value, in the printed unit; infinite without a limit.
     pub between: [f64; 2],
-    /// Difference of the printed value that is equivalent to a violation of 1.
+    /// Violation that counts as 1, as a difference of the printed value.
     pub visible: f64,
 }
 
@@ -64,7 +65,7 @@ pub struct CarConstraint {
 pub struct RigGoals {
     /// Targets, constraints and design variables, as in a study of the axle alone.
     pub optimise: Optimise,
-    /// Indices of these design variables among the car's.
+    /// Index of each of these design variables among the design variables of the car.
     pub columns: Vec<usize>,
 }
 
@@ -79,22 +80,23 @@ pub struct CarGoals<'a> {
     pub targets: &'a [CarTarget],
     /// Constraints of cases.
     pub constraints: &'a [CarConstraint],
-    /// Goals of the front and the rear axle on their rigs, together with these axles.
+    /// Front and rear axle with their goals on the rig.
     pub rigs: [Option<(&'a Vehicle, &'a RigGoals)>; 2],
 }
 
-/// Limits and starts of a tuning run.
+/// Settings of a tuning run: its limits and its starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CarRun {
     /// Largest number of iterations per start.
     pub max_iterations: u64,
-    /// Number of starts: the first is the design, the others are spread over the ranges.
+    /// Number of starts. The first start is the design; the others are distributed over the ranges.
     pub starts: usize,
     /// Seed of the random starts.
     pub seed: u32,
 }
 
-/// Goals as residuals and rows of constraints. Rows of cases come first, then rows of the front rig and of the rear rig.
+/// Goals as residuals and constraint rows. The rows of the cases come first, then the rows of the front rig and of the
+/// rear rig.
 struct Objective<'a> {
     car: &'a Car,
     goals: CarGoals<'a>,
@@ -103,11 +105,11 @@ struct Objective<'a> {
     scale: f64,
 }
 
-/// Use of a requested result of a case.
+/// Purpose of a requested result of a case.
 enum Use {
-    /// Residual of a target.
+    /// The result belongs to a target with this index.
     Target(usize),
-    /// Rows of a constraint: index of the constraint, then index of its first row.
+    /// The result belongs to a constraint. The fields are the index of the constraint and the index of its first row.
     Constraint(usize, usize),
 }
 
@@ -117,7 +119,7 @@ impl Objective<'_> {
         self.goals.targets.len()
     }
 
-    /// Index of the first row of each constraint on a case, and the number of all these rows.
+    /// Returns the index of the first row of each constraint on a case, and the number of all these rows.
     fn rows_of_cases(&self) -> (Vec<usize>, usize) {
         let mut first = Vec::new();
         let mut count = 0;
@@ -128,8 +130,8 @@ impl Objective<'_> {
         (first, count)
     }
 
-    /// Index of the constraint that each row belongs to, and the number of constraints. Constraints of cases have the first
-    /// indices; constraints of the front rig and of the rear rig follow.
+    /// Returns, for each row, the index of the constraint to which it belongs, and the number of constraints. The
+    /// constraints of the cases come first, then those of the front rig and of the rear rig.
     fn constraints_of_rows(&self) -> (Vec<usize>, usize) {
         let (mut equalities, mut others) = (Vec::new(), Vec::new());
         for (number, constraint) in self.goals.constraints.iter().enumerate() {
@@ -175,7 +177,7 @@ impl Objective<'_> {
             self.evaluate_case(&car, &mut solver, number, into, rows.as_deref_mut())?;
         }
         let mut residual = self.residuals_of_cases();
-        // Equalities come before all other rows.
+        // The rows of equalities come before all other rows.
         let mut equality = 0;
         let mut row = self.equalities() + self.rows_of_cases().1;
         for rig in &mut self.rigs {
@@ -270,7 +272,7 @@ impl Objective<'_> {
     }
 }
 
-/// Quantity of a target or a constraint. It determines the unit of the gradient.
+/// Returns the quantity of a target or a constraint. The unit of the gradient depends on it.
 fn gradient_unit(used: &Use, goals: &CarGoals<'_>) -> CarQuantity {
     match *used {
         Use::Target(row) => goals.targets[row].quantity,
@@ -340,8 +342,9 @@ impl Constrained for Objective<'_> {
 pub struct CarTuning {
     /// All starts, and the index of the best.
     pub starts: Multistart,
-    /// Indices of constraints that cannot be satisfied together, counted over cases, front rig and rear rig. If any one of
-    /// these constraints were removed, the others could be satisfied. Empty if all constraints can be satisfied together.
+    /// Indices of constraints that cannot all be satisfied together. The indices run over the cases, the front rig and
+    /// the rear rig. Without any one of these constraints, the others could be satisfied. Empty if all constraints can
+    /// be satisfied together.
     pub contradiction: Vec<usize>,
 }
 
@@ -381,7 +384,7 @@ impl<'a> Problem<'a> {
         rows.collect()
     }
 
-    /// Residuals and rows. [`Problem::of`] has already checked the axles.
+    /// Makes the residuals and constraint rows. [`Problem::of`] has already checked the axles.
     fn objective(&self) -> Objective<'_> {
         Objective {
             car: self.car,
@@ -392,8 +395,8 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Tunes a car from several starts. The result has a best start. The function fails if no start gives the cases a solution,
-/// or if a range is empty.
+/// Tunes a car from several starts. In the result, one start is the best. The function fails if a range is empty, or if
+/// the cases cannot be solved from any start.
 pub fn tune(
     car: &Car,
     goals: CarGoals<'_>,
@@ -421,7 +424,7 @@ pub fn tune(
             objective, &bounds, &start, starts, run.seed, &options, control,
         ),
     };
-    // If no start succeeds, the error of the first start (the design) is returned.
+    // If no start succeeds, return the error of the first start (the design).
     if let (None, Err(fault)) = (found.best, &found.starts[0].outcome) {
         return Err(fault.to_string());
     }
@@ -437,7 +440,7 @@ pub fn tune(
     })
 }
 
-/// Indices of constraints that cannot be satisfied together.
+/// Finds constraints that cannot be satisfied together, and returns their indices.
 fn contradiction(
     problem: &Problem<'_>,
     starts: &Multistart,
@@ -467,7 +470,7 @@ fn contradiction(
             rigs: [rig(front, &rigs[0]), rig(rear, &rigs[1])],
             ..*goals
         };
-        // A problem with fewer constraints is valid if the whole problem is valid.
+        // The whole problem is valid, so a problem with fewer constraints is valid too.
         Problem::of(problem.car, goals)
             .is_ok_and(|some| is_satisfied_from(starts, bounds, control, || some.objective()))
     })

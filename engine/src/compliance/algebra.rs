@@ -17,8 +17,8 @@
 use crate::mechanism::Pose;
 use crate::number::{Dual, Matrix3, Outlined, Real, SimdReal, Valued, Vector3, outlined};
 
-/// Squared sine below which a power series gives the ratio of angle and sine. The power series is differentiable at 0, and
-/// its last term is below 1e-17.
+/// The ratio of angle and sine is computed by a power series if the square of the sine is below this limit. The power
+/// series is differentiable at 0. Its last term is below 1e-17.
 const SMALL_SINE_SQUARED: f64 = 1e-3;
 
 /// Cross products v x e_k with the three unit vectors, as columns.
@@ -77,13 +77,13 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    /// Product M v^ of this matrix M and the cross-product matrix of a vector v.
+    /// Returns the product M v^ of this matrix M and the cross-product matrix v^ of a vector v.
     #[inline(always)]
     pub(super) fn times_cross(&self, v: Vector3<T>) -> Self {
         self.times(&cross_matrix(v))
     }
 
-    /// Product v^ M of the cross-product matrix of a vector v and this matrix M.
+    /// Returns the product v^ M of the cross-product matrix v^ of a vector v and this matrix M.
     #[inline(always)]
     pub(super) fn crossed_by(&self, v: Vector3<T>) -> Self {
         let [a, b, c] = self.columns;
@@ -100,7 +100,7 @@ impl<T: Real> Matrix3<T> {
         }
     }
 
-    /// Adds the outer product a b' times a factor.
+    /// Adds the outer product a b', multiplied by `factor`.
     #[inline(always)]
     pub(super) fn add_product(&mut self, a: Vector3<T>, b: Vector3<T>, factor: T) {
         let [x, y, z] = (b * factor).to_array();
@@ -119,7 +119,7 @@ impl<T: Real> Matrix3<T> {
         z.z = z.z + factor;
     }
 
-    /// Entry in a row and a column.
+    /// Returns the entry in a row and a column.
     #[inline(always)]
     pub(super) fn entry(&self, row: usize, column: usize) -> T {
         self.columns[column].to_array()[row]
@@ -146,7 +146,8 @@ impl<T: Real> Placed<T> {
         }
     }
 
-    /// Displacement of a point by equation (1). `lever` goes from the reference point to that point in the design position.
+    /// Returns the displacement of a point, by equation (1). `lever` is the vector from the reference point to this
+    /// point in the design position.
     #[inline(always)]
     pub(super) fn displacement(&self, lever: Vector3<T>) -> Vector3<T> {
         self.shift + self.turn.apply(lever)
@@ -175,8 +176,8 @@ impl<T: Real> Placed<T> {
         rotation
     }
 
-    /// Converts the position to the pose of the knuckle. `reference` is the reference point of this body, `origin` the
-    /// origin of the knuckle, both in the design position.
+    /// Converts the position to the pose of the knuckle. `reference` is the reference point of this body. `origin` is
+    /// the origin of the knuckle. Both points are given in the design position.
     pub(super) fn as_pose(&self, reference: Vector3<T>, origin: Vector3<T>) -> Pose<T> {
         Pose {
             origin: origin + self.displacement(origin - reference),
@@ -194,7 +195,7 @@ impl<T: Real> Placed<T> {
     }
 }
 
-/// Adds a small rotation by equation (2).
+/// Adds a small rotation to the rotation R, by equation (2).
 #[inline(always)]
 fn turned<T: Real>(difference: &Matrix3<T>, turn: Vector3<T>) -> Matrix3<T> {
     outlined!(
@@ -223,7 +224,7 @@ fn turned_inline<T: Real>(difference: &Matrix3<T>, turn: Vector3<T>) -> Matrix3<
     Matrix3 { columns }
 }
 
-/// Sine, cosine and rotation vector of a rotation, from its difference from the identity by equation (3).
+/// Sine, cosine and rotation vector of a rotation R, computed from D = R - I by equation (3).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Logarithm<T> {
     pub(super) vector: Vector3<T>,
@@ -246,7 +247,7 @@ impl<T: Valued> Logarithm<T> {
     }
 }
 
-/// Ratio t/sin t, from the square of the sine and the cosine.
+/// Returns the ratio t/sin t of an angle t. The arguments are the square of sin t, and cos t.
 #[inline(always)]
 pub(super) fn angle_by_sine<T: Valued>(squared: T, cosine: T) -> T {
     let is_small = squared.is_below(SMALL_SINE_SQUARED) & cosine.is_above(0.0);
@@ -277,7 +278,7 @@ fn angle_by_small_sine<T: Valued>(squared: T) -> T {
     sum * squared + squared.one()
 }
 
-/// Ratio t/sin t of any angle. It is compiled as a separate function, because few angles are large.
+/// Ratio t/sin t of any angle. This code is compiled as a separate function, because few angles are large.
 struct AngleBySine<T> {
     squared: T,
     cosine: T,
@@ -314,7 +315,7 @@ pub(super) fn second_order<T: Real, const N: usize>(
 mod tests {
     use super::*;
 
-    /// Many small rotations about one axis add up, and the logarithm returns their axis and total angle.
+    /// If many small rotations about one axis are combined, the logarithm returns this axis and the sum of the angles.
     #[test]
     fn the_logarithm_inverts_turns() {
         for angle in [1e-9, 1e-3, 0.031, 0.032, 0.4, 1.9, 3.0] {

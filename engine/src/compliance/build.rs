@@ -1,4 +1,4 @@
-//! Builder for the system of one design: elastic parts at their hardpoints.
+//! Builds the system of one design: the elastic parts at their hardpoints.
 
 mod places;
 mod seats;
@@ -17,11 +17,11 @@ use crate::model::{Arm, Body, Constraint, Mechanism, PointId};
 use crate::number::{Each, Matrix3, Scalar, Vector3};
 pub(super) use places::{BushingPlace, JointPlace, LimbPlace, LinkPlace, Places};
 
-/// System, with the locations of the study's parts in it.
+/// System of equations, with the location of each part of the study in this system.
 #[derive(Clone, Debug)]
 pub(super) struct Built<T> {
     pub(super) system: System<T>,
-    /// The carrier's reference point in the design position.
+    /// Reference point of the carrier in the design position.
     pub(super) reference: Vector3<T>,
     pub(super) bushings: Vec<BushingPlace>,
     pub(super) links: Vec<LinkPlace>,
@@ -36,11 +36,11 @@ pub(super) struct OfAxle<'a, T> {
     pub(super) subframe: Option<&'a Subframe<T>>,
     /// Rate of the anti-roll bar: torque per angle between its levers.
     pub(super) bar_rate: Option<T>,
-    /// Half of a solid axle on the side of this wheel.
+    /// Half of a solid axle that is on the side of this wheel.
     pub(super) half: Option<HalfOfAxle>,
 }
 
-/// A half of a body that carries both wheels.
+/// Half of a body that carries both wheels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct HalfOfAxle {
     /// Reference point of the body, in the axes of this side.
@@ -140,7 +140,7 @@ impl<T: Scalar> Builder<'_, T> {
         self.at(id) - self.reference
     }
 
-    /// Returns true for a link of the other half of a solid axle.
+    /// Returns true if the link belongs to the other half of a solid axle.
     fn is_elsewhere(&self, inner: PointId) -> bool {
         self.of_axle.half.is_some_and(|half| {
             self.mechanism.is_far(inner) || (!half.has_singles && self.mechanism.is_single(inner))
@@ -177,8 +177,8 @@ impl<T: Scalar> Builder<'_, T> {
         Vector3::new(zero, zero, zero.one())
     }
 
-    /// Axes of a bushing as columns. x is the given x axis or `default`. z is the component of the given z axis, or of the
-    /// vertical, that is normal to x.
+    /// Returns the axes of a bushing as columns. The x axis is the given x axis, or `default`. The z axis is along the
+    /// component of the given z axis that is normal to x. Without a given z axis, the vertical is used.
     fn axes(&self, number: usize, default: Vector3<T>) -> Matrix3<T> {
         let part = &self.compliance.bushings[number];
         axes_of(
@@ -246,8 +246,8 @@ impl<T: Scalar> Builder<'_, T> {
         limbs
     }
 
-    /// Makes an end of a part whose reference point is the joint `outer`. Without a bushing, the end is a ball joint, and
-    /// the function also adds a rigid rod.
+    /// Makes an end of a part. `outer` is the joint at the part's reference point. Without a bushing, the end is a ball
+    /// joint, and the function also adds a rigid rod.
     fn end(&mut self, id: PointId, outer: PointId, bushing: Option<Bushing<T>>) -> End<T> {
         let lever = self.at(id) - self.at(outer);
         if bushing.is_none() {
@@ -278,7 +278,7 @@ impl<T: Scalar> Builder<'_, T> {
                 Constraint::StrutLine { top, lower, upper } => self.strut(top, lower, upper),
                 Constraint::Revolute { first, second } => self.hinge(first, second),
                 Constraint::BallJoint { at } => self.ball_joint(at),
-                // A study cannot have elastic parts at these constraints.
+                // A study cannot contain elastic parts for these constraints.
                 Constraint::AxleTravel { .. }
                 | Constraint::Mount { .. }
                 | Constraint::ArmJoint { .. } => {}
@@ -297,7 +297,8 @@ impl<T: Scalar> Builder<'_, T> {
         let slope = rates
             .flat_map(|number| self.compliance.bushings[number].shapes.iter().take(3))
             .fold(along.x.zero(), |sum, shape| sum + shape.slope(along.x));
-        // No force rotates the link about its own line, so any stiffness against that rotation gives the same result.
+        // No force rotates the link about its own line, so the result does not depend on the stiffness against this
+        // rotation.
         let spin = along * slope.constant(slope.value().sqrt().max(1.0));
         match (at_inner, at_outer) {
             (None, None) => self.rod(inner, outer, along),
@@ -379,7 +380,7 @@ impl<T: Scalar> Builder<'_, T> {
             }
             Some(number) => {
                 self.bushings[number] = Some(BushingPlace::Mount(self.system.limbs.len()));
-                // z is up the strut, and x is forward.
+                // z points up along the strut, and x points forward.
                 let part = &self.compliance.bushings[number];
                 let one = along.x.one();
                 let forward = Vector3::new(one, one.zero(), one.zero());
@@ -439,7 +440,7 @@ impl<T: Scalar> Builder<'_, T> {
                     self.system.bushings.push(CarrierBushing { lever, bushing });
                     self.system.holders.bushings.push(self.holder(id));
                 }
-                // If both joints of the arm's axis are rigid, only the first joint fixes the position along that axis.
+                // If both joints on the arm's axis are rigid, only the first joint fixes the position along this axis.
                 None if numbers == [None, None] && k == 1 => {
                     for direction in normals(along) {
                         let pin = Joint::Pin { lever, direction };
@@ -457,7 +458,8 @@ impl<T: Scalar> Builder<'_, T> {
     }
 }
 
-/// Axes as columns: x is along the first direction. z is along the component of the second direction that is normal to x.
+/// Returns axes as columns. The x axis is along the first vector. The z axis is along the component of the second
+/// vector that is normal to x.
 fn axes_of<T: Scalar>(x: Vector3<T>, z: Vector3<T>) -> Matrix3<T> {
     let x = x.normalised();
     let z = z.across(x).normalised();

@@ -26,9 +26,9 @@ use super::algebra::Logarithm;
 use super::law::Law;
 use crate::number::{Matrix3, Outlined, SimdReal, Valued, Vector3, outlined};
 
-/// Squared angle below which power series give c and its derivative.
+/// If the square of the angle is below this limit, power series compute c and its derivative.
 const SMALL_ANGLE_SQUARED: f64 = 0.25;
-/// Coefficients |B_2k|/(2k)! of c in powers of t^2, from the highest.
+/// Coefficients |B_2k|/(2k)! of the powers of t^2 in c, from the highest power.
 const SERIES: [f64; 7] = [
     1.0 / 74_724_249_600.0,
     691.0 / 1_307_674_368_000.0,
@@ -87,7 +87,7 @@ fn coefficient<T: Valued>(rotation: &Logarithm<T>) -> (T, T) {
     large
 }
 
-/// Power series of the coefficient.
+/// Power series of the coefficient c and of its derivative.
 #[inline(always)]
 fn small_coefficient<T: Valued>(square: T) -> (T, T) {
     let (mut value, mut slope) = (square.constant(SERIES[0]), square.zero());
@@ -98,7 +98,7 @@ fn small_coefficient<T: Valued>(square: T) -> (T, T) {
     (value, slope + slope)
 }
 
-/// Coefficient of a large angle. It is compiled as a separate function, because few angles are large.
+/// Coefficient c of a large angle. This code is compiled as a separate function, because few angles are large.
 struct LargeCoefficient<T>(Logarithm<T>);
 
 impl<T: Valued> Outlined for LargeCoefficient<T> {
@@ -119,20 +119,20 @@ impl<T: Valued> Outlined for LargeCoefficient<T> {
     }
 }
 
-/// Terms of the matrix N of equation (6).
+/// Terms from which the matrix N of equation (6) is computed.
 struct TorqueTangent<T> {
     phi: Vector3<T>,
     g: Vector3<T>,
-    /// phi x g and phi x (phi x g).
+    /// The vectors phi x g and phi x (phi x g).
     once: Vector3<T>,
     twice: Vector3<T>,
     rates: Vector3<T>,
-    /// 1/2, c, and dc/dt divided by t.
+    /// The three numbers 1/2, c and (dc/dt)/t.
     coefficients: [T; 3],
 }
 
 impl<T: Valued> TorqueTangent<T> {
-    /// Column of N for a rotation about a unit vector.
+    /// Returns the column of N for a rotation about this unit vector.
     #[inline(always)]
     fn column(&self, unit: Vector3<T>) -> Vector3<T> {
         let TorqueTangent {
@@ -153,7 +153,7 @@ impl<T: Valued> TorqueTangent<T> {
 }
 
 impl<T: Valued> Bushing<T> {
-    /// Deflection and force. `e` is in the axes of body i, and `turn` is R_i' R_j - I.
+    /// Returns deflection and force. `e` is in the axes of body i, and `turn` is R_i' R_j - I.
     #[inline(always)]
     pub(super) fn state(&self, e: Vector3<T>, turn: &Matrix3<T>) -> BushingState<T> {
         let rotation = Logarithm::of(turn);
@@ -191,7 +191,7 @@ impl<T: Valued> Bushing<T> {
         (Vector3::new(x.0, y.0, z.0), Vector3::new(x.1, y.1, z.1))
     }
 
-    /// Forces and tangents. `e` is in the axes of the vehicle. `body` is R_i; `None` for a body at rest.
+    /// Returns forces and tangents. `e` is in the axes of the vehicle. `body` is R_i; `None` for a body at rest.
     #[inline(always)]
     pub(super) fn force(
         &self,
@@ -305,9 +305,9 @@ mod tests {
         Bushing { axes, laws }
     }
 
-    /// The tangents equal the derivatives of force and moment with respect to small rotations, for angles below and above
-    /// the limit of the power series. The forces have an energy, so the tangents are symmetric except for a term with the
-    /// moment.
+    /// The tangents equal the derivatives of force and moment with respect to small rotations. The test uses angles
+    /// below and above the limit of the power series. The forces have an energy, so the tangents are symmetric except
+    /// for a term with the moment.
     #[test]
     fn tangents_are_derivatives() {
         for angle in [0.0, 0.1, 0.4999, 0.5001, 1.3] {

@@ -1,8 +1,8 @@
-//! Forces that links, joints, bushings and springs carry in an equilibrium.
+//! Forces that links, joints, bushings and springs transmit in an equilibrium.
 //!
 //! `gather.rs` sums the forces of all parts on the carrier, with the opposite sign. This module keeps the force of each
-//! part separately. These forces and the loads balance on the carrier. A link with bushings is a rigid body without load
-//! between its ends. Its tension is the component of its force on the carrier along its line.
+//! part separately. These forces are in balance with the loads on the carrier. A link with bushings is a rigid body,
+//! and no load acts between its ends. Its tension is the component of its force on the carrier along its line.
 
 use super::build::{Built, JointPlace, LimbPlace};
 use super::ground::{Holder, Surroundings};
@@ -13,14 +13,14 @@ use crate::ask::Unit;
 use crate::model::{Axis, Mechanism, PointId};
 use crate::number::Vector3;
 
-/// Part whose force is in the results.
+/// Part or joint whose force is in the results.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum MemberPart {
     /// Tension of a rigid rod, with the index of its joint.
     Rod(usize),
     /// Tension of a rod with axial stiffness, with its index.
     ElasticRod(usize),
-    /// Tension of a link with bushings, with its index among the parts with inner unknowns.
+    /// Tension of a link with bushings, with the index of the link among the parts with inner unknowns.
     Link(usize),
     /// Component of the force on the wheel carrier at a joint.
     Joint(PointId, Axis),
@@ -34,13 +34,13 @@ pub(crate) enum MemberPart {
     Spring,
 }
 
-/// A force in the results.
+/// One of the forces in the results.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct ElasticMember {
-    /// Suffix of the column's name, after the name of the load.
+    /// Suffix of a column name: the name of the load comes before it.
     pub(crate) name: String,
     pub(crate) part: MemberPart,
-    /// True for a part that the axle has only once.
+    /// True if the axle has this part only once.
     pub(crate) is_single: bool,
 }
 
@@ -77,7 +77,7 @@ impl ElasticMember {
     }
 }
 
-/// Forces of all parts of a wheel, in the kernel's frame of its side.
+/// Forces of all parts of a wheel, in the kernel's frame of the wheel's side.
 #[derive(Clone, Debug)]
 pub(crate) struct CarriedForces {
     joints: Vec<f64>,
@@ -91,7 +91,7 @@ pub(crate) struct CarriedForces {
 }
 
 impl CarriedForces {
-    /// Force of a member. `None` if the state has no such part.
+    /// Returns the force of a part. `None` if the state has no such part.
     pub(crate) fn of(&self, part: &MemberPart) -> Option<f64> {
         match *part {
             MemberPart::Rod(number) => self.joints.get(number).copied(),
@@ -114,8 +114,8 @@ impl CarriedForces {
 }
 
 impl Built<f64> {
-    /// All members whose forces are in the results: rods and links, then joints, bushings, and the spring. `bushings` are
-    /// the names of the bushings, in the order of their readings.
+    /// Returns all parts whose forces are in the results: rods and links, then joints, bushings, and the spring.
+    /// `bushings` contains the names of the bushings, in the order of their readings.
     pub(crate) fn members(&self, mechanism: &Mechanism, bushings: &[String]) -> Vec<ElasticMember> {
         let places = &self.places;
         let mut members = Vec::new();
@@ -194,7 +194,7 @@ impl Built<f64> {
         joints.chain(rods).chain(limbs)
     }
 
-    /// Returns true for the outer joint of an arm whose legs carry bending from a spring or a drop link.
+    /// Returns true for the outer joint of an arm that a spring or a drop link bends.
     fn is_bent(&self, joint: PointId) -> bool {
         let is_seat = |place: &LimbPlace| *place == LimbPlace::Seat(Some(joint));
         self.places.bar == Some(joint) || self.places.limbs.iter().any(is_seat)
@@ -275,12 +275,12 @@ impl Built<f64> {
 }
 
 impl ElasticWheel {
-    /// Members whose forces are in the results.
+    /// Returns the parts whose forces are in the results.
     pub(crate) fn members(&self, mechanism: &Mechanism, bushings: &[String]) -> Vec<ElasticMember> {
         self.built.members(mechanism, bushings)
     }
 
-    /// Forces of all members in an equilibrium.
+    /// Returns the forces of all parts in an equilibrium.
     pub(crate) fn member_forces(&self, at: &Equilibrium) -> Option<CarriedForces> {
         self.built.member_forces(&at.solution.state, &at.around())
     }

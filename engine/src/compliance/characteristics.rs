@@ -8,11 +8,12 @@ use super::wheel::{Change, ElasticWheel, Equilibrium};
 use crate::characteristics::{Characteristic, Inputs};
 use crate::number::{Dual, Jet, Scalar};
 
-/// Advice in messages: quantities that replace some quantities of the rigid mechanism.
+/// Advice for messages: results that replace some quantities of the rigid mechanism.
 const INSTEAD: &str = "with [compliance] use jacking_by_lateral_force, jacking_by_braking, \
                        compliant_wheel_rate or compliant_ride_rate";
 
-/// Reason why a characteristic is not defined in an equilibrium, and its alternatives; `None` if it is defined.
+/// Returns the reason why a characteristic is not defined in an equilibrium, and which results replace it. `None` if it
+/// is defined.
 pub fn not_of_equilibrium(of: Characteristic) -> Option<[&'static str; 2]> {
     use Characteristic as C;
     match of {
@@ -58,7 +59,7 @@ pub fn not_of_equilibrium(of: Characteristic) -> Option<[&'static str; 2]> {
 }
 
 impl<T: Scalar> ElasticWheel<T> {
-    /// Inputs of the catalogue's formulas: values and first derivatives with respect to wheel travel.
+    /// Returns the inputs of the catalogue's formulas, with their first derivatives with respect to wheel travel.
     pub(super) fn inputs_by_travel(&self, tangent: &Tangent<T>) -> Option<Inputs<Jet<T, 2>>> {
         let state = self.moving_by(tangent, &Change::Travel)?;
         let geometry = self.geometry.map(Jet::constant);
@@ -69,7 +70,8 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(inputs)
     }
 
-    /// Value of a characteristic, or its derivative with respect to wheel travel. `None` if it has no value.
+    /// Returns the value of a characteristic, or its derivative with respect to wheel travel. `None` if the
+    /// characteristic is not defined.
     pub(super) fn of_inputs(
         inputs: &Inputs<Jet<T, 2>>,
         of: Characteristic,
@@ -89,7 +91,7 @@ impl<T: Scalar> ElasticWheel<T> {
         found.value().is_finite().then_some(found)
     }
 
-    /// Length of the spring, and its derivative with respect to an input.
+    /// Returns the length of the spring, and the derivative of this length with respect to an input.
     fn spring_length_by(&self, tangent: &Tangent<T>, change: &Change<T>) -> Option<[T; 2]> {
         let rate = self.rate(tangent, change)?;
         let dual = self.built.system_over(Dual::<T, 1>::constant);

@@ -1,4 +1,5 @@
-//! Forces of a wheel's parts on the bodies that hold them, and their tangents: equations (1) to (5) of `ground.rs`.
+//! Forces of a wheel's parts on the bodies that hold these parts, with their tangents, by equations (1) to (5) of
+//! `ground.rs`.
 
 #![expect(
     clippy::needless_range_loop,
@@ -10,7 +11,7 @@ use super::limb::{BESIDE, Beside, Sum, TWIST_BESIDE, joined};
 use super::system::Equations;
 use crate::number::{Each, Matrix3, Scalar, Vector3};
 
-/// Number of coordinates of a frame in addition to the carrier's: shift of the rack, twist of the bar, and three
+/// Number of coordinates of a holder in addition to the carrier's six: shift of the rack, twist of the bar, and three
 /// displacements of a spring's upper end.
 const EXTRA: usize = 5;
 
@@ -38,8 +39,8 @@ impl<T: Scalar> Coupling<T> {
     }
 }
 
-/// Forces of the parts of one holder, in its axes. They depend on the carrier's pose relative to the holder, and on
-/// [`EXTRA`] further coordinates.
+/// Forces of the parts on one holder (body or subframe), in the axes of this holder. The forces depend on the carrier's
+/// pose relative to the holder, and on [`EXTRA`] further coordinates.
 pub(super) struct InFrame<T> {
     sum: Sum<T>,
     force: [T; EXTRA],
@@ -48,7 +49,7 @@ pub(super) struct InFrame<T> {
     carrier_by: [[T; 6]; EXTRA],
 }
 
-/// Splits a vector of six numbers into two of three.
+/// Splits six numbers into two vectors of three numbers.
 fn halves<T: Copy>(v: &[T; 6]) -> [Vector3<T>; 2] {
     let [x, y, z, a, b, c] = *v;
     [Vector3::new(x, y, z), Vector3::new(a, b, c)]
@@ -66,7 +67,7 @@ impl<T: Scalar> InFrame<T> {
         }
     }
 
-    /// Adds the parts on the rack, by equation (5).
+    /// Adds the forces of the parts on the rack, by equation (5).
     pub(super) fn add_rack(&mut self, rack: &Sum<T>) {
         for i in 0..6 {
             self.sum.force[i] = self.sum.force[i] + rack.force[i];
@@ -81,7 +82,7 @@ impl<T: Scalar> InFrame<T> {
     }
 
     pub(super) fn add_beside(&mut self, of: &Beside<T>) {
-        // The twist is the last of the coordinates [`Beside`], but has index 1 here.
+        // The twist is the last coordinate in [`Beside`], but has index 1 here.
         let number = |k: usize| if k == TWIST_BESIDE { 1 } else { 2 + k };
         for k in 0..BESIDE {
             let i = number(k);
@@ -118,7 +119,7 @@ impl<T: Scalar> InFrame<T> {
         }
     }
 
-    /// Adds the carrier, the rack and the twist.
+    /// Adds the forces on the carrier, on the rack and on the twist of the bar.
     fn add_scalars(&self, equations: &mut Equations<T>, coupling: &mut Coupling<T>) {
         self.add_carrier(equations);
         for (k, shared) in [RACK, TWIST].into_iter().enumerate() {
@@ -157,7 +158,7 @@ impl<T: Scalar> InFrame<T> {
         found.own = self.own;
         found.by_carrier = self.by_carrier.each_ref().each(turned);
         found.carrier_by = self.carrier_by.each_ref().each(turned);
-        // Rotate the displacement of the spring's upper end as well, because it is a vector.
+        // The displacement of the spring's upper end is a vector, so it must be rotated too.
         let of = |v: [T; 3]| rotation.apply(Vector3::from(v)).to_array();
         let across = |list: &mut [[T; 6]; EXTRA]| {
             for i in 0..6 {
@@ -185,7 +186,7 @@ impl<T: Scalar> InFrame<T> {
         found
     }
 
-    /// Adds equations (1) to (4), with all vectors in the axes of the vehicle.
+    /// Adds equations (1) to (4). All vectors are in the axes of the vehicle.
     fn add_on_subframe(
         &self,
         pose: &Pose<T>,
@@ -312,7 +313,7 @@ impl<T: Scalar> InFrame<T> {
     }
 }
 
-/// Force on a spring's upper end, with its tangents.
+/// Force on the upper end of a spring, with its tangents.
 struct UpperBlocks<T> {
     force: Vector3<T>,
     by_carrier: [Matrix3<T>; 2],
@@ -329,7 +330,7 @@ fn blocks<T: Scalar>(matrix: &[[T; 6]; 6]) -> [[Matrix3<T>; 2]; 2] {
     [[block(0, 0), block(0, 1)], [block(1, 0), block(1, 1)]]
 }
 
-/// Row of a rigid joint, in the axes of its holder.
+/// Equation of a rigid joint, in the axes of the body that holds the joint.
 pub(super) struct JointRow<T> {
     pub(super) number: usize,
     pub(super) miss: T,

@@ -18,15 +18,15 @@ pub enum Relaxed {
 /// Bushing at a hardpoint.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BushingPart<T = f64> {
-    /// Hardpoint of the bushing.
+    /// Hardpoint at which the bushing is.
     pub point: PointId,
     /// Force laws along the bushing's axes, and torque laws about them.
     pub shapes: [Shape<T>; 6],
-    /// Constant forces and torques.
+    /// Constant forces and torques that are added to those of the laws.
     pub preload: [T; 6],
     /// Direction of the bushing's x axis in the design position, in the kernel's frame; `None` for the default.
     pub x_axis: Option<Vector3<T>>,
-    /// Direction whose component normal to the x axis gives the z axis; `None` for the vertical.
+    /// Direction from which the z axis is computed: its component normal to the x axis. `None` for the vertical.
     pub z_axis: Option<Vector3<T>>,
 }
 
@@ -39,15 +39,15 @@ pub struct SubframeMount<T = f64> {
     pub at: Vector3<T>,
     /// Laws along and about the mount's axes.
     pub shapes: [Shape<T>; 6],
-    /// Constant forces and torques.
+    /// Constant forces and torques that are added to those of the laws.
     pub preload: [T; 6],
     /// Direction of the mount's x axis; `None` for forward.
     pub x_axis: Option<Vector3<T>>,
-    /// Direction whose component normal to the x axis gives the z axis; `None` for the vertical.
+    /// Direction from which the z axis is computed: its component normal to the x axis. `None` for the vertical.
     pub z_axis: Option<Vector3<T>>,
 }
 
-/// Subframe that holds inner ends of both wheels' parts, on mounts at the body.
+/// Subframe that holds inner ends of the parts of both wheels. Mounts connect it to the body.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Subframe<T = f64> {
     /// Hardpoints on the subframe.
@@ -91,11 +91,11 @@ impl Subframe {
 /// Link with axial stiffness.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LinkPart<T = f64> {
-    /// Member with this stiffness.
+    /// Member to which the stiffness belongs.
     pub member: LinkMember,
     /// Axial stiffness of the member.
     pub stiffness: AxialStiffness<T>,
-    /// Constant tension. The stiffness adds its own tension to it.
+    /// Constant tension, added to the tension from the stiffness.
     pub preload: T,
 }
 
@@ -116,7 +116,7 @@ pub enum LinkMember {
 /// Axial stiffness of a link.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AxialStiffness<T = f64> {
-    /// Force per length. It stays constant if hardpoints move.
+    /// Force per length. This rate does not change if hardpoints move.
     Rate(T),
     /// Force per strain. The rate is this number divided by the length.
     PerStrain(T),
@@ -125,7 +125,7 @@ pub enum AxialStiffness<T = f64> {
 /// Elastic parts of a wheel's suspension.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Compliance<T = f64> {
-    /// Position in which parts are relaxed.
+    /// Position in which the elastic parts are relaxed.
     pub relaxed: Relaxed,
     /// Bushings of the wheel.
     pub bushings: Vec<BushingPart<T>>,
@@ -202,8 +202,8 @@ impl<T> Compliance<T> {
     }
 }
 
-/// Hardpoints that may have a bushing, in the order of the mechanism's points. For a solid axle, these are the hardpoints
-/// of the left half and the hardpoints that exist only once.
+/// Returns the hardpoints that may have a bushing, in the order of the mechanism's points. For a solid axle, the list
+/// contains the hardpoints of the left half, and the hardpoints that exist only once.
 pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
     let mut points = Vec::new();
     for constraint in &mechanism.constraints {
@@ -226,8 +226,8 @@ pub fn bushing_points(mechanism: &Mechanism) -> Vec<PointId> {
     points
 }
 
-/// Members that may have axial stiffness, with their names. For a solid axle, these are the members of the left half and
-/// the members that exist only once.
+/// Returns the members that may have axial stiffness, with their names. For a solid axle, the list contains the members
+/// of the left half, and the members that exist only once.
 pub fn link_members(mechanism: &Mechanism) -> Vec<(String, LinkMember)> {
     let mut members = Vec::new();
     for constraint in &mechanism.constraints {

@@ -19,7 +19,8 @@ use super::wheel::{Change, ElasticWheel, Equilibrium, HeldQuantity};
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Dual, Each, Jet, Scalar, Valued, Vector3};
 
-/// Equations in an equilibrium and their factors, with one quantity held. All derivatives with respect to loads use them.
+/// Factorised equations of an equilibrium, with one quantity held. All derivatives with respect to loads use these
+/// equations.
 #[derive(Clone, Debug)]
 pub struct Tangent<T: Valued = f64> {
     pub(super) state: State<T>,
@@ -29,8 +30,8 @@ pub struct Tangent<T: Valued = f64> {
 }
 
 impl<T: Scalar> ElasticWheel<T> {
-    /// Adds derivatives to an equilibrium of the same design. `task` has the loads with their derivatives. `None` if the
-    /// tangent is singular.
+    /// Adds derivatives to an equilibrium of the same design. `task` contains the loads with their derivatives. `None`
+    /// if the tangent is singular.
     pub(super) fn carried(&self, at: &State<f64>, task: &Task<T>) -> Option<Equilibrium<T>> {
         let system = &self.built.system;
         let like = system.like();
@@ -59,7 +60,7 @@ impl<T: Scalar> ElasticWheel<T> {
         })
     }
 
-    /// Derivatives of all unknowns with respect to the input that `change` names.
+    /// Returns the derivatives of all unknowns with respect to the input `change`.
     pub(super) fn rate(&self, tangent: &Tangent<T>, change: &Change<T>) -> Option<Step<T>> {
         let Tangent {
             state,
@@ -76,8 +77,8 @@ impl<T: Scalar> ElasticWheel<T> {
             }
             Change::Travel => right[equations.size - 1] = system.like().one(),
             Change::Rack => {
-                // The rack derivative enters through these equations. In equilibrium, an eliminated unknown adds only
-                // the derivative of its residual.
+                // The derivatives with respect to the rack displacement enter through these equations. In equilibrium,
+                // an eliminated unknown contributes only the derivative of its residual.
                 let dual = self.built.system_over(Dual::<T, 1>::constant);
                 let mut moving = task.map(Dual::constant);
                 moving.rack.partials[0] = system.like().one();
@@ -103,8 +104,8 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(geometry.figures(&moving, self.constants).map(|c| c[1]))
     }
 
-    /// State with its derivatives with respect to an input. It omits the unknowns that do not affect angles and
-    /// positions of the wheel.
+    /// Returns the state with its derivatives with respect to an input. The result omits the unknowns that do not
+    /// affect angles and positions of the wheel.
     pub(super) fn moving_by(
         &self,
         tangent: &Tangent<T>,
@@ -114,7 +115,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Some(self.moving(&tangent.state, &rate))
     }
 
-    /// Computes the tangent in an equilibrium, then the same derivatives as `figures_along`.
+    /// Computes the tangent in an equilibrium, then the derivatives that `figures_along` returns.
     pub fn figures_by(
         &self,
         at: &Equilibrium<T>,
@@ -124,7 +125,7 @@ impl<T: Scalar> ElasticWheel<T> {
         self.figures_along(&self.tangent(at, held)?, change)
     }
 
-    /// Shift of the wheel centre and rotation of the carrier per change of load.
+    /// Returns the shift of the wheel centre and the rotation of the carrier per change of load.
     pub fn twist_along(
         &self,
         tangent: &Tangent<T>,
@@ -137,7 +138,8 @@ impl<T: Scalar> ElasticWheel<T> {
         Some([Vector3::new(x, y, z) + turn.cross(lever), turn])
     }
 
-    /// State with the derivatives `rate`. It omits the unknowns that do not affect angles and positions of the wheel.
+    /// Returns the state with the derivatives `rate`. The result omits the unknowns that do not affect angles and
+    /// positions of the wheel.
     pub(super) fn moving(&self, state: &State<T>, rate: &Step<T>) -> State<Jet<T, 2>> {
         let mut moving = state.map(Jet::constant);
         let [x, y, z, a, b, c] = rate.carrier.each(|c| Jet([c.zero(), c]));
@@ -152,7 +154,7 @@ impl<T: Scalar> ElasticWheel<T> {
         moving
     }
 
-    /// Converts an equilibrium to a state and a task with another quantity held.
+    /// Converts an equilibrium to a state and a task in which another quantity is held.
     pub(super) fn held_as(&self, from: &Equilibrium<T>, held: HeldQuantity) -> (State<T>, Task<T>) {
         self.built
             .system
@@ -161,7 +163,7 @@ impl<T: Scalar> ElasticWheel<T> {
 }
 
 impl<T: Valued> System<T> {
-    /// Converts a state and its task to another held quantity.
+    /// Converts a state and its task, so that another quantity is held.
     #[inline(always)]
     pub(super) fn held_as(
         &self,

@@ -1,9 +1,9 @@
 //! Ends of equilibrium: the travel, rack displacement or load beyond which the search finds no stable equilibrium.
 //!
 //! The search increases a value from a known equilibrium, in steps of at most a twentieth of the value. Newton's method
-//! starts each state from the previous state. After a step without a stable equilibrium, the search halves the step. After
-//! a success, it doubles the step. The search ends when the step is 1e-10 of the value. Its last state is an equilibrium,
-//! and it found no equilibrium at a larger value.
+//! starts each state from the previous state. After a step without a stable equilibrium, the search halves the step.
+//! After a success, it doubles the step. The search ends when the step is 1e-10 of the value. The last state that it
+//! found is an equilibrium. It found no equilibrium at a larger value.
 //!
 //! At such an end the tangent is singular: a motion has no stiffness. With the tangent K and the motion x that inverse
 //! iteration finds, a part gives way if
@@ -12,10 +12,11 @@
 //! |K^-1 x| at the end  >  100 |K^-1 x| at the start                                               (1)
 //! ```
 //!
-//! At a fold, K^-1 grows with the inverse square root of the remaining distance. At a distance of 1e-10, the factor is
-//! about 1e5. Torque laws of large rotations and side forces that follow the wheel have no energy, so K is not symmetric.
-//! So a state can lose its stability (`solve.rs`) while K stays regular. If neither condition holds, Newton's method has
-//! failed for another reason, and the end is unknown.
+//! If the path of equilibria turns back at its end, K^-1 grows with the inverse square root of the remaining distance.
+//! At a distance of 1e-10, the factor is about 1e5. Torque laws of large rotations and side forces that follow the
+//! wheel have no energy, so K is not symmetric. So a state can lose its stability (`solve.rs`) while K stays regular.
+//! If a state neither gives way nor loses its stability, Newton's method has failed for another reason. The cause of
+//! the end is then unknown.
 
 use super::fault::{Motion, NoEquilibrium};
 use super::loads::WheelLoads;
@@ -33,13 +34,14 @@ const LARGEST_LOAD: f64 = 1e6;
 const LARGEST_MOMENT: f64 = 1e5;
 /// Travel or rack displacement (mm) at which the search ends.
 const LONGEST_TRAVEL: f64 = 1000.0;
-/// Typical values, in mm, N and N m. Steps are relative to the present value, but at least to the typical value.
+/// Typical values, in mm, N and N m. Steps are relative to the present value. If the present value is smaller than the
+/// typical value, steps are relative to the typical value.
 const USUAL_TRAVEL: f64 = 20.0;
 const USUAL_LOAD: f64 = 1000.0;
 const USUAL_MOMENT: f64 = 100.0;
 /// Largest step, as a fraction of the value.
 const LARGEST_STEP: f64 = 0.05;
-/// Step at which the search has found an end, as a fraction of the value.
+/// Smallest step, as a fraction of the value. At this step, the search has found an end.
 const RESOLUTION: f64 = 1e-10;
 /// Largest number of steps in one direction. Without failures, 140 steps reach a thousand times the typical value.
 const MOST_TRIES: usize = 4000;
@@ -58,7 +60,7 @@ pub enum EndCause {
         /// Direction of the motion.
         motion: Motion,
     },
-    /// The equilibrium is no longer stable, but every motion has stiffness. The fields name the softest motion.
+    /// The equilibrium is no longer stable, but every motion has stiffness. The fields describe the softest motion.
     Unstable {
         /// Name of the part.
         part: String,
@@ -82,7 +84,7 @@ pub enum DrivingForce {
     Rack,
 }
 
-/// Event between the design position and an end of equilibrium, for example contact with a bump stop.
+/// Event between the design position and an end of equilibrium, for example contact with the bump stop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
     /// The vertical force at a contact point turns negative, although the wheel has a spring.
@@ -91,7 +93,7 @@ pub enum Event {
     StopMet,
     /// A spring loses its force.
     SpringSlack,
-    /// The law of a bushing continues beyond its points, or the bushing's rotation exceeds 60 degrees.
+    /// A bushing is deflected beyond an end of its force curve, or rotated by more than 60 degrees.
     Extrapolated,
 }
 
@@ -112,18 +114,19 @@ pub struct EquilibriumEnd {
     pub value: f64,
     /// Cause of the end.
     pub cause: EndCause,
-    /// Events before the end, each with the first value at which it holds. The list omits events that hold at 0.
+    /// Events before the end, each with the first value at which the event is present. The list omits events that are
+    /// already present at 0.
     pub events: Vec<(Event, f64)>,
 }
 
-/// Range of values for a search.
+/// Range of values in which the search looks for an end.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Way {
-    /// Typical value, the smallest reference for steps.
+    /// Typical value: steps are never relative to less than this.
     usual: f64,
     /// Value at which the search ends; negative in the negative direction.
     farthest: f64,
-    /// Driving force that ends the search; `None` along a load.
+    /// Driving force that ends the search; `None` if the search increases a load.
     driven_by: Option<DrivingForce>,
 }
 
@@ -136,28 +139,28 @@ impl Way {
         })
     }
 
-    /// Ranges of a search in both directions of a travel or a rack displacement.
+    /// Returns the ranges for both directions of a travel or a rack displacement.
     pub(super) fn of_motion(millimetre: f64, force: DrivingForce) -> [Self; 2] {
         let (usual, farthest) = (USUAL_TRAVEL * millimetre, LONGEST_TRAVEL * millimetre);
         Way::both(usual, farthest, Some(force))
     }
 
-    /// Ranges of a search in both directions of a force.
+    /// Returns the ranges for both directions of a force.
     pub(super) fn of_load() -> [Self; 2] {
         Way::both(USUAL_LOAD, LARGEST_LOAD, None)
     }
 
-    /// Ranges of a search in both directions of a moment.
+    /// Returns the ranges for both directions of a moment.
     pub(super) fn of_moment(length: LengthUnit) -> [Self; 2] {
         let metre = length.per_metre();
         Way::both(USUAL_MOMENT * metre, LARGEST_MOMENT * metre, None)
     }
 }
 
-/// Reason why a search does not accept a value.
+/// Reason why the search does not accept a value.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Refusal {
-    /// No equilibrium; for an axle, with the index of the wheel.
+    /// No equilibrium exists. For an axle, the error contains the index of the wheel.
     Obstacle(Option<usize>, Obstacle),
     /// The force is too large.
     Force(DrivingForce),
@@ -167,7 +170,7 @@ pub(super) enum Refusal {
     Tries,
 }
 
-/// Result of a search.
+/// Result of a search for an end.
 #[derive(Clone, Copy, Debug)]
 struct Followed<S> {
     value: f64,
@@ -176,7 +179,8 @@ struct Followed<S> {
     refusal: Option<Refusal>,
 }
 
-/// Follows equilibria from the state at value 0. `next` finds the state at a value from a neighbouring state.
+/// Follows the equilibria from the state at value 0, in steps. `next` finds the state at a value; it starts from a
+/// neighbouring state.
 fn followed<S: Copy>(
     start: &S,
     way: Way,
@@ -218,33 +222,33 @@ fn followed<S: Copy>(
     }
 }
 
-/// Elastic suspension whose equilibria the search can follow.
+/// Elastic suspension that the search can follow from equilibrium to equilibrium.
 pub(super) trait Followable {
     /// State with all displacements.
     type State: Copy;
     /// Loads, heights and rack of an equilibrium.
     type Task;
-    /// Finds the stable equilibrium of a task from a neighbouring state. For a failure at one wheel of an axle, the error
-    /// contains the index of the wheel.
+    /// Finds the stable equilibrium of a task, from a neighbouring state. If a wheel of an axle fails, the error
+    /// contains the index of this wheel.
     fn settle(
         &self,
         from: &Self::State,
         task: &Self::Task,
     ) -> Result<Self::State, (Option<usize>, Obstacle)>;
-    /// Force that drives a motion; for contact points, the largest one.
+    /// Returns the force that drives a motion. For contact points, this is the largest vertical force.
     fn force(&self, of: DrivingForce, state: &Self::State, task: &Self::Task) -> f64;
     /// Returns true if an event has happened.
     fn is_past(&self, event: Event, state: &Self::State, task: &Self::Task) -> bool;
-    /// Size |K^-1 x| of the softest motion in (1), with its part and direction.
+    /// Returns the size |K^-1 x| of the softest motion in (1), the part that moves, and the direction of the motion.
     fn softest_motion(
         &self,
         state: &Self::State,
         task: &Self::Task,
     ) -> Option<(f64, (String, Motion))>;
-    /// Name of an eliminated part, and the motion of this part that has no stiffness.
+    /// Returns the name of an eliminated part, and the direction in which this part moves without stiffness.
     fn limb(&self, side: Option<usize>, limb: usize) -> (String, Motion);
 
-    /// Ends of the equilibria in both directions from `start`, the state at value 0.
+    /// Finds the ends of the equilibria in both directions from `start`, the state at value 0.
     fn ends(
         &self,
         start: &Self::State,
@@ -255,7 +259,7 @@ pub(super) trait Followable {
         ways.map(|way| self.end(start, way, stiff, &task))
     }
 
-    /// End of the equilibria in one direction.
+    /// Finds the end of the equilibria in one direction.
     fn end(
         &self,
         start: &Self::State,
@@ -311,7 +315,7 @@ pub(super) trait Followable {
         }
     }
 
-    /// Cause of an end.
+    /// Finds the cause of an end.
     fn cause(
         &self,
         state: &Self::State,
@@ -400,22 +404,23 @@ fn equilibrium(state: &State<f64>, task: &Task<f64>) -> Equilibrium {
 }
 
 impl ElasticWheel {
-    /// Smallest and largest travel with an equilibrium, with the rack held.
+    /// Returns the smallest and the largest travel at which an equilibrium exists, with the rack held.
     pub fn travel_ends(&self, rack: f64) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
         let at = self.at(0.0, rack)?;
         let ways = Way::of_motion(self.bounds.millimetre, DrivingForce::ContactPoint);
         Ok(self.ends(&at.solution.state, ways, |travel| level_task(travel, rack)))
     }
 
-    /// Smallest and largest rack displacement with an equilibrium, at the design height. Positive is the kernel's +y.
+    /// Returns the smallest and the largest rack displacement at which an equilibrium exists, at the design height.
+    /// Positive is along the kernel's +y.
     pub fn rack_ends(&self) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
         let at = self.at(0.0, 0.0)?;
         let ways = Way::of_motion(self.bounds.millimetre, DrivingForce::Rack);
         Ok(self.ends(&at.solution.state, ways, |rack| level_task(0.0, rack)))
     }
 
-    /// Smallest and largest multiple of the loads `unit` with an equilibrium. These loads act in addition to the loads
-    /// of a station.
+    /// Returns the smallest and the largest factor on the loads `unit` with which an equilibrium exists. These loads
+    /// act in addition to the loads of a station.
     pub(super) fn load_ends(
         &self,
         station: &Equilibrium,

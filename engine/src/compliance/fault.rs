@@ -14,12 +14,13 @@ pub enum ElasticFault {
         /// Free direction.
         motion: Motion,
     },
-    /// Forces at the design load cannot be computed, because only torsion gives a motion its stiffness.
+    /// Forces at the design load cannot be computed, because only the torsional stiffness of bushings resists one of
+    /// the motions.
     NoBalance {
         /// Name of the part.
         part: String,
     },
-    /// The law of a bushing does not reach the force that balance at the design load needs.
+    /// A bushing needs a certain force for balance at the design load, but its force curve does not contain this force.
     OutOfReach {
         /// Index of the bushing.
         bushing: usize,
@@ -28,20 +29,20 @@ pub enum ElasticFault {
     },
     /// The spring has no force in the design position, so nothing carries the wheel.
     NoForce,
-    /// The spring has no leverage on the wheel, or does not exist.
+    /// The spring cannot carry the wheel: its force produces no wheel load, or the wheel has no spring.
     NoLeverage,
 }
 
 /// Reason why an axle has no elastic model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleFault {
-    /// Wheel with the fault; `None` for parts that both wheels share.
+    /// Wheel at which the fault is; `None` for parts that both wheels share.
     pub side: Option<Side>,
     /// Reason for the fault.
     pub fault: ElasticFault,
 }
 
-/// Motion of a part.
+/// Motion of a part: its type and its axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
     /// Rotation about an axis of the vehicle.
@@ -50,12 +51,12 @@ pub enum Motion {
     Shift(Axis),
 }
 
-/// Reason why a state has no equilibrium.
+/// Reason why there is no equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoEquilibrium {
-    /// Fraction of the change from the last equilibrium that the solver reached, 0 to 1.
+    /// Fraction of the change that the solver reached, from 0 (last equilibrium) to 1 (full change).
     pub share: f64,
-    /// True if the solver reached no fraction because the equilibrium that it found is not stable.
+    /// True if the solver found an equilibrium that is not stable, so it reached no fraction of the change.
     pub is_unstable: bool,
     /// Part that gives way, and its motion.
     pub softest: Option<(String, Motion)>,
@@ -75,18 +76,18 @@ impl ElasticFault {
                 )
             }
             ElasticFault::NoBalance { part } => format!(
-                "the forces at the design load cannot be found: without torsion nothing holds {part}"
+                "the forces at the design load cannot be found: only the torsional stiffness of bushings holds {part}"
             ),
             ElasticFault::OutOfReach { bushing, axis } => {
                 let point = parts.bushings[*bushing].point;
                 format!(
-                    "the curve along {} of {} does not reach its force at the design load",
+                    "the force curve along {} of the bushing {} does not reach the force that this bushing carries at the design load",
                     ["x", "y", "z"][*axis],
                     suspension.mechanism.name(point)
                 )
             }
             ElasticFault::NoForce => {
-                "the spring's force in the design position is 0, but with relaxed = \"at_design_load\" it carries the wheel there: expected another force, or relaxed = \"free\"".to_owned()
+                "the spring's force in the design position is 0, but with relaxed = \"at_design_load\" this force must carry the wheel: expected another force, or relaxed = \"free\"".to_owned()
             }
             ElasticFault::NoLeverage => {
                 "the spring's force has no leverage on the wheel in the design position".to_owned()

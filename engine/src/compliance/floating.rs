@@ -1,4 +1,5 @@
-//! Links with a bushing at the carrier. A link has six inner unknowns, or three with a ball joint at the body.
+//! Links with a bushing at the carrier. Such a link has six inner unknowns, or three if its joint at the body is a ball
+//! joint.
 
 #![expect(
     clippy::needless_range_loop,
@@ -25,12 +26,12 @@ pub(super) struct Floating<T> {
     pub(super) outer: Bushing<T>,
     /// Vector from the carrier's reference point to the outer end.
     pub(super) joint: Vector3<T>,
-    /// Vector along the link's line. Its length is the root of a stiffness, as in [`Swinging::spin`].
+    /// Vector along the link's line. The square of its length is a stiffness, as in [`Swinging::spin`].
     pub(super) spin: Vector3<T>,
 }
 
 impl<T: Valued> Floating<T> {
-    /// Position of the link, with the shift of its inner end.
+    /// Returns the position of the link. It includes the shift of the link's inner end.
     #[inline(always)]
     fn placed(&self, at: &Conditions<T>, state: &LimbState<T>) -> Placed<T> {
         let shift = match self.inner {
@@ -43,7 +44,7 @@ impl<T: Valued> Floating<T> {
         }
     }
 
-    /// Vector e of the outer bushing, and the rotation R_i' R_j - I between carrier and link.
+    /// Returns the vector e of the outer bushing, and the rotation R_i' R_j - I between carrier and link.
     #[inline(always)]
     fn at_carrier(&self, at: &Conditions<T>, own: &Placed<T>) -> (Vector3<T>, Matrix3<T>) {
         let e = own.displacement(self.along) - at.carrier.displacement(self.joint);
@@ -52,7 +53,7 @@ impl<T: Valued> Floating<T> {
         (e, turn)
     }
 
-    /// States of the bushings, first the inner bushing.
+    /// Returns the states of the bushings: first the inner bushing, then the outer bushing.
     pub(super) fn bushing_states(
         &self,
         at: &Conditions<T>,
@@ -98,8 +99,8 @@ impl<T: Valued> Floating<T> {
         let (e, turn) = self.at_carrier(at, &own);
         let rotation = at.carrier.rotation();
         let outer = at.force(&self.outer, e, &turn, Some(&rotation));
-        // Tangents with respect to the displacement of the outer point p, the carrier's shift u and rotation q, and the
-        // link's rotation w.
+        // Tangents with respect to four motions: the displacement of the outer point p, the carrier's shift u and
+        // rotation q, and the link's rotation w.
         let arm = own.lever(self.along);
         let lever = at.carrier.lever(self.joint) + e;
         let (f, k, n) = (outer.force, outer.by_shift, outer.by_turn);
@@ -168,7 +169,8 @@ impl<T: Valued> Floating<T> {
     }
 }
 
-/// Blocks of a link's equations, with respect to the shift and rotation of the link and of the carrier.
+/// 3 x 3 blocks of a link's equations: derivatives with respect to the shift and the rotation of the link and of the
+/// carrier.
 struct LinkBlocks<T: Valued> {
     own: [[Matrix3<T>; 2]; 2],
     forces: [Vector3<T>; 2],
@@ -181,7 +183,7 @@ struct LinkBlocks<T: Valued> {
 }
 
 impl<T: Valued> LinkBlocks<T> {
-    /// Eliminates `N` unknowns, starting with index `first`.
+    /// Eliminates `N` unknowns, starting with the unknown of index `first`.
     #[inline(always)]
     fn eliminate<const N: usize>(
         &self,

@@ -14,15 +14,15 @@ pub(super) struct Gathered<T> {
     /// Gap of each rigid joint, and the derivatives of the gap with respect to the carrier's motion, in the axes of the
     /// joint's holder.
     pub(super) joints: [(T, [T; 6]); MOST_JOINTS],
-    /// Parts that also depend on coordinates other than the carrier's: index of the part, holder, forces. A bar on a rigid
-    /// part has the index [`MOST_LIMBS`].
+    /// Forces of the parts that also depend on coordinates other than the carrier's. Each entry contains the index of
+    /// the part, the body that holds it, and its forces. A bar on a rigid part has the index [`MOST_LIMBS`].
     pub(super) beside: Vec<(usize, Holder, Beside<T>)>,
 }
 
 impl<T: Valued> System<T> {
-    /// Sums forces and tangents of elastic parts and joints, each relative to the body that holds it. With `is_apart`,
-    /// body, subframe and rack have separate sums. Otherwise the first sum contains all parts. The function writes the
-    /// responses of parts to `equations`.
+    /// Sums the forces and tangents of elastic parts and joints, each relative to the body that holds the part. If
+    /// `is_apart` is true, body, subframe and rack have separate sums. Otherwise the first sum contains all parts. The
+    /// function writes the responses of parts with inner unknowns to `equations`.
     #[inline(always)]
     pub(super) fn gather(
         &self,
@@ -93,7 +93,7 @@ impl<T: Valued> System<T> {
         Ok(found)
     }
 
-    /// Adds elastic parts and joints of a single wheel.
+    /// Adds the forces of elastic parts and joints to the equations of a single wheel.
     #[inline(always)]
     pub(super) fn add_alone(&self, found: &Gathered<T>, equations: &mut Equations<T>) {
         let sum = &found.sums[0];

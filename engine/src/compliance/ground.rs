@@ -1,8 +1,9 @@
 //! Bodies that hold the inner ends of a wheel's parts: body, subframe and rack.
 //!
 //! The energy of parts on the subframe depends only on the carrier's pose relative to the subframe. So the program
-//! evaluates these parts in the subframe's axes, with the formulas for a body at rest. Let O and S be the reference points
-//! of carrier and subframe. With r = O - S, the subframe's rotation R, and the force f and moment m on the carrier,
+//! computes the forces of these parts in the subframe's axes, with the formulas for a body at rest. Let O and S be the
+//! reference points of carrier and subframe. With r = O - S, the subframe's rotation R, and the force f and moment m on
+//! the carrier,
 //!
 //! ```text
 //! du' = R'(du - ds - w_s x r),   dw' = R'(dw - w_s)                                               (1)
@@ -11,8 +12,8 @@
 //! ```
 //!
 //! Relative to the subframe, a point P of the body, at p = P - S, moves by dp' = R'(-ds + p x w_s) (4). The rack shifts
-//! along y in the axes of its holder. For parts on the rack, this shift is equivalent to the opposite shift of the carrier
-//! (5).
+//! along y in the axes of its holder. For parts on the rack, this shift is equivalent to the opposite shift of the
+//! carrier (5).
 
 use super::algebra::{Placed, cross_matrix};
 use super::bushing::BushingState;
@@ -32,7 +33,7 @@ pub(super) const RACK: usize = 6;
 /// Index of the bar's twist among the shared unknowns.
 pub(super) const TWIST: usize = 7;
 
-/// Body that holds an inner end.
+/// Body that holds the inner end of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Holder {
     Body,
@@ -40,23 +41,23 @@ pub(super) enum Holder {
 }
 
 impl Holder {
-    /// Index of the sum for parts on the rack, after the holders.
+    /// Index of the sum for the parts on the rack. The indices of the holders come first.
     pub(super) const RACK: usize = 2;
 }
 
-/// Holders of a system's parts, in the order of the parts.
+/// Bodies that hold the parts of a system, in the order of the parts.
 #[derive(Clone, Debug)]
 pub(super) struct Holders {
     pub(super) limbs: Vec<Holder>,
     pub(super) bushings: Vec<Holder>,
     pub(super) rods: Vec<Holder>,
     pub(super) joints: Vec<Holder>,
-    /// Holder of the rack's housing.
+    /// Body that holds the housing of the rack.
     pub(super) rack: Holder,
 }
 
 impl Holders {
-    /// Returns holders without parts.
+    /// Returns empty lists of holders, for a system without parts.
     pub(super) fn none() -> Self {
         Holders {
             limbs: Vec::new(),
@@ -73,10 +74,10 @@ impl Holders {
 pub(super) struct SubframePart<T> {
     /// Vector from the subframe's reference point to the carrier's, in the design position.
     pub(super) to_carrier: Vector3<T>,
-    /// Mounts at the body, with levers from the subframe's reference point.
+    /// Mounts at the body. Their lever arms start at the subframe's reference point.
     pub(super) mounts: Vec<CarrierBushing<T>>,
-    /// Vector from the subframe's reference point to the spring's upper end at the body. `None` unless the spring acts on
-    /// an arm of the subframe.
+    /// Vector from the subframe's reference point to the upper end of the spring at the body. `None` unless the spring
+    /// acts on an arm of the subframe.
     pub(super) upper: Option<Vector3<T>>,
 }
 
@@ -120,10 +121,11 @@ impl<T: Valued> Surroundings<T> {
     }
 }
 
-/// Signs of the shared unknowns in the axes of the other wheel.
+/// Signs that convert the shared unknowns to the axes of the other wheel.
 pub(super) const MIRROR: [f64; SHARED] = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, -1.0, 1.0];
 
-/// Displacements and options for the evaluation of a wheel's parts, relative to the body and to the subframe.
+/// Displacements and options for computing the forces of a wheel's parts, once relative to the body and once relative
+/// to the subframe.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frames<T> {
     pub(super) body: Conditions<T>,
@@ -148,20 +150,20 @@ impl<T: Valued> Frames<T> {
     }
 }
 
-/// Forces of a wheel's parts on the shared bodies, in the axes of a left wheel, with their tangents.
+/// Forces of a wheel's parts on the shared bodies, with their tangents, in the axes of a left wheel.
 #[derive(Clone, Debug)]
 pub(super) struct Coupling<T> {
     pub(super) force: [T; SHARED],
     pub(super) own: [[T; SHARED]; SHARED],
     pub(super) by_corner: [[T; MOST]; SHARED],
     pub(super) corner_by: [[T; SHARED]; MOST],
-    /// Responses of parts with inner unknowns that also depend on coordinates other than the carrier's, with the index of
-    /// each part.
+    /// Responses of those parts with inner unknowns that also depend on coordinates other than the carrier's. Each
+    /// response is stored with the index of its part.
     pub(super) beside: Vec<(usize, [[T; BESIDE]; 6])>,
 }
 
 impl<T: Valued> Coupling<T> {
-    /// Removes the derivatives of the tangents, for the step of [`Conditions::is_correction`].
+    /// Makes the tangents constant: removes their derivatives, as [`Conditions::is_correction`] requires.
     pub(super) fn fix_tangents(&mut self) {
         let fixed = |c: T| tangent_of(c, true);
         self.own = self.own.each(|row| row.each(fixed));
@@ -199,7 +201,8 @@ impl<T: Valued> System<T> {
 }
 
 impl<T: Scalar> System<T> {
-    /// Adds elastic parts and joints of a wheel on shared bodies. Returns their forces on these bodies.
+    /// Adds the elastic parts and joints of a wheel that is connected to shared bodies. Returns the forces of these
+    /// parts on the shared bodies.
     pub(super) fn add_coupled(
         &self,
         found: &Gathered<T>,
@@ -249,7 +252,8 @@ impl<T: Scalar> System<T> {
         coupling
     }
 
-    /// Step of the carrier and of the coordinates of [`Beside`], relative to the holder of a part with inner unknowns.
+    /// Returns the step of the carrier and of the coordinates in [`Beside`], relative to the body that holds a part
+    /// with inner unknowns.
     pub(super) fn seen_step(
         &self,
         limb: usize,
@@ -269,7 +273,7 @@ impl<T: Scalar> System<T> {
         )
     }
 
-    /// Step of the carrier and of the coordinates of [`Beside`], relative to a holder.
+    /// Returns the step of the carrier and of the coordinates in [`Beside`], relative to a holder.
     pub(super) fn seen_by(
         &self,
         holder: Holder,
@@ -322,13 +326,14 @@ pub(super) struct Pose<T> {
     pub(super) lever: Vector3<T>,
     /// Vector p of the spring's upper end.
     pub(super) upper: Option<Vector3<T>>,
-    /// Same flag as [`Conditions::balance_only`]. If it is true, forces do not rotate with the subframe, and their levers
-    /// stay constant.
+    /// Same flag as [`Conditions::balance_only`]. If it is true, forces do not rotate with the subframe, and their
+    /// lever arms stay constant.
     balance_only: bool,
 }
 
 impl<T: Valued> Pose<T> {
-    /// Cross-product matrix of a force. It gives the change of the force with a rotation, or of its moment with the lever.
+    /// Returns the cross-product matrix of a force. With this matrix, the program computes the change of the force with
+    /// a rotation, and the change of the moment with the lever arm.
     pub(super) fn turning(&self, force: Vector3<T>) -> Matrix3<T> {
         if self.balance_only {
             Matrix3::null(force.x)
@@ -339,7 +344,7 @@ impl<T: Valued> Pose<T> {
 }
 
 impl<T: Valued> SubframePart<T> {
-    /// Conditions relative to the subframe.
+    /// Returns the displacements and options relative to the subframe.
     fn seen(&self, body: &Conditions<T>, subframe: &Placed<T>) -> Conditions<T> {
         let back = subframe.turn.transposed();
         let unturned = |v: Vector3<T>| v + back.apply(v);

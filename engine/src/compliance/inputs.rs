@@ -1,5 +1,5 @@
-//! Inputs of an elastic suspension, and a copy of the suspension on a tape for reverse differentiation with respect to
-//! chosen inputs.
+//! Inputs of an elastic suspension. For derivatives with respect to chosen inputs, a copy of the suspension records its
+//! calculations on a tape (reverse differentiation).
 
 use super::definition::{AxialStiffness, Compliance};
 use super::fault::ElasticFault;
@@ -10,12 +10,15 @@ use crate::axle::Law;
 use crate::model::{Axis, PointId, Side, Suspension};
 use crate::number::{Tape, Tracked, Vector3};
 
-/// Input for derivatives of equilibria and test results, in the kernel's frame of a left wheel.
+/// Input of an elastic suspension with respect to which results are differentiated. Vectors are in the kernel's frame
+/// of a left wheel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Parameter {
-    /// Coordinate of a hardpoint. Axes, lengths and forces at the design load change with it.
+    /// Coordinate of a hardpoint. The axes and lengths of parts, and the forces at the design load, change with the
+    /// hardpoint.
     Point(PointId, Axis),
-    /// Rate of a bushing along (0 to 2) or about (3 to 5) an axis. For a force curve, the factor on its forces.
+    /// Rate of a bushing along an axis (0 to 2) or about an axis (3 to 5). If the law is a force curve: factor on the
+    /// forces of the curve.
     Stiffness(usize, usize),
     /// Cubic term of a bushing.
     Cubic(usize, usize),
@@ -23,7 +26,7 @@ pub enum Parameter {
     Preload(usize, usize),
     /// Component of the direction of a bushing's x axis.
     AxisX(usize, Axis),
-    /// Component of the direction that gives a bushing's z axis.
+    /// Component of the direction that determines a bushing's z axis.
     AxisZ(usize, Axis),
     /// Stiffness of a link: force per length or per strain, as the study gives it.
     Link(usize),
@@ -33,13 +36,13 @@ pub enum Parameter {
     SpringRate,
     /// Force of a linear spring in the design position.
     SpringForce,
-    /// Stiffness between commanded rack and rack, without the column.
+    /// Stiffness between the commanded and the actual rack displacement, without the steering column.
     RackRate,
     /// Stiffness of the steering column.
     ColumnRate,
     /// Rate of the anti-roll bar.
     BarRate,
-    /// Wheel travel, if the height is held.
+    /// Wheel travel, for an equilibrium whose height is held.
     Travel,
     /// Displacement of the rack along the kernel's +y.
     Rack,
@@ -53,10 +56,10 @@ pub enum Parameter {
     Moment(Axis),
 }
 
-/// Input of an axle. It belongs to both wheels, which change as mirror images, or to one wheel.
+/// Input of an axle. It belongs to one wheel, or to both wheels, which then change as mirror images.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxleParameter {
-    /// Input of a wheel, or of a part that both wheels share.
+    /// Input of one wheel, or of a part that both wheels share.
     pub parameter: Parameter,
     /// Wheel that changes; `None` for both wheels.
     pub side: Option<Side>,
@@ -72,7 +75,7 @@ impl From<Parameter> for AxleParameter {
 }
 
 impl AxleParameter {
-    /// Selects the wheels that change.
+    /// Returns the elements of `wheels` that change.
     pub(super) fn of_sides<'w, W>(
         &self,
         wheels: &'w mut [W; 2],
@@ -85,17 +88,18 @@ impl AxleParameter {
 }
 
 impl Compliance {
-    /// Sets the number of a parameter, such as the rate of a bushing, a link or a linear spring, or the tension of a
-    /// link. For a force curve of a bushing, the rate is the factor on its forces. A parameter that these parts lack
-    /// has no effect. The right half of a solid axle lacks the parts that the axle has only once.
+    /// Sets the value of a parameter, for example the rate of a bushing, a link or a linear spring, or the tension of a
+    /// link. If the law of a bushing is a force curve, the value is the factor on the forces of the curve. If these
+    /// parts do not have the parameter, nothing changes. The right half of a solid axle does not have the parts that
+    /// exist only once.
     pub fn set_rate(&mut self, parameter: Parameter, value: f64) {
         if let Some(number) = law_of(self, parameter) {
             *number = value;
         }
     }
 
-    /// Changes the value of a parameter by `change`, or by the fraction `change` if `is_relative` is true. Returns false if
-    /// the new value is not above 0.
+    /// Changes the value of a parameter by `change`. If `is_relative` is true, `change` is a fraction of the value.
+    /// Returns false if the new value is not above 0.
     pub(crate) fn change_rate(
         &mut self,
         parameter: Parameter,
@@ -106,23 +110,24 @@ impl Compliance {
     }
 }
 
-/// Elastic suspension over numbers on a tape.
+/// Elastic suspension with numbers on a tape.
 #[derive(Clone, Debug)]
 pub struct OnTape<'t> {
-    /// Suspension over these numbers.
+    /// The suspension.
     pub wheel: ElasticWheel<Tracked<'t>>,
-    /// Inputs among loads, travel and rack. Each is an offset with value 0.
+    /// Inputs that are loads, travel or rack displacement. Each is an offset whose value is 0.
     added: Vec<(Parameter, Tracked<'t>)>,
 }
 
-/// Changes a rate by `change`, or by the fraction `change` if `is_relative` is true. Returns false if the new rate is not
-/// above 0.
+/// Changes a rate by `change`. If `is_relative` is true, `change` is a fraction of the rate. Returns false if the new
+/// rate is not above 0.
 pub(super) fn scatter_rate(rate: &mut f64, change: f64, is_relative: bool) -> bool {
     *rate += if is_relative { *rate * change } else { change };
     *rate > 0.0
 }
 
-/// Value of a parameter in the laws of bushings, links and spring; `None` if the parts do not have the parameter.
+/// Returns the value of a parameter in the laws of bushings, links and spring; `None` if these parts do not have the
+/// parameter.
 pub(super) fn law_of<T>(parts: &mut Compliance<T>, parameter: Parameter) -> Option<&mut T> {
     match parameter {
         Parameter::Stiffness(bushing, axis) => {
@@ -166,8 +171,8 @@ pub(super) fn law_of<T>(parts: &mut Compliance<T>, parameter: Parameter) -> Opti
 }
 
 impl<'t> OnTape<'t> {
-    /// Makes the suspension with these inputs. The inputs are the first numbers on the tape, in this order. Inputs that
-    /// the suspension lacks have no effect.
+    /// Makes the suspension with these inputs. The inputs are the first numbers on the tape, in this order. An input
+    /// has no effect if the suspension does not have its part.
     pub fn new(
         suspension: &Suspension,
         design: &[Vector3<f64>],
@@ -203,7 +208,8 @@ impl<'t> OnTape<'t> {
         })
     }
 
-    /// Adds derivatives with respect to the inputs to an equilibrium of the suspension. The height or all loads stay held.
+    /// Adds derivatives with respect to the inputs to an equilibrium of the suspension. The height stays held, or all
+    /// loads stay held.
     pub fn carried(&self, at: &Equilibrium) -> Option<Equilibrium<Tracked<'t>>> {
         let mut task = at.solution.task.map(Tracked::constant);
         for (parameter, added) in &self.added {
@@ -224,8 +230,8 @@ impl<'t> OnTape<'t> {
         self.wheel.carried(&at.solution.state, &task)
     }
 
-    /// Adds derivatives with respect to the inputs to an equilibrium under loads in addition to the loads of a station. The
-    /// wheel keeps the height or the load of its station. This height or load can depend on the inputs.
+    /// Adds derivatives with respect to the inputs to an equilibrium under loads that act in addition to the loads of a
+    /// station. The height or the wheel load of the station stays held. This height or load can depend on the inputs.
     pub fn carried_about(
         &self,
         station: &Equilibrium<Tracked<'t>>,
@@ -234,7 +240,7 @@ impl<'t> OnTape<'t> {
     ) -> Option<Equilibrium<Tracked<'t>>> {
         let (_, base) = self.wheel.held_as(station, held);
         let mut task = at.solution.task.map(Tracked::constant);
-        // Keep the value of the load, and take its derivatives from the station.
+        // Keep the value of the wheel load, but use its derivatives at the station.
         if let Hold::Load = base.hold {
             let change = task.loads.contact.z.plain() - base.loads.contact.z.plain();
             task.loads.contact.z = base.loads.contact.z + Tracked::constant(change);

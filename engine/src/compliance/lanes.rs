@@ -1,13 +1,13 @@
-//! Equilibria of several wheels at once, one in each SIMD lane.
+//! Equilibria of several wheels at once. Each SIMD lane contains the numbers of one wheel.
 //!
 //! Each lane solves the equations of one wheel (`system.rs`) with the convergence check of `solve.rs`. A lane that has
-//! converged keeps its state while other lanes continue. So the results of a lane are bit-identical for any neighbours and
-//! any number of lanes. Lanes round a sum with a product only once, so they differ from the solver for one wheel by
-//! rounding errors.
+//! converged keeps its state while other lanes continue. So the results of a lane are bit-identical, whatever the other
+//! lanes contain and however many lanes there are. In lanes, a product and a following sum are rounded only once. So
+//! the results differ from those of the solver for one wheel by rounding errors.
 //!
 //! Lanes first try the whole change in one step. If this step fails for a travel, they try two, four and eight equal
-//! steps. A lane that needs smaller steps, or whose equilibrium is not stable, has no result. Then the solver for one
-//! wheel starts again from the beginning.
+//! steps. If a lane needs even smaller steps, or its equilibrium is not stable, the lane has no result. The solver for
+//! one wheel then solves this wheel from the beginning.
 
 #![expect(
     clippy::needless_range_loop,
@@ -24,14 +24,14 @@ use crate::number::{MOST_LANES, SimdReal, Vector3, outlined};
 use crate::threads::checkpoint;
 use std::cell::{Cell, RefCell};
 
-/// Numbers of equal steps to a travel, tried in turn if a single step fails. These numbers are powers of two, so that
+/// Numbers of equal steps to a travel. If one number fails, the next is tried. These numbers are powers of two, so that
 /// the last step ends exactly at the travel.
 const PARTS: [usize; 3] = [2, 4, 8];
 
-/// Working memory that collects the numbers of several wheels.
+/// Memory in which the numbers of several wheels are collected.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct LaneMemory {
-    /// Numbers in the order in which conversions visit them, with their lanes.
+    /// For each number, its values in all SIMD lanes. The order is that in which the conversion visits the numbers.
     numbers: RefCell<Vec<[f64; MOST_LANES]>>,
     /// Index of the next number.
     next: Cell<usize>,
@@ -42,7 +42,7 @@ impl LaneMemory {
         self.next.set(0);
     }
 
-    /// Returns the index of the next number, and allocates its memory if necessary.
+    /// Moves to the next number and returns its index. The function extends the memory if necessary.
     fn advance(&self) -> usize {
         let number = self.next.get();
         self.next.set(number + 1);
@@ -67,19 +67,19 @@ impl LaneMemory {
     }
 }
 
-/// Elastic wheels side by side. All wheels have the same parts, with different numbers.
+/// Elastic wheels in SIMD lanes. All wheels have the same kinds of parts, but different values.
 pub(crate) struct WheelsInLanes<B> {
     system: System<B>,
     start: State<B>,
     bounds: Bounds,
-    /// Number of wheels. Further lanes repeat the last wheel.
+    /// Number of wheels. The remaining lanes contain copies of the last wheel.
     count: usize,
-    /// True if the design position is an equilibrium. If not, the solver for one wheel reduces external holding forces step
-    /// by step.
+    /// True if the design position is an equilibrium. Otherwise external forces hold the design position at first, and
+    /// the solver for one wheel reduces these forces step by step.
     starts_in_balance: bool,
 }
 
-/// Equilibria side by side.
+/// Equilibria of several wheels, one in each SIMD lane.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct EquilibriaInLanes<B> {
     state: State<B>,
@@ -91,14 +91,14 @@ pub(crate) struct EquilibriaInLanes<B> {
 }
 
 impl ElasticWheel {
-    /// Returns true if lanes support the parts of this wheel.
+    /// Returns true if the parts of this wheel can be solved in SIMD lanes.
     pub(crate) fn fits_lanes(&self) -> bool {
         self.built.system.fits_lanes()
     }
 }
 
 impl<B: SimdReal> WheelsInLanes<B> {
-    /// Puts wheels side by side: one or more, at most as many as there are lanes.
+    /// Puts wheels into lanes. There must be at least one wheel, and not more wheels than lanes.
     pub(crate) fn of<'w>(
         like: B,
         memory: &LaneMemory,
@@ -107,7 +107,7 @@ impl<B: SimdReal> WheelsInLanes<B> {
         let count = wheels.len();
         let mut last = None;
         for (lane, wheel) in wheels.enumerate() {
-            // Lanes beyond the last wheel repeat it.
+            // The lanes after the last wheel contain copies of it.
             let end = if lane + 1 == count {
                 B::LANES
             } else {
@@ -137,7 +137,7 @@ impl<B: SimdReal> WheelsInLanes<B> {
         all
     }
 
-    /// Equilibria with the wheel centres at a height, without horizontal loads, like [`ElasticWheel::at`].
+    /// Finds the equilibria with the wheel centres at a height, without horizontal loads, like [`ElasticWheel::at`].
     #[inline(always)]
     pub(crate) fn at(&self, travel: f64, rack: f64) -> EquilibriaInLanes<B> {
         let like = self.start.vertical;
@@ -163,8 +163,8 @@ impl<B: SimdReal> WheelsInLanes<B> {
         found
     }
 
-    /// Equilibria after a change that the solver makes in equal steps. `task` gives the task at a fraction of the
-    /// change.
+    /// Finds the equilibria after a change, which the solver makes in equal steps. `task` returns the task after a
+    /// fraction of the change.
     #[inline(always)]
     fn in_parts(
         &self,
@@ -188,8 +188,8 @@ impl<B: SimdReal> WheelsInLanes<B> {
         reached
     }
 
-    /// Equilibria under loads that act in addition to the loads of a station. They start from neighbouring equilibria, like
-    /// [`ElasticWheel::loaded_about`].
+    /// Finds the equilibria under loads that act in addition to the loads of a station. The search starts from
+    /// neighbouring equilibria, like [`ElasticWheel::loaded_about`].
     #[inline(always)]
     pub(crate) fn loaded_about(
         &self,
@@ -217,7 +217,7 @@ impl<B: SimdReal> WheelsInLanes<B> {
         )
     }
 
-    /// Newton's method in the open lanes.
+    /// Runs Newton's method in the lanes that are still open.
     #[inline(always)]
     fn solved(
         &self,
@@ -287,7 +287,7 @@ impl<B: SimdReal> WheelsInLanes<B> {
     }
 }
 
-/// Selects the settled lanes whose equations belong to a stable state, by the check of `solve.rs`.
+/// Selects the converged lanes whose equilibrium is stable, by the check of `solve.rs`.
 #[inline(always)]
 fn stable_lanes<B: SimdReal>(
     equations: &Equations<B>,
@@ -309,7 +309,7 @@ fn stable_lanes<B: SimdReal>(
     is_stable
 }
 
-/// Returns true if the equations of a lane belong to a stable state.
+/// Returns true if the equilibrium in a lane is stable, from the equations of this lane.
 fn is_stable_lane(entries: &[[[f64; MOST_LANES]; 6]], bounds: Bounds, lane: usize) -> bool {
     let mut rows = [[0.0; 6]; MOST];
     for (row, entries) in rows.iter_mut().zip(entries) {
@@ -327,7 +327,7 @@ fn is_stable_lane(entries: &[[[f64; MOST_LANES]; 6]], bounds: Bounds, lane: usiz
 }
 
 impl<B: SimdReal> EquilibriaInLanes<B> {
-    /// Copies the equilibria that `others` has and `self` lacks.
+    /// Copies each equilibrium that exists in `others` but not in `self`.
     #[inline(always)]
     fn take(&mut self, others: &Self) {
         let mut is_taken = [0.0; MOST_LANES];
@@ -342,8 +342,8 @@ impl<B: SimdReal> EquilibriaInLanes<B> {
         self.state = State::choose(taken, &others.state, &self.state);
     }
 
-    /// Writes the equilibria of the first wheels, one after the other; `None` without a result. `to` has an entry for each
-    /// of these wheels.
+    /// Writes the equilibria of the first wheels to `to`, one after the other. `to` has one entry per wheel; `None`
+    /// means that the wheel has no result.
     #[inline(always)]
     pub(crate) fn write(&self, to: &mut [Option<Equilibrium>]) {
         let numbers = outlined!(
@@ -365,7 +365,7 @@ impl<B: SimdReal> EquilibriaInLanes<B> {
     }
 }
 
-/// Equilibrium in a lane, from the numbers in the order of [`visit`].
+/// Returns the equilibrium in a lane. Its numbers are read in the order of [`visit`].
 fn in_lane<B>(
     numbers: &[[f64; MOST_LANES]; NUMBERS],
     lane: usize,
@@ -387,10 +387,10 @@ fn in_lane<B>(
     }
 }
 
-/// Largest number of values that [`visit`] visits.
+/// Largest number of values that [`visit`] can visit.
 const NUMBERS: usize = 12 + 15 * MOST_LIMBS + MOST_JOINTS + 1 + 11 + 2;
 
-/// Visits all numbers of an equilibrium. `limbs` is the number of parts with inner unknowns.
+/// Calls `f` for all numbers of an equilibrium. `limbs` is the number of parts with inner unknowns.
 #[inline(always)]
 fn visit<T>(state: &mut State<T>, task: &mut Task<T>, limbs: usize, mut f: impl FnMut(&mut T)) {
     visit_placed(&mut state.carrier, &mut f);

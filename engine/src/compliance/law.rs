@@ -14,7 +14,8 @@
 use crate::axle::ForceCurve;
 use crate::number::{Jet, Scalar, Valued};
 
-/// Largest number of Newton steps to invert a law. A monotone cubic needs only a few steps; bisection is the safeguard.
+/// Largest number of Newton steps when a law is inverted. A monotone cubic polynomial needs only a few steps. Bisection
+/// is used if Newton's method fails.
 const MOST_STEPS: usize = 200;
 
 /// Force as a function of deflection.
@@ -37,7 +38,7 @@ pub enum Shape<T = f64> {
 }
 
 impl Shape {
-    /// Slope at zero deflection, without a preload.
+    /// Slope at zero deflection, for a law without preload.
     pub fn initial_rate(&self) -> f64 {
         self.slope(0.0)
     }
@@ -60,7 +61,7 @@ impl<T: Copy> Shape<T> {
 }
 
 impl<T: Valued> Shape<T> {
-    /// Force and its slope at a deflection.
+    /// Returns the force and its slope at a deflection.
     #[inline(always)]
     pub(super) fn at(&self, deflection: T) -> (T, T) {
         match self {
@@ -76,14 +77,14 @@ impl<T: Valued> Shape<T> {
         }
     }
 
-    /// Slope at zero deflection.
+    /// Returns the slope at zero deflection.
     pub(super) fn slope(&self, like: T) -> T {
         self.at(like.zero()).1
     }
 }
 
 impl<T: Scalar> Shape<T> {
-    /// Deflection at which a rising law has this force; `None` if the law does not reach the force.
+    /// Returns the deflection at which a rising law has this force; `None` if the law does not reach the force.
     fn deflection(&self, force: T) -> Option<T> {
         let mut low = -1.0;
         let mut high = 1.0;
@@ -116,7 +117,7 @@ impl<T: Scalar> Shape<T> {
             }
             at = next;
         }
-        // One more Newton step in the number type of the force adds the derivatives.
+        // One more Newton step, in the number type of the force, adds the derivatives.
         let (found, slope) = self.at(force.constant(at));
         Some(force.constant(at) - (found - force) / slope)
     }
@@ -144,7 +145,7 @@ impl<T: Valued> Law<T> {
         }
     }
 
-    /// Converts the law to another number type. `shape` is its converted shape.
+    /// Converts the law to another number type. `shape` is the shape, already converted.
     pub(super) fn with<U>(&self, shape: Shape<U>, f: impl Fn(T) -> U) -> Law<U> {
         Law {
             shape,
@@ -154,11 +155,11 @@ impl<T: Valued> Law<T> {
         }
     }
 
-    /// Force and slope at a deflection from the design position, by equation (1).
+    /// Returns force and slope at a deflection from the design position, by equation (1).
     #[inline(always)]
     pub(super) fn at(&self, deflection: T) -> (T, T) {
         match &self.shape {
-            // This form makes the force at the design load exact.
+            // With this formula, the force at the design load is exact.
             Shape::Cubic { rate, cubic } => {
                 let (d, d0) = (deflection, self.deflection);
                 let total = d + d0;
@@ -192,7 +193,7 @@ impl<T: Scalar> Law<T> {
         deflection.is_some()
     }
 
-    /// Deflection d0 of the design position from the unloaded position.
+    /// Returns the deflection d0 of the design position, relative to the unloaded position.
     #[cfg(test)]
     fn preload_deflection(&self) -> T {
         self.deflection
@@ -215,7 +216,8 @@ impl<T: Scalar> Law<T> {
 mod tests {
     use super::*;
 
-    /// At the design load, the law has the given force. Elsewhere it equals the unloaded law, shifted by d0.
+    /// At the design position, the law has the given force. At all deflections, it equals the unloaded law, shifted by
+    /// d0.
     #[test]
     fn a_preloaded_law_is_the_unloaded_one_moved() {
         let cubic = Shape::Cubic {

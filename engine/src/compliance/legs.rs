@@ -1,8 +1,9 @@
-//! Seats of springs and drop links of anti-roll bars on arms with rigid or elastic legs.
+//! Arms with rigid or elastic legs (rods) on which a spring or the drop link of an anti-roll bar acts.
 //!
-//! The seat is fixed in the frame of the arm's axis e and outer joint. Let r be the unit vector from the axis to the joint,
-//! n = e x r, and l the joint's distance from the axis. Let b and c be the seat's distances along r and n. A force F at the
-//! seat is equivalent to this force at the joint:
+//! The spring or drop link acts at the seat, a point of the arm. The seat is fixed in the frame of the arm's axis e and
+//! outer joint. Let r be the unit vector from the axis to the joint, n = e x r, and l the joint's distance from the
+//! axis. Let b and c be the seat's distances along r and n. A force F at the seat is equivalent to this force at the
+//! joint:
 //!
 //! ```text
 //! n p/l,   p = F.(b n - c r);   tangent -(p/l^2)(r n' + n r') - (F.(b r + c n)/l^2) n n'          (1)
@@ -31,14 +32,14 @@ pub(super) struct LegPoint<T> {
     pub(super) place: [T; 2],
 }
 
-/// Seat of a spring on an arm with rigid or elastic legs.
+/// Spring that acts on an arm with rigid or elastic legs.
 #[derive(Clone, Debug)]
 pub(super) struct LegSeat<T> {
     pub(super) leg: LegPoint<T>,
     pub(super) seat: Seat<T>,
 }
 
-/// Frame of an arm with legs: r, n/l, the vector b n - c r, and the displacement of the point.
+/// Present frame of an arm with legs: r, n/l, the vector b n - c r, and the displacement of the point.
 struct LegFrame<T> {
     radial: Vector3<T>,
     normal: Vector3<T>,
@@ -52,7 +53,7 @@ struct LegFrame<T> {
 }
 
 impl<T: Valued> LegFrame<T> {
-    /// Force at the joint from a force at the point, by equation (1).
+    /// Returns the force at the joint that is equivalent to a force at the point, by equation (1).
     #[inline(always)]
     fn at_joint(&self, point: &PointForce<T>, balance_only: bool) -> PointForce<T> {
         let (r, n, [b, c]) = (self.radial, self.normal, self.place);
@@ -82,7 +83,7 @@ impl<T: Valued> LegPoint<T> {
         let moved = carrier.displacement(self.joint).across(self.axis);
         let line = Stretched::of(self.radius, moved);
         let before = self.radius.normalised();
-        // Computing r - r0 from the displacement keeps all digits.
+        // Computed from the displacement, r - r0 keeps all digits.
         let change = (moved - before * line.stretch) * line.inverse_length;
         let turned = self.axis.cross(change);
         let (radial, normal) = (line.direction, self.axis.cross(line.direction));
@@ -97,7 +98,7 @@ impl<T: Valued> LegPoint<T> {
         }
     }
 
-    /// Shift of the seat for a small step of the joint from the design position.
+    /// Returns the shift of the seat for a small step of the joint from the design position.
     pub(super) fn shift(&self, joint: Vector3<T>) -> Vector3<T> {
         let r = self.radius.normalised();
         let n = self.axis.cross(r);
@@ -105,7 +106,7 @@ impl<T: Valued> LegPoint<T> {
         (n * self.place[0] - r * self.place[1]) * turn
     }
 
-    /// Displacement of the seat.
+    /// Returns the displacement of the point.
     #[inline(always)]
     pub(super) fn displacement(&self, carrier: &Placed<T>) -> Vector3<T> {
         self.frame(carrier).moved
@@ -113,7 +114,8 @@ impl<T: Valued> LegPoint<T> {
 }
 
 impl<T: Valued> LegSeat<T> {
-    /// Displacement of the seat, relative to the spring's upper end if that end is on another body.
+    /// Returns the displacement of the seat. If the spring's upper end is on another body, the displacement is relative
+    /// to this end.
     #[inline(always)]
     pub(super) fn displacement(&self, at: &Conditions<T>) -> Vector3<T> {
         let moved = self.leg.displacement(&at.carrier);
@@ -187,14 +189,14 @@ impl<T: Valued> LegSeat<T> {
     }
 }
 
-/// Drop link of an anti-roll bar on the carrier, or on an arm with legs.
+/// Drop link of an anti-roll bar. Its outer end is on the carrier, or on an arm with legs.
 #[derive(Clone, Debug)]
 pub(super) struct BarPart<T> {
     pub(super) foot: BarFoot<T>,
     pub(super) seat: BarSeat<T>,
 }
 
-/// Location of a drop link's outer end.
+/// Part on which the outer end of a drop link is.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum BarFoot<T> {
     /// Point on the carrier, as a vector from the carrier's reference point.
@@ -212,7 +214,7 @@ impl<T: Valued> BarPart<T> {
         }
     }
 
-    /// Angle of the lever.
+    /// Angle of the anti-roll bar's lever.
     pub(super) fn angle(&self, at: &Conditions<T>) -> T {
         let moved = self.displacement(&at.carrier);
         self.seat.force(moved, at.twist).angle

@@ -1,15 +1,16 @@
-//! Parts between body and wheel carrier with their own degrees of freedom, which are eliminated from the equations.
+//! Parts between body and wheel carrier that have their own degrees of freedom (inner unknowns).
 //!
-//! Each part has inner unknowns y, in addition to the displacement x of its outer support. The support is the joint of an
-//! arm, or the whole carrier. With the derivatives f and m of the energy with respect to x and y,
+//! The inner unknowns y of a part are additional to the displacement x of the part's outer support. The support is the
+//! joint of an arm, or the whole carrier. The inner unknowns are eliminated from the equations. Let f and m be the
+//! derivatives of the energy with respect to x and y. Without an inner loop, the full Newton step is
 //!
 //! ```text
 //! dy = -(m_y^-1 m + m_y^-1 m_x dx)                                                                (1)
 //! f_x - f_y m_y^-1 m_x,   f - f_y m_y^-1 m                                                        (2)
 //! ```
 //!
-//! is the full Newton step, without an inner loop. A force F acts on a body at the lever r = R (P - O), and K is its
-//! derivative with respect to the point's position. The effect of F on the body is
+//! A force F acts on a body at the lever r = R (P - O), and K is its derivative with respect to the point's position.
+//! The effect of F on the body is
 //!
 //! ```text
 //! force F, moment r x F;   tangents K, -K r^, r^ K, -r^ K r^ + F^ r^                              (3)
@@ -69,7 +70,7 @@ impl<T: Valued> Sum<T> {
         self.add_block(3, 3, by_turn);
     }
 
-    /// Adds a force at a point, by equation (3).
+    /// Adds a force at a point, by equation (3). `lever` is the vector from the reference point to this point.
     #[inline(always)]
     pub(super) fn add_point(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
         outlined!(
@@ -93,20 +94,21 @@ impl<T: Valued> Sum<T> {
     }
 }
 
-/// Displacements and options for the evaluation of parts, relative to the body that holds these parts.
+/// Displacements and options for computing the forces of parts. Displacements are relative to the body that holds these
+/// parts.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Conditions<T> {
     pub(super) carrier: Placed<T>,
     pub(super) rack: T,
-    /// Displacement of a spring's upper end on another body.
+    /// Displacement of the upper end of a spring, if this end is on another body.
     pub(super) upper: Vector3<T>,
-    /// Twist of the anti-roll bar's middle.
+    /// Twist of the anti-roll bar at its middle.
     pub(super) twist: T,
-    /// True while the program computes the forces at the design load. Then elements contribute stiffness but no force,
-    /// springs contribute force but no stiffness, and torsion is ignored.
+    /// True while the program computes the forces at the design load. Then elastic parts contribute stiffness but no
+    /// force, and springs contribute force but no stiffness. Torsion is ignored.
     pub(super) balance_only: bool,
-    /// True for the Newton step that adds derivatives to an equilibrium. Its unbalanced forces are zero, so derivatives of
-    /// the tangents have no effect, and tangents can be constants.
+    /// True for the Newton step that adds derivatives to an equilibrium. In an equilibrium the unbalanced forces are
+    /// zero. So derivatives of the tangents have no effect, and the tangents can be constants.
     pub(super) is_correction: bool,
 }
 
@@ -138,11 +140,11 @@ impl<T: Valued> Conditions<T> {
 
 /// Number of coordinates in [`Beside`].
 pub(super) const BESIDE: usize = 4;
-/// Index of the twist among these coordinates.
+/// Index of the bar's twist among the coordinates in [`Beside`].
 pub(super) const TWIST_BESIDE: usize = 3;
 
-/// Forces of a part on coordinates other than the carrier's, after elimination of inner unknowns. These coordinates are the
-/// displacement of a spring's upper end on another body, and the twist of the anti-roll bar's middle.
+/// Forces of a part on two kinds of additional coordinates: the displacement of a spring's upper end on another body,
+/// and the twist of the anti-roll bar's middle. The inner unknowns of the part are already eliminated.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Beside<T> {
     /// Derivatives of the energy with respect to these coordinates.
@@ -168,9 +170,9 @@ impl<T: Valued> Beside<T> {
         }
     }
 
-    /// Sets the tangents between one coordinate and a point of the carrier at this lever. `by` is the derivative of the
-    /// coordinate's force with respect to the point's displacement. `at` is the derivative of the force at the point with
-    /// respect to the coordinate.
+    /// Sets the tangents between one coordinate and a point of the carrier. `lever` is the vector to this point. `by`
+    /// is the derivative of the coordinate's force with respect to the point's displacement. `at` is the derivative of
+    /// the force at the point with respect to the coordinate.
     pub(super) fn couple(&mut self, k: usize, lever: Vector3<T>, by: Vector3<T>, at: Vector3<T>) {
         self.by_carrier[k] = joined(by, lever.cross(by));
         for (row, entry) in self.carrier_by.iter_mut().zip(joined(at, lever.cross(at))) {
@@ -179,17 +181,17 @@ impl<T: Valued> Beside<T> {
     }
 }
 
-/// Joins two vectors to an array of six numbers.
+/// Joins two vectors to one array of six numbers.
 #[inline(always)]
 pub(super) fn joined<T: Copy>(first: Vector3<T>, second: Vector3<T>) -> [T; 6] {
     let (f, s) = (first, second);
     [f.x, f.y, f.z, s.x, s.y, s.z]
 }
 
-/// State of the inner unknowns of a part.
+/// Values of the inner unknowns of a part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LimbState<T> {
-    /// Position of the part. Only links with a bushing at each end use the shift.
+    /// Position of the part. Its shift is only used for links with a bushing at each end.
     pub(super) placed: Placed<T>,
     /// Components of the force in a ball joint at the body.
     pub(super) pivot: [T; 2],
@@ -222,10 +224,11 @@ pub(super) struct Followers<T> {
     pub(super) count: usize,
     pub(super) by: [[T; 6]; 6],
     pub(super) rest: [T; 6],
-    /// Lever of the point whose displacement is x; `None` if x is the carrier's shift and rotation.
+    /// Vector from the carrier's reference point to the point whose displacement is x; `None` if x is the carrier's
+    /// shift and rotation.
     pub(super) joint: Option<Vector3<T>>,
-    /// Response of the rocker's rotation to the displacement of the seat: lever of the seat from the joint, derivative, and
-    /// constant term.
+    /// Response of the rocker's rotation to the displacement of the point on which the rocker's rod acts: vector from
+    /// the joint to this point, derivative, and constant term.
     pub(super) slide: Option<(Vector3<T>, Vector3<T>, T)>,
 }
 
@@ -248,7 +251,7 @@ impl<T: Valued> Followers<T> {
         }
     }
 
-    /// Makes the response of a part with one inner unknown, such as the sliding displacement of a strut.
+    /// Makes the response of a part with a single inner unknown, such as the sliding displacement of a strut.
     pub(super) fn of_one(like: T) -> Self {
         Followers {
             count: 1,
@@ -256,8 +259,8 @@ impl<T: Valued> Followers<T> {
         }
     }
 
-    /// Makes the response of a rocker whose seat moves with a joint. `slide` has the derivative with respect to the seat,
-    /// and the constant term.
+    /// Makes the response of a rocker whose rod acts on an arm. The arm moves with `joint`. `slide` contains the
+    /// derivative with respect to the rod's end, and the constant term.
     pub(super) fn of_joint(joint: Vector3<T>, slide: Option<(Vector3<T>, T)>) -> Self {
         let slide = slide.map(|(by, rest)| (joint.zero(), by, rest));
         Followers {
@@ -267,7 +270,7 @@ impl<T: Valued> Followers<T> {
         }
     }
 
-    /// Makes the response of a rocker whose seat is on the carrier.
+    /// Makes the response of a rocker whose rod acts on the carrier.
     pub(super) fn of_carrier(like: T, slide: Option<(Vector3<T>, Vector3<T>, T)>) -> Self {
         Followers {
             slide,
@@ -275,8 +278,9 @@ impl<T: Valued> Followers<T> {
         }
     }
 
-    /// Step of the inner unknowns after a step of the carrier. With `is_rate`, the result is the rate along a motion in
-    /// balance, without the constant term. `beside` has the responses to the coordinates of [`Beside`], and their step.
+    /// Computes the step of the inner unknowns from a step of the carrier. If `is_rate` is true, the result omits the
+    /// constant term: it is the rate of the inner unknowns while all forces stay in balance. `beside` contains the
+    /// responses to the coordinates in [`Beside`], and the step of these coordinates.
     #[inline(always)]
     pub(super) fn step(
         &self,
@@ -323,27 +327,27 @@ impl<T: Valued> Followers<T> {
     }
 }
 
-/// Evaluation of a part.
+/// Result of the calculation of a part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Evaluated<T: Valued> {
     pub(super) followers: Followers<T>,
     /// Residual forces on the inner unknowns, and the residual moment about a rocker's axis.
     pub(super) inner: [T; 7],
-    /// Lanes in which the inner unknowns are stable by themselves.
+    /// SIMD lanes in which the inner unknowns are stable by themselves.
     pub(super) is_stable: MaskOf<T>,
-    /// Ratio of the smallest and the largest pivot of the inner equations, 0 if a motion has no stiffness. The part's
-    /// length converts rotations to shifts for this comparison.
+    /// Smallest pivot of the inner equations, divided by the largest. It is 0 if a motion has no stiffness. For this
+    /// comparison, the length of the part converts rotations to shifts.
     pub(super) least_pivot: T::Plain,
 }
 
-/// Solved inner equations: m_y^-1 m, m_y^-1 m_x, and the ratio of the smallest to the largest pivot.
+/// Solved inner equations: m_y^-1 m, m_y^-1 m_x, and the smallest pivot divided by the largest.
 pub(super) struct Eliminated<T: Valued, const N: usize, const C: usize> {
     pub(super) rest: [T; N],
     pub(super) by: [[T; C]; N],
     pub(super) least_pivot: T::Plain,
 }
 
-/// Returns an entry of a tangent, as a constant in a correction (see [`Conditions::is_correction`]).
+/// Returns an entry of a tangent. In a correction, the result is a constant (see [`Conditions::is_correction`]).
 #[inline(always)]
 pub(super) fn tangent_of<T: Valued>(entry: T, is_correction: bool) -> T {
     if is_correction {
@@ -353,8 +357,8 @@ pub(super) fn tangent_of<T: Valued>(entry: T, is_correction: bool) -> T {
     }
 }
 
-/// Solves the inner equations. The function divides the pivots by the squares of the lengths `units`. `None` if a direction
-/// has no stiffness in any lane.
+/// Solves the inner equations. The function divides the pivots by the squares of the lengths `units`. `None` if a
+/// direction has no stiffness in every SIMD lane.
 #[inline(always)]
 pub(super) fn eliminated<T: Valued, const N: usize, const C: usize>(
     own: [[T; N]; N],
@@ -372,7 +376,7 @@ pub(super) fn eliminated<T: Valued, const N: usize, const C: usize>(
     })
 }
 
-/// Work that solves the inner equations, compiled as a separate function.
+/// Solution of the inner equations, compiled as a separate function.
 struct Elimination<T: Valued, const N: usize, const C: usize> {
     own: [[T; N]; N],
     force: [T; N],
@@ -418,8 +422,8 @@ impl<T: Valued, const N: usize, const C: usize> Outlined for Elimination<T, N, C
     }
 }
 
-/// Lanes in which the symmetric part of a matrix is positive definite. Each pivot of LDL' must exceed the fraction
-/// `least_share` of the largest earlier pivot.
+/// Returns the SIMD lanes in which the symmetric part of a matrix is positive definite. Each pivot of LDL' must exceed
+/// the fraction `least_share` of the largest earlier pivot.
 #[inline(always)]
 pub(super) fn is_positive<T: Valued, const N: usize>(
     matrix: &[[T; N]; N],
@@ -431,7 +435,7 @@ pub(super) fn is_positive<T: Valued, const N: usize>(
     })
 }
 
-/// Work that tests a matrix for positive definiteness, compiled as a separate function.
+/// Test of a matrix for positive definiteness, compiled as a separate function.
 struct Definiteness<'m, T, const N: usize> {
     matrix: &'m [[T; N]; N],
     least_share: f64,

@@ -15,7 +15,7 @@ use crate::number::{Dual, Matrix3, Real, Valued, Vector3, outlined};
 pub struct WheelLoads<T = f64> {
     /// Force at the contact point.
     pub contact: Vector3<T>,
-    /// Force to the inside of the car at C - `trail` T.
+    /// Force to the inside of the car. It acts at C - `trail` T.
     pub side: T,
     /// Distance of the side force behind the contact point.
     pub trail: T,
@@ -52,7 +52,7 @@ impl<T: Real> WheelLoads<T> {
         }
     }
 
-    /// Load at a fraction `share` of the way from this load to `to`. The trail is that of `to`.
+    /// Returns the load at a fraction `share` of the way from this load to `to`. The trail is that of `to`.
     pub(super) fn towards(&self, to: &Self, share: T) -> Self {
         let from = self;
         let between = |a: Vector3<T>, b: Vector3<T>| a + (b - a) * share;
@@ -65,7 +65,7 @@ impl<T: Real> WheelLoads<T> {
         }
     }
 
-    /// Sum of this load and a multiple of another with the same trail.
+    /// Returns this load plus a multiple of another load. Both loads must have the same trail.
     #[inline(always)]
     pub fn plus(&self, other: &Self, factor: T) -> Self {
         WheelLoads {
@@ -78,7 +78,7 @@ impl<T: Real> WheelLoads<T> {
     }
 }
 
-/// Wheel on its carrier, in the design position.
+/// Wheel and its axis in the design position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WheelPart<T> {
     /// Vector from the carrier's reference point to the wheel centre.
@@ -104,14 +104,14 @@ impl<T: Valued> LoadWrench<T> {
     }
 }
 
-/// Vector that rotates with the carrier, with its derivatives with respect to a small rotation.
+/// Returns a vector that rotates with the carrier, with its derivatives with respect to a small rotation.
 #[inline(always)]
 fn following<T: Real>(turn: Vector3<Dual<T, 3>>, v: Vector3<T>) -> Vector3<Dual<T, 3>> {
     let v = v.map(Dual::constant);
     v + turn.cross(v)
 }
 
-/// Force and moment of a load, for a given spin axis and lever of the wheel centre.
+/// Returns the force and moment of a load. The arguments are the spin axis and the vector to the wheel centre.
 #[inline(always)]
 fn wrench<T: Real>(
     loads: &WheelLoads<T>,
@@ -141,7 +141,7 @@ impl<T: Valued> WheelPart<T> {
         wrench(loads, axis, carrier.lever(self.centre), self.radius)
     }
 
-    /// Subtracts a load from the sum, with its tangent.
+    /// Subtracts the wrench of a load and its tangent from the sum.
     #[inline(always)]
     pub(super) fn subtract(&self, carrier: &Placed<T>, loads: &WheelLoads<T>, sum: &mut Sum<T>) {
         outlined!(

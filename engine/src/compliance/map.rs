@@ -1,4 +1,4 @@
-//! Conversion of the system to another number type, for derivatives in a state.
+//! Conversion of a system to another number type, for derivatives in a state.
 
 use super::bushing::Bushing;
 use super::floating::Floating;

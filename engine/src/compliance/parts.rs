@@ -1,8 +1,8 @@
-//! Parts at the carrier itself: the top mount of a strut, the seat of a spring, rigid rods and joints.
+//! Parts at the carrier itself: the top mount of a strut, a spring on the carrier, rigid rods and joints.
 //!
-//! **Top mount.** The strut's line is fixed in the carrier, along the unit vector a. The carrier's point at the lever l is
-//! at `strut_top` in the design position. The mount's point is on the line, at the distance t from that point. The mount's
-//! point moves by
+//! **Top mount.** The strut's line is fixed in the carrier, along the unit vector a. A point of the carrier, at the
+//! vector l from the carrier's reference point, coincides with `strut_top` in the design position. The point of the
+//! mount is on the line, at the distance t from that point of the carrier. The point of the mount moves by
 //!
 //! ```text
 //! d = u + D l + a t,   dd = du + w x r + a dt,   r = R l + a t                                    (1)
@@ -56,7 +56,7 @@ impl<T: Valued> Mount<T> {
         at.carrier.displacement(self.top) + along * slide
     }
 
-    /// Length of the spring, with its first and second derivative with respect to t.
+    /// Returns the length of the spring, with its first and second derivative with respect to t.
     fn spring_length(&self, slide: T) -> (T, T, T) {
         let moved = self.along * slide;
         let line = Stretched::of(self.spring_line, moved);
@@ -69,7 +69,7 @@ impl<T: Valued> Mount<T> {
         )
     }
 
-    /// Tilt of a direction, by equation (2).
+    /// Returns the tilt for a direction of the strut, by equation (2).
     fn tilt(&self, along: Vector3<T>) -> [T; 2] {
         let across = self.along.cross(along);
         let ratio = angle_by_sine(across.norm_squared(), self.along.dot(along));
@@ -122,8 +122,8 @@ impl<T: Valued> Mount<T> {
                 *column = *column + Vector3::from(second) * torque;
             }
         }
-        // The second derivative is with respect to the rotation vector. For small rotations about fixed axes, subtract half
-        // of the moment.
+        // The second derivative is with respect to the rotation vector. To convert it to small rotations about fixed
+        // axes, subtract half of the moment.
         let half = moment * moment.x.constant(-0.5);
         sum.add_moment(moment, &by_turn.plus(&cross_matrix(half)));
     }
@@ -189,7 +189,7 @@ impl<T: Valued> Mount<T> {
     }
 }
 
-/// Spring seat on the carrier.
+/// Spring that acts directly on the carrier.
 #[derive(Clone, Debug)]
 pub(super) struct CarrierSeat<T> {
     /// Vector from the carrier's reference point to the seat.
@@ -286,12 +286,12 @@ impl<T: Valued> RodPart<T> {
     }
 }
 
-/// Rigid joint of the carrier: one equation, with a force as its unknown.
+/// Rigid joint of the carrier: it adds one equation, and its force is an unknown.
 #[derive(Clone, Debug)]
 pub(super) enum Joint<T> {
     /// Rigid rod between its ends.
     Rod(RodPart<T>),
-    /// One of two equations that keep a rigid mount on the line of a strut.
+    /// Equation of a rigid mount of a strut. Two such equations keep the mount on the line of the strut.
     Line {
         /// Direction on the carrier normal to the line, in the design position.
         normal: Vector3<T>,
@@ -300,7 +300,7 @@ pub(super) enum Joint<T> {
     },
     /// Point of the carrier that is fixed in one direction of the body.
     Pin {
-        /// Vector from the carrier's reference point to the point.
+        /// Vector from the carrier's reference point to the fixed point.
         lever: Vector3<T>,
         /// Fixed direction.
         direction: Vector3<T>,
@@ -313,7 +313,8 @@ impl<T: Valued> Joint<T> {
         matches!(self, Joint::Rod(rod) if rod.on_rack)
     }
 
-    /// Residual, and its derivatives with respect to the carrier's motion. Adds the joint's force and its tangent.
+    /// Returns the residual of the joint's equation, and its derivatives with respect to the carrier's motion. Adds the
+    /// joint's force and its tangent to the sum.
     #[inline(always)]
     pub(super) fn evaluate(&self, at: &Conditions<T>, force: T, sum: &mut Sum<T>) -> (T, [T; 6]) {
         outlined!(
@@ -343,7 +344,8 @@ impl<T: Valued> Joint<T> {
                 let moved = at.carrier.displacement(*top);
                 let normal = at.carrier.lever(*normal);
                 let lever = at.carrier.lever(*top) - moved;
-                // The force acts at a fixed point of the body while the carrier moves: dr = -du.
+                // The force acts at a fixed point of the body. Relative to the moving carrier, this point moves by dr =
+                // -du.
                 let pull = normal * force;
                 let nothing = Matrix3::null(force);
                 let across = cross_matrix(pull);

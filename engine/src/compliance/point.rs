@@ -1,4 +1,4 @@
-//! Forces between two points: rods, springs, and the seat of a spring on a suspension part.
+//! Forces between two points: rods, and springs that act on the suspension directly or through a rocker.
 //!
 //! With the vector v from the fixed to the moving point, l = |v|, u = v/l and the tension T(l), the energy changes by T
 //! u.dp. Its second derivative is
@@ -38,7 +38,7 @@ use crate::number::{MaskOf, Matrix3, SimdReal, Valued, Vector3, outlined};
 /// position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct PointForce<T> {
-    /// Derivative of the energy.
+    /// First derivative of the energy.
     pub(super) force: Vector3<T>,
     /// Force after elimination of inner unknowns, as in the equations of balance.
     pub(super) condensed: Vector3<T>,
@@ -59,8 +59,8 @@ impl<T: Valued> PointForce<T> {
         }
     }
 
-    /// If `balance_only` is true, removes the change of the moment with the lever from the tangent. The forces at the
-    /// design load do not need it.
+    /// Removes the change of the moment with the lever arm from the tangent, if `balance_only` is true. The calculation
+    /// of the forces at the design load does not need this change.
     #[inline(always)]
     pub(super) fn leverless_if(mut self, balance_only: bool) -> Self {
         if balance_only {
@@ -78,8 +78,8 @@ impl<T: Valued> PointForce<T> {
         }
     }
 
-    /// Tangents of force and moment on a body with respect to its shift and rotation, by equation (3) of `limb.rs`. The
-    /// force acts at this lever.
+    /// Returns the tangents of force and moment on a body with respect to the body's shift and rotation, by equation
+    /// (3) of `limb.rs`. The force acts at the end of `lever`.
     #[inline(always)]
     pub(super) fn tangents(&self, lever: Vector3<T>) -> [[Matrix3<T>; 2]; 2] {
         let across = cross_matrix(lever);
@@ -91,7 +91,7 @@ impl<T: Valued> PointForce<T> {
         ]
     }
 
-    /// Force of a tension along the unit vector `u` from the fixed point, by equation (1).
+    /// Makes the force of a tension. The unit vector `u` points from the fixed to the moving point. Equation (1).
     #[inline(always)]
     pub(super) fn along(u: Vector3<T>, pull: T, rate: T, inverse_length: T) -> Self {
         let across = pull * inverse_length;
@@ -102,7 +102,7 @@ impl<T: Valued> PointForce<T> {
     }
 }
 
-/// Change of length, present length and direction of the line between two points, by equation (2).
+/// Line between two points: change of its length, present length, and direction, by equation (2).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stretched<T> {
     pub(super) stretch: T,
@@ -111,8 +111,8 @@ pub(super) struct Stretched<T> {
 }
 
 impl<T: Valued> Stretched<T> {
-    /// Computes the line. `designed` is the vector between the points in the design position, and `displacement` is its
-    /// change.
+    /// Computes the present line. `designed` is the vector between the points in the design position, and
+    /// `displacement` is the change of this vector.
     #[inline(always)]
     pub(super) fn of(designed: Vector3<T>, displacement: Vector3<T>) -> Self {
         let now = designed + displacement;
@@ -130,7 +130,7 @@ impl<T: Valued> Stretched<T> {
 /// Rocker and the rod that turns it, in the design position.
 #[derive(Clone, Debug)]
 pub(super) struct RockerSeat<T> {
-    /// Two points of the axis; `inner` is the rod's inner end.
+    /// Two points on the rocker's axis; `inner` is the inner end of the rod.
     pub(super) axis: [Vector3<T>; 2],
     pub(super) inner: Vector3<T>,
     /// End of the spring on the rocker.
@@ -139,48 +139,48 @@ pub(super) struct RockerSeat<T> {
     pub(super) rod: Option<[T; 2]>,
 }
 
-/// Suspension part on which the spring acts.
+/// Spring, with the point of the suspension on which it acts. This point is called the seat of the spring.
 #[derive(Clone, Debug)]
 pub(super) struct Seat<T> {
-    /// End of the spring or outer end of the rod, in the design position.
+    /// End of the spring on the suspension, or outer end of the rocker's rod, in the design position.
     pub(super) point: Vector3<T>,
     /// End of the spring on the body.
     pub(super) upper: Vector3<T>,
     /// Law of the spring.
     pub(super) law: SpringLaw<T>,
     pub(super) rocker: Option<RockerSeat<T>>,
-    /// True if the upper end and the arm's axis are on different bodies.
+    /// True if the spring's upper end is on another body than the arm's axis.
     pub(super) is_across: bool,
 }
 
-/// Lever of an anti-roll bar with its drop link, in the design position.
+/// Lever of an anti-roll bar and its drop link, in the design position.
 #[derive(Clone, Debug)]
 pub(super) struct BarSeat<T> {
-    /// Outer end of the drop link, or of the rigid rod that turns the rocker below the drop link.
+    /// Outer end of the drop link. If the drop link is on a rocker: outer end of the rigid rod that turns this rocker.
     pub(super) point: Vector3<T>,
-    /// Rocker that carries the drop link, and the drop link's outer end on it.
+    /// Rocker that carries the drop link, and the point of the drop link on the rocker.
     pub(super) rocker: Option<(RockerSeat<T>, Vector3<T>)>,
-    /// Two points of the lever's axis; `inner` is the drop link's inner end.
+    /// Two points on the lever's axis; `inner` is the inner end of the drop link.
     pub(super) axis: [Vector3<T>; 2],
     pub(super) inner: Vector3<T>,
     /// Rate of half the bar: torque per angle between the lever and the bar's middle.
     pub(super) rate: T,
 }
 
-/// Force of half an anti-roll bar, by equation (4).
+/// Force of half an anti-roll bar on its drop link, by equation (4).
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BarForce<T> {
     pub(super) point: PointForce<T>,
-    /// Derivative of the force with respect to the twist of the middle.
+    /// Derivative of the force with respect to the twist of the bar's middle.
     pub(super) by_twist: Vector3<T>,
-    /// Derivative of the energy with respect to the twist.
+    /// Derivative of the energy with respect to the twist of the bar's middle.
     pub(super) torque: T,
     /// Angle of the lever.
     pub(super) angle: T,
 }
 
 impl<T: Valued> BarSeat<T> {
-    /// Force for a displacement of the drop link's outer end and a twist of the middle.
+    /// Returns the force for a displacement of the drop link's outer end and a twist of the bar's middle.
     #[inline(always)]
     pub(super) fn force(&self, displacement: Vector3<T>, twist: T) -> BarForce<T> {
         let now = self.point + displacement;
@@ -221,7 +221,7 @@ pub(super) struct Slide<T> {
     pub(super) rest: T,
 }
 
-/// Force at a seat.
+/// Force on the suspension at the seat of a spring.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SeatForce<T: Valued> {
     pub(super) point: PointForce<T>,
@@ -233,7 +233,7 @@ pub(super) struct SeatForce<T: Valued> {
 }
 
 impl<T: Valued> SeatForce<T> {
-    /// Makes the force at a seat without a rocker on an elastic rod.
+    /// Makes the force of a spring, if no rocker with an elastic rod is between spring and seat.
     #[inline(always)]
     fn plain(point: PointForce<T>) -> Self {
         let like = point.force.x;
@@ -246,7 +246,7 @@ impl<T: Valued> SeatForce<T> {
     }
 }
 
-/// Lengths and forces at a seat.
+/// Lengths and forces of a spring and its rod.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SeatState<T> {
     pub(super) spring_length: T,
@@ -257,8 +257,8 @@ pub(super) struct SeatState<T> {
 }
 
 impl<T: Valued> RockerSeat<T> {
-    /// Displacement of a point of the rocker at the rotation theta, with its first and second derivative with respect to
-    /// theta. `half` is tan(theta/2).
+    /// Returns the displacement of a point of the rocker at the rotation theta, with its first and second derivative
+    /// with respect to theta. `half` is tan(theta/2).
     #[inline(always)]
     fn turned(&self, point: Vector3<T>, half: T) -> [Vector3<T>; 3] {
         let [first, second] = self.axis;
@@ -284,9 +284,9 @@ impl<T: Valued> Seat<T> {
         (lower - self.upper).norm()
     }
 
-    /// Force for a displacement of the point. For the forces at the design load, `balance_only` omits the terms that depend
-    /// on deflection. `slide` is tan(theta/2) of a rocker with an elastic rod. `held` is an external moment about the
-    /// rocker's axis.
+    /// Returns the force for a displacement of the seat. If `balance_only` is true (forces at the design load), the
+    /// terms that depend on deflection are omitted. `slide` is tan(theta/2) of a rocker with an elastic rod. `held` is
+    /// an external moment about the rocker's axis.
     #[inline(always)]
     pub(super) fn force(
         &self,
@@ -420,7 +420,7 @@ impl<T: Valued> Seat<T> {
         }
     }
 
-    /// Vector from the spring's upper end to its lower end on a rocker.
+    /// Returns the vector from the spring's upper end to its lower end on a rocker.
     #[inline(always)]
     fn spring_vector(&self, rocker: &RockerSeat<T>, slide: T) -> Vector3<T> {
         rocker.spring - self.upper + rocker.turned(rocker.spring, slide)[0]
@@ -436,8 +436,8 @@ impl<T: Valued> Seat<T> {
         (length, force, rate)
     }
 
-    /// Adds the tension of the rod at the design load to its constant tension. The tension at the design load follows
-    /// from a small shift of the rod's outer end and a small rotation of the rocker.
+    /// Adds the tension at the design load to the constant tension of the rod. The tension at the design load is
+    /// computed from a small shift of the rod's outer end and a small rotation of the rocker.
     pub(super) fn preload_rod(&mut self, moved: Vector3<T>, slide: T) {
         let point = self.point;
         let Some(rocker) = &mut self.rocker else {

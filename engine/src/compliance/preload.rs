@@ -1,17 +1,17 @@
 //! Forces in bushings and links in the design position, if the design position is the equilibrium at the design load.
 //!
 //! Torques are zero in this position. Many sets of forces f0 balance every body under the spring's force and a vertical
-//! force F at the contact point. The program uses the set with the smallest sum f0.K^-1 f0/2, where K contains the slopes
-//! of the laws at zero deflection. B, C and q are the lever arms of these forces, of the rigid joints and of F. With the
-//! spring's forces r,
+//! force F at the contact point. The program uses the set with the smallest sum f0.K^-1 f0/2, where K contains the
+//! slopes of the laws at zero deflection. B, C and q are the lever arms of the forces f0, of the forces in the rigid
+//! joints, and of F. With the spring's forces r,
 //!
 //! ```text
 //! f0 = K B' v,   B K B' v + C' l - q F = -r,   C v = 0,   q.v = 0                                 (1)
 //! ```
 //!
-//! v is the velocity of the parts without torsional stiffness, at constant height of the contact point. The same
-//! elimination as for an equilibrium solves these equations. No force affects the spin of a link about its line, so an
-//! artificial stiffness holds this spin.
+//! v is the velocity of the parts without torsional stiffness, at constant height of the contact point. The program
+//! solves these equations with the same elimination as an equilibrium. No force affects the spin of a link about its
+//! line, so an artificial stiffness holds this spin.
 
 use super::build::{Built, BushingPlace, LinkPlace};
 use super::ground::{Frames, Holder, SHARED, Surroundings};
@@ -25,7 +25,7 @@ use crate::number::{Each, Scalar, Vector3};
 pub(super) enum NoPreload {
     /// A motion has no stiffness.
     Singular(Singular),
-    /// The law of a bushing does not reach the force along an axis.
+    /// The force curve of a bushing does not reach the force along an axis.
     OutOfReach {
         /// Index of the bushing.
         bushing: usize,
@@ -34,7 +34,7 @@ pub(super) enum NoPreload {
     },
 }
 
-/// Small step from the design position, relative to the holders of a wheel's parts.
+/// Small step from the design position, relative to the bodies that hold a wheel's parts.
 pub(super) struct SeenStep<'s, T> {
     pub(super) step: &'s Step<T>,
     pub(super) around: &'s Surroundings<T>,
@@ -69,8 +69,8 @@ impl<T: Scalar> Built<T> {
         })
     }
 
-    /// Adds the vertical force as an unknown, and the equation that holds the contact point. Returns an error if a part can
-    /// move without resistance. With `bounds`, also returns an error if the carrier can.
+    /// Adds the vertical force as an unknown, and the equation that holds the contact point. Returns an error if a part
+    /// can move without resistance. If `bounds` is given, the carrier is checked in the same way.
     pub(super) fn border_for_preload(
         &self,
         equations: &mut Equations<T>,
@@ -91,7 +91,7 @@ impl<T: Scalar> Built<T> {
         }
     }
 
-    /// Sets the forces that follow from a step of equation (1), and returns the state in the design position.
+    /// Sets the forces that follow from a step of equation (1). Returns the state in the design position.
     pub(super) fn set_preload(&mut self, seen: &SeenStep<'_, T>) -> Result<State<T>, NoPreload> {
         let step = seen.step;
         let mut start = State::design(self.system.like());
@@ -136,7 +136,7 @@ impl<T: Scalar> Built<T> {
                 if slope.value() == 0.0 {
                     continue;
                 }
-                // The constant offset is part of f0. The law must give the remaining force.
+                // f0 includes the constant offset. The law must produce the remaining force.
                 if !law.preloaded(slope * along) {
                     return Err(NoPreload::OutOfReach {
                         bushing: number,
@@ -148,7 +148,7 @@ impl<T: Scalar> Built<T> {
         Ok(())
     }
 
-    /// Relative shift of the two bodies at a bushing.
+    /// Returns the relative shift of the two bodies that a bushing connects.
     fn shift_at(&self, place: BushingPlace, seen: &SeenStep<'_, T>) -> Vector3<T> {
         let step = seen.step;
         let body = |lever: Vector3<T>| shifted(&step.carrier, lever);
@@ -198,7 +198,7 @@ impl<T: Scalar> Built<T> {
         }
     }
 
-    /// Step of the carrier relative to a holder.
+    /// Returns the step of the carrier relative to the body that holds a part.
     fn carrier_seen(&self, holder: Holder, on_rack: bool, seen: &SeenStep<'_, T>) -> [T; 6] {
         let carrier = &seen.step.carrier;
         let found = self.system.seen_by(
@@ -222,7 +222,7 @@ impl<T: Scalar> Built<T> {
                     let rod = &mut self.system.rods[number];
                     if let Some([rate, tension]) = &mut rod.elastic {
                         let moved = shifted(&carrier, rod.joint);
-                        // The tension already contains the constant part of the definition.
+                        // The tension already contains the constant tension from the definition.
                         *tension = *tension + *rate * rod.along.normalised().dot(moved);
                     }
                 }
@@ -260,7 +260,8 @@ impl<T: Scalar> Built<T> {
     }
 }
 
-/// Shift of a point at this lever for a small step of a body.
+/// Returns the shift of a point for a small step of a body. `lever` is the vector from the body's reference point to
+/// the point.
 fn shifted<T: Scalar>(step: &[T; 6], lever: Vector3<T>) -> Vector3<T> {
     let [x, y, z, a, b, c] = *step;
     Vector3::new(x, y, z) + Vector3::new(a, b, c).cross(lever)

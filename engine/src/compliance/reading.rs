@@ -18,7 +18,7 @@ use crate::mechanism::Ground;
 use crate::model::{Mechanism, SteeringAxis};
 use crate::number::{Each, Real, Scalar, Vector3};
 
-/// Points that give the pose of a wheel, in the design position.
+/// Points from which the pose of a wheel is computed, in the design position.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct WheelGeometry<T> {
     /// Reference point of the carrier.
@@ -34,13 +34,12 @@ pub(super) enum SteeringJoints<T> {
     None,
     /// Two joints of the carrier.
     Joints([Vector3<T>; 2]),
-    /// Joint of the carrier and mount of a strut. The mount is fixed to the body. An elastic mount moves on the strut's
-    /// line.
+    /// Joint of the carrier, and mount of the strut at the body. An elastic mount moves along the line of the strut.
     Strut {
         lower: Vector3<T>,
         top: Vector3<T>,
-        /// Index of the elastic mount among the parts with inner unknowns, and direction of the strut. `None` for a rigid
-        /// mount.
+        /// For an elastic mount: its index among the parts with inner unknowns, and the direction of the strut. `None`
+        /// for a rigid mount.
         mount: Option<(usize, Vector3<T>)>,
     },
 }
@@ -90,7 +89,7 @@ impl<T: Real> WheelGeometry<T> {
 }
 
 impl<T: Scalar> WheelGeometry<T> {
-    /// Collects the points of a design.
+    /// Collects these points for a design.
     pub(super) fn of(mechanism: &Mechanism, design: &[Vector3<T>], built: &Built<T>) -> Self {
         let (origin, system) = (built.reference, &built.system);
         let mount = system
@@ -122,7 +121,7 @@ impl<T: Scalar> WheelGeometry<T> {
         }
     }
 
-    /// Inputs of the catalogue's formulas in a state. Rates, spring, rocker and bar are unknown.
+    /// Returns the inputs of the catalogue's formulas in a state. Rates, spring, rocker and bar are not included.
     pub(super) fn inputs(&self, state: &State<T>, constants: Constants) -> Inputs<T> {
         let carrier = &state.carrier;
         let nothing = carrier.shift.x.constant(f64::NAN);
@@ -187,5 +186,5 @@ impl<T: Scalar> WheelGeometry<T> {
     }
 }
 
-/// Vector of NaN for inputs that are unknown.
+/// Vector of NaN, for inputs that are not known.
 const NOTHING: Vector3<f64> = Vector3::new(f64::NAN, f64::NAN, f64::NAN);

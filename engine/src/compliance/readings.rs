@@ -14,11 +14,11 @@ use super::wheel::{BushingReading, ElasticWheel, Equilibrium, SpringReading};
 use crate::mechanism::Pose;
 use crate::number::{Each, Scalar, Valued, Vector3};
 
-/// Rotation of a bushing above which its law is not reliable, radians.
+/// Largest reliable rotation of a bushing, radians. At larger rotations, the law of the bushing is not reliable.
 const LARGEST_ROTATION: f64 = std::f64::consts::FRAC_PI_3;
 
 impl<T: Scalar> Built<T> {
-    /// State of each bushing, in the order of the definition.
+    /// Returns the state of each bushing, in the order of the definition.
     pub(super) fn bushing_readings(
         &self,
         state: &State<T>,
@@ -52,7 +52,7 @@ impl<T: Scalar> Built<T> {
                 };
                 let found = self.system.mount(&frames, state)?;
                 let ([x, y], [a, b]) = (found.tilt, found.tilt_torque);
-                // Force and torque of the law act on the body that holds the mount, as in `BushingState`.
+                // The force and torque of the law act on the body that holds the mount, as in `BushingState`.
                 let state = BushingState {
                     deflection: found.deflection,
                     rotation: Vector3::new(x, y, x.zero()),
@@ -70,7 +70,7 @@ impl<T: Scalar> Built<T> {
         self.bushings.iter().filter_map(read).collect()
     }
 
-    /// Tension of each link, in the order of the definition.
+    /// Returns the tension of each link, in the order of the definition.
     pub(super) fn tensions(&self, state: &State<T>, around: &Surroundings<T>) -> Vec<T> {
         let frames = self.system.frames(&state.carrier, around, false);
         let tension = |place: &LinkPlace| match *place {
@@ -114,8 +114,8 @@ impl<T: Scalar> Built<T> {
         })
     }
 
-    /// Force that holds the rack, along +y of its holder. It is the derivative of the energy with respect to the rack's
-    /// displacement.
+    /// Returns the force that holds the rack, along +y of its holder. This force is the derivative of the energy with
+    /// respect to the rack's displacement.
     pub(super) fn rack_force(&self, state: &State<T>, around: &Surroundings<T>) -> T {
         let frames = self.system.frames(&state.carrier, around, false);
         let at = *frames.of(self.system.holders.rack);
@@ -161,8 +161,9 @@ impl<T: Scalar> Built<T> {
 }
 
 impl System<f64> {
-    /// Tension of the rod between suspension and rocker. A rigid rod carries the whole force of its seat, along its line.
-    /// The angle between this line and its design direction stays below 90 degrees.
+    /// Returns the tension of the rod between suspension and rocker. A rigid rod carries the whole force at its outer
+    /// end, along its line. The angle between this line and its direction in the design position stays below 90
+    /// degrees.
     pub(super) fn rocker_rod(&self, frames: &Frames<f64>, state: &State<f64>) -> Option<f64> {
         let limbs = self.limbs.iter().zip(&self.holders.limbs);
         let (seat, moved, slide) = limbs.zip(&state.limbs).find_map(|((limb, holder), own)| {
@@ -249,7 +250,8 @@ impl<T: Scalar> ElasticWheel<T> {
     }
 }
 
-/// Force of a link on the rack, along +y. A ball joint at the rack transmits the force of the bushing at the carrier.
+/// Returns the force of a link on the rack, along +y. If the link has a ball joint at the rack, this force equals the
+/// force of the bushing at the carrier.
 fn rack_force_of<T: Scalar>(
     link: &Floating<T>,
     states: &[Option<BushingState<T>>; 2],
@@ -280,7 +282,7 @@ fn reading<T: Scalar>(state: &BushingState<T>, bushing: &Bushing<T>) -> BushingR
 }
 
 impl<T: Valued> Limb<T> {
-    /// Rotation of a part in a step.
+    /// Returns the rotation of a part in a step.
     #[inline(always)]
     pub(super) fn turn_vector(&self, step: &LimbStep<T>) -> Vector3<T> {
         let [a, b, c, d, e, f] = step.inner;
@@ -295,7 +297,7 @@ impl<T: Valued> Limb<T> {
         }
     }
 
-    /// Rotation of a part in a step, without the rotation of a link about its own line.
+    /// Returns the rotation of a part in a step. The rotation of a link about its own line is removed.
     #[inline(always)]
     pub(super) fn turn_across(&self, step: &LimbStep<T>) -> Vector3<T> {
         let turn = self.turn_vector(step);

@@ -17,7 +17,8 @@ use crate::mechanism::Turn;
 use crate::model::Rod;
 use crate::number::{Each, Matrix3, Valued, Vector3};
 
-/// Rotation of a rocker or lever by a rigid rod, with its derivatives with respect to the rod's outer end. Equation (1).
+/// Rotation of a rocker or lever by a rigid rod, with the derivatives with respect to the position of the rod's outer
+/// end, by equation (1).
 pub(super) struct RodTurn<T> {
     turn: Turn<T>,
     first: Vector3<T>,
@@ -29,7 +30,7 @@ pub(super) struct RodTurn<T> {
 }
 
 impl<T: Valued> RodTurn<T> {
-    /// Computes the rotation about an axis through two points. The rod's outer end moves from `outer` to `now`.
+    /// Computes the rotation about an axis through two points, while the rod's outer end moves from `outer` to `now`.
     #[inline(always)]
     pub(super) fn of(
         [first, second]: [Vector3<T>; 2],
@@ -46,8 +47,8 @@ impl<T: Valued> RodTurn<T> {
             by: nothing.columns[0],
             second: nothing,
         };
-        // This angle is positive about the axis. The sign of the angle in results depends on the type of rod: pushrod or
-        // pullrod.
+        // This angle is positive about the axis. The sign of the angle in the results depends on the type of rod
+        // (pushrod or pullrod).
         let [end, along, bend] = found.moved_about(inner);
         let rod = end - now;
         let inverse = now.x.one() / rod.dot(along);
@@ -69,7 +70,8 @@ impl<T: Valued> RodTurn<T> {
         self.turn.angle(Rod::DropLink)
     }
 
-    /// Present position of a point, with its first and second derivative with respect to the angle about the axis.
+    /// Returns the present position of a point, with its first and second derivative with respect to the angle about
+    /// the axis.
     #[inline(always)]
     fn moved_about(&self, point: Vector3<T>) -> [Vector3<T>; 3] {
         let now = self.turn.moved(point);
@@ -77,15 +79,16 @@ impl<T: Valued> RodTurn<T> {
         [now, self.axis.cross(lever), -lever]
     }
 
-    /// Present position of a point, with its first and second derivative with respect to the angle.
+    /// Returns the present position of a point, with its first and second derivative with respect to
+    /// [`RodTurn::angle`].
     #[inline(always)]
     pub(super) fn moved(&self, point: Vector3<T>) -> [Vector3<T>; 3] {
         let [now, along, bend] = self.moved_about(point);
         [now, along * self.turn.sense(Rod::DropLink), bend]
     }
 
-    /// Derivatives of a value with respect to the rod's outer end, by equation (2). `first` and `second` are its
-    /// derivatives with respect to the angle.
+    /// Returns the derivatives of a value with respect to the rod's outer end, by equation (2). `first` and `second`
+    /// are the derivatives of the value with respect to the angle.
     #[inline(always)]
     pub(super) fn chained(&self, first: T, second: T) -> (Vector3<T>, Matrix3<T>) {
         let columns = self.second.columns.each(|column| column * first);
@@ -101,8 +104,8 @@ mod tests {
     use super::*;
     use crate::number::Dual;
 
-    /// Nested derivative numbers give the same first and second derivatives. The test compares the angle, and the distance
-    /// between a point on the rocker and a fixed point.
+    /// Nested derivative numbers lead to the same first and second derivatives. The test compares the derivatives of
+    /// the angle, and of the distance between a point on the rocker and a fixed point.
     #[test]
     fn derivatives_agree_with_nested_numbers() {
         let mut seed = 0.3_f64;

@@ -1,20 +1,21 @@
 //! Equilibrium by Newton's method, with a gradual increase of the loads.
 //!
-//! Between two equilibria, loads, wheel travel and rack change together along a straight line. The first attempt takes the
-//! whole change. The solver halves a fraction of the change if
+//! Between two equilibria, loads, wheel travel and rack change together along a straight line. The solver first tries
+//! the whole change. It tries half of this fraction of the change if
 //!
 //! - the first correction exceeds 60 mm or 0.3 rad: the linear prediction is not reliable,
 //! - a correction exceeds 0.8 of the previous correction: the method does not contract,
 //! - the result is not stable.
 //!
-//! Corrections s converge as s_(k+1) <= C s_k^2, since the tangents are exact. C is the largest s_(k+1) / s_k^2 so far (P.
-//! Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2004, section 2.1, estimates contraction in this way). The
-//! solver omits the next correction if this estimate is far below the limit for the last correction. In 1,300 equilibria,
-//! the omitted corrections were below 0.13 of that limit.
+//! Corrections s converge as s_(k+1) <= C s_k^2, since the tangents are exact. C is the largest s_(k+1) / s_k^2 so far
+//! (P. Deuflhard, *Newton Methods for Nonlinear Problems*, Springer 2004, section 2.1, estimates contraction in this
+//! way). If the estimate of the next correction is far below the limit for the last correction, the solver omits the
+//! next correction. In 1,300 equilibria, the omitted corrections were below 0.13 of that limit.
 //!
-//! A state is stable if the symmetric part of the tangent is positive definite on the free motions. Rigid joints and the
-//! held height restrict these motions. The solver checks this first in every eliminated part, then in the remaining
-//! equations of the carrier. The fraction of the change that a failed solution reaches is accurate to 1e-6.
+//! A state is stable if the symmetric part of the tangent is positive definite on the free motions. Rigid joints and
+//! the held height restrict these motions. The solver checks the stability first in every eliminated part, then in the
+//! remaining equations of the carrier. If a solution fails, the fraction of the change that it reached is accurate to
+//! 1e-6.
 
 use super::limb::is_positive;
 use super::system::{Equations, Held, Hold, Singular, State, Step, System, Task};
@@ -24,29 +25,29 @@ use crate::threads::checkpoint;
 
 /// Lever, mm, that converts a rotation to a displacement for comparison with a shift.
 const TURN_LEVER: f64 = 300.0;
-/// Largest first correction in shift, mm.
+/// Largest shift in a first correction, mm.
 const LONGEST_SHIFT: f64 = 60.0;
-/// Largest first correction in rotation, radians.
+/// Largest rotation in a first correction, radians.
 const LARGEST_TURN: f64 = 0.3;
 /// Largest ratio of a correction to the previous correction.
 const CONTRACTION: f64 = 0.8;
-/// Largest last correction in shift, mm.
+/// The solver has converged if the shift in the last correction is at most this, mm.
 const LAST_SHIFT: f64 = 1e-11;
-/// Largest last correction in rotation, radians.
+/// The solver has converged if the rotation in the last correction is at most this, radians.
 const LAST_TURN: f64 = 1e-13;
-/// Correction, mm, below which a lack of contraction is due to rounding error. Without rounding, Newton's method converges
-/// quadratically there. Near the largest load that a wheel carries, rounding errors of forces move the wheel further than
-/// the last correction.
+/// If a correction is below this limit, in mm, a lack of contraction is due to rounding errors. Without rounding,
+/// Newton's method converges quadratically there. Near the largest load that a wheel can carry, rounding errors of the
+/// forces move the wheel further than the limit for the last correction.
 const ROUNDING: f64 = 1e-8;
-/// The solver omits an estimated correction that is smaller than the limit for the last correction, divided by this ratio.
+/// The solver omits a correction if its estimate is below the limit for the last correction, divided by this number.
 const FORESEEN: f64 = 100.0;
 /// Smallest fraction of the change in one step.
 const LEAST_SHARE: f64 = 1e-6;
-/// Largest number of Newton steps for one fraction. With a contraction of 0.8, this number of steps reduces 60 mm to 1e-11
-/// mm.
+/// Largest number of Newton steps for one fraction. If every step reduces the correction by the factor 0.8, this number
+/// of steps reduces 60 mm to 1e-11 mm.
 const MOST_STEPS: usize = 140;
 
-/// Reason why there is no equilibrium at a fraction of the change.
+/// Reason why there is no equilibrium after a fraction of the change.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Obstacle {
     /// A motion has no stiffness.
@@ -66,7 +67,7 @@ pub(super) struct Solution<T> {
     pub(super) steps: usize,
 }
 
-/// Result of a solver run that did not reach its equilibrium.
+/// Result of a run of the solver that did not reach the equilibrium.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Stuck {
     /// Fraction of the change that the solver reached.
@@ -76,7 +77,7 @@ pub(super) struct Stuck {
     pub(super) last: Option<(State<f64>, Task<f64>)>,
 }
 
-/// Bounds of Newton's method, in the study's length unit.
+/// Limits of Newton's method, in the length unit of the study.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Bounds {
     /// Study units per millimetre.
@@ -84,7 +85,7 @@ pub(super) struct Bounds {
 }
 
 impl Bounds {
-    /// Lever, in the study's length unit, that converts a rotation to a displacement.
+    /// Lever, in the length unit of the study, that converts a rotation to a displacement.
     pub(super) fn lever(&self) -> f64 {
         TURN_LEVER * self.millimetre
     }
@@ -118,7 +119,7 @@ impl Equations<f64> {
 }
 
 impl<T: Valued> System<T> {
-    /// Newton step in a state. The equations of this state overwrite those of the earlier state.
+    /// Computes the Newton step in a state. The equations of this state overwrite those of the earlier state.
     #[inline(always)]
     pub(super) fn newton_step(
         &self,
@@ -137,7 +138,7 @@ impl<T: Valued> System<T> {
 }
 
 impl System<f64> {
-    /// Newton's method from a state.
+    /// Runs Newton's method from a state.
     #[inline]
     pub(super) fn newton(
         &self,
@@ -165,7 +166,8 @@ impl System<f64> {
         }
     }
 
-    /// Solves for an equilibrium, from another equilibrium or from a pose that the forces `held` hold.
+    /// Finds an equilibrium. The search starts from another equilibrium, or from a pose in which the external forces
+    /// `held` keep the balance.
     #[inline]
     pub(super) fn solve(
         &self,
@@ -211,8 +213,9 @@ pub(super) struct Unraised<S> {
     pub(super) last: Option<S>,
 }
 
-/// Increases the loads, at once or in fractions. `newton` finds the state at a fraction from another state; its last
-/// argument is true for the first attempt. Returns the state and the number of steps.
+/// Increases the loads, first in one step, then in fractions if this step fails. `newton` finds the state at a fraction
+/// from another state; its last argument is true for the first attempt. Returns the state and the number of Newton
+/// steps.
 #[inline]
 pub(super) fn raised<S: Copy>(
     start: &S,
@@ -254,7 +257,7 @@ pub(super) fn raised<S: Copy>(
     }
 }
 
-/// Convergence check for the corrections of Newton's method.
+/// Checks the convergence of Newton's method from its corrections.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Judge {
     bounds: Bounds,
@@ -264,7 +267,7 @@ pub(super) struct Judge {
     steps: usize,
 }
 
-/// Result of the check of a correction.
+/// Result of this check after a correction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Verdict {
     /// The state after the correction is final.
@@ -283,7 +286,7 @@ impl Judge {
         }
     }
 
-    /// Checks the next correction by its largest shift and rotation.
+    /// Checks a correction by its largest shift and its largest rotation.
     #[inline]
     pub(super) fn judge(&mut self, sizes: [f64; 2]) -> Result<Verdict, Obstacle> {
         self.steps += 1;
@@ -315,7 +318,7 @@ impl Judge {
     }
 }
 
-/// Task at a fraction between two tasks of the same kind.
+/// Returns the task at a fraction of the way between two tasks of the same kind.
 pub(super) fn between(from: &Task<f64>, to: &Task<f64>, share: f64) -> Task<f64> {
     let hold = match (from.hold, to.hold) {
         (Hold::Height(a), Hold::Height(b)) => Hold::Height(a + (b - a) * share),
@@ -328,8 +331,8 @@ pub(super) fn between(from: &Task<f64>, to: &Task<f64>, share: f64) -> Task<f64>
     }
 }
 
-/// Returns true if the symmetric part of the carrier's tangent is positive definite on the motions that keep all rows
-/// at zero. Its pivots must exceed the fraction `least_share` of the largest pivot.
+/// Returns true if the symmetric part of the carrier's tangent is positive definite for the motions that satisfy the
+/// rows of rigid joints and heights. Each pivot must exceed the fraction `least_share` of the largest pivot.
 pub(super) fn is_definite<T: Scalar>(
     equations: &Equations<T>,
     bounds: Bounds,
@@ -349,7 +352,7 @@ pub(super) fn is_definite<T: Scalar>(
     )
 }
 
-/// Returns true if a tangent of the carrier is definite on the motions that keep these rows at zero, like [`is_definite`].
+/// Returns true if a tangent of the carrier is definite for the motions that satisfy these rows, like [`is_definite`].
 pub(super) fn is_definite_on(
     tangent: &[[f64; 6]; 6],
     rows: &mut [[f64; 6]],
@@ -386,7 +389,8 @@ pub(super) fn is_definite_on(
 }
 
 /// Returns true if the first `free` rows and columns of a matrix are positive definite. The pivots must exceed the
-/// fraction `least_share` of the largest pivot. Copies of the largest diagonal entry fill the rest of the matrix.
+/// fraction `least_share` of the largest pivot. The function fills the rest of the matrix with its largest diagonal
+/// entry.
 pub(super) fn is_positive_on<const N: usize>(
     mut matrix: [[f64; N]; N],
     free: usize,
@@ -399,7 +403,8 @@ pub(super) fn is_positive_on<const N: usize>(
     is_positive(&matrix, least_share)
 }
 
-/// Basis of the motions that keep all rows at zero, and their number. `None` if the rows are linearly dependent.
+/// Returns a basis of the motions that satisfy all rows, and the number of these motions. `None` if the rows are
+/// linearly dependent.
 fn null_space(rows: &mut [[f64; 6]]) -> Option<([[f64; 6]; 6], usize)> {
     let mut pivots = [6; 6];
     let mut is_pivot = [false; 6];

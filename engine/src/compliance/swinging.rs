@@ -24,25 +24,25 @@ pub(super) struct End<T> {
     pub(super) on_rack: bool,
     /// Bushing at this end; `None` for a ball joint.
     pub(super) bushing: Option<Bushing<T>>,
-    /// Two directions normal to the lever, for the force in a ball joint.
+    /// Two directions normal to the lever. The force in a ball joint acts along these directions.
     pub(super) normals: [Vector3<T>; 2],
 }
 
-/// Arm, or link with a ball joint at the carrier. Its reference point is that joint, and its inner unknowns are three
-/// rotations. A ball joint at the body is at a fixed distance from the outer joint, like the end of a rigid rod of the
-/// carrier.
+/// Arm, or link with a ball joint at the carrier. This outer joint is the reference point of the part. The inner
+/// unknowns are three rotations. If the inner end is a ball joint, its distance to the outer joint is constant, like
+/// the length of a rigid rod.
 #[derive(Clone, Debug)]
 pub(super) struct Swinging<T> {
     /// Vector from the carrier's reference point to the outer joint.
     pub(super) joint: Vector3<T>,
     pub(super) ends: Vec<End<T>>,
-    /// Spring's seat on the arm, with its lever from the outer joint.
+    /// Spring on the arm, with the vector from the outer joint to the point on which it acts.
     pub(super) seat: Option<(Vector3<T>, Seat<T>)>,
-    /// Drop link of an anti-roll bar, with its lever from the outer joint.
+    /// Drop link of an anti-roll bar on the arm, with the vector from the outer joint to its outer end.
     pub(super) bar: Option<(Vector3<T>, BarSeat<T>)>,
-    /// Vector along a link's line, with the root of a stiffness as its length; `None` for an arm. Only torsional stiffness
-    /// holds a link about its line. The calculation of the forces at the design load ignores torsion, so it adds this
-    /// stiffness.
+    /// Vector along the line of a link; `None` for an arm. The square of its length is a stiffness. Only torsional
+    /// stiffness prevents a rotation of the link about its line. The calculation of the forces at the design load
+    /// ignores torsion, so it uses this stiffness instead.
     pub(super) spin: Option<Vector3<T>>,
 }
 
@@ -70,7 +70,7 @@ impl<T: Valued> Swinging<T> {
         bushing.state(self.deflection(end, at, state), &state.placed.turn)
     }
 
-    /// Displacement of a point of the arm, at this lever from the outer joint.
+    /// Returns the displacement of a point of the arm. `lever` is the vector from the outer joint to this point.
     #[inline(always)]
     pub(super) fn displacement(
         &self,
@@ -81,7 +81,8 @@ impl<T: Valued> Swinging<T> {
         at.carrier.displacement(self.joint) + state.placed.turn.apply(lever)
     }
 
-    /// Displacement of the spring's seat, relative to the spring's upper end if that end is on another body.
+    /// Returns the displacement of the point on which the spring acts. If the spring's upper end is on another body,
+    /// the displacement is relative to this end.
     #[inline(always)]
     pub(super) fn seat_displacement(
         &self,
@@ -97,7 +98,7 @@ impl<T: Valued> Swinging<T> {
         }
     }
 
-    /// Returns true if the arm depends on coordinates of [`Beside`].
+    /// Returns true if the arm depends on the coordinates in [`Beside`].
     pub(super) fn has_beside(&self) -> bool {
         self.bar.is_some() || self.seat.as_ref().is_some_and(|(_, seat)| seat.is_across)
     }
@@ -226,7 +227,8 @@ impl<T: Valued> Swinging<T> {
     }
 }
 
-/// Forces on a part about its joint, with their tangents with respect to the joint's displacement and the part's rotation.
+/// Sum of the forces on a part and of the moments about its outer joint. The tangents are with respect to the joint's
+/// displacement and the part's rotation.
 struct OwnSum<T> {
     /// Force at the joint, with its tangent with respect to the joint's displacement.
     at_joint: PointForce<T>,
@@ -242,15 +244,15 @@ struct OwnSum<T> {
 struct Pivot<T> {
     lever: Vector3<T>,
     normals: [Vector3<T>; 2],
-    /// Gap of the joint along each normal.
+    /// Gap of the joint along each of its two normals.
     open: [T; 2],
 }
 
-/// Inner equations of a part: matrix, residuals, tangents of the residuals with respect to the joint's displacement, and
-/// tangents of the joint's force.
+/// Inner equations of a part. In this order: matrix, residuals, derivatives of the residuals with respect to the
+/// joint's displacement, and derivatives of the joint's force with respect to the inner unknowns.
 type InnerEquations<T, const N: usize> = ([[T; N]; N], [T; N], [[T; 3]; N], [[T; N]; 3]);
 
-/// Stability of the inner equations.
+/// Results of the stability check of the inner equations.
 struct Firmness<T: Valued> {
     is_stable: MaskOf<T>,
     least_pivot: T::Plain,
@@ -271,7 +273,8 @@ impl<T: Valued> OwnSum<T> {
         }
     }
 
-    /// Adds a force at a point of the part, by equation (3) of `limb.rs` with the joint's displacement as shift.
+    /// Adds a force at a point of the part, by equation (3) of `limb.rs`. The shift in this equation is the joint's
+    /// displacement.
     #[inline(always)]
     fn add(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
         outlined!(
@@ -331,7 +334,7 @@ impl<T: Valued> OwnSum<T> {
         })
     }
 
-    /// Forms the equations of the three rotations and of two forces in a ball joint.
+    /// Forms the equations for the three rotations and for the two forces in a ball joint.
     #[inline(always)]
     fn with_pivot(&self, pivot: &Pivot<T>) -> InnerEquations<T, 5> {
         let zero = self.moment.x.zero();
@@ -364,8 +367,8 @@ impl<T: Valued> OwnSum<T> {
         (rows, force, by_joint, joint_by)
     }
 
-    /// Eliminates the three rotations and the two forces in a ball joint, which are normal to its lever. The part can then
-    /// only rotate about the lever.
+    /// Eliminates the three rotations and the two forces in a ball joint. These forces are normal to the lever of the
+    /// joint. After this, the part can only rotate about the lever.
     #[inline(always)]
     fn eliminate_with_pivot(
         &mut self,

@@ -33,9 +33,9 @@ use crate::number::{Each, Real, Scalar, SimdReal, Valued, Vector3, larger, outli
 pub(super) use equations::{Equations, Singular};
 pub(super) use state::{State, Step};
 
-/// Largest number of parts with inner unknowns: five links and a spring's seat.
+/// Largest number of parts with inner unknowns: five links and a spring on the carrier.
 pub(super) const MOST_LIMBS: usize = 6;
-/// A pivot below this fraction of the largest pivot means that a motion has no stiffness.
+/// If a pivot is below this fraction of the largest pivot, a motion has no stiffness.
 pub(super) const LOOSE: f64 = 1e-9;
 /// Largest number of rigid joints.
 pub(super) const MOST_JOINTS: usize = 5;
@@ -70,7 +70,7 @@ pub(super) struct System<T> {
     pub(super) holders: Holders,
     /// Connection of the wheel's parts to the subframe.
     pub(super) subframe: Option<SubframePart<T>>,
-    /// Drop link, if it is on the carrier or on an arm with legs.
+    /// Drop link of the anti-roll bar, if it is on the carrier or on an arm with legs.
     pub(super) bar: Option<BarPart<T>>,
     /// Body that holds the anti-roll bar.
     pub(super) bar_on: Holder,
@@ -85,7 +85,7 @@ pub(super) enum Hold<T> {
     Load,
 }
 
-/// Inputs of an equilibrium: rack displacement, loads, and the height or load that stays fixed.
+/// Inputs of an equilibrium: rack displacement, loads, and the height or the load that stays fixed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Task<T> {
     pub(super) rack: T,
@@ -115,8 +115,8 @@ impl<T: Valued> Task<T> {
     }
 }
 
-/// External forces that hold the design position at the start if it is no equilibrium. The solver reduces them step by
-/// step.
+/// External forces that hold the design position at the start, if this position is not an equilibrium. The solver
+/// reduces these forces step by step.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Held<T> {
     pub(super) carrier: [T; 6],
@@ -145,7 +145,7 @@ impl<T: Valued> Limb<T> {
         match self {
             Limb::Swinging(arm) => arm.evaluate(at, state, held, sum, beside),
             Limb::Floating(link) => link.evaluate(at, state, held, sum),
-            // Lanes do not support such systems (`fits_lanes`), so this code is not compiled for them.
+            // SIMD lanes do not support such systems (`fits_lanes`), so this code is not compiled for them.
             Limb::Mount(_) if T::IN_REGISTERS => None,
             Limb::Mount(mount) => mount.evaluate(at, state, held, sum),
             Limb::LegSeat(seat) => Some(seat.evaluate(at, state, held, sum, beside)),
@@ -153,7 +153,7 @@ impl<T: Valued> Limb<T> {
         }
     }
 
-    /// Returns true if the part depends on coordinates of [`Beside`].
+    /// Returns true if the part depends on the coordinates in [`Beside`].
     pub(super) fn has_beside(&self) -> bool {
         match self {
             Limb::Swinging(arm) => arm.has_beside(),
@@ -162,7 +162,7 @@ impl<T: Valued> Limb<T> {
         }
     }
 
-    /// Returns true if the rack holds the inner end.
+    /// Returns true if the inner end is on the rack.
     pub(super) fn is_on_rack(&self) -> bool {
         match self {
             Limb::Swinging(arm) => arm.ends.iter().any(|end| end.on_rack),
@@ -200,7 +200,7 @@ impl<T: Valued> Limb<T> {
 }
 
 impl<T: Valued> System<T> {
-    /// Returns true if lanes can solve the system: one wheel without the elastic mount of a strut.
+    /// Returns true if the system can be solved in SIMD lanes: a single wheel without an elastic strut mount.
     pub(super) fn fits_lanes(&self) -> bool {
         let is_mount = |limb: &Limb<T>| matches!(limb, Limb::Mount(_));
         self.subframe.is_none() && self.bar.is_none() && !self.limbs.iter().any(is_mount)
@@ -250,7 +250,7 @@ impl<T: Valued> System<T> {
         Ok(equations)
     }
 
-    /// Forms the equations (1) like `equations`, and overwrites the equations of an earlier state.
+    /// Forms the equations (1) like `equations`. They overwrite the equations of an earlier state.
     #[inline(always)]
     pub(super) fn renew_equations(
         &self,
@@ -266,7 +266,7 @@ impl<T: Valued> System<T> {
         self.fill(&frames, state, task, held, equations)
     }
 
-    /// Adds all forces to empty equations.
+    /// Adds all forces to equations that are still empty.
     #[inline(always)]
     fn fill(
         &self,
@@ -289,7 +289,7 @@ impl<T: Valued> System<T> {
         )
     }
 
-    /// Adds loads and, if the height is held, the vertical force with its row.
+    /// Adds the loads. If the height is held, also adds the vertical force with its row.
     #[inline(always)]
     pub(super) fn add_loads(&self, equations: &mut Equations<T>, state: &State<T>, task: &Task<T>) {
         let mut loads = task.loads;
@@ -310,12 +310,13 @@ impl<T: Valued> System<T> {
         }
     }
 
-    /// Height of the wheel centre above its design position, with its derivative with respect to the carrier's motion.
+    /// Returns two results: the derivative of the wheel centre's height with respect to the carrier's motion, and the
+    /// height of the wheel centre above its design position.
     #[inline(always)]
     fn height(&self, carrier: &Placed<T>) -> ([T; 6], T) {
         let lever = carrier.lever(self.wheel.centre);
         let zero = lever.x.zero();
-        // The moment of a vertical unit force is lever x z.
+        // The moment of a vertical unit force at the vector `lever` is lever x z.
         let row = [zero, zero, zero.one(), lever.y, -lever.x, zero];
         (row, carrier.displacement(self.wheel.centre).z)
     }
@@ -339,7 +340,7 @@ impl<T: Valued> System<T> {
         equations.size += 1;
     }
 
-    /// Wrench of a vertical unit force at the contact point.
+    /// Returns the wrench of a vertical unit force at the contact point.
     #[inline(always)]
     pub(super) fn vertical_force(&self, carrier: &Placed<T>) -> [T; 6] {
         let mut unit = WheelLoads::none(carrier.shift.x);
@@ -374,9 +375,9 @@ impl<T: Valued> System<T> {
         next
     }
 
-    /// Largest translation and largest rotation of a step. The sizes exclude forces of ball joints and the rotation of a
-    /// link about its own line. This rotation moves no point of the suspension, and is inaccurate if the torsional
-    /// stiffness is low.
+    /// Returns the largest translation and the largest rotation of a step. They do not include the forces of ball
+    /// joints, and the rotation of a link about its own line. This rotation moves no point of the suspension, and it is
+    /// inaccurate if the torsional stiffness is low.
     #[inline(always)]
     pub(super) fn size_of(&self, step: &Step<T>) -> [T::Plain; 2] {
         outlined!(
@@ -408,7 +409,7 @@ impl<T: Valued> System<T> {
     }
 }
 
-/// Largest of the value `known` and the magnitudes of the numbers.
+/// Returns the largest of `known` and the magnitudes of the numbers.
 #[inline(always)]
 fn largest_of<T: Valued, const N: usize>(known: T::Plain, numbers: [T; N]) -> T::Plain {
     let mut largest = known;
@@ -452,7 +453,7 @@ impl<T: Scalar> System<T> {
             })
     }
 
-    /// State of the spring's seat.
+    /// State of the spring and its rod.
     pub(super) fn seat(&self, frames: &Frames<T>, state: &State<T>) -> Option<SeatState<T>> {
         let limbs = self.limbs.iter().zip(&self.holders.limbs);
         limbs.zip(&state.limbs).find_map(|((limb, holder), own)| {

@@ -16,7 +16,7 @@ use crate::number::{Scalar, Valued, Vector3, array_of, larger};
 
 /// Number of inverse iterations that find the softest motion.
 const SOFT_STEPS: usize = 8;
-/// Ratio of wheel load to spring force. Below this limit, the spring has no leverage.
+/// Smallest ratio of wheel load to spring force. Below this limit, the spring counts as having no leverage.
 const LEAST_LEVERAGE: f64 = 1e-6;
 
 /// Quantity that stays fixed while a load changes.
@@ -28,12 +28,12 @@ pub enum HeldQuantity {
     WheelLoad,
 }
 
-/// Input along which an equilibrium changes.
+/// Input with respect to which an equilibrium is differentiated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Change<T = f64> {
-    /// Load on the wheel. Its trail applies to the side force.
+    /// Load on the wheel. The trail of the load applies to its side force.
     Load(WheelLoads<T>),
-    /// Wheel travel, with the height held.
+    /// Wheel travel, in an equilibrium whose height is held.
     Travel,
     /// Displacement of the rack along the kernel's +y.
     Rack,
@@ -62,8 +62,8 @@ impl<T: Scalar> Equilibrium<T> {
     }
 }
 
-/// State of a bushing in its axes, as for a left wheel. Force and torque act on the moving body: the arm, the link, or the
-/// mount of a strut.
+/// State of a bushing in its axes, as for a left wheel. Force and torque act on the body that moves: the arm, the link,
+/// or the mount of a strut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BushingReading<T = f64> {
     /// Deflection along x, y and z.
@@ -74,7 +74,7 @@ pub struct BushingReading<T = f64> {
     pub force: Vector3<T>,
     /// Torque on the moving body.
     pub torque: Vector3<T>,
-    /// True if a curve continues beyond its points, or if the rotation exceeds 60 degrees.
+    /// True if the bushing is deflected beyond an end of its force curve, or rotated by more than 60 degrees.
     pub is_extrapolated: bool,
 }
 
@@ -85,7 +85,7 @@ pub struct SpringReading<T = f64> {
     pub length: T,
     /// Force, positive in compression.
     pub force: T,
-    /// True if the suspension meets the bump stop.
+    /// True if the suspension is in contact with the bump stop.
     pub meets_stop: bool,
 }
 
@@ -97,12 +97,13 @@ pub struct ElasticWheel<T = f64> {
     pub(super) constants: Constants,
     pub(super) bounds: Bounds,
     pub(super) relaxed: Relaxed,
-    /// True if a bushing or a link has a constant force. This force may move the wheel away from the design position.
+    /// True if a bushing or a link has a constant force. Because of this force, the design position may not be an
+    /// equilibrium.
     pub(super) has_offset: bool,
     pub(super) start: State<T>,
 }
 
-/// Task with a held height. The only load is the vertical force that holds this height.
+/// Makes a task with a held height. The only load is the vertical force that keeps the wheel at this height.
 #[inline(always)]
 pub(super) fn level_task<T: Valued>(travel: T, rack: T) -> Task<T> {
     Task {
@@ -113,7 +114,7 @@ pub(super) fn level_task<T: Valued>(travel: T, rack: T) -> Task<T> {
 }
 
 impl ElasticWheel {
-    /// Makes the elastic suspension of a design.
+    /// Makes the elastic suspension, with the hardpoints at `suspension.design`.
     pub fn new(suspension: &Suspension, compliance: &Compliance) -> Result<Self, ElasticFault> {
         Self::of(suspension, &suspension.design, compliance)
     }
@@ -142,7 +143,7 @@ impl<T: Scalar> ElasticWheel<T> {
         Ok(wheel)
     }
 
-    /// Makes the elastic suspension like `of`, in the design position and without forces at the design load.
+    /// Makes the elastic suspension like `of`, in the design position. The forces at the design load are not set.
     pub(super) fn unloaded(
         suspension: &Suspension,
         design: &[Vector3<T>],
@@ -201,7 +202,8 @@ impl<T: Scalar> ElasticWheel<T> {
         }
     }
 
-    /// Rotation about the vehicle's axis nearest to a link's line. Only torsional stiffness resists this rotation.
+    /// Returns the rotation about that axis of the vehicle which is nearest to a link's line. Only torsional stiffness
+    /// resists this rotation.
     pub(super) fn spin_of(&self, limb: usize) -> Motion {
         let along = match &self.built.system.limbs[limb] {
             Limb::Swinging(arm) => arm.ends[0].lever,
@@ -211,22 +213,22 @@ impl<T: Scalar> ElasticWheel<T> {
         Motion::Turn(largest_axis(along.map(Scalar::value)))
     }
 
-    /// Task at the design height, with the rack straight ahead.
+    /// Makes the task for the design height, with the rack straight ahead.
     fn level(&self) -> Task<T> {
         let nothing = self.start.vertical.zero();
         level_task(nothing, nothing)
     }
 
-    /// Vertical force at the contact point that balances bushings and spring in the design position; `None` if the
-    /// design position is no equilibrium. Constant forces of bushings and links are not included.
+    /// Returns the vertical force at the contact point that balances bushings and spring in the design position. `None`
+    /// if the design position is not an equilibrium. Constant forces of bushings and links are not included.
     pub fn design_load(&self) -> Option<T> {
         (self.relaxed == Relaxed::AtDesignLoad).then_some(self.start.vertical)
     }
 }
 
 impl ElasticWheel {
-    /// Largest unbalanced force in a state, on the carrier or a part of the suspension. A moment counts as its force at a
-    /// lever of 300 mm. Infinite if the equations cannot be formed.
+    /// Returns the largest unbalanced force in a state, on the carrier or on a part of the suspension. A moment counts
+    /// as the force that produces it at a lever of 300 mm. The result is infinite if the equations cannot be formed.
     pub fn out_of_balance(&self, at: &Equilibrium) -> f64 {
         let Solution { state, task, .. } = &at.solution;
         let equations = self.built.system.equations(state, task, None);
@@ -302,7 +304,7 @@ impl ElasticWheel {
         to.loads = loads.plus(&task.loads, 0.0);
         to.loads.trail = loads.trail;
         if let Hold::Load = to.hold {
-            // The vertical load adds to the held wheel load.
+            // The vertical load is added to the wheel load that is held.
             to.loads.contact.z += task.loads.contact.z;
         }
         let mut start = task;
@@ -310,8 +312,8 @@ impl ElasticWheel {
         self.solved(&state, &start, &to, None)
     }
 
-    /// Finds the equilibrium under loads in addition to the loads of a station, from a neighbouring equilibrium. The
-    /// station's height or wheel load stays held.
+    /// Finds the equilibrium under loads that act in addition to the loads of a station. The search starts from a
+    /// neighbouring equilibrium. The height or the wheel load of the station stays held.
     pub fn loaded_about(
         &self,
         station: &Equilibrium,
@@ -347,7 +349,7 @@ impl ElasticWheel {
     }
 
     /// Finds the motion with the least stiffness by inverse iteration on the tangent. Returns its displacement per unit
-    /// force, its part and its direction.
+    /// force, the part that moves, and the direction of the motion.
     pub(super) fn softest(
         &self,
         state: &State<f64>,

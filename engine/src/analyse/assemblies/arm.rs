@@ -1,23 +1,25 @@
 //! All assemblies of a strut or a double wishbone: one full rotation of the lower arm.
 //!
-//! At an arm angle th there are at most four assemblies (module `closed_form`). They are the combinations of two choices.
-//! The first choice is an upright or inverted strut, or the side of the upper arm. The second choice is the side of its
-//! plane on which the tie rod's outer end lies. For each of the four assemblies, the travel is an explicit function f(th).
-//! The assemblies at a given travel are the roots of f(th) = travel over one rotation of the arm. (The four functions of a
-//! strut together are one trigonometric polynomial of degree ten, so it has at most twenty roots.)
+//! At an arm angle th there are at most four assemblies (module `closed_form`). They are the combinations of two
+//! choices. The first choice is an upright or inverted strut, or the side of the upper arm. The second choice is the
+//! side of a plane on which the tie rod's outer end is. For each of the four assemblies, the travel is an explicit
+//! function f(th). The assemblies at a given travel are the roots of f(th) = travel over one rotation of the arm. (The
+//! four functions of a strut together are one trigonometric polynomial of degree ten, so it has at most twenty roots.)
 //!
-//! Intervals isolate the roots. Mean-value forms about the middle m of a piece X enclose f and f': f(X) in f(m) + f'(X) (X -
-//! m). Their excess width shrinks with the square of the piece's width. Each piece has one of these outcomes:
+//! Interval arithmetic isolates the roots. The rotation is divided into pieces. On a piece X with the middle m,
+//! mean-value forms enclose f and f': f(X) in f(m) + f'(X) (X - m). The excess width of these enclosures shrinks with
+//! the square of the piece's width. Each piece has one of these outcomes:
 //!
-//! - The piece is dropped if the enclosure of f excludes a root. It is also dropped if the upper end or the tie rod has no
-//!   real position on the piece.
-//! - If f' does not vanish on the piece, there is at most one root, and the signs of f - travel at the ends decide.
-//! - If all its poses are closer to a known assembly than any other assembly can be, this assembly is the only one on the
-//!   piece.
+//! - The piece is dropped if the enclosure of f excludes a root. It is also dropped if the upper end or the tie rod has
+//!   no real position on the piece.
+//! - If f' does not vanish on the piece, there is at most one root. The signs of f - travel at the ends show whether
+//!   there is a root.
+//! - If all poses of the piece are closer to a known assembly than any other assembly can be, this assembly is the only
+//!   one on the piece.
 //! - Otherwise the piece is halved.
 //!
-//! So no root is missed, even if two roots are very close. A piece that is narrower than [`NARROWEST`] and still undecided
-//! (a double root) goes to Newton's method on the closure equations.
+//! So no root is missed, even if two roots are very close. A piece can be narrower than [`NARROWEST`] and still
+//! undecided (a double root). In this case, Newton's method on the closure equations decides.
 
 use super::{Assembly, Search, Undecided};
 use crate::mechanism::Pose;
@@ -29,14 +31,14 @@ use crate::solve::closed_form::{ArmState, ClosedForm};
 use crate::threads::checkpoint;
 use std::f64::consts::PI;
 
-/// Width (rad) below which pieces are not halved any further.
+/// Pieces narrower than this (rad) are not halved any further.
 const NARROWEST: f64 = 1e-10;
-/// Largest number of pieces for each of the four functions. A search of so many pieces takes a quarter of a second. An
-/// ordinary design needs 400 pieces. A design with parallel arms, or with a tie-rod lever of a hundredth of its arm, needs
-/// 1,500.
+/// Largest number of pieces for each of the four functions. A search of this many pieces takes a quarter of a second.
+/// An ordinary design needs 400 pieces. A design with parallel arms needs 1,500, and so does a design in which the
+/// lever of the tie rod is a hundredth of the arm.
 const MOST_PIECES: usize = 20_000;
-/// Width (rad) below which Newton's method is tried on an undecided piece. `NEXT_TRY` is the factor by which the piece must
-/// be narrower for the next try.
+/// Newton's method is tried on an undecided piece that is narrower than this (rad). `NEXT_TRY` is the factor by which
+/// the piece must be narrower for the next try.
 const FIRST_TRY: f64 = 0.02;
 const NEXT_TRY: f64 = 0.1;
 /// Offsets (rad) from a toggle at which poses are tried if the toggle itself has no pose.
@@ -51,11 +53,11 @@ type Value = Jet<Interval, 3>;
 struct Piece {
     low: f64,
     high: f64,
-    /// Width below which Newton's method is tried next.
+    /// Newton's method is tried next if the piece is narrower than this.
     next_try: f64,
 }
 
-/// One of the four assemblies at an arm angle, followed over the whole rotation.
+/// One of the four assemblies, as a function of the arm angle over the whole rotation.
 struct Branch {
     form: ClosedForm<Interval>,
     plain: ClosedForm<f64>,
@@ -63,7 +65,7 @@ struct Branch {
     rack: f64,
 }
 
-/// Result of the search on a piece of the rotation: number of its roots, or undecided.
+/// Result of the search on a piece of the rotation: the number of roots, or undecided.
 enum Verdict {
     /// No root.
     None,
@@ -91,7 +93,7 @@ impl Search<'_> {
 
     fn on_branch(&mut self, branch: &Branch) {
         let mut undecided: Vec<(f64, f64)> = Vec::new();
-        // The rotation is not divided at angle zero, where the design position lies.
+        // The design position is at angle zero, so the rotation is not divided there.
         let cut = -PI + 0.1234;
         let half = |low: f64| Piece {
             low,
@@ -138,7 +140,7 @@ impl Search<'_> {
         }
         self.all.looked_at += looked_at;
         for (low, high) in undecided {
-            // The piece has a root of even order, a root at a toggle, or no root.
+            // The piece has a root of even order or a root at a toggle, or it has no root.
             match self.beside(branch, 0.5 * (low + high)) {
                 Some(assembly) => self.add(assembly),
                 None => self.all.undecided.push(Undecided::ArmAngle(low, high)),
@@ -146,8 +148,8 @@ impl Search<'_> {
         }
     }
 
-    /// Returns true if all poses of a piece are close to one assembly. This assembly is already known, or Newton's method
-    /// finds it from the piece.
+    /// Returns true if all poses of a piece are close to one assembly. This assembly is already known, or Newton's
+    /// method finds it from the middle of the piece.
     fn settles(&mut self, branch: &Branch, low: f64, high: f64) -> bool {
         let poses = branch.poses(Interval::bounds(low, high));
         if self.is_settled(&poses) {
@@ -162,7 +164,7 @@ impl Search<'_> {
         self.is_settled(&poses)
     }
 
-    /// Assembly at an arm angle, or so near to this angle that the two angles cannot be distinguished.
+    /// Returns the assembly at an arm angle, or so near to this angle that the two angles cannot be distinguished.
     fn beside(&self, branch: &Branch, angle: f64) -> Option<Assembly> {
         let found = self.assembly(&branch.pose(angle)?)?;
         let apart = (0.5 * (found.arm_angle? - angle)).sin().abs();
@@ -214,10 +216,10 @@ impl Branch {
         ([upper_square, state.toggle_square()[0]], miss)
     }
 
-    /// Returns the state of the mechanism on a piece, and the radicand for the position of its upper end. A second radicand
-    /// gives the tie-rod end's distance from its plane. Near their zeros, both radicands are small differences of large
-    /// terms. The zeros are double if parallel arms are in line with each other and with the steering axis. So both radicands
-    /// have mean-value forms, which give far narrower intervals than direct evaluation.
+    /// Returns the state of the mechanism on a piece, and two radicands: one for the position of the upper end, one for
+    /// the distance of the tie rod's end from its plane. Near their zeros, both radicands are small differences of
+    /// large terms. The zeros are double if parallel arms are in line with each other and with the steering axis. So
+    /// both radicands use mean-value forms, which give far narrower intervals than direct evaluation.
     fn state(&self, form: &ClosedForm<Value>, angle: Interval) -> (ArmState<Value>, Interval) {
         let middle = Interval::point(angle.middle());
         let around = angle - middle;
@@ -246,14 +248,15 @@ impl Branch {
         )
     }
 
-    /// All poses of a piece.
+    /// Returns an enclosure of all poses of a piece.
     fn poses(&self, angle: Interval) -> Pose<Interval> {
         let form = self.form.map(Jet::constant);
         form.pose(&self.state(&form, angle).0)
             .map(|series| series[0])
     }
 
-    /// Pose at an arm angle, or at the nearest angle for which it can be computed. `None` if there is no such angle nearby.
+    /// Returns the pose at an arm angle, or at the nearest angle at which a pose can be computed. `None` if there is no
+    /// such angle nearby.
     fn pose(&self, angle: f64) -> Option<Pose<f64>> {
         BESIDE.iter().find_map(|by| {
             let (sine, cosine) = (angle + by).sin_cos();
@@ -266,7 +269,7 @@ impl Branch {
         })
     }
 
-    /// Root on a piece that has exactly one root. Bisection continues until Newton's method is safe.
+    /// Computes the root on a piece that has exactly one root. Bisection continues until Newton's method is safe.
     fn refined(&self, mut low: f64, mut high: f64) -> f64 {
         let at = |angle: f64| self.miss(Interval::point(angle)).1[0].value();
         let rising = at(high) > at(low);
@@ -282,10 +285,10 @@ impl Branch {
     }
 }
 
-/// Adds a range of arm angles. Joins the new range with the last range if the two touch.
+/// Adds a range of arm angles. If the new range touches the last range, both are joined.
 fn join(ranges: &mut Vec<(f64, f64)>, (low, high): (f64, f64)) {
     match ranges.last_mut() {
-        // Pieces come from the top of the stack, with increasing angles.
+        // Pieces are taken from the top of the stack, so their angles increase.
         Some(last) if low <= last.1 && high >= last.1 => last.1 = high,
         Some(last) if high >= last.0 && low <= last.0 => last.0 = low,
         _ => ranges.push((low, high)),

@@ -1,14 +1,14 @@
 //! All assemblies of an arm on a hinge: at most two.
 //!
-//! The wheel centre moves on a circle, at the height c + A cos th + B sin th. With H = A^2 + B^2 and the required height C
-//! above c,
+//! The wheel centre moves on a circle, at the height c + A cos th + B sin th. With H = A^2 + B^2 and the required
+//! height C above c,
 //!
 //! ```text
 //! th = atan2(B, A) +- acos(C/sqrt H)                                              (1)
 //! ```
 //!
-//! There are two assemblies if C^2 < H, and none if C^2 > H. If intervals cannot decide between the two cases, the arm is at
-//! the end of its range, and Newton's method decides.
+//! There are two assemblies if C^2 < H, and none if C^2 > H. If interval arithmetic cannot decide between these two
+//! cases, the arm is at the end of its range. Then Newton's method decides.
 
 use super::{Search, Undecided};
 use crate::mechanism::Pose;
@@ -49,7 +49,7 @@ impl Search<'_> {
     }
 }
 
-/// Pose after a rotation of the arm by an angle.
+/// Returns the pose after a rotation of the arm by an angle.
 fn turned(circle: &Circle<f64>, angle: f64) -> Pose<f64> {
     let (sine, cosine) = angle.sin_cos();
     let axis = circle.radius.cross(circle.turned).normalised();

@@ -1,13 +1,15 @@
-//! All assemblies of a design: every pose that its lengths allow at a given travel, on any branch.
+//! All assemblies of a design: every pose at a given travel that the lengths of the design allow, on any solution
+//! branch.
 //!
-//! Each kind of mechanism has a complete method, which cannot miss an assembly:
+//! For each kind of mechanism there is a complete method, which cannot miss an assembly:
 //!
-//! - [`arm`]: strut and double wishbone, by their closed form. Intervals search one rotation of the lower arm, for each side
-//!   of the upper end and of the tie rod.
+//! - [`arm`]: strut and double wishbone, by a closed form. Interval arithmetic searches one rotation of the lower arm,
+//!   for each side of the upper end and of the tie rod.
 //! - [`hinge`]: a semi-trailing arm. The assemblies are at most two points of a circle.
-//! - [`rods`]: a knuckle on five rods. Intervals search all rotations.
+//! - [`rods`]: a knuckle on five rods. Interval arithmetic searches all rotations.
 //!
-//! Newton's method on the closure equations refines each isolated assembly, and a certificate bounds its error.
+//! Newton's method on the closure equations makes each assembly more accurate. A certificate bounds the error of each
+//! assembly.
 
 mod arm;
 mod hinge;
@@ -30,11 +32,11 @@ use std::ops::ControlFlow;
 pub struct Assembly {
     /// Pose of the knuckle.
     pub pose: Pose<f64>,
-    /// Angle of the first arm from the design position (radians, positive raises its outer joint). `None` if there is no
-    /// arm.
+    /// Angle of the first arm from the design position, in radians. A positive angle raises the arm's outer joint.
+    /// `None` if there is no arm.
     pub arm_angle: Option<f64>,
-    /// For each of the [`Assemblies::traits`], true if the assembly has the same variant as the design position. `None` at
-    /// the border between two variants.
+    /// For each of the features in [`Assemblies::traits`], true if the assembly has the same variant as the design
+    /// position. `None` at the border between two variants.
     pub branch: Vec<Option<bool>>,
     /// Position of the wheel centre.
     pub wheel_centre: Vector3<f64>,
@@ -42,17 +44,18 @@ pub struct Assembly {
     pub certificate: Option<Certificate>,
 }
 
-/// Feature that distinguishes assemblies. It has two variants, and each assembly has one of them or lies at the border
-/// between them.
+/// Feature by which assemblies are distinguished. It has two variants. Each assembly has one of the variants, or is at
+/// the border between them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AssemblyMode {
-    /// Position of a strut's mount, above or below the foot of the perpendicular from the ball joint to the strut's axis.
+    /// Position of a strut's mount: above or below the foot of the perpendicular from the ball joint to the strut's
+    /// axis.
     Strut,
-    /// Side of the upper arm on which the steering axis lies, seen along the arm's axis.
+    /// Side of the upper arm on which the steering axis is, seen along the arm's axis.
     UpperArm,
-    /// Side of the plane through steering axis and rack joint on which the tie rod's end lies.
+    /// Side of the plane through steering axis and rack joint on which the tie rod's end is.
     TieRod,
-    /// Motion of the end of an arm on a hinge, up or down as its angle grows.
+    /// Direction of motion of an arm's end on a hinge, up or down, while the arm's angle increases.
     Arm,
     /// Sign of the determinant of the closure equations.
     Determinant,
@@ -85,14 +88,13 @@ impl AssemblyMode {
 /// Assemblies that were found at one travel.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Assemblies {
-    /// Features that distinguish assemblies of this mechanism.
+    /// Features by which assemblies of this mechanism are distinguished.
     pub traits: Vec<AssemblyMode>,
-    /// Assemblies, in the order of the arm angle or, for a mechanism without an arm, of the rotation from the design
-    /// position.
+    /// Assemblies, ordered by the arm angle. Without an arm, they are ordered by the rotation from the design position.
     pub found: Vec<Assembly>,
     /// Possible further assemblies that the search could not confirm or exclude. They occur only in degenerate designs.
     pub undecided: Vec<Undecided>,
-    /// Number of examined pieces of the arm's rotation, or of examined boxes of poses.
+    /// Number of pieces of the arm's rotation, or of boxes of poses, that the search has examined.
     pub looked_at: usize,
 }
 
@@ -103,14 +105,15 @@ pub enum Undecided {
     ArmAngle(f64, f64),
     /// Near a pose.
     Pose(Pose<f64>),
-    /// Fraction of all rotations of the knuckle that was not searched, because a complete search would have taken too long.
+    /// Fraction of all rotations of the knuckle that was not searched, because a complete search would take too long.
     Rotations(f64),
 }
 
-/// Number of starting points for Newton's method, if the exact search has left an interval undecided.
+/// Number of starting points for Newton's method. It is used if the exact search has left an interval undecided.
 const TRIES: usize = 400;
-/// Distance, relative to the mechanism's size, below which an assembly without certificate counts as equal to another one.
-/// The two are then a double assembly, whose position is uncertain by the square root of the rounding error.
+/// An assembly without certificate counts as equal to another one if their distance is below this, relative to the
+/// mechanism's size. The two are then a double assembly. The error of its position is the square root of the rounding
+/// error.
 const DOUBLE: f64 = 1e-5;
 /// Largest number of undecided regions in the result.
 const MOST_UNDECIDED: usize = 64;
@@ -146,12 +149,12 @@ impl Assembly {
 }
 
 impl Solver<'_> {
-    /// Every assembly of the design's lengths at a wheel travel, with the rack displaced by `rack` (towards the kernel's
-    /// +y). `None` for a mechanism without a complete method.
+    /// Returns every assembly that the lengths of the design allow at a wheel travel. The rack is displaced by `rack`
+    /// (towards the kernel's +y). `None` for a mechanism without a complete method.
     pub fn assemblies(&self, travel: f64, rack: f64) -> Option<Assemblies> {
         let mut search = Search::new(self, travel, rack);
-        // The assembly that is connected to the design position comes first: the result must contain this assembly even if
-        // the search gives up.
+        // First add the assembly that is connected to the design position. Then the result contains this assembly even
+        // if the search fails.
         search.take_connected();
         let mechanism = self.mechanism();
         match (Roles::of(mechanism), mechanism.constraints.as_slice()) {
@@ -170,7 +173,7 @@ impl Solver<'_> {
     }
 }
 
-/// Features that distinguish assemblies of a mechanism.
+/// Returns the features by which assemblies of a mechanism are distinguished.
 fn traits(mechanism: &Mechanism) -> Vec<AssemblyMode> {
     match (Roles::of(mechanism), mechanism.constraints.as_slice()) {
         (Some(roles), _) if roles.is_strut() => vec![AssemblyMode::Strut, AssemblyMode::TieRod],
@@ -185,7 +188,7 @@ struct Search<'a> {
     solver: &'a Solver<'a>,
     certifier: Certifier<'a>,
     point: MotionPoint<f64>,
-    /// Design points as exact intervals of zero width.
+    /// Design points as exact intervals: their width is zero.
     exact: Vec<Vector3<Interval>>,
     all: Assemblies,
 }
@@ -228,8 +231,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Starts Newton's method from rotations all over the sphere. It often finds poses that the exact search left undecided,
-    /// but it does not exclude further poses.
+    /// Starts Newton's method from rotations of every direction and angle. It often finds poses that the exact search
+    /// left undecided. It cannot exclude that there are more poses.
     fn try_others(&mut self) {
         let design = self.solver.design_pose();
         let starts: Vec<Pose<f64>> = self
@@ -242,8 +245,8 @@ impl<'a> Search<'a> {
             })
             .collect();
         let turns = (0..TRIES).map(|k| {
-            // The axes are distributed evenly over the sphere by the golden angle. The angles are distributed over the
-            // rotations about each axis.
+            // The axes of rotation are distributed evenly over the sphere by the golden angle. Each axis has several
+            // angles of rotation.
             let k = k as f64 + 0.5;
             let (height, around) = (1.0 - 2.0 * k / TRIES as f64, k * 2.399_963_229_728_653);
             let level = (1.0 - height * height).sqrt();
@@ -252,7 +255,7 @@ impl<'a> Search<'a> {
             design.moved(Vector3::default(), axis * (0.5 * turn).tan())
         });
         for start in starts.into_iter().chain(turns) {
-            // A design with a free rotation has infinitely many assemblies, and none of them can be certified.
+            // A design with a free rotation has infinitely many assemblies. None of these assemblies can be certified.
             let found = self.assembly(&start);
             if let Some(assembly) = found.filter(|a| a.certificate.is_some()) {
                 self.add(assembly);
@@ -260,8 +263,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Assembly that Newton's method reaches from a pose. The method may also stop near a pose that almost satisfies the
-    /// equations. So a result without certificate must at least satisfy the equations.
+    /// Returns the assembly that Newton's method reaches from a pose. The method may also stop near a pose that almost
+    /// satisfies the equations. So a result without certificate must at least satisfy the equations.
     fn assembly(&self, near: &Pose<f64>) -> Option<Assembly> {
         let pose = self.solver.polished(near, &self.point)?;
         let certificate = self.certifier.pose(&pose, &self.point).ok();
@@ -283,7 +286,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// For each of the mechanism's traits, true if a pose has the same variant as the design position.
+    /// Returns, for each feature of the mechanism, true if a pose has the same variant as the design position.
     fn branch(&self, now: &Configuration<f64>) -> Vec<Option<bool>> {
         let start = self.solver.design_pose();
         let design = self.solver.configuration(&start, 0.0);
@@ -294,8 +297,8 @@ impl<'a> Search<'a> {
         self.all.traits.iter().map(alike).collect()
     }
 
-    /// Number whose sign distinguishes the two variants of `of`. `None` if the mechanism has no such feature, or if the
-    /// equations cannot be factorised in this pose.
+    /// Returns a number whose sign distinguishes the two variants of the feature `of`. `None` if the mechanism does not
+    /// have this feature, or if the equations cannot be factorised in this pose.
     fn sign(&self, of: AssemblyMode, at: &Configuration<f64>) -> Option<f64> {
         let mechanism = self.solver.mechanism();
         let roles = Roles::of(mechanism);

@@ -1,27 +1,30 @@
-//! All assemblies of a knuckle on rods: branch and prune over every rotation.
+//! All assemblies of a knuckle on rods: a search over every rotation that divides and discards boxes (branch and
+//! prune).
 //!
-//! Let p be the position of the knuckle's origin, and R the knuckle's rotation. A rod has the length L, the inner end a, and
-//! the lever b of its outer end. The wheel centre has the lever e and the required height h.
+//! Let p be the position of the knuckle's origin, and R the knuckle's rotation. A rod has the length L, the inner end
+//! a, and the lever b of its outer end. The wheel centre has the lever e and the required height h.
 //!
 //! ```text
 //! F = (|p + R b - a|^2 - L^2)/(2 L)   for each rod,      F = p_z + (R e)_z - h
 //! R = C(v) D,   C(v) c = c + 2 (v x c + v x (v x c))/(1 + v.v),   D one of 1 and the half turns about x, y, z
 //! ```
 //!
-//! Every rotation has a quaternion, which can be scaled so that its largest component is 1. So v in [-1, 1]^3 with the four
-//! D covers all rotations. The distance from p to a rod's inner end is at most the sum of the lengths of rod and lever. With
-//! g = (p + R b - a)/L the differential is dF = g.dp + (m + m x v).dv 2/(1 + v.v), m = R b x g.
+//! Every rotation has a quaternion, which can be scaled so that its largest component is 1. So v in [-1, 1]^3 with the
+//! four D covers all rotations. The distance from p to a rod's inner end is at most the sum of the lengths of rod and
+//! lever. With g = (p + R b - a)/L the differential is dF = g.dp + (m + m x v).dv 2/(1 + v.v), m = R b x g.
 //!
 //! The search applies these steps to a box of (p, v):
 //!
-//! 1. The equations of height and lengths are solved for each coordinate of p in turn. This makes the box smaller or empty.
+//! 1. The equations of height and lengths are solved for each coordinate of p in turn. This makes the box smaller or
+//!    empty.
 //! 2. The mean-value form of each equation must contain 0. Otherwise the box is dropped.
-//! 3. Krawczyk's operator is K = x - A F(x) + (1 - A J(X)) (X - x), with A an inverse of J in the middle x. All solutions in
-//!    X are in K. If K lies inside X, there is exactly one solution (R. Krawczyk, *Computing* 4, 1969; R. E. Moore, *SIAM J.
-//!    Numer. Anal.* 14, 1977). This step repeats while it makes the box much smaller.
+//! 3. Krawczyk's operator is K = x - A F(x) + (1 - A J(X)) (X - x), with A an inverse of J in the middle x. All
+//!    solutions in X are in K. If K lies inside X, there is exactly one solution (R. Krawczyk, *Computing* 4, 1969; R.
+//!    E. Moore, *SIAM J. Numer. Anal.* 14, 1977). This step is repeated while it makes the box much smaller.
 //!
-//! The search halves the remaining box across the variable that changes the equations most. Steps and halving repeat until
-//! every box is decided or too narrow. All results are rounded outward, so the search misses no assembly.
+//! Then the search halves the remaining box along the variable that changes the equations most. Steps and halving are
+//! repeated until every box is decided or too narrow. All results are rounded outward, so the search misses no
+//! assembly.
 
 use super::{Search, Undecided, pose_distance};
 use crate::linear::lu::Lu6;
@@ -32,16 +35,17 @@ use crate::number::{Each, Matrix3, Vector3, array_of};
 use crate::number::{Real, Scalar};
 use crate::threads::checkpoint;
 
-/// Box of p and v.
+/// Box of values of p and v.
 type Cell = [Interval; 6];
 
-/// Largest number of boxes. A search of so many boxes takes six or seven seconds. An ordinary design needs 50,000 to 200,000
-/// boxes.
+/// Largest number of boxes. A search of this many boxes takes six or seven seconds. An ordinary design needs 50,000 to
+/// 200,000 boxes.
 const MOST_CELLS: usize = 500_000;
-/// Change of the equations within a box, relative to the size, below which the box is not halved any further.
+/// A box is not halved any further if the equations change less than this within the box, relative to the size.
 const NARROWEST: f64 = 1e-9;
-/// Change of the equations within a box, relative to the size, below which Newton's method is tried, and largest number of
-/// tries. A try takes ten times as long as a box, and only singular assemblies need it.
+/// Newton's method is tried in a box if the equations change less than this within the box, relative to the size.
+/// `MOST_TRIES` is the largest number of tries. A try takes ten times as long as a box, and only singular assemblies
+/// need it.
 const FIRST_TRY: f64 = 1e-3;
 const MOST_TRIES: usize = 4000;
 /// Krawczyk's operator is repeated if it leaves at most this fraction of a box's volume.
@@ -73,7 +77,7 @@ struct Chart {
     flip: [f64; 3],
 }
 
-/// Result of the search in a box of poses: number of its assemblies, or undecided.
+/// Result of the search in a box of poses: the number of assemblies, or undecided.
 enum Verdict {
     /// No assembly.
     None,
@@ -152,7 +156,7 @@ impl Search<'_> {
         Some(())
     }
 
-    /// Adds the one assembly among these poses.
+    /// Adds the only assembly among these poses.
     fn take(&mut self, poses: &Pose<Interval>) {
         let (near, size) = (middle(poses), self.solver.size());
         let found = self.assembly(&near);
@@ -177,7 +181,7 @@ impl Search<'_> {
     }
 }
 
-/// Rods of a mechanism with five rods and no other constraint.
+/// Returns the rods of a mechanism with five rods and no other constraint.
 fn rods(mechanism: &Mechanism, design: &[Vector3<Interval>], rack: f64) -> Option<[Rod; 5]> {
     let origin = design[mechanism.origin.0];
     let rod = |constraint: &Constraint| {
@@ -206,7 +210,7 @@ fn rods(mechanism: &Mechanism, design: &[Vector3<Interval>], rack: f64) -> Optio
     rods?.try_into().ok()
 }
 
-/// Box of possible positions of the knuckle's origin: positions within reach of every rod.
+/// Returns a box that contains all possible positions of the knuckle's origin: those within reach of every rod.
 fn place(rods: &[Rod; 5]) -> Vector3<Interval> {
     let within = |rod: &Rod| {
         let reach = rod.squared.sqrt() + rod.lever.norm_squared().sqrt();
@@ -219,14 +223,14 @@ fn place(rods: &[Rod; 5]) -> Vector3<Interval> {
     })
 }
 
-/// Values F and Jacobian J over a box.
+/// Values F and Jacobian J, enclosed over a box.
 struct Linearised {
     f: [Interval; 6],
     jacobian: [[Interval; 6]; 6],
 }
 
 impl Chart {
-    /// Equations for the rotation D with this diagonal.
+    /// Makes the equations for the rotation D with this diagonal.
     fn of(
         rods: &[Rod; 5],
         wheel_lever: Vector3<Interval>,
@@ -310,7 +314,7 @@ impl Chart {
         }
     }
 
-    /// Reduces p by the equations of height and of each rod's length. `None` if nothing remains.
+    /// Makes the range of p smaller with the equations of height and of each rod's length. `None` if nothing remains.
     fn narrowed(&self, cell: &mut Cell) -> Option<()> {
         let rotation = rotation(cell);
         let rise = apply(&rotation, self.wheel_lever).z;
@@ -363,7 +367,7 @@ impl Chart {
         Linearised { f, jacobian }
     }
 
-    /// Enclosure of the poses of a box.
+    /// Returns an enclosure of the poses of a box.
     fn pose(&self, cell: &Cell) -> Pose<Interval> {
         let rows = rotation(cell);
         let [x, y, z] = rows.each(Vector3::to_array);
@@ -413,15 +417,15 @@ fn apply(rows: &[Vector3<Interval>; 3], v: Vector3<Interval>) -> Vector3<Interva
     Vector3::new(rows[0].dot(v), rows[1].dot(v), rows[2].dot(v))
 }
 
-/// Inverse of the middle of a matrix, rounded.
+/// Inverse of the matrix in the middle of a matrix of intervals, with rounding errors.
 fn inverse(matrix: &[[Interval; 6]; 6]) -> Option<[[f64; 6]; 6]> {
     let rows = Lu6::new(matrix.each(|row| row.each(Scalar::value)), 1.0)?.inverse();
     let finite = rows.as_flattened().iter().all(|entry| entry.is_finite());
     finite.then_some(rows)
 }
 
-/// Divides a box across a variable. The border is not in the exact middle of the box, because the design position may lie in
-/// the middle.
+/// Divides a box along a variable. The border is not exactly in the middle of the box, because the design position may
+/// be there.
 fn halves(cell: &Cell, across: usize) -> [Cell; 2] {
     let Interval { low, high } = cell[across];
     let cut = low + 0.4871 * (high - low);
@@ -431,7 +435,8 @@ fn halves(cell: &Cell, across: usize) -> [Cell; 2] {
     [below, above]
 }
 
-/// Pose in the middle of an interval of poses. Its matrix is a rotation except for an error of the interval's width.
+/// Pose in the middle of an interval of poses. Its matrix is a rotation, except for an error as large as the width of
+/// the interval.
 fn middle(poses: &Pose<Interval>) -> Pose<f64> {
     let middle = poses.map(Interval::middle);
     Pose {

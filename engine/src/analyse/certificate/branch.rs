@@ -1,4 +1,4 @@
-//! Certifies that poses lie on the branch of the design position, by a chain of certified steps.
+//! Certifies that poses lie on the solution branch of the design position, by a chain of certified steps.
 
 use super::{Certificate, Certifier};
 use crate::derive::MotionPoint;
@@ -10,15 +10,15 @@ use crate::solve::Station;
 use crate::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 
-/// Largest number of steps in the certified path from one station to the next.
+/// Largest number of certified steps from one station to the next.
 const MOST_STEPS: usize = 4096;
-/// Largest number of times that a step of the certified path is halved.
+/// Largest number of times that a certified step is halved.
 const MOST_HALVINGS: usize = 40;
 
 impl Solver<'_> {
-    /// Visits stations like [`Solver::for_each_pose`], and certifies two facts for every pose. The pose is within its error
-    /// bound of an exact pose, and it lies on the branch of the design position. A pose without certificate counts as a
-    /// failure.
+    /// Visits stations like [`Solver::for_each_pose`], and certifies two facts for every pose. The pose is within its
+    /// error bound of an exact pose, and it lies on the solution branch of the design position. A pose that cannot be
+    /// certified counts as a failure.
     ///
     /// # Errors
     /// If the design position is singular.
@@ -39,8 +39,9 @@ impl Solver<'_> {
         self.prove_poses(certifier, drive, station_order, rack, &found, visit)
     }
 
-    /// Certifies poses that were found at the stations: each is within its error bound of an exact pose, and lies on the
-    /// branch of the design position. `visit` receives the certified poses, and the reason for every other pose.
+    /// Certifies poses that were found at the stations: each is within its error bound of an exact pose, and lies on
+    /// the solution branch of the design position. The function calls `visit` with each certified pose. For every other
+    /// pose, it calls `visit` with the reason.
     ///
     /// # Errors
     /// If the design position itself is singular.
@@ -78,8 +79,8 @@ impl Solver<'_> {
                     self.prove_path(certifier, from?, (pose, point))
                         .map_err(Failure::Uncertified)
                 });
-                // Beyond a gap in the chain, no pose can be certified. Beyond an unreachable station, there are no stations
-                // with a pose on this side of the design position.
+                // If the chain has a gap, no pose beyond the gap can be certified. Beyond a station that cannot be
+                // reached, there are no stations with a pose on this side of the design position.
                 from = certified;
                 let shown = match &certified {
                     Ok(proved) => Ok((&proved.place.0, proved.certificate)),
@@ -93,7 +94,7 @@ impl Solver<'_> {
         Ok(())
     }
 
-    /// Certifies that two poses lie on the same branch, in as many steps as needed.
+    /// Certifies that two poses lie on the same solution branch, in as many steps as needed.
     fn prove_path(
         &mut self,
         certifier: &Certifier,
@@ -103,7 +104,7 @@ impl Solver<'_> {
         if from.place == to {
             return Ok(from);
         }
-        // Poses that the chain still has to reach. The nearest pose is last.
+        // Poses that the chain still has to reach. The nearest of them is the last in the list.
         let mut goals = vec![(Proved::new(certifier, to)?, 0)];
         for _ in 0..MOST_STEPS {
             let Some(&(goal, depth)) = goals.last() else {
@@ -152,7 +153,8 @@ impl Proved {
         Ok(Proved { place, certificate })
     }
 
-    /// Certifies that the straight line to another pose follows one branch.
+    /// Certifies that another pose lies on the same solution branch, in one step along the straight line between the
+    /// poses.
     fn reaches(&self, certifier: &Certifier, other: &Self) -> Result<(), Unproven> {
         let ((from, start), (to, end)) = (&self.place, &other.place);
         let errors = [self.certificate.error, other.certificate.error];

@@ -1,5 +1,5 @@
-//! Tests the constants of the theorem: second derivatives for every pair of variables, and the radii that follow from these
-//! derivatives.
+//! Tests the constants of the theorem: second derivatives for every pair of variables, and the radii that are computed
+//! from them.
 
 use super::quadratic::{PoseBend, Quadratic};
 use super::theorem::{Radii, defect, image, radii};
@@ -22,8 +22,8 @@ fn suspensions() -> Vec<Suspension> {
     proved.map(read).collect()
 }
 
-/// Values of the twelve closure equations, if the numbers of the pose differ from those of the design position by `z`.
-/// Lengths are divided by the scale.
+/// Returns the values of the twelve closure equations. `z` is the difference between the numbers of the pose and those
+/// of the design position. Lengths are divided by the scale.
 fn equations(suspension: &Suspension, drive: Drive, scale: f64, z: [f64; N]) -> [Interval; N] {
     let mechanism: &Mechanism = &suspension.mechanism;
     let design: Vec<_> = suspension
@@ -68,8 +68,9 @@ fn equations(suspension: &Suspension, drive: Drive, scale: f64, z: [f64; N]) -> 
     all
 }
 
-/// Second derivative of a polynomial of second degree with respect to variables j and l, from its values alone: F(e_j + e_l) -
-/// F(e_j) - F(e_l) + F(0). For j = l this is also F'', since F(2 e) - 2 F(e) + F(0) = F''.
+/// Returns the second derivative of a polynomial of second degree with respect to variables j and l. It is computed
+/// from values of the polynomial: F(e_j + e_l) - F(e_j) - F(e_l) + F(0). For j = l this is also F'', since F(2 e) - 2
+/// F(e) + F(0) = F''.
 fn differences(at: &impl Fn([f64; N]) -> [Interval; N], j: usize, l: usize) -> [Interval; N] {
     let unit = |one: bool, other: bool| {
         let mut z = [0.0; N];
@@ -82,8 +83,8 @@ fn differences(at: &impl Fn([f64; N]) -> [Interval; N], j: usize, l: usize) -> [
     from_fn(|i| both[i] - first[i] - second[i] + none[i])
 }
 
-/// For every topology, drive, equation and pair of the pose's numbers, the constant equals the coefficient of the pair in
-/// H(z, z). The coefficient is H_jj for one number, and H_jl + H_lj = 2 H_jl for two different numbers.
+/// For every topology, drive, equation and pair of the pose's numbers, the constant equals the coefficient of the pair
+/// in H(z, z). This coefficient is H_jj for one number, and H_jl + H_lj = 2 H_jl for two different numbers.
 #[test]
 fn constants_are_the_second_derivatives_of_every_pair() {
     for suspension in suspensions() {
@@ -107,8 +108,8 @@ fn constants_are_the_second_derivatives_of_every_pair() {
                         assert!(own.next().is_none(), "{name}: a pair counts once");
                         let what =
                             format!("{name} {drive:?} {equation} {j} {l}: {middle} {truth:?}");
-                        // The interval of the constant and the interval of the difference contain the same number. Both
-                        // intervals are narrow.
+                        // Both intervals, of the constant and of the difference, must contain the same number. Both
+                        // must be narrow.
                         assert!(
                             middle - off <= truth.high && truth.low <= middle + off,
                             "{what}"
@@ -119,7 +120,7 @@ fn constants_are_the_second_derivatives_of_every_pair() {
                     }
                 }
             }
-            // Three equations a.b = 0 have three pairs of different numbers each.
+            // Each of the three equations a.b = 0 has three pairs of different numbers.
             assert!(mixed >= 9, "{name} {drive:?}: {mixed}");
         }
     }
@@ -140,9 +141,9 @@ fn proved(jacobian: &Square, bends: &[PoseBend], residual: f64) -> Result<Radii,
     radii(&IDENTITY, &intervals, bends, residual)
 }
 
-/// A system with known solutions, in which only one pair of variables has a second derivative: x_j + k x_j x_l = r and x_l -
-/// x_j = 0. Elimination gives x_j + k x_j^2 = r along x_j = x_l, with J = 1. `pair` holds k in the form of the certificate:
-/// H_jj = 2 k for one number, H_jl + H_lj = 2 k for two.
+/// A system with known solutions, in which only one pair of variables has a second derivative: x_j + k x_j x_l = r and
+/// x_l - x_j = 0. Elimination gives x_j + k x_j^2 = r along x_j = x_l, with J = 1. `pair` contains k in the form of the
+/// certificate: H_jj = 2 k for one number, H_jl + H_lj = 2 k for two.
 fn planted(equation: usize, j: usize, l: usize, k: f64) -> PoseBend {
     PoseBend {
         equation,
@@ -152,10 +153,10 @@ fn planted(equation: usize, j: usize, l: usize, k: f64) -> PoseBend {
     }
 }
 
-/// For every pair, x + k x^2 = 0 has its other solution at the distance 1/k. The radius of uniqueness must be smaller. The
-/// equation x + k x^2 = r has no solution if 4 k r < -1. Just beyond this limit the certificate must fail, and just before
-/// it the certificate must succeed. The solution is x = (sqrt(1 + 4 k r) - 1)/(2 k), and the error bound must not be smaller
-/// than |x|.
+/// For every pair, the other solution of x + k x^2 = 0 is at the distance 1/k. The radius of uniqueness must be smaller
+/// than this distance. The equation x + k x^2 = r has no solution if 4 k r < -1. Just beyond this limit the certificate
+/// must fail. Just before it, the certificate must succeed. Then the solution is x = (sqrt(1 + 4 k r) - 1)/(2 k), and
+/// the error bound must not be smaller than |x|.
 #[test]
 fn planted_solutions_are_not_beyond_the_radii() {
     for j in 0..N {
@@ -185,8 +186,8 @@ fn planted_solutions_are_not_beyond_the_radii() {
     }
 }
 
-/// Constants of several pairs add up. Constants of one pair in several equations add up with the weights of the inverse. The
-/// uncertainty of each constant is added like its value.
+/// Constants of several pairs are added. Constants of one pair in several equations are added with the weights of the
+/// inverse. The errors of the constants are added in the same way as the constants.
 #[test]
 fn constants_of_all_pairs_add_up() {
     let bends = [
@@ -203,8 +204,8 @@ fn constants_of_all_pairs_add_up() {
     // |H| of equation 3 is 1 + 1.5 + 0.5 + 0.5, and |H| of equation 8 is 1.
     let expected = 2.0 / 3.5;
     assert!((found.uniqueness / expected - 1.0).abs() < 1e-9);
-    // The inverse adds equation 8 to equation 3. Coefficients of the same pair are added with their signs. Then the absolute
-    // value is taken.
+    // The inverse adds equation 8 to equation 3. Coefficients of the same pair must be added with their signs before
+    // the absolute value is taken.
     let mut inverse = IDENTITY;
     inverse[3][8] = -1.0;
     let mut jacobian = IDENTITY;
@@ -226,8 +227,8 @@ fn constants_of_all_pairs_add_up() {
     );
 }
 
-/// If A = 1 deviates from the exact inverse by z, x (1 + z) + k x^2 = 0 gets the radii of the equation x (1 - z) + k x^2
-/// = 0. From z = 1 on, the certificate fails.
+/// If A = 1 deviates from the exact inverse by z, the radii of x (1 + z) + k x^2 = 0 are those of the equation x (1 -
+/// z) + k x^2 = 0. For z = 1 or more, the certificate fails.
 #[test]
 fn an_inverse_that_is_off_narrows_the_radii() {
     let bends = [planted(4, 1, 6, 0.5)];
@@ -251,8 +252,8 @@ fn an_inverse_that_is_off_narrows_the_radii() {
     );
 }
 
-/// The bound includes the rounding of twelve products and of the subtraction of 1. The bound is at least twelve units of
-/// roundoff, and at most a few times twelve units.
+/// The bound includes the rounding of twelve products and of the subtraction of 1. It is at least twelve units of
+/// roundoff, and at most a few times as much.
 #[test]
 fn an_exact_inverse_is_off_by_rounding() {
     let intervals = IDENTITY.map(|row| row.map(Interval::point));
@@ -264,15 +265,15 @@ fn an_exact_inverse_is_off_by_rounding() {
     assert!(norm >= 12.0 * (1.0 + 12.0 * unit) && norm <= 12.0 * (1.0 + 2e-12));
 }
 
-/// Linear equations have one solution, at any distance.
+/// Linear equations have only one solution, so the radius of uniqueness has no limit.
 #[test]
 fn linear_equations_have_one_solution() {
     let found = proved(&IDENTITY, &[], 0.0).unwrap();
     assert!(found.uniqueness > 1e300, "{}", found.uniqueness);
 }
 
-/// Along a line between two motion points, a parabola encloses the equations. Over a short rotation of the arm, the width of
-/// the curvature's enclosure is proportional to the rotation.
+/// Along a line between two motion points, a parabola encloses the equations. If the arm rotates only by a small angle,
+/// the width of the enclosure of the curvature is proportional to this angle.
 #[test]
 fn equations_on_a_line_are_enclosed() {
     for suspension in suspensions() {
@@ -306,8 +307,8 @@ fn equations_on_a_line_are_enclosed() {
                     let line = constant[i] + slope[i].times(share);
                     let sum = line + bend[i].times(share * share);
                     assert!(sum.low <= exact[i].high && exact[i].low <= sum.high, "{i}");
-                    // Relative to the smallest possible enclosure, the enclosure is too wide by at most the rotation and
-                    // rounding.
+                    // Compared with the smallest possible enclosure, the enclosure is too wide by at most the rotation
+                    // and rounding.
                     let needed = (exact[i] - line).times(1.0 / (share * share));
                     let most = bend[i].magnitude();
                     assert!(bend[i].width() <= 5e-4 * most + 1e-14, "{i}: {:?}", bend[i]);
@@ -323,7 +324,7 @@ fn equations_on_a_line_are_enclosed() {
     }
 }
 
-/// The error of a knuckle point b follows from the errors of origin and rotation: sqrt 3 e + 3 (e/scale) |b|.
+/// The error bound of a knuckle point b is computed from the errors of origin and rotation: sqrt 3 e + 3 (e/scale) |b|.
 #[test]
 fn points_are_off_by_origin_and_rotation() {
     let certificate = super::Certificate {

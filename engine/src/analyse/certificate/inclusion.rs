@@ -15,12 +15,12 @@ use crate::mechanism::{Pose, Unproven};
 use crate::model::Drive;
 use crate::number::{Each, Interval, Jet, Matrix3, Vector3, array_of};
 
-/// Poses at all travels of an interval.
+/// Enclosure of the poses at all travels of an interval.
 #[derive(Clone, Copy, Debug)]
 pub struct Inclusion {
-    /// Bound on the difference between the given pose and the exact one at any travel of the interval.
+    /// Bound on the difference between the given pose and the exact pose at any travel of the interval.
     pub certificate: Certificate,
-    /// Enclosure of every exact pose, and of its derivative with respect to the travel.
+    /// Enclosure of every exact pose, and of the derivative of the pose with respect to the travel.
     pub pose: Pose<Jet<Interval, 2>>,
 }
 
@@ -28,7 +28,7 @@ impl Certifier<'_> {
     /// Encloses the poses near a given pose at every travel of an interval, with the rack exactly at `rack`.
     ///
     /// # Errors
-    /// Reason why the certificate failed. A shorter interval may succeed.
+    /// Returns the reason why the certificate failed. A shorter interval may succeed.
     pub fn over_travels(
         &self,
         pose: &Pose<f64>,
@@ -70,7 +70,7 @@ impl Certifier<'_> {
         let off = (defect * Interval::point(largest) / left).high;
         let rate = rate.each(|v| around(v, off));
 
-        // The error moves the origin by a length, and changes the entries of the rotation by the error divided by the scale.
+        // The origin can be off by the error, and the entries of the rotation by the error divided by the scale.
         let turn = (Interval::point(certificate.error) / Interval::point(self.scale)).high;
         let place = |j: usize, value: f64, error: f64| match j {
             0..3 => Jet([around(Interval::point(value), error), rate[j]]),
@@ -99,7 +99,7 @@ impl Certifier<'_> {
     }
 }
 
-/// An interval widened by `by` on both sides.
+/// Returns an interval that is widened by `by` on both sides.
 fn around(interval: Interval, by: f64) -> Interval {
     interval + Interval::bounds(-by, by)
 }

@@ -56,18 +56,18 @@ type Square = [[f64; N]; N];
 /// Certificate of a pose.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Certificate {
-    /// Bound on the difference between the exact pose and the computed pose. Coordinates of the knuckle's origin differ by at
-    /// most this length, entries of the rotation by at most this length divided by the scale.
+    /// Bound on the difference between the exact pose and the computed pose. Coordinates of the knuckle's origin differ
+    /// by at most this length. Entries of the rotation matrix differ by at most this length divided by the scale.
     pub error: f64,
-    /// Distance within which there is no other solution, measured like the error.
+    /// Distance within which there is no other solution, measured in the same way as the error.
     pub uniqueness: f64,
-    /// Length by which entries of the rotation are multiplied: a power of two near the mechanism's size.
+    /// Length by which entries of the rotation matrix are multiplied: a power of two near the mechanism's size.
     pub scale: f64,
 }
 
 impl Certificate {
-    /// Bound on the distance between the exact and the computed position of a knuckle point at `distance` from the knuckle's
-    /// origin. It excludes the rounding of the computed position itself.
+    /// Returns a bound on the distance between the exact and the computed position of a knuckle point at `distance`
+    /// from the knuckle's origin. The bound does not include the rounding of the computed position itself.
     pub fn point_error(&self, distance: f64) -> f64 {
         // |dr| <= sqrt 3 e, |dR b| <= |dR|_F |b| <= 3 (e/scale) |b|.
         1.7321 * self.error + 3.0 * self.error / self.scale * distance
@@ -79,7 +79,7 @@ pub struct Certifier<'m> {
     mechanism: &'m Mechanism,
     design: Vec<Vector3<f64>>,
     scale: f64,
-    /// Equations for each kind of drive, made when first needed.
+    /// Equations for each kind of drive. They are made when they are first needed.
     equations: [OnceCell<Quadratic>; 2],
 }
 
@@ -94,7 +94,7 @@ impl<'m> Certifier<'m> {
         }
     }
 
-    /// Length by which entries of the rotation are multiplied.
+    /// Length by which entries of the rotation matrix are multiplied.
     pub(crate) fn scale(&self) -> f64 {
         self.scale
     }
@@ -107,7 +107,7 @@ impl<'m> Certifier<'m> {
     /// Certifies a pose, with the drive and the rack exactly at `point`.
     ///
     /// # Errors
-    /// Reason why the certificate failed.
+    /// Returns the reason why the certificate failed.
     pub fn pose(
         &self,
         pose: &Pose<f64>,
@@ -129,11 +129,11 @@ impl<'m> Certifier<'m> {
         }
     }
 
-    /// Certifies that two poses lie on one branch, with exactly one solution near every point of the straight line between
-    /// them. Each pose must already be certified, with its error bound in `errors`.
+    /// Certifies that two poses lie on one solution branch: near every point of the straight line between them, there
+    /// is exactly one solution. Both poses must already be certified. `errors` contains their error bounds.
     ///
     /// # Errors
-    /// Reason why the certificate failed. A shorter step may succeed.
+    /// Returns the reason why the certificate failed. A shorter step may succeed.
     fn line(
         &self,
         (from, start): (&Pose<f64>, &MotionPoint<f64>),
@@ -152,7 +152,7 @@ impl<'m> Certifier<'m> {
         ];
         let bound = bound[0] + bound[1] + bound[2];
         let radii = radii(&inverse, &jacobian, &equations.pose_bends, bound.high)?;
-        // The certified solutions at both ends must be the solutions near the line.
+        // The certified solutions at both ends must be the same as the solutions near the line.
         let within = (radii.uniqueness * self.scale).next_down();
         if errors.into_iter().all(|error| error <= within) {
             Ok(())

@@ -57,11 +57,12 @@ pub(crate) struct Quadratic {
     constant: [Interval; N],
     linear: [[Interval; V]; N],
     bends: Vec<Bend>,
-    /// Second derivatives with respect to the pose, by pairs of variables.
+    /// Second derivatives with respect to each pair of numbers of the pose.
     pub(crate) pose_bends: Vec<PoseBend>,
 }
 
-/// Second derivative with respect to a pair of the pose's numbers. For two different numbers it includes both orders of the pair.
+/// Second derivative of an equation with respect to a pair of the pose's numbers. For two different numbers, it is the
+/// sum for both orders of the pair.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PoseBend {
     pub equation: usize,
@@ -72,9 +73,9 @@ pub(crate) struct PoseBend {
     pub off: f64,
 }
 
-/// Second derivatives with respect to pairs of the pose's numbers, in the order of the pairs.
+/// Returns the second derivatives with respect to pairs of the pose's numbers, in the order of the pairs.
 fn pose_bends(bends: &[Bend]) -> Vec<PoseBend> {
-    // For two different variables, one entry represents both orders of the pair.
+    // For two different variables, one entry contains both orders of the pair.
     let of_pose = bends.iter().filter(|b| b.by <= b.and_by && b.and_by < N);
     let mut pose_bends: Vec<_> = of_pose
         .map(|b| {
@@ -172,7 +173,7 @@ impl Quadratic {
         }
     }
 
-    /// Displacement to a pose and motion point.
+    /// Returns the displacement that belongs to a pose and a motion point.
     pub(crate) fn displacement(&self, pose: &Pose<f64>, point: &MotionPoint<f64>) -> Displacement {
         let point = MotionPoint {
             drive: point.drive,
@@ -182,7 +183,7 @@ impl Quadratic {
         self.displacement_over(pose, &point)
     }
 
-    /// Displacement as in [`Quadratic::displacement`], with drive and rack in intervals.
+    /// Returns the displacement as in [`Quadratic::displacement`], where drive and rack are intervals.
     pub(crate) fn displacement_over(
         &self,
         pose: &Pose<f64>,
@@ -211,7 +212,8 @@ impl Quadratic {
         })
     }
 
-    /// Jacobian J(z) with respect to the pose, and the derivatives with respect to the travel as the drive.
+    /// Returns the Jacobian J(z) with respect to the pose, and the derivatives with respect to the travel, which is the
+    /// drive.
     pub(crate) fn jacobian(&self, z: &Displacement) -> (Jacobian, [Interval; N]) {
         let gradients = self.gradients(z);
         (
@@ -243,9 +245,9 @@ impl Quadratic {
         (values, gradients.each(by_pose))
     }
 
-    /// Equations on the straight line between two poses, while drive and rack move evenly from one motion point to the
-    /// other. Returns coefficients a, b, c with F within a + b t + c t^2 for 0 <= t <= 1, and the Jacobian over the whole
-    /// line.
+    /// Returns the equations on the straight line between two poses, while drive and rack change at constant rates from
+    /// one motion point to the other. The result contains coefficients a, b, c with F within a + b t + c t^2 for 0 <= t
+    /// <= 1, and the Jacobian over the whole line.
     pub(crate) fn on_line(
         &self,
         [from, to]: [&Displacement; 2],
@@ -301,15 +303,15 @@ fn by_pose(gradient: [Interval; V]) -> [Interval; N] {
     array_of(|j| gradient[j])
 }
 
-/// Largest distance of a number in the interval from `middle`.
+/// Returns the largest distance between `middle` and a number in the interval.
 pub(crate) fn radius(interval: Interval, middle: f64) -> f64 {
     let reach = (interval.high - middle).max(middle - interval.low);
-    // A difference of doubles is zero only if they are equal. `next_up` of zero would make all products with it subnormal,
-    // and slow.
+    // A difference of doubles is zero only if they are equal. `next_up` of zero would be subnormal, and all products
+    // with it would be slow.
     if reach > 0.0 { reach.next_up() } else { 0.0 }
 }
 
-/// Middles of a Jacobian.
+/// Returns the middle of each interval of a Jacobian.
 pub(crate) fn middles(jacobian: &Jacobian) -> Square {
     jacobian.each(|row| row.each(Interval::middle))
 }

@@ -1,9 +1,9 @@
 //! One application of the theorem of Newton and Kantorovich.
 //!
-//! The sums with many terms are |A F|, |1 - A J| and |A H|. They are computed in plain doubles from the middles and radii of
-//! intervals. Then a bound of the rounding error is added. With the unit roundoff u, a sum of n products has an error of at
-//! most n u/(1 - n u) times the sum of their absolute values (N. J. Higham, *Accuracy and Stability of Numerical
-//! Algorithms*, 3.1). All sums here have at most sixteen terms.
+//! The sums with many terms are |A F|, |1 - A J| and |A H|. They are computed in plain doubles from the middles and
+//! radii of intervals. Then a bound of the rounding error is added. With the unit roundoff u, a sum of n products has
+//! an error of at most n u/(1 - n u) times the sum of the absolute values of these products (N. J. Higham, *Accuracy
+//! and Stability of Numerical Algorithms*, 3.1). All sums here have at most sixteen terms.
 
 use super::quadratic::{Jacobian, PoseBend, middles, radius};
 use super::{N, Square};
@@ -12,7 +12,7 @@ use crate::mechanism::Unproven;
 use crate::number::Real;
 use crate::number::{Each, Interval, array_of};
 
-/// Radii of one application of the theorem.
+/// Radii that the theorem returns: error bound and radius of uniqueness.
 pub(crate) struct Radii {
     pub error: f64,
     pub uniqueness: f64,
@@ -20,11 +20,11 @@ pub(crate) struct Radii {
 
 /// Bound on rounding errors: sixteen units of roundoff, doubled to include the quotient and the products in the bound.
 pub(crate) const ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// Factor that rounds sums upward. The sums have up to two hundred non-negative terms, each rounded a few times, and lose
-/// less than 1e-12 of their value.
+/// Factor that rounds sums upward. The sums have up to two hundred non-negative terms. Each term is rounded a few
+/// times. Rounding changes a sum by less than 1e-12 of its value.
 const UPWARD: f64 = 1.0 + 1e-12;
 
-/// Applies the theorem with the approximate inverse A of the middles. `residual` bounds |A F|.
+/// Applies the theorem. A is an approximate inverse of the middle of the Jacobian. `residual` bounds |A F|.
 pub(crate) fn radii(
     inverse: &Square,
     jacobian: &Jacobian,
@@ -96,10 +96,10 @@ fn curvature(inverse: &Square, bends: &[PoseBend]) -> f64 {
     largest((0..N).map(row))
 }
 
-/// Largest of several sums of non-negative terms, rounded up. The bound includes underflow.
+/// Returns the largest of several sums of non-negative terms, rounded up. The result includes a bound for underflow.
 fn largest(sums: impl Iterator<Item = f64>) -> f64 {
     sums.fold(0.0, |most: f64, sum| {
-        // NaN fails this test and becomes infinite.
+        // NaN fails this test, so the result is infinite.
         let bound = sum * UPWARD + f64::MIN_POSITIVE;
         if bound <= f64::MAX {
             most.max(bound)
@@ -109,7 +109,7 @@ fn largest(sums: impl Iterator<Item = f64>) -> f64 {
     })
 }
 
-/// Bound on the norm of A applied to a vector.
+/// Returns a bound on the norm of A times a vector.
 pub(crate) fn image(inverse: &Square, vector: &[Interval; N]) -> f64 {
     let middle = vector.each(Interval::middle);
     let off: [f64; N] = array_of(|j| radius(vector[j], middle[j]) + ROUNDING * middle[j].abs());

@@ -1,4 +1,4 @@
-//! Members: named forces in results.
+//! Members of the suspension: named forces in the results.
 
 use super::super::beam_loads::BeamForce;
 use super::{FAR, Support};
@@ -12,7 +12,7 @@ pub enum Carried {
     Tension(PointId, PointId),
     /// Force at a point on the wheel carrier.
     Force(PointId, Axis),
-    /// Force with which the support holds the suspension.
+    /// Force with which the support holds the suspension: spring force or vertical force.
     Support(Support),
     /// Force of the support at the far wheel of a rigid axle.
     FarSupport(Support),
@@ -74,16 +74,16 @@ impl Carried {
     }
 }
 
-/// A force in the results. Every load has this force.
+/// A force that is in the results of every load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Member {
     /// Name of the member. The name of its column is the load's name followed by this name.
     pub name: String,
-    /// Reaction that gives the force.
+    /// Reaction from which the force is taken.
     pub what: Carried,
 }
 
-/// All members with a reaction: rods, then forces at points, then joints of arms, then the support.
+/// Returns all members with a reaction: rods, then forces at points, then joints of arms, then the support.
 pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     let mut members = members_of_constraints(mechanism);
     members.extend(joints_of_arms_with_links(mechanism));
@@ -99,7 +99,7 @@ pub fn members(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     members
 }
 
-/// Components of the force at a point.
+/// Returns the members for the three components of the force at a point.
 fn components(name: &str, point: PointId) -> [Member; 3] {
     Axis::ALL.map(|axis| Member {
         name: format!("{name}_{}", axis.name()),
@@ -107,14 +107,15 @@ fn components(name: &str, point: PointId) -> [Member; 3] {
     })
 }
 
-/// Members of the constraints, in the order of the constraints.
+/// Returns the members of the constraints, in the order of the constraints.
 fn members_of_constraints(mechanism: &Mechanism) -> Vec<Member> {
     let mut members = Vec::new();
     for constraint in &mechanism.constraints {
         match *constraint {
             // These rods represent the far half of a twist beam.
             Constraint::Link { .. } if mechanism.topology.is_twist_beam() => {}
-            // The legs of an arm that carries a spring or a link are bent. So a leg's axial force is not its whole load.
+            // If an arm carries a spring or a link, its legs are bent. So the axial force of a leg is not the whole
+            // load on it.
             Constraint::Link { outer, .. } if is_joint_of_bent_arm(mechanism, outer) => {}
             Constraint::Link { inner, outer } => {
                 members.push(Member {
@@ -130,14 +131,14 @@ fn members_of_constraints(mechanism: &Mechanism) -> Vec<Member> {
             Constraint::BallJoint { at } | Constraint::ArmJoint { at, .. } => {
                 members.extend(components(mechanism.name(at), at));
             }
-            // The forces of a twist beam are added together below.
+            // The forces of a twist beam are added to the list below, all together.
             Constraint::Mount { .. } | Constraint::AxleTravel { .. } => {}
         }
     }
     members
 }
 
-/// Forces in the outer joints of arms that carry the end of a link to the wheel carrier.
+/// Returns the forces in the outer joints of those arms on which a link to the wheel carrier ends.
 fn joints_of_arms_with_links(mechanism: &Mechanism) -> impl Iterator<Item = Member> + use<'_> {
     let ends_a_link = |arm: &&Arm| {
         let at_joint =
@@ -148,7 +149,7 @@ fn joints_of_arms_with_links(mechanism: &Mechanism) -> impl Iterator<Item = Memb
     arms.flat_map(|arm| components(mechanism.name(arm.outer), arm.outer))
 }
 
-/// Rods of Watt linkages, and drag link and tie rod of a steered axle.
+/// Returns the rods of Watt linkages. For a steered axle, also returns drag link and tie rod.
 fn rods_on_rockers(mechanism: &Mechanism) -> Vec<Member> {
     let rockers = mechanism.rockers.iter().enumerate();
     let watt_links = rockers.filter(|(_, rocker)| rocker.rod == Rod::WattLink);
@@ -171,7 +172,7 @@ fn rods_on_rockers(mechanism: &Mechanism) -> Vec<Member> {
     members
 }
 
-/// Rod of the spring's rocker, and the supports.
+/// Returns the rod of the spring's rocker, and the supports.
 fn supports(mechanism: &Mechanism, support: Support) -> Vec<Member> {
     let mut members = Vec::new();
     if let Some(rocker) = support.rocker(mechanism) {

@@ -4,27 +4,28 @@ use crate::ask::{Info, Unit};
 use crate::compliance::{HeldQuantity, KcSubject, KcTest, TestLoad, TestMode, sign_of_figure};
 use crate::model::Side;
 
-/// Result of a test on both wheels: a derivative at a station, or a secant over the window of the test.
+/// Result of a rig test of an axle: a derivative at a station, or a secant over the window of the test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TestFigure {
     /// Test that gives the result.
     pub test: KcTest,
     /// Name in the tables of the test rig.
     pub quantity: &'static str,
-    /// Kind of unit.
+    /// Type of unit.
     pub unit: Unit,
-    /// Subject: the axle, or one of its wheels.
+    /// Part to which the result belongs: the axle, or one of its wheels.
     pub of: KcSubject,
     /// True if the result is the secant over the window of the test.
     pub is_secant: bool,
-    /// True if the name ends with the load, because tests with other loads have results with the same name.
+    /// True if the name of the result ends with the load of the test, because tests with other loads have a result of
+    /// the same name.
     pub names_load: bool,
 }
 
 impl TestFigure {
-    /// Name without the side. It contains only differences from the default test, and the load if tests with other loads
-    /// have results with the same name. In the default test, the load acts on both wheels in one direction, without trail,
-    /// with the bar connected and the steering wheel fixed.
+    /// Name without the side. The name contains only differences from the default test. It also contains the load, if
+    /// tests with other loads have a result of the same name. In the default test, the load acts on both wheels in the
+    /// same direction, without trail. The bar is connected, and the steering wheel is held.
     pub fn stem(&self) -> String {
         let test = &self.test;
         let mut name = self.quantity.to_owned();
@@ -76,13 +77,13 @@ impl TestFigure {
         }
     }
 
-    /// Catalogue entry of the test result.
+    /// Returns the catalogue entry of the test result.
     pub(in crate::axle) fn info(&self) -> Info {
         Info {
             name: self.quantity,
             unit: self.unit,
             positive: sign_of_figure(self.quantity),
-            formula: "derivative of an equilibrium by the load or motion of a test",
+            formula: "derivative of an equilibrium quantity with respect to the load or motion of a test",
             source: "a rig test of kinematics and compliance",
             ..Info::EMPTY
         }

@@ -8,7 +8,7 @@ use crate::model::{Axis, Side};
 use crate::number::Each;
 use crate::study::{AxleComplianceStudy, Load};
 
-/// Loads with the same name, which act together.
+/// All loads with the same name. They act together.
 struct Case<'a> {
     name: &'a str,
     held: HeldQuantity,
@@ -70,7 +70,7 @@ impl<'a> AxleLoads<'a> {
         self.cases.iter().flat_map(|case| self.columns_of(case))
     }
 
-    /// Columns of both wheels, then those of the whole axle.
+    /// Returns the columns of both wheels, then the columns of the whole axle.
     fn columns_of(&self, case: &Case<'_>) -> Vec<Column> {
         let mut columns = Vec::new();
         for (wheel, prefix) in self.wheels.iter().zip(PREFIXES) {
@@ -88,8 +88,8 @@ impl<'a> AxleLoads<'a> {
         columns
     }
 
-    /// Values of the columns at these travels and this rack displacement along the kernel's +y. `None` for the columns of a
-    /// load under which the axle has no equilibrium.
+    /// Returns the values of the columns at these travels and this rack displacement along the kernel's +y. If the axle
+    /// has no equilibrium under a load, the columns of this load contain `None`.
     pub(super) fn values(&self, (travels, rack): ([f64; 2], f64)) -> Vec<Option<f64>> {
         if self.cases.is_empty() {
             return Vec::new();

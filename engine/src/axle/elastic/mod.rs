@@ -1,7 +1,7 @@
 //! Axles with elastic parts: quantities of an axle in equilibrium, including test results.
 //!
-//! Both wheels are on level pads at given heights, without horizontal loads ([`crate::compliance`]). Each quantity keeps its
-//! name, sign and formula. It is evaluated in the equilibrium instead of the pose of the rigid mechanism.
+//! Each wheel is on a level pad at a given height, without horizontal loads ([`crate::compliance`]). Each quantity
+//! keeps its name, sign and formula. It is computed in the equilibrium instead of the pose of the rigid mechanism.
 
 mod curves;
 mod figure;

@@ -1,14 +1,14 @@
 //! Quantities of an axle in an equilibrium, and their derivatives along motions and with respect to the design.
 //!
-//! With toe t, camber, contact points C and vertical forces F at the wheels, each in the frame of its side,
+//! With toe t, contact points C and vertical forces F at the wheels, each in the frame of its side,
 //!
 //! ```text
 //! steer_l = -t_l,   steer_r = t_r,   mean_steer = (t_r - t_l)/2                                    (1)
 //! track = C_l.y + C_r.y                                                                           (2)
 //! ```
 //!
-//! A characteristic that contains velocities is evaluated along heave: both wheels rise together. A solid axle also has a
-//! direction, a pitch and a displacement. Its roll centre follows from equal and opposite travels.
+//! A characteristic that contains velocities is computed along heave: both wheels rise together. A solid axle also has
+//! a direction, a pitch and a displacement. Its roll centre is computed from equal and opposite travels.
 
 use super::super::formulas::rigid::{pitch_of, steer_of};
 use super::super::{Axle, AxleColumn, AxleKind, AxleQuantity, Motion, Quantity, WheelQuantity};
@@ -24,8 +24,9 @@ use crate::model::Side;
 use crate::number::{Each, Jet, Matrix3, Real, Scalar, Tape, Tracked, Valued, Vector3};
 use crate::study::AxleComplianceStudy;
 
-/// Reason why an equilibrium of an axle of this kind does not have a quantity, and alternatives to the quantity. `None` if
-/// the equilibrium has it. `is_derivative` asks for derivatives along a motion.
+/// Returns the reason why this quantity is not available in an equilibrium of an axle of this kind, and what to use
+/// instead. `None` if the quantity is available. If `is_derivative` is true, the function checks derivatives of the
+/// quantity along a motion.
 pub fn not_in_equilibrium(
     quantity: Quantity,
     kind: AxleKind,
@@ -34,7 +35,7 @@ pub fn not_in_equilibrium(
     use AxleQuantity as A;
     use WheelQuantity as W;
     const REMOVE: &str =
-        "with [compliance] use a figure of a test; without [compliance] the mechanism is rigid";
+        "with [compliance] use a test result; without [compliance] the mechanism is rigid";
     let rigid = Some(["applies to the rigid mechanism only", REMOVE]);
     let once = if is_derivative {
         Some([
@@ -68,7 +69,7 @@ pub fn not_in_equilibrium(
     }
 }
 
-/// A value in an equilibrium: a quantity, or its derivative along a motion.
+/// A quantity in an equilibrium, or its derivative along a motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct AxleRead {
     pub quantity: Quantity,
@@ -82,14 +83,14 @@ impl From<Quantity> for AxleRead {
 }
 
 impl AxleColumn {
-    /// Quantity or derivative in the column. `None` if it cannot be evaluated in equilibrium.
+    /// Returns the quantity or derivative in the column. `None` if it cannot be computed in an equilibrium.
     pub(crate) fn read(&self) -> Option<AxleRead> {
         let (quantity, by) = (self.quantity()?, self.by);
         Some(AxleRead { quantity, by })
     }
 }
 
-/// Conditions for all quantities except test results: bar connected, steering wheel fixed.
+/// Conditions for all quantities except test results: the bar is connected, and the steering wheel is held.
 const USUAL: Conditions = (true, false);
 
 impl AxleRead {
@@ -101,13 +102,13 @@ impl AxleRead {
     }
 }
 
-/// Both wheels along a motion.
+/// Angles and positions of both wheels, with their derivatives along a motion.
 struct Moving<T> {
     inputs: [Inputs<Jet<T, 2>>; 2],
     figures: [WheelFigures<T>; 2],
 }
 
-/// Reads quantities at one station, under the conditions of one kind of test.
+/// Computes quantities at one station, under the conditions of one kind of test.
 struct Reader<'h, T: Valued> {
     here: &'h mut Here<T>,
     /// Rotation of a solid axle from its reference direction to its design position.
@@ -116,7 +117,7 @@ struct Reader<'h, T: Valued> {
 }
 
 impl<T: Scalar> Reader<'_, T> {
-    /// Both wheels along a motion. `None` if they cannot move along it.
+    /// Returns both wheels with their derivatives along a motion. `None` if the axle cannot move along it.
     fn moving(&mut self, by: Motion) -> Option<&Moving<T>> {
         if !self.known.iter().any(|(known, _)| *known == by) {
             let found = self.along(by);
@@ -126,7 +127,7 @@ impl<T: Scalar> Reader<'_, T> {
         found?.1.as_ref()
     }
 
-    /// Change of an equilibrium along a motion. `None` for a motion that is not defined in an equilibrium.
+    /// Returns the change of an equilibrium along a motion. `None` if the motion is not defined in an equilibrium.
     fn change(&self, by: Motion) -> Option<AxleChange<T>> {
         let zero = self.here.axle.travel(&self.here.at, Side::Left).zero();
         let one = zero.one();
@@ -149,7 +150,8 @@ impl<T: Scalar> Reader<'_, T> {
         })
     }
 
-    /// A number of both wheels. If a motion is given, the result also has the derivative along this motion.
+    /// Returns one number for each wheel. If a motion is given, the result also contains the derivatives along this
+    /// motion.
     fn pair(
         &mut self,
         by: Option<Motion>,
@@ -181,7 +183,7 @@ impl<T: Scalar> Reader<'_, T> {
         }
     }
 
-    /// Sum of a characteristic of both wheels.
+    /// Sum of a characteristic over both wheels.
     fn both(&mut self, of: Characteristic, by: Option<Motion>) -> Option<T> {
         let left = self.characteristic(Side::Left, of, by)?;
         Some(left + self.characteristic(Side::Right, of, by)?)
@@ -194,7 +196,7 @@ impl<T: Scalar> Reader<'_, T> {
         axle.roll_centre(&at, tangent)
     }
 
-    /// A quantity of the body that carries both wheels, or its derivative along a motion.
+    /// Computes a quantity of the body that carries both wheels, or its derivative along a motion.
     fn of_body(&mut self, of: AxleQuantity, by: Option<Motion>) -> Option<T> {
         match by {
             None => {
@@ -213,7 +215,7 @@ impl<T: Scalar> Reader<'_, T> {
         }
     }
 
-    /// A quantity that is not a test result.
+    /// Computes a quantity that is not a test result.
     fn quantity(&mut self, read: &AxleRead) -> Option<T> {
         let AxleRead { quantity, by } = *read;
         let kind = if self.here.axle.is_joined() {
@@ -261,7 +263,7 @@ impl<T: Scalar> Reader<'_, T> {
     }
 }
 
-/// A quantity that follows from the pose of a solid axle.
+/// Computes a quantity from the pose of a solid axle.
 fn place_quantity<T: Scalar>(of: AxleQuantity, place: &AxlePlace<T>) -> Option<T> {
     match of {
         AxleQuantity::AxleSteer => Some(steer_of(place.line)),
@@ -272,8 +274,8 @@ fn place_quantity<T: Scalar>(of: AxleQuantity, place: &AxlePlace<T>) -> Option<T
     }
 }
 
-/// Values of a station under one kind of conditions. `None` for missing values. `secants` returns the differences over the
-/// window of a test.
+/// Computes values of a station under one set of conditions. `None` for missing values. `secants` returns the secants
+/// over the window of a test.
 fn read<T: Scalar>(
     run: &AxleKcRun<'_>,
     here: &mut Here<T>,
@@ -322,7 +324,7 @@ fn of<T: Copy>(figure: &TestFigure, all: &[AxleFigure<T>]) -> Option<T> {
     }
 }
 
-/// Tests whose results are among these values.
+/// Returns the tests whose results are requested.
 fn tests(wanted: &[AxleRead]) -> impl Iterator<Item = &KcTest> {
     wanted.iter().filter_map(|read| match &read.quantity {
         Quantity::Figure(figure) => Some(&figure.test),
@@ -330,8 +332,8 @@ fn tests(wanted: &[AxleRead]) -> impl Iterator<Item = &KcTest> {
     })
 }
 
-/// Groups the indices of the values by conditions. The usual conditions come first, because they decide whether the station
-/// has an equilibrium.
+/// Groups the indices of the values by test conditions. The usual conditions come first, because they decide whether
+/// the station has an equilibrium.
 fn by_conditions(wanted: &[AxleRead]) -> Vec<(Conditions, Vec<usize>)> {
     let mut groups = vec![(USUAL, Vec::new())];
     for (number, read) in wanted.iter().enumerate() {
@@ -344,7 +346,7 @@ fn by_conditions(wanted: &[AxleRead]) -> Vec<(Conditions, Vec<usize>)> {
     groups
 }
 
-/// An axle with elastic parts, ready for the evaluation of stations.
+/// An axle with elastic parts, prepared for the computation of stations.
 pub(crate) struct Equilibria<'a> {
     run: AxleKcRun<'a>,
     /// Rotation of a solid axle from its reference direction to its design position. `None` if the design position is the
@@ -353,7 +355,7 @@ pub(crate) struct Equilibria<'a> {
 }
 
 impl Axle {
-    /// Both wheels for tests on a rig, on tyres with this rate (force per length).
+    /// Returns the data of both wheels for tests on a rig. The tyres have this rate (force per length).
     pub fn on_rig(&self, tyre_rate: Option<f64>) -> AxleVehicle<'_> {
         AxleVehicle {
             suspensions: Side::ALL.each(|side| self.suspension(side)),
@@ -361,7 +363,8 @@ impl Axle {
         }
     }
 
-    /// Equilibria of the axle with its own hardpoints and elastic parts. Returns an error if the axle has no elastic model.
+    /// Prepares the equilibria of the axle with its own hardpoints and elastic parts. Returns an error if the axle has
+    /// no elastic model.
     pub(crate) fn own_equilibria(
         &self,
         elastic: &AxleComplianceStudy,
@@ -370,8 +373,8 @@ impl Axle {
         self.equilibria(designs, &elastic.parts)
     }
 
-    /// Equilibria of the axle with its hardpoints at `designs` and these parts. Returns an error if the axle has no elastic
-    /// model.
+    /// Prepares the equilibria of the axle with its hardpoints at `designs` and these elastic parts. Returns an error
+    /// if the axle has no elastic model.
     pub(crate) fn equilibria(
         &self,
         designs: [&[Vector3<f64>]; 2],
@@ -388,13 +391,13 @@ impl Axle {
 }
 
 impl Equilibria<'_> {
-    /// These equilibria, with another reference for the direction of a solid axle. `home` is the rotation from the reference
-    /// to the design position.
+    /// Changes the reference for the direction of a solid axle. `home` is the rotation from the reference to the design
+    /// position.
     pub(crate) fn counted_from(self, home: Option<Matrix3<f64>>) -> Self {
         Equilibria { home, ..self }
     }
 
-    /// Rotation of a solid axle from its design position in an equilibrium. `None` for independent wheels.
+    /// Returns the rotation of a solid axle from its design position to an equilibrium. `None` for independent wheels.
     pub(crate) fn rotation(
         &self,
         at: ([f64; 2], f64),
@@ -406,17 +409,17 @@ impl Equilibria<'_> {
         }))
     }
 
-    /// Elastic model of the axle, with its anti-roll bar and steering.
+    /// Returns the elastic model of the axle, with its anti-roll bar and steering.
     pub(in crate::axle) fn axle(&self) -> &ElasticAxle {
         self.run.axle()
     }
 
-    /// Equilibrium of the axle at given travels and a rack displacement towards the kernel's +y.
+    /// Finds the equilibrium of the axle at given travels and a rack displacement towards the kernel's +y.
     pub(crate) fn here(&self, (travels, rack): ([f64; 2], f64)) -> Result<Here, NoEquilibrium> {
         self.run.here(USUAL, travels, rack, [])
     }
 
-    /// Values at given travels and a rack displacement towards the kernel's +y. `None` for missing values.
+    /// Computes the values at given travels and a rack displacement towards the kernel's +y. `None` for missing values.
     pub(crate) fn values(
         &self,
         (travels, rack): ([f64; 2], f64),
@@ -436,8 +439,9 @@ impl Equilibria<'_> {
         Ok(found)
     }
 
-    /// Values at given travels and a rack displacement towards the kernel's +y, with their derivatives with respect to
-    /// inputs. `receive` gets the index of each existing value, the value and its derivatives.
+    /// Computes the values at given travels and a rack displacement towards the kernel's +y, with their derivatives
+    /// with respect to inputs. For each existing value, the function calls `receive` with the index, the value and its
+    /// derivatives.
     pub(crate) fn gradients(
         &self,
         (travels, rack): ([f64; 2], f64),

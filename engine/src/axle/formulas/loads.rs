@@ -21,7 +21,7 @@ pub(crate) fn spring_force<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>,
     }
 }
 
-/// Load of a wheel from its spring alone.
+/// Load of a wheel from the spring of this wheel alone.
 fn spring_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let wheel = state.wheel(side);
     let (_, by_travel, _) = wheel.reading.spring_length();
@@ -68,7 +68,7 @@ pub(crate) fn heave_bar_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T,
     rocker_forces(state).heave_bar
 }
 
-/// Load of a wheel from its own spring and the springs between the rockers.
+/// Load of a wheel from its own spring and from the springs between the rockers.
 fn sprung_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let own = match state.setup.springs {
         Some(_) => Some(spring_load(state, side)),
@@ -102,8 +102,8 @@ pub(crate) fn wheel_load<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, s
     }
 }
 
-/// Derivative of the wheel load with respect to the height of its pad, from its spring alone. The body is level, the other
-/// wheel does not move, and bar and tyre are left out.
+/// Derivative of the wheel load with respect to the height of the wheel's pad, from the spring of this wheel alone. The
+/// body is level, and the other wheel does not move. Anti-roll bar and tyre are not included.
 pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     if state.carriers.is_rigid() {
         return rigid::wheel_rate(state, side);
@@ -135,8 +135,8 @@ pub(crate) fn roll_moment<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) 
     (state.track() * (right - left)).scaled(0.5)
 }
 
-/// Roll moment per roll angle on a rig. Body and rack are fixed, and the wheels on level pads move equally and oppositely.
-/// As on a rig, the line through both contact points gives the roll angle.
+/// Roll moment per roll angle on a rig. Body and rack are fixed. The wheels are on level pads, which move equally and
+/// oppositely. As on a rig, the roll angle is the angle of the line through both contact points.
 pub(crate) fn roll_stiffness<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let pads = state.on_pads();
     let rig = pads.moving(Motion::OpposedTravels);
@@ -144,8 +144,8 @@ pub(crate) fn roll_stiffness<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W
     roll_moment(&rig)[1] / angle[1]
 }
 
-/// Roll stiffness on a rig, with both tyres in series. A tyre deflects by its load divided by its rate, on both sides of the
-/// track.
+/// Roll stiffness on a rig, in series with both tyres. Each tyre deflects by the load on the tyre divided by the tyre
+/// rate.
 pub(crate) fn roll_stiffness_with_tyres<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let track = state.on_pads().track();
     let tyre = state.setup.tyre_rate.unwrap_or(f64::NAN);
@@ -171,7 +171,7 @@ pub(crate) fn roll_stiffness_at_load<T: Scalar, W: WheelParts<T>>(state: &AxleSt
 }
 
 /// Half the derivative of the axle load with respect to heave of the wheel centres, from the springs alone. The rack is
-/// fixed. On a plane ground the roll angle is fixed, too; on pads both travels change equally.
+/// fixed. On a plane ground, the roll angle is fixed, too. On pads, the travels of both wheels change equally.
 pub(crate) fn ride_rate_without_tyres<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     axle_load(&state.moving(Motion::Heave))[1].scaled(0.5)
 }
@@ -185,7 +185,7 @@ pub(crate) fn ride_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) ->
     }
 }
 
-/// Natural frequency in Hz, for `rate` at each wheel and the mass of the axle.
+/// Natural frequency in Hz. `rate` is the rate at each wheel; the mass is that of the axle.
 fn frequency<T: Scalar, W: WheelParts<T>>(
     state: &AxleState<T, W>,
     rate: T,

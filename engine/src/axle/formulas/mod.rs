@@ -1,4 +1,4 @@
-//! Formulas of the axle's catalogue, over any number type.
+//! Formulas of the axle's catalogue, for any number type.
 
 pub(super) mod loads;
 pub(in crate::axle) mod rigid;

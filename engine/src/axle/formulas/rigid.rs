@@ -1,8 +1,9 @@
 //! Quantities of a rigid axle.
 //!
-//! The axle has two travels: the mean h, and the difference d, by which the left wheel centre rises while the right one
-//! falls. C_b,h and C_b,d are the velocities of the axle's point at contact point b. Other forces do the work q_h per unit
-//! of h and q_d per unit of d. Normal forces f_b at both contact points balance them if
+//! The axle has two travels, h and d. h is the mean travel. d is the difference: the left wheel centre rises by d while
+//! the right wheel centre falls by d. C_b,h and C_b,d are the velocities of the axle's point at contact point b. Other
+//! forces do the work q_h per unit of h and q_d per unit of d. Normal forces f_b at both contact points balance these
+//! forces if
 //!
 //! ```text
 //! f_l n.C_l,h + f_r n.C_r,h = -q_h        f_l n.C_l,d + f_r n.C_r,d = -q_d                     (1)
@@ -14,15 +15,16 @@
 //! | a unit force forward, half at each wheel | q = (i.D_l + i.D_r)/2, D = C if the axle carries the torque, W if shafts do |
 //! | springs and anti-roll bar of the energy U | q = -U |
 //!
-//! The roll centre is the instant centre of the axle's motion along d in front view. With v the velocity at the midpoint of
-//! both contact points and w the angular velocity, its position from that midpoint is
+//! The roll centre is the instant centre of the axle's motion along d in front view. With v the velocity at the
+//! midpoint of both contact points and w the angular velocity, its position from that midpoint is
 //!
 //! ```text
 //! height v.e/(w.i)        to the left -v.n/(w.i)                                               (2)
 //! ```
 //!
-//! The wheels of a steered axle turn about its kingpins as it moves. This changes the forces of (1): C_b,h and C_b,d are then the
-//! velocities of points of the knuckles. The roll centre (2), pinion angle and direction describe the axle itself.
+//! When a steered axle moves, its wheels turn about the kingpins. This changes the forces of (1): C_b,h and C_b,d are
+//! then the velocities of points of the knuckles. The roll centre (2), pinion angle and direction describe the axle
+//! itself.
 //!
 //! The height of a pad changes with both travels of the wheel centres:
 //!
@@ -30,8 +32,8 @@
 //! dp_l = (n.C_l,h + n.C_l,d)/2 dz_l + (n.C_l,h - n.C_l,d)/2 dz_r, and the same for p_r with l and r exchanged   (3)
 //! ```
 //!
-//! Each wheel has its own frame. The right wheel's frame is the mirror image, in which the difference is -d. So n.C_r,d is
-//! the negative of its value in that frame, and e.C_r,d is the outboard component in that frame.
+//! Each wheel has its own frame. The right wheel's frame is the mirror image, in which the difference is -d. So n.C_r,d
+//! is the negative of its value in that frame, and e.C_r,d is the outboard component in that frame.
 
 use super::loads::{bar_torque, spring_force};
 use super::roll::FARTHEST_MEETING;
@@ -42,13 +44,14 @@ use crate::characteristics::NumberPart;
 use crate::model::Side;
 use crate::number::{Each, Matrix3, Real, Scalar, Vector3};
 
-/// Work of forces along the difference of travels and along the mean travel.
+/// Work of forces per unit of the difference of travels, and per unit of the mean travel.
 struct Work<T> {
     difference: T,
     mean: T,
 }
 
-/// Velocities of a point of each wheel in its own frame, with respect to the wheel's own difference and to the mean travel.
+/// Velocities of a point of each wheel in its own frame: with respect to the wheel's own difference of travels, and to
+/// the mean travel.
 type Velocities<T> = [[Vector3<T>; 2]; 2];
 
 #[inline(always)]
@@ -58,7 +61,7 @@ fn contact_velocities<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> Vel
         .each(|wheel| [wheel.contact_by_difference(), wheel.contact_by_mean()])
 }
 
-/// Loads of both wheels that balance forces with this work: equation (1).
+/// Wheel loads that balance forces with this work, by equation (1).
 #[inline(always)]
 fn balancing<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, work: &Work<T>) -> [T; 2] {
     let [left, right] = state.wheels();
@@ -71,7 +74,7 @@ fn balancing<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, work: &Work<T>)
     ]
 }
 
-/// Loads of both wheels from a unit side force to the left, half at each wheel.
+/// Wheel loads that balance a unit side force to the left, half at each wheel.
 #[inline(always)]
 pub(crate) fn side_force_loads<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
     let [left, right] = state.wheels().each(|wheel| wheel.ground.outboard());
@@ -83,7 +86,7 @@ pub(crate) fn side_force_loads<T: Real, W: WheelParts<T>>(state: &AxleState<T, W
     balancing(state, &work)
 }
 
-/// Height of the roll centre, and its distance to the left of the midpoint of both contact points: equation (2).
+/// Height of the roll centre, and its distance to the left of the midpoint between the contact points, by equation (2).
 #[inline(always)]
 pub(crate) fn roll_centre<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
     if let Carriers::Steered(_) = state.carriers {
@@ -123,7 +126,7 @@ fn axle_column<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, i: usize) -> 
     }
 }
 
-/// Angular velocity of the axle about the vehicle's x, with respect to the difference of travels.
+/// Derivative of the axle's rotation about the vehicle's x with respect to the difference of travels.
 #[inline(always)]
 fn rolling<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let [_, turn] = state.readings[0].twist(state.carriers.by_difference());
@@ -138,13 +141,13 @@ pub(crate) fn rolls_about_infinity(state: &AxleState<f64>) -> bool {
     !(height.abs() < far && lateral.abs() < far)
 }
 
-/// Loads of both wheels from springs and anti-roll bar.
+/// Loads of both wheels due to springs and anti-roll bar.
 pub(crate) fn wheel_loads<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> [T; 2] {
     loads_of(state, state.setup.bar_rate.is_some())
 }
 
-/// Derivative of the wheel load with respect to the height of its level pad, from the springs alone. The other pad does not
-/// move, so both travels change by the inverse of the matrix of (3).
+/// Derivative of the wheel load with respect to the height of the wheel's level pad, from the springs alone. The other
+/// pad does not move. So the changes of both travels are computed with the inverse of the matrix of (3).
 pub(crate) fn wheel_rate<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let pads = state.on_pads();
     let by_travel = |motion: Motion| loads_of(&pads.moving(motion), false)[side as usize][1];
@@ -180,7 +183,7 @@ fn loads_of<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, has_bar: bool)
         let force = spring_force(state, side);
         rates(side, NumberPart::SpringLength).each(|rate| force * rate)
     });
-    // The difference of the right wheel has the opposite sign.
+    // The difference of travels of the right wheel has the opposite sign.
     let mut work = Work {
         difference: left[0] - right[0],
         mean: left[1] + right[1],
@@ -195,8 +198,8 @@ fn loads_of<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>, has_bar: bool)
     balancing(state, &work)
 }
 
-/// Loads of both wheels from a unit force forward, half at each wheel. `by_carrier` is 1 if the axle carries the reaction to the
-/// torque, 0 if shafts from the body carry it.
+/// Wheel loads that balance a unit force forward, half at each wheel. `by_carrier` is 1 if the axle carries the drive
+/// or brake torque, 0 if shafts from the body carry it.
 #[inline(always)]
 fn forward_force_loads<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -241,13 +244,14 @@ fn braking<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     supported(state, c.brake_share, c.brake_torque_by_carrier)
 }
 
-/// Share of the load transfer of drive that the links of a rear axle carry.
+/// Share of the load transfer under drive that the links of a rear axle carry.
 #[inline(always)]
 pub(crate) fn anti_squat<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     driving(state)
 }
 
-/// Share of the load transfer that the links carry, for a rear axle in braking or a driven front axle under drive.
+/// Share of the load transfer that the links carry. It applies to a rear axle in braking, and to a driven front axle
+/// under drive.
 #[inline(always)]
 pub(crate) fn anti_lift<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     if state.setup.constants.is_front {
@@ -271,8 +275,9 @@ pub(crate) fn drive_load_transfer<T: Real, W: WheelParts<T>>(state: &AxleState<T
     (right - left).scaled(0.5)
 }
 
-/// Twist angle of a twist beam: half the difference of the angles at both wheels. The angle at a wheel is the rotation of
-/// the other half against this half, positive if the other wheel falls. The angles at both wheels are opposite.
+/// Twist angle of a twist beam: half the difference of the angles at both wheels. The angle at a wheel is the rotation
+/// of the other half relative to this half. It is positive if the other wheel falls. The angles at both wheels have
+/// opposite signs.
 #[inline(always)]
 pub(crate) fn beam_twist<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let [left, right] = state
@@ -282,8 +287,8 @@ pub(crate) fn beam_twist<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -
     (right - left).scaled(0.5)
 }
 
-/// Torque in a twist beam. In other formulas, the beam acts like an anti-roll bar with a quarter of its rate and twice its
-/// angle.
+/// Torque in a twist beam. In other formulas, the beam acts like an anti-roll bar whose rate is a quarter of the beam's
+/// rate, and whose angle is twice the beam's angle.
 #[inline(always)]
 pub(crate) fn beam_torque<T: Scalar, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     -bar_torque(state).scaled(2.0)
@@ -313,7 +318,7 @@ pub(crate) fn pitch_of<T: Real>(forward: Vector3<T>) -> T {
     forward.z.atan2(forward.x)
 }
 
-/// Quantities that are measured from the design position. [`place_of`] returns their values in this order.
+/// Quantities that are measured from the design position. [`place_of`] returns the values in this order.
 pub(crate) const FROM_DESIGN: [AxleQuantity; 4] = [
     AxleQuantity::AxleSteer,
     AxleQuantity::AxleLateral,
@@ -321,8 +326,8 @@ pub(crate) const FROM_DESIGN: [AxleQuantity; 4] = [
     AxleQuantity::PinionAngle,
 ];
 
-/// Values of [`FROM_DESIGN`] for an axle, in the left wheel's frame. `rotation` is the axle's rotation from the design
-/// position, and `displacement` the displacement of the midpoint of both wheel centres.
+/// Returns the values of [`FROM_DESIGN`] for an axle, in the left wheel's frame. `rotation` is the axle's rotation from
+/// the design position. `displacement` is the displacement of the midpoint between the wheel centres.
 pub(crate) fn place_of<T: Scalar>(rotation: &Matrix3<T>, displacement: Vector3<T>) -> [T; 4] {
     let [forward, line, _] = rotation.columns;
     [

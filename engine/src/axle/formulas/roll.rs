@@ -24,7 +24,7 @@ use crate::mechanism::Ground;
 use crate::model::Side;
 use crate::number::{Real, outlined};
 
-/// Wheel load added per side force inboard, across the vehicle.
+/// Wheel load per unit of side force. The side force acts inboard, across the vehicle.
 #[inline(always)]
 pub(crate) fn jacking_coefficient<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -38,8 +38,8 @@ pub(crate) fn jacking_coefficient<T: Real, W: WheelParts<T>>(
     )
 }
 
-/// Wheel load added per side force, for a side force along the wheel's spin axis on the ground instead of across the
-/// vehicle.
+/// Wheel load per unit of side force. The side force acts along the projection of the wheel's spin axis on the ground,
+/// instead of across the vehicle.
 #[inline(always)]
 pub(crate) fn side_force_jacking<T: Real, W: WheelParts<T>>(
     state: &AxleState<T, W>,
@@ -73,7 +73,7 @@ pub(crate) fn track_change<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -
     state.track() - designed
 }
 
-/// Lateral distance of a contact point from the centre plane in the design position.
+/// Lateral distance of a contact point from the vehicle's centre plane in the design position.
 #[inline(always)]
 fn designed_half_track<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>, side: Side) -> T {
     let wheel = state.wheel(side);
@@ -99,7 +99,7 @@ pub(crate) fn roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T,
     (state.track() * (left * right) + higher * (right - left)) / (left + right)
 }
 
-/// Lateral position of the kinematic roll centre along the ground, from midway between the contact points.
+/// Lateral position of the kinematic roll centre along the ground, measured from midway between the contact points.
 #[inline(always)]
 pub(crate) fn roll_centre_lateral<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     if state.carriers.is_rigid() {
@@ -109,7 +109,8 @@ pub(crate) fn roll_centre_lateral<T: Real, W: WheelParts<T>>(state: &AxleState<T
     (state.track().scaled(0.5) * (left - right) + state.mismatch()) / (left + right)
 }
 
-/// Height at which the resultant side force has the same roll moment, if both wheels carry equal side forces.
+/// Height of the force-based roll centre. If the side forces of both wheels are equal, a single side force at this
+/// height has the same roll moment.
 #[inline(always)]
 pub(crate) fn force_roll_centre_height<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     if state.carriers.is_rigid() {
@@ -147,21 +148,21 @@ pub(crate) fn roll_centre_migration_lateral<T: Real, W: WheelParts<T>>(
     roll_centre_lateral(&state.moving(Motion::Roll))[1]
 }
 
-/// Derivative of the force-based roll centre height with respect to the roll angle.
+/// Derivative of the height of the force-based roll centre with respect to the roll angle.
 #[inline(always)]
 pub(crate) fn force_roll_centre_migration<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     force_roll_centre_height(&state.moving(Motion::Roll))[1]
 }
 
-/// Largest lateral distance of the intersection of the normals to C' through both contact points, in half tracks. Beyond a
-/// hundred tracks, the normals are nearly parallel, and their intersection is meaningless.
+/// Largest accepted lateral distance of the point where the normals to C' through both contact points meet, in half
+/// tracks. Beyond a hundred tracks, the normals are nearly parallel, and this point is meaningless.
 pub(crate) const FARTHEST_MEETING: f64 = 200.0;
 
-/// Sum of the jacking coefficients below which both normals to C' count as vertical. Rounding of about 1e-15 could then move
-/// their intersection anywhere along the ground.
+/// If the sum of the jacking coefficients is below this limit, both normals to C' count as vertical. Rounding of about
+/// 1e-15 could then move the point where they meet anywhere along the ground.
 pub(crate) const UPRIGHT: f64 = 1e-8;
 
-/// Returns true if the normals to C' are vertical or meet beyond the largest distance.
+/// Returns true if the normals to C' are vertical, or meet beyond the largest distance.
 pub(crate) fn normals_are_parallel(state: &AxleState<f64>) -> bool {
     if state.carriers.is_rigid() {
         return rigid::rolls_about_infinity(state);
@@ -170,7 +171,7 @@ pub(crate) fn normals_are_parallel(state: &AxleState<f64>) -> bool {
     !meet_near(jacking(state))
 }
 
-/// Returns true if normals with these jacking coefficients meet within the largest distance.
+/// Returns true if the normals to C' with these jacking coefficients meet within the largest distance.
 fn meet_near([left, right]: [f64; 2]) -> bool {
     let sum = (left + right).abs();
     sum > UPRIGHT && (left - right).abs() < FARTHEST_MEETING * sum
@@ -204,8 +205,8 @@ pub(crate) fn roll_camber_to_road<T: Real, W: WheelParts<T>>(
 mod tests {
     use super::*;
 
-    /// Normals with coefficients a and b meet (a - b)/(a + b) half tracks beside the middle. They count as meeting up to a
-    /// hundred tracks, unless they are vertical.
+    /// The normals for the jacking coefficients a and b meet (a - b)/(a + b) half tracks beside the middle. The point
+    /// where they meet is accepted up to a hundred tracks, unless the normals are vertical.
     #[test]
     fn normals_meet_within_a_hundred_tracks() {
         for sign in [1.0, -1.0] {

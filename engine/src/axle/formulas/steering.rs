@@ -19,8 +19,8 @@ use crate::model::{AxlePosition, Side};
 use crate::number::{Each, Real, Vector3, outlined};
 use std::f64::consts::PI;
 
-/// Mean steer in rad below which percentages have no value. They are quotients of two angles, and both vanish straight
-/// ahead.
+/// Mean steer, in rad, below which the percentages have no value. Each percentage is a quotient of two angles that are
+/// both zero straight ahead.
 pub(crate) const STRAIGHT_AHEAD: f64 = 0.02;
 
 /// Steer angle of a wheel, positive to the left.
@@ -45,7 +45,7 @@ pub(crate) fn total_toe<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T
     steer(state, Side::Right) - steer(state, Side::Left)
 }
 
-/// Sum of the toe of both wheels, as lengths at the rim.
+/// Sum of the toe of both wheels, expressed as lengths at the rim.
 #[inline(always)]
 pub(crate) fn total_toe_at_rim<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let at_rim = |side| {
@@ -78,11 +78,11 @@ pub(crate) fn steering_ratio<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>)
     by_rack.one() / by_rack.scaled(per_angle)
 }
 
-/// Geometry of a turn, seen from above. Angles are positive to its inside.
+/// Geometry of a turn, seen from above. Angles are positive towards the inside of the turn.
 struct Turn<T> {
-    /// Sine and cosine of the inner wheel's steer, times a common positive factor.
+    /// Sine and cosine of the inner wheel's steer, both multiplied by the same positive factor.
     inner: [T; 2],
-    /// Sine and cosine of the outer wheel's steer, times a common positive factor.
+    /// Sine and cosine of the outer wheel's steer, both multiplied by the same positive factor.
     outer: [T; 2],
     /// Distance of each wheel centre ahead of the other axle's line: [inner, outer].
     ahead: [T; 2],
@@ -94,7 +94,8 @@ struct Turn<T> {
     outer_contact: [T; 2],
 }
 
-/// Sorts the numbers of the left and right wheel as [inner, outer]. `side` is 1 if the left wheel is the inner one, else -1.
+/// Orders the numbers of the left and the right wheel as [inner, outer]. `side` is 1 if the left wheel is the inner
+/// wheel, else -1.
 #[inline(always)]
 fn inner_and_outer<T: Real>(side: T, left: T, right: T) -> [T; 2] {
     let is_left = (side.one() + side).scaled(0.5);
@@ -106,7 +107,7 @@ fn inner_and_outer<T: Real>(side: T, left: T, right: T) -> [T; 2] {
 }
 
 impl<T: Real> Turn<T> {
-    /// The compiler makes a separate function, because several formulas use it.
+    /// Computes the geometry of the turn. The compiler makes a separate function, because several formulas use it.
     #[inline(always)]
     fn of<W: WheelParts<T>>(state: &AxleState<T, W>) -> Self {
         outlined!(
@@ -139,7 +140,8 @@ impl<T: Real> Turn<T> {
         let [_, lever_x] = inner_and_outer(side, left_lever.x, right_lever.x);
         let [_, lever_y] = inner_and_outer(side, left_lever.y, right_lever.y);
         Turn {
-            // Outboard points to the inside of the turn at the inner wheel, and to the outside at the outer wheel.
+            // The outboard direction points to the inside of the turn at the inner wheel, and to the outside at the
+            // outer wheel.
             inner: [inner_axis_x.scaled(-forward), inner_axis_y],
             outer: [outer_axis_x.scaled(forward), outer_axis_y],
             ahead: [
@@ -180,7 +182,7 @@ pub(crate) fn ackermann_error<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>
     outer - turn.ideal_outer()
 }
 
-/// Difference of the steer angles in percent of the ideal difference.
+/// Difference of the steer angles, in percent of the ideal difference.
 #[inline(always)]
 pub(crate) fn ackermann<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
@@ -188,8 +190,8 @@ pub(crate) fn ackermann<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T
     ((inner - outer) / (inner - turn.ideal_outer())).scaled(100.0)
 }
 
-/// Difference of the steer angles in percent of the ideal difference, which follows from the outer wheel's angle as in
-/// Simscape.
+/// Difference of the steer angles, in percent of the ideal difference. The ideal difference is computed from the outer
+/// wheel's angle, as in Simscape.
 #[inline(always)]
 pub(crate) fn ackermann_by_inner<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
@@ -200,7 +202,7 @@ pub(crate) fn ackermann_by_inner<T: Real, W: WheelParts<T>>(state: &AxleState<T,
     ((inner - outer) / (ideal - outer)).scaled(100.0)
 }
 
-/// Difference of the cotangents of the steer angles in percent of the ideal difference.
+/// Difference of the cotangents of the steer angles, in percent of the ideal difference.
 #[inline(always)]
 pub(crate) fn ackermann_by_cotangents<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
@@ -209,8 +211,8 @@ pub(crate) fn ackermann_by_cotangents<T: Real, W: WheelParts<T>>(state: &AxleSta
     ((outer - inner) * length / turn.design_across).scaled(100.0)
 }
 
-/// Diameter of the circle of the outer wheel's contact point. Its centre is midway between the points where the spin axes
-/// meet the line of the other axle.
+/// Diameter of the circle on which the outer wheel's contact point moves. The centre of the circle is midway between
+/// the points where the spin axes meet the line of the other axle.
 #[inline(always)]
 pub(crate) fn turning_circle<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
     let turn = Turn::of(state);
@@ -275,7 +277,7 @@ pub(crate) fn turn(state: &AxleState<f64>) -> Option<FromAbove> {
     })
 }
 
-/// Returns true if the wheels are so close to straight ahead that percentages of differences are meaningless.
+/// Returns true if the wheels are so close to straight ahead that the percentages are meaningless.
 pub(crate) fn is_straight_ahead(state: &AxleState<f64>) -> bool {
     let steer = mean_steer(state);
     steer.is_nan() || steer.abs() < STRAIGHT_AHEAD

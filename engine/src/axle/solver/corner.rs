@@ -7,20 +7,20 @@ use super::*;
 pub(super) struct Corner<'a, const N: usize> {
     pub(super) mechanism: &'a Mechanism,
     pub(super) solver: Solver<'a>,
-    /// Series of poses in the travel, for heights of contact points.
+    /// Power series of poses in the travel, from which the heights of contact points are computed.
     pub(super) slopes: DesignSeries<TERMS>,
     pub(super) series: DesignSeries<N>,
-    /// Sign of the rack in the wheel's own frame: 1 for the left wheel, -1 for the right. For a rigid axle the mean travel
-    /// replaces the rack and needs no sign.
+    /// Sign of the rack displacement in the wheel's own frame: 1 for the left wheel, -1 for the right wheel. For a
+    /// rigid axle, the mean travel replaces the rack. It has the same sign on both sides.
     pub(super) rack_sign: f64,
     pub(super) toggles: Toggles,
-    /// Rack displacement, in this wheel's own frame, at which the search for toggles started. `None` before the first
+    /// Rack displacement at which the search for toggles started, in the frame of this wheel. `None` before the first
     /// search.
     pub(super) begun: Option<f64>,
-    /// Ends of travel found for this design, each with its rack displacement.
+    /// Ends of travel that were found for this design, each with its rack displacement.
     pub(super) ends: Vec<End>,
     pub(super) side: Side,
-    /// Points whose positions are read with the wheel.
+    /// Points whose positions are computed with the wheel.
     pub(super) points: Vec<PointId>,
     /// State of the steering gear of a steered axle.
     pub(super) steered: Steered,
@@ -31,15 +31,15 @@ pub(super) struct Corner<'a, const N: usize> {
 pub(super) struct Steered {
     /// Displacement of the steering gear.
     pub(super) displacement: f64,
-    /// Failure, if a rod cannot follow the steering gear.
+    /// Failure, if a rod cannot reach the displacement of the steering gear.
     pub(super) failure: Option<Failure>,
-    /// Travels of the wheel centres after their knuckles have turned, with the axle at rest. The travel that drives the axle
-    /// comes first, then the held travel.
+    /// Travels of the wheel centres after their knuckles have turned, while the axle is at rest. The first is the
+    /// travel that drives the axle; the second is the held travel.
     pub(super) offsets: [f64; 2],
 }
 
 impl Steered {
-    /// State with the steering gear in the middle.
+    /// State with the steering gear centred.
     pub(super) const MIDDLE: Steered = Steered {
         displacement: 0.0,
         failure: None,
@@ -47,8 +47,8 @@ impl Steered {
     };
 }
 
-/// End of the travel at one rack displacement, both in the wheel's own frame. It is stored, because a search takes as long
-/// as a hundred poses. A search for a roll angle that does not exist needs the same end many times.
+/// End of the travel at one rack displacement, in the wheel's own frame. The search for an end takes as long as a
+/// hundred poses, so the end is stored. A search for a roll angle that does not exist needs the same end many times.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct End {
     pub(super) rack: f64,
@@ -91,8 +91,8 @@ impl WheelSeries {
     }
 }
 
-/// Change of half the difference of travels that brings both contact points to the same height. It follows from the series
-/// of both wheels.
+/// Returns the change of half the difference of travels that brings both contact points to the same height. It is
+/// computed from the series of both wheels.
 pub(super) fn solve_level(left: &Jet<f64, TERMS>, right: &Jet<f64, TERMS>) -> f64 {
     // The right wheel moves in the opposite direction.
     let f = [0, 1, 2, 3].each(|k| match k % 2 {
@@ -137,7 +137,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         })
     }
 
-    /// Moves the steering gear of a steered axle. Other axles do not change.
+    /// Moves the steering gear of a steered axle to a displacement. Other axles do not change.
     pub(super) fn steer(&mut self, displacement: f64) -> Result<(), NoPose> {
         let Some(steering) = self.mechanism.axle_steering() else {
             return Ok(());
@@ -170,7 +170,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
         let mut design = designed;
         let offsets = displace(self.mechanism, &mut design, displacement);
-        // The design was solvable before its steering gear moved.
+        // The design could be solved before its steering gear moved.
         if self.prepare_design(&design).is_err() {
             return fails(Failure::Singular);
         }
@@ -181,14 +181,14 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
     }
 
-    /// Drive and rack of the closure equations at these travels of a steered axle: (4) and (5) of `model/steered_axle.rs`.
-    /// For other axles, the results equal the arguments: travel and rack.
+    /// Returns drive and rack of the closure equations at these travels of a steered axle, by (4) and (5) of
+    /// `model/steered_axle.rs`. For other axles, the results equal the arguments.
     pub(super) fn inner(&self, travel: f64, rack: f64) -> (f64, f64) {
         let [drive, held] = self.steered.offsets;
         (travel - drive, rack - held)
     }
 
-    /// Changes to another design, with its steering gear in the middle.
+    /// Changes to another design. The steering gear of the new design is centred.
     pub(super) fn prepare(&mut self, design: &[Vector3<f64>]) -> Result<(), DesignFault> {
         self.steered = Steered::MIDDLE;
         self.prepare_design(design)
@@ -203,7 +203,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         Ok(())
     }
 
-    /// Failure at a travel beyond a known end. `None` if the travel is within all known ends.
+    /// Returns the failure if a travel is beyond a known end. `None` if the travel is within all known ends.
     pub(super) fn beyond_an_end(&self, travel: f64, rack: f64) -> Option<Failure> {
         let is_beyond =
             |end: &&End| end.rack == rack && (travel - end.travel) * end.travel.signum() > 0.0;
@@ -223,7 +223,8 @@ impl<'a, const N: usize> Corner<'a, N> {
         Ok(())
     }
 
-    /// Failure of this wheel at a travel. For a rigid axle whose mean travel is held, the travel is its drive.
+    /// Makes the failure of this wheel at a travel. For a rigid axle whose mean travel is held, the travel in the
+    /// failure is the drive.
     pub(super) fn fails(&self, travel: f64, failure: Failure) -> NoPose {
         if self.mechanism.rigid_axle.is_some() {
             return NoPose::RigidAxle {
@@ -276,8 +277,8 @@ impl<'a, const N: usize> Corner<'a, N> {
         found.map_err(|failure| self.fails(travel, failure))
     }
 
-    /// Converts a failure of the closure equations. Its limit becomes a travel of the wheel centres, measured from their
-    /// hardpoints.
+    /// Converts a failure of the closure equations. The limit in the failure becomes a travel of the wheel centres,
+    /// measured from their hardpoints.
     fn outer(&self, failure: Failure) -> Failure {
         let [drive, held] = self.steered.offsets;
         match failure {
@@ -320,7 +321,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         })
     }
 
-    /// Solves the wheel at many travels, each on its own ground. `None` for a travel out of reach.
+    /// Solves the wheel at many travels, each on its own ground. `None` for a travel that the wheel cannot reach.
     pub(super) fn heights(
         &mut self,
         travels: &[f64],
@@ -350,7 +351,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         found
     }
 
-    /// Reads a pose at a travel and a rack displacement, both in this wheel's own frame.
+    /// Computes the numbers of the wheel at a travel and a rack displacement, both in this wheel's own frame.
     pub(super) fn read(
         &self,
         pose: &Pose<f64>,
@@ -373,7 +374,7 @@ impl<'a, const N: usize> Corner<'a, N> {
             self.inner(travel, rack),
             (lines, parts, points),
         )?;
-        // Beyond the toggle of its knuckle, the wheel has no position.
+        // If a knuckle is beyond its toggle, the wheel has no position.
         if let Some(steering) = self.mechanism.axle_steering() {
             for knuckle in [steering.near_knuckle, steering.far_knuckle] {
                 if toggles.holds(knuckle) {
@@ -385,7 +386,7 @@ impl<'a, const N: usize> Corner<'a, N> {
     }
 }
 
-/// Reads a pose of a wheel at a travel and a rack displacement, both in the wheel's own frame.
+/// Computes the numbers of a wheel at a travel and a rack displacement, both in the wheel's own frame.
 pub(super) fn read_wheel<const N: usize>(
     solver: &Solver,
     series: &DesignSeries<N>,

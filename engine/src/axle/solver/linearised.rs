@@ -1,18 +1,18 @@
-//! Both wheels of a position, linearised for gradients with respect to the hardpoints.
+//! Both wheels of a position, linearised: the basis for gradients with respect to the hardpoints.
 
 use super::*;
 
 /// Both wheels of a position, linearised for gradients of formulas with respect to the hardpoints.
 pub(crate) struct LinearisedAxle<'s, const N: usize> {
-    /// Linearised wheel along each line, for both wheels.
+    /// Linearised wheels. Each wheel is linearised along each line in travel and rack.
     pub(super) wheels: [Vec<Linearised<'s, N>>; 2],
     pub(super) snapshots: [Vec<Snapshot<N>>; 2],
     pub(super) parts: Parts,
 }
 
 impl<const N: usize> LinearisedAxle<'_, N> {
-    /// Puts both wheels on the tape as inputs, each with the index of its first input. The tape combines series along
-    /// several lines, so other entries can lie between the inputs of the two wheels.
+    /// Puts both wheels on the tape as inputs. Returns each wheel with the index of its first input. The tape combines
+    /// series along several lines, so other entries can lie between the inputs of the two wheels.
     pub(crate) fn on_tape<'t>(&self, tape: &'t Tape) -> [(Reading<Tracked<'t>>, usize); 2] {
         self.snapshots.each_ref().each(|lines| {
             let first = tape.len();
@@ -32,7 +32,8 @@ impl<const N: usize> LinearisedAxle<'_, N> {
         vec![Vector3::new(zero, zero, zero); points]
     }
 
-    /// Adds the gradient with respect to the hardpoints of a wheel, from the derivatives with respect to its inputs.
+    /// Adds the gradient with respect to the hardpoints of a wheel. It is computed from the derivatives with respect to
+    /// the inputs of this wheel.
     pub(crate) fn add_gradient(
         &self,
         side: Side,
@@ -48,7 +49,7 @@ impl<const N: usize> LinearisedAxle<'_, N> {
     }
 }
 
-/// Linearises both wheels of a position along the lines that are read.
+/// Linearises both wheels of a position along the lines in travel and rack that are needed.
 pub(super) fn linearise<'s, const N: usize>(
     corners: &'s [Corner<'_, N>; 2],
     (lines, parts): (&[Line], Parts),
@@ -90,7 +91,7 @@ pub(super) fn derivative_by_heave<const N: usize>(
         Sought::Point(side, id, axis) => {
             let place = linearised[side as usize][0].at.point(id)[axis];
             let by_travel = place.0.get(1).copied().unwrap_or(f64::NAN);
-            // The second line of a rigid axle is the held travel.
+            // For a rigid axle, the second line is along the held travel.
             let by_rack = match (state.carriers.is_rigid(), linearised[side as usize].get(1)) {
                 (false, _) => 0.0,
                 (true, None) => f64::NAN,

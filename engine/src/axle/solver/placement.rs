@@ -15,8 +15,8 @@ pub enum Placement {
         /// Displacement of the rack.
         rack: f64,
     },
-    /// The body is rolled on a plane ground, and the mean travel follows from the load. The axle carries the same load as in
-    /// the level position at `heave`, with the rack centred.
+    /// The body is rolled on a plane ground, and the mean travel is computed from the load. The axle carries the same
+    /// load as in the level position at `heave`, with the rack centred.
     AtLoad {
         /// Mean travel of the wheel centres at which the level axle carries the same load.
         heave: f64,
@@ -37,7 +37,7 @@ pub enum Placement {
 }
 
 impl Placement {
-    /// Travels and rack of wheels on level pads at given heights. `None` for another placement.
+    /// Returns travels and rack of wheels that are on level pads at given heights. `None` for another placement.
     pub fn on_level_pads(&self) -> Option<([f64; 2], f64)> {
         match *self {
             Placement::Travels {
@@ -58,7 +58,8 @@ impl Placement {
         }
     }
 
-    /// Mean travel of both wheel centres. For a placement at a load, it is the mean travel of the level axle.
+    /// Returns the mean travel of both wheel centres. For a placement at a load, this is the mean travel of the level
+    /// axle.
     pub(in crate::axle) fn mean(&self) -> f64 {
         match *self {
             Placement::Roll { heave, .. } | Placement::AtLoad { heave, .. } => heave,

@@ -1,4 +1,4 @@
-//! Certifies that poses lie on the branch of the design position.
+//! Certifies that poses lie on the solution branch of the design position.
 
 use super::AxleSolver;
 use crate::analyse::Certifier;
@@ -8,8 +8,8 @@ use crate::solve::StationOrder;
 use std::ops::ControlFlow;
 
 impl<const N: usize> AxleSolver<'_, N> {
-    /// Certifies that poses of one wheel lie on the branch of its design position. The poses have these values of the drive
-    /// and one rack displacement. For a rigid axle, the mean travel replaces the rack.
+    /// Certifies that poses of one wheel lie on the solution branch of its design position. All poses have the same
+    /// rack displacement, and these values of the drive. For a rigid axle, the mean travel replaces the rack.
     pub(in crate::axle) fn prove_branch(
         &mut self,
         certifier: &Certifier,
@@ -22,7 +22,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         let found: Vec<_> = poses.iter().copied().map(Ok).collect();
         let mut proved = vec![Err(Failure::Uncertified(Unproven::Branch)); travels.len()];
         let rack = rack * corner.rack_sign;
-        // The constructor has checked the design position.
+        // The constructor has already checked the design position.
         let _ = corner.solver.prove_poses(
             certifier,
             Drive::Travel,

@@ -1,16 +1,16 @@
-//! Readings of a position: quantities and their gradients.
+//! Quantities of a position, and their gradients.
 
 use super::super::Of;
 use super::super::series::ByGear;
 use super::linearised::derivative_by_heave;
 use super::*;
 
-/// Callback that receives the index of a requested quantity, and its gradients with respect to every point of the left and
-/// of the right wheel.
+/// Callback with two arguments: the index of a requested quantity, and the gradients of this quantity with respect to
+/// every point of the left and of the right wheel.
 pub(in crate::axle) type ReceiveOwnGradients<'r> = dyn FnMut(usize, [&mut [Vector3<f64>]; 2]) + 'r;
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
-    /// Reads the state of the axle in a position.
+    /// Computes the state of the axle in a position.
     pub fn read(&mut self, placed: &AxlePose) -> Result<Read<'a>, NoPose> {
         self.steer(placed.rack)?;
         let (lines, parts) = (self.lines, self.parts);
@@ -27,8 +27,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(self.both([&left, &right], placed))
     }
 
-    /// Reads one wheel at many travels and one rack displacement, outward from the design position. The curves of a single
-    /// wheel are computed in the same way.
+    /// Computes the numbers of one wheel at many travels and one rack displacement. The travels are solved outward from
+    /// the design position. The curves of a single wheel are computed in the same way.
     pub fn wheel_curve(
         &mut self,
         side: Side,
@@ -45,7 +45,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         };
         let unvisited = |travel: &f64| Err(fails(*travel, Failure::Singular));
         let mut found: Vec<_> = travels.iter().map(unvisited).collect();
-        // The constructor has checked the design position. Unreachable stations keep their failure.
+        // The constructor has already checked the design position. Stations that cannot be reached keep their failure.
         if corner.begin(rack).is_err() {
             return found;
         }
@@ -69,7 +69,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         found
     }
 
-    /// Combines two wheels, which were read at their travels, into a position.
+    /// Combines the numbers of two wheels at their travels to a position of the axle.
     pub fn pair(
         &self,
         wheels: [&WheelRead; 2],
@@ -120,10 +120,11 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         }
     }
 
-    /// Computes gradients of quantities in a position with respect to every hardpoint coordinate of each side, in the frame
-    /// of that side. `receive` gets the index of the quantity and both gradients. Each gradient has one entry per point.
+    /// Computes gradients of quantities in a position with respect to every hardpoint coordinate of each side, in the
+    /// frame of that side. The arguments of `receive` are the index of the quantity and both gradients. Each gradient
+    /// has one entry per point.
     ///
-    /// A gradient is NaN if its quantity needs terms beyond the `N` of the series.
+    /// A gradient is NaN if its quantity needs more terms than the `N` terms of the series.
     pub fn gradients(
         &mut self,
         placed: &AxlePose,
@@ -134,9 +135,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.gradients_of(placed, &sought, &mut receive)
     }
 
-    /// Computes gradients of quantities if each point of both sides moves separately. For a rigid axle, the first gradient
-    /// is with respect to all points of the left design. The second one is with respect to all points of the axle as seen
-    /// from its right wheel.
+    /// Computes gradients of quantities, where every point of both sides can move separately. For a rigid axle, the
+    /// first gradient is with respect to all points of the left design. The second gradient is with respect to all
+    /// points of the axle as seen from its right wheel.
     pub(crate) fn gradients_by_each_point(
         &mut self,
         placed: &AxlePose,
@@ -150,7 +151,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// Derivatives of the mean travel with respect to the points. `None` unless the mean travel follows from a load.
+    /// Returns the derivatives of the mean travel with respect to the points. `None` if the mean travel is not computed
+    /// from a load.
     fn heave_by_points(
         &mut self,
         placed: &AxlePose,
@@ -179,9 +181,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         })
     }
 
-    /// First and second derivatives of columns with respect to the displacement of a steered axle's steering gear. Second
-    /// derivatives are NaN if no column needs them. `None` for a column that is not differentiated along the rack. Empty for
-    /// an axle without a drag link.
+    /// Computes first and second derivatives of columns with respect to the displacement of a steered axle's steering
+    /// gear. Second derivatives are NaN if no column needs them. `None` for a column that is not differentiated along
+    /// the rack. Empty for an axle without a drag link.
     pub(crate) fn by_drag_link(
         &mut self,
         placed: &AxlePose,
@@ -214,7 +216,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         if numbers.is_empty() {
             return Ok(found);
         }
-        // Unlike the series, the adjoint also gives first derivatives of quantities that contain velocities.
+        // The adjoint also returns first derivatives of quantities that contain velocities. The series do not.
         for (number, by) in numbers
             .into_iter()
             .zip(self.by_steering_gear(placed, &sought)?)
@@ -225,8 +227,8 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(found)
     }
 
-    /// Derivatives of quantities and of coordinates of points with respect to the displacement of a steered axle's steering
-    /// gear: (2) of `model/steered_axle.rs`. The other coordinates of the station stay constant.
+    /// Computes derivatives of quantities and of point coordinates with respect to the displacement of a steered axle's
+    /// steering gear, by (2) of `model/steered_axle.rs`. The other coordinates of the station stay constant.
     fn by_steering_gear(
         &mut self,
         placed: &AxlePose,
@@ -241,8 +243,9 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         Ok(found)
     }
 
-    /// Computes gradients with respect to every point of both sides, including points that follow other points. `by_heave`
-    /// has the derivatives of the mean travel with respect to the points, if the mean travel follows from a load.
+    /// Computes gradients with respect to every point of both sides, including points that are computed from other
+    /// points. If the mean travel is computed from a load, `by_heave` contains the derivatives of the mean travel with
+    /// respect to the points.
     pub(in crate::axle) fn each_gradient(
         &mut self,
         placed: &AxlePose,
@@ -259,14 +262,15 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         };
         let linearised = linearise(&self.corners, (lines, parts), placed, coordinates)?;
         let inputs = linearised.inputs();
-        // The tape records the wheels once, then every quantity.
+        // The tape records both wheels once, then every quantity.
         let tape = Tape::new();
         let [(left, of_left), (right, of_right)] = linearised.on_tape(&tape);
         let (readings, first) = ([left, right], [of_left, of_right]);
         let state = self.state(readings, placed).settled(slopes);
         let value = |sought: &Sought| match sought {
             Sought::Quantity(quantity) => quantity.evaluate(&state),
-            // A point moves with its wheel's travel, which depends on the design if the ground determines it.
+            // A point moves with the travel of its wheel. If the ground determines this travel, it depends on the
+            // design.
             Sought::Point(side, ..) => state.readings[*side as usize].travel(),
         };
         let values: Vec<_> = sought.iter().map(value).collect();
@@ -282,7 +286,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
                 let linearised = &linearised.wheels[side as usize][0];
                 let by_travel = linearised.at.point(id)[axis].0.get(1).copied();
                 for by in self.gradients.iter_mut().flatten() {
-                    // On pads, the ground does not determine the travels.
+                    // On pads, the travels do not depend on the ground.
                     *by = *by * by_travel.unwrap_or(0.0);
                 }
                 let zero = Vector3::new(0.0, 0.0, 0.0);

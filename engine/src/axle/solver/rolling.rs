@@ -1,10 +1,11 @@
-//! Solution of positions from roll angles, travels and heights.
+//! Finds positions for given roll angles, travels and heights.
 
 use super::corner::{WheelSeries, solve_level};
 use super::*;
 
-/// Returns true if the wheels rise with their travels. The arguments are the slopes of both heights. Both wheels of an
-/// independent axle must rise. A rigid axle needs a positive sum of the slopes. Returns false for NaN.
+/// Returns true if the contact points rise with the travels. The arguments are the slopes of both heights. For an
+/// independent axle, both slopes must be positive. For a rigid axle, the sum of the slopes must be positive. Returns
+/// false for NaN.
 fn rise(is_rigid: bool, [left, right]: [f64; 2]) -> bool {
     if is_rigid {
         left + right > 0.0
@@ -14,11 +15,11 @@ fn rise(is_rigid: bool, [left, right]: [f64; 2]) -> bool {
 }
 
 impl<const N: usize> AxleSolver<'_, N> {
-    /// Finds positions for all placements. Placements in roll at one rack displacement are solved together. Each round
-    /// solves both wheels at the travels that the series of the last round predict.
+    /// Finds positions for all placements. Placements in roll at one rack displacement are solved together. In each
+    /// round, both wheels are solved at the travels that the series of the previous round predict.
     pub fn place_all(&mut self, placements: &[Placement]) -> Vec<Result<AxlePose, NoPose>> {
-        // Indices of the placements for each pair of values: rack in the closure equations, and displacement of the steering
-        // gear.
+        // Indices of the placements that have the same two values: rack in the closure equations, and displacement of
+        // the steering gear.
         let mut by_rack: Vec<([f64; 2], Vec<usize>)> = Vec::new();
         for (number, placement) in placements.iter().enumerate() {
             if let Placement::Roll { heave, rack, .. } = *placement {
@@ -33,7 +34,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         }
         let mut found: Vec<Option<AxlePose>> = vec![None; placements.len()];
         for ([rack, steered], numbers) in by_rack {
-            // If the gear cannot move, the placements are solved one by one, which returns the failure.
+            // If the gear cannot move, the placements are solved one by one. This returns the failure for each of them.
             if self.steer(steered).is_ok() {
                 self.roll_together(rack, &numbers, placements, &mut found);
             }
@@ -49,8 +50,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         found.swap_remove(0)
     }
 
-    /// First estimate of half the difference of the travels. It assumes that independent wheel centres move straight up, and
-    /// that wheel centres of a rigid axle move on a circle.
+    /// First estimate of half the difference of the travels. For this estimate, independent wheel centres move straight
+    /// up, and wheel centres of a rigid axle move on a circle.
     pub(super) fn straight_half(&self, roll: f64) -> f64 {
         let level = Ground::level(0.0);
         let half = |side: Side| {
@@ -65,8 +66,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         -0.5 * slope * (half(Side::Left) + half(Side::Right))
     }
 
-    /// Solves placements in roll at one rack displacement together. `numbers` are their indices. Placements that need more
-    /// than a few rounds stay unsolved.
+    /// Solves placements in roll at one rack displacement together. `numbers` contains the indices of the placements.
+    /// Placements that need more than a few rounds stay unsolved.
     pub(super) fn roll_together(
         &mut self,
         rack: f64,
@@ -116,7 +117,7 @@ impl<const N: usize> AxleSolver<'_, N> {
                 let (Some(left), Some(right)) = wheels else {
                     continue;
                 };
-                // NaN also fails this condition, so that this placement is solved alone.
+                // NaN also fails this condition. This placement is then solved alone.
                 if !rise(is_rigid, [left.height[1], right.height[1]]) {
                     continue;
                 }
@@ -177,7 +178,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         })
     }
 
-    /// Travels and poses at a roll angle.
+    /// Finds travels and poses at a roll angle.
     pub(super) fn rolled(
         &mut self,
         heave: f64,
@@ -190,7 +191,7 @@ impl<const N: usize> AxleSolver<'_, N> {
         let size = self.corners[0].solver.size();
         let mut half = self.straight_half(roll);
         let (level, rack) = self.level(heave, rack);
-        // Last travels at which both wheels have poses. A failed step goes back towards them.
+        // Last travels at which both wheels have poses. After a failed step, the travels go back towards them.
         let mut reached = None;
         let mut smallest = f64::INFINITY;
         for _ in 0..MOST_STEPS {
@@ -199,8 +200,8 @@ impl<const N: usize> AxleSolver<'_, N> {
                 left.height(level + half, rack, ground, radius),
                 right.height(level - half, rack, ground.mirrored(), radius),
             );
-            // If a contact point falls as its travel grows, the travels are beyond the required position. NaN counts as
-            // falling.
+            // If a contact point falls while the travel of its wheel grows, the travels are beyond the required
+            // position. NaN counts as falling.
             let rises =
                 |l: &WheelSeries, r: &WheelSeries| rise(is_rigid, [l.height[1], r.height[1]]);
             let found = found.and_then(|[l, r]| {
@@ -212,7 +213,7 @@ impl<const N: usize> AxleSolver<'_, N> {
             });
             let (left_wheel, right_wheel) = match found {
                 Ok(found) => found,
-                // Goes halfway back to the last travels that both wheels could reach.
+                // Go halfway back to the last travels that both wheels could reach.
                 Err(failure) => {
                     let back = reached.unwrap_or(0.0);
                     if (half - back).abs() <= 1e-9 * size {
@@ -258,8 +259,8 @@ impl<const N: usize> AxleSolver<'_, N> {
 
     /// Roll angle at which both wheels stand on a plane.
     pub(super) fn tilted(&self, [left, right]: &[Pose<f64>; 2]) -> Result<f64, NoPose> {
-        // A rigid axle can stand upright, far from level ground. Its iteration starts with the line through both wheel
-        // centres.
+        // A rigid axle can be upright, far from level ground. So the iteration for a rigid axle starts with the line
+        // through both wheel centres.
         let mut roll = if self.is_rigid() {
             (right.origin.z - left.origin.z).atan2(left.origin.y + right.origin.y)
         } else {

@@ -6,9 +6,9 @@ use crate::mechanism::constraint::heights_at_rest;
 use crate::model::{AxleTravel, Drive, Mechanism};
 use crate::number::{Dual, Real, Vector3};
 
-/// Moves the drag link's end in a design: (1) of `model/steered_axle.rs`. Returns the lift of both wheel centres by (4) and
-/// (5): the change of the travel that drives the axle, then the change of the held travel. Both are 0 if no drag link steers
-/// the axle.
+/// Moves the drag link's end in a design, by (1) of `model/steered_axle.rs`. Returns the lift of the wheel centres by
+/// (4) and (5): first the change of the travel that drives the axle, then the change of the held travel. Both are 0 if
+/// no drag link steers the axle.
 #[inline(always)]
 pub(crate) fn displace<T: Real>(
     mechanism: &Mechanism,
@@ -36,8 +36,8 @@ pub(crate) fn displace<T: Real>(
 }
 
 impl<const N: usize> AxleSolver<'_, N> {
-    /// Finds a fold on the way to the level axle with its steering gear displaced. The held travel moves first, then the travel
-    /// that drives the axle. `None` if there is no fold.
+    /// Finds a fold (turning point) on the way to the level axle with its steering gear displaced. First the held
+    /// travel changes, then the travel that drives the axle. `None` if there is no fold.
     fn level_fold(&mut self) -> Option<Limit> {
         let corner = &mut self.corners[0];
         let (drive, held) = corner.inner(0.0, 0.0);
@@ -56,13 +56,14 @@ impl<const N: usize> AxleSolver<'_, N> {
         of_held.or_else(|| before(corner.solver.drive_range(Drive::Travel, held).ok()?, drive))
     }
 
-    /// Fold at which the axle can no longer follow its steering gear: the level axle at zero travel folds between these two
-    /// displacements of the gear. `None` if the equations of the axle do not fold between these displacements.
+    /// Finds the fold at which the axle can no longer follow its steering gear. Between the two displacements `value`
+    /// and `beyond` of the gear, the level axle at zero travel reaches this turning point. `None` if there is no fold
+    /// between these displacements.
     ///
     /// With T(p, s) the travel at the fold, the design p and the displacement s of the gear, T = 0 at the end. The axle
-    /// reaches its held travel first. Meanwhile, its drive d is the drive of the axle at rest. It equals the lift l(p, s) by
-    /// (4) or (5) of `model/steered_axle.rs`. With the gradient g of T with respect to the hardpoints, g' its gradient with
-    /// respect to the drag link's end p' and n the direction of the gear,
+    /// reaches its held travel first. Meanwhile, the drive d is that of the axle at rest. It equals the lift l(p, s) by
+    /// (4) or (5) of `model/steered_axle.rs`. Let g be the gradient of T with respect to the hardpoints, g' the
+    /// gradient of T with respect to the drag link's end p', and n the direction of the gear. Then
     ///
     /// ```text
     /// ds/dp = -(g + T_d l_p)/(g'.n + T_d l_s)                                                     (1)
@@ -75,8 +76,8 @@ impl<const N: usize> AxleSolver<'_, N> {
         let mechanism = &self.axle.left.mechanism;
         let steering = mechanism.axle_steering()?;
         let design = self.corners[0].solver.design();
-        // Derivatives of the lift with respect to a point. For `None`, the derivative with respect to the gear is the first
-        // of the three numbers.
+        // Derivatives of the lift with respect to a point. For `None`, the first of the three numbers is the derivative
+        // with respect to the gear.
         let lift_by = |point: Option<usize>| -> [f64; 3] {
             let mut moved: Vec<_> = design.iter().map(|p| p.map(Dual::constant)).collect();
             let gear = match point {

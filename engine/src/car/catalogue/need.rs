@@ -1,11 +1,11 @@
-//! Parts that a car must have for a result.
+//! Parts and inputs that a car must have for a result.
 
 use crate::axle::{Axle, AxleKind, BumpStop, SpringLaw};
 
 /// Part or input of a car that a result needs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum CarNeed {
-    /// The car's ride-height point of this axle.
+    /// Ride-height point of the car at this axle.
     RideHeight,
     /// Both ride-height points.
     RideHeights,
@@ -29,12 +29,13 @@ pub enum CarNeed {
     TBar,
     /// `[heave_bar]` at this axle.
     HeaveBar,
-    /// Wheels of this axle that move independently.
+    /// Wheels of this axle that are independently suspended.
     Independent,
 }
 
 impl CarNeed {
-    /// Returns true if an axle has the part. Needs of the car itself are always met here.
+    /// Returns true if an axle has the part. The result is also true for needs of the car itself, which are checked
+    /// elsewhere.
     pub(super) fn met_by(self, axle: &Axle) -> bool {
         let setup = &axle.setup;
         let rockers = &setup.rocker_springs;
@@ -58,7 +59,7 @@ impl CarNeed {
         }
     }
 
-    /// Keys of the study that meet the need.
+    /// Returns the keys of the study that provide the part or input.
     pub fn key(self) -> &'static str {
         match self {
             CarNeed::RideHeight | CarNeed::RideHeights => {

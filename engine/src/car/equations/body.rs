@@ -35,7 +35,7 @@ pub(super) fn energy<T: Scalar>(
     sum
 }
 
-/// Masses of a car and their centres.
+/// Masses of a car, and the centre of each mass.
 pub(in crate::car) struct CarMasses<T> {
     /// Sprung mass, and its centre of gravity.
     pub sprung: (T, Vector3<T>),
@@ -47,7 +47,7 @@ pub(in crate::car) struct CarMasses<T> {
     design_contacts: [Vector3<T>; 4],
 }
 
-/// Computes the masses of the car and their centres.
+/// Computes the masses of the car and the centre of each mass.
 pub(in crate::car) fn masses<T: Local>(
     car: &Car,
     parameters: &Parameters<T>,
@@ -90,8 +90,8 @@ pub(in crate::car) fn masses<T: Local>(
     }
 }
 
-/// Load on each wheel of the front and rear axle at rest in the design position, by the lever rule. Both wheels of an axle
-/// share its load equally.
+/// Computes the load on each wheel of the front and rear axle, at rest in the design position, by the lever rule. Both
+/// wheels of an axle carry equal loads.
 pub(in crate::car) fn static_loads<T: Local>(
     car: &Car,
     parameters: &Parameters<T>,
@@ -120,7 +120,7 @@ pub(in crate::car) fn static_loads<T: Local>(
     [on_front, mass - on_front].each(|carried| carried.scaled(0.5 * GRAVITY))
 }
 
-/// Torque of an axle's bar: its rate times the left lever's angle less the right lever's.
+/// Torque of an axle's anti-roll bar: its rate times the difference of the lever angles, left minus right.
 #[inline(always)]
 pub(super) fn bar_torque<T: Local>(
     car: &Car,
@@ -134,7 +134,8 @@ pub(super) fn bar_torque<T: Local>(
     }
 }
 
-/// Share of a wheel in a force of its axle: in proportion to the load, or from the given share of the left wheel.
+/// Returns the fraction of an axle's force that a wheel carries. It is proportional to the wheel load, or given by the
+/// fraction of the left wheel.
 #[inline(always)]
 fn share<T: Local>(
     held: &Held<'_>,
@@ -158,7 +159,7 @@ fn share<T: Local>(
     })
 }
 
-/// Computes the lateral and longitudinal share of a wheel in the force of its axle (3).
+/// Computes the fractions of the axle's lateral and longitudinal force that a wheel carries (3).
 #[inline(always)]
 pub(super) fn shares<T: Local>(held: &Held<'_>, x: &[T; UNKNOWNS], number: usize) -> [T; 2] {
     let setting = &held.case.setting;
@@ -175,7 +176,7 @@ pub(super) fn shares<T: Local>(held: &Held<'_>, x: &[T; UNKNOWNS], number: usize
 }
 
 impl Car {
-    /// An axle's share of the longitudinal force.
+    /// Returns the fraction of the longitudinal force that an axle carries.
     #[inline(always)]
     pub(super) fn longitudinal_share<T: Local>(
         &self,
@@ -194,7 +195,7 @@ impl Car {
     }
 }
 
-/// Downforces and drag, each with the point of the body where it acts.
+/// Computes downforces and drag, each with the point of the body at which the force acts.
 #[inline(always)]
 pub(super) fn air<T: Local>(
     car: &Car,
@@ -216,7 +217,7 @@ pub(super) fn air<T: Local>(
         let Some(force) = force else { continue };
         points[number] = force.point;
         let mut area = zero.constant(force.area[0]);
-        // If the car has no ride-height points, the coefficients of the ride heights are zero.
+        // Without ride-height points, the coefficients of the ride heights are zero.
         if force.area[1..].iter().any(|factor| *factor != 0.0) {
             let powers = [front, rear, front.squared(), front * rear, rear.squared()];
             for (power, factor) in powers.into_iter().zip(&force.area[1..]) {

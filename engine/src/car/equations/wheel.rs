@@ -8,7 +8,7 @@ use super::{Ground, Held, Resultant, WheelState};
 use crate::axle::{RockerMotion, SpringLaw};
 use crate::number::{Each, Local, LocalFunction, Scalar, Vector3, outlined};
 
-/// Forces on one wheel, and the share that gives its lateral force.
+/// Forces on one wheel, and the fraction from which its lateral force is computed.
 #[derive(Clone, Copy)]
 pub(super) struct Forces<T> {
     /// Wheel load.
@@ -17,9 +17,9 @@ pub(super) struct Forces<T> {
     pub side: T,
     /// Longitudinal force.
     pub longitudinal: T,
-    /// Share of the axle's lateral force.
+    /// Fraction of the axle's lateral force.
     pub share: T,
-    /// Torque of the bar on its lever, positive in the sense of the lever's angle.
+    /// Torque of the anti-roll bar on its lever, positive in the direction of the lever's angle.
     pub bar: T,
     /// Derivative of the energy of the springs between the rockers with respect to the wheel's own travel.
     pub rocker: T,
@@ -43,15 +43,15 @@ impl<T: Copy> Forces<T> {
 /// Work on a wheel per unit of one travel of its axle, for unit tyre forces and a unit bar torque.
 #[derive(Clone, Copy)]
 pub(super) struct Work<T> {
-    /// Rise n.C' of the contact point, the work of a unit load.
+    /// Rise n.C' of the contact point. It is the work of a unit load.
     rise: T,
     /// Work lambda.C' of a unit lateral force.
     side: T,
     /// Work t.B' of a unit longitudinal force.
     longitudinal: T,
-    /// Work of a unit torque of the bar; zero without a bar.
+    /// Work of a unit torque of the anti-roll bar; zero without a bar.
     bar: T,
-    /// Derivative of the energy of the wheel's spring and its stops.
+    /// Derivative of the energy of the wheel's spring and stops.
     spring: T,
     /// Work m_b alpha.W' of the force that accelerates the wheel's mass.
     unsprung: T,
@@ -62,14 +62,14 @@ pub(super) struct Work<T> {
 enum Contact<T> {
     /// The wheel is lifted.
     Lifted,
-    /// A rigid tyre, with its height over the ground.
+    /// A rigid tyre. The number is the height of the tyre over the ground.
     Rigid(T),
-    /// A tyre spring, with its load.
+    /// A tyre spring. The number is its load.
     Elastic(T),
 }
 
-/// A wheel on the ground, with all factors of its forces. These factors depend only on the ground and on the travels of the
-/// axle.
+/// A wheel on the ground, with all factors of its forces. These factors depend only on the ground and on the travels of
+/// the axle.
 #[derive(Clone, Copy)]
 pub(in crate::car) struct Stance<T> {
     contact: Contact<T>,
@@ -79,7 +79,7 @@ pub(in crate::car) struct Stance<T> {
     pub heading: Vector3<T>,
     /// Unit vector along which lateral forces act.
     pub across: Vector3<T>,
-    /// Angle of the bar's lever.
+    /// Angle of the anti-roll bar's lever.
     pub bar: T,
     /// Motion of the rocker; `None` without springs between the rockers.
     pub rocker: Option<RockerMotion<T>>,
@@ -103,7 +103,7 @@ impl<T: Copy> Work<T> {
 }
 
 impl<T: Local> Work<T> {
-    /// Components of the work that the wheel load balances: elastic, geometric, longitudinal, unsprung.
+    /// Returns the components of the work that the wheel load balances: elastic, geometric, longitudinal, unsprung.
     #[inline(always)]
     fn parts(&self, forces: &Forces<T>, is_own: bool) -> [T; 4] {
         let springs = self.spring + forces.bar * self.bar;
@@ -149,7 +149,7 @@ impl<T: Copy> Stance<T> {
 }
 
 impl<T: Local> Stance<T> {
-    /// Residual of the contact (4), (5) or, for a lifted wheel, of its load (6).
+    /// Residual of the contact (4) or (5). For a lifted wheel, residual of the load (6).
     #[inline(always)]
     pub(super) fn contact_residual(&self, load: T) -> T {
         match self.contact {
@@ -177,7 +177,8 @@ pub(super) fn travel_residuals<T: Local>(
     residuals
 }
 
-/// Components (9) of the wheel loads of an axle. For a solid axle, they come from two simultaneous equations.
+/// Computes the components (9) of the wheel loads of an axle. For a solid axle, they are the solution of two
+/// simultaneous equations.
 #[inline(always)]
 pub(super) fn load_parts<T: Local>(
     [left, right]: [&Stance<T>; 2],
@@ -209,19 +210,19 @@ pub(super) fn load_parts<T: Local>(
 /// Tyre on the ground, by (2).
 #[derive(Clone, Copy)]
 struct Tread<T> {
-    /// Length s of the upward normal's component perpendicular to the spin axis.
+    /// Length s of that component of the upward normal which is perpendicular to the spin axis.
     tilt: T,
     /// Height of the wheel centre over the ground.
     height: T,
-    /// Tyre radius of the wheel in its study.
+    /// Loaded radius of the wheel that the study contains.
     radius: T,
-    /// Rate and unloaded radius of an elastic tyre.
+    /// Rate and unloaded radius of a tyre spring.
     spring: Option<(T, T)>,
     /// Tyre radius without load.
     free: T,
     /// Tyre radius under load.
     loaded: T,
-    /// Vector from the wheel centre to the lowest point.
+    /// Vector from the wheel centre to the lowest point of the tyre.
     lever: Vector3<T>,
 }
 
@@ -286,7 +287,7 @@ impl<T: Local> Tread<T> {
     }
 
     /// Velocity of the point at which the longitudinal force acts. If the body carries the reaction to the torque, this
-    /// velocity excludes rotation about the spin axis.
+    /// velocity does not include rotation about the spin axis.
     #[inline(always)]
     fn pushed(&self, rates: &WheelRates<T>, spin: Vector3<T>, by_carrier: bool) -> Vector3<T> {
         if by_carrier {
@@ -345,7 +346,7 @@ fn spring_force<T: Local>(
         + parameters.axle(axle, AxleParameter::SpringRate) * shortened
 }
 
-/// A wheel on the ground without forces: its position by (2), and the factors of the forces in (4) to (8).
+/// A wheel on the ground before its forces are known: its position by (2), and the factors of the forces in (4) to (8).
 #[derive(Clone, Copy)]
 pub(in crate::car) struct Placed<T> {
     corner: Corner<T>,

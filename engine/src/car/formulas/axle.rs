@@ -1,4 +1,4 @@
-//! Formulas for one axle; 0 is the front axle.
+//! Formulas for one axle. Index 0 is the front axle.
 
 use super::super::catalogue::WheelPlace;
 use super::super::equations::{Balance, SIDE_FORCES};
@@ -15,7 +15,7 @@ fn both<T: Scalar>(
     [0, 1].each(|side| of(state, WheelPlace(2 * axle + side)))
 }
 
-/// Half of the difference between the right and the left wheel's load component.
+/// Half of the difference of a load component, right wheel minus left wheel.
 fn transfer<T: Scalar>(
     state: &Balance<T>,
     axle: usize,
@@ -64,8 +64,9 @@ pub(in crate::car) fn mean_steer<T: Scalar>(state: &Balance<T>, axle: usize) -> 
     (left + right).scaled(0.5)
 }
 
-/// Velocities of a solid axle's points at both contact points, and its angular velocity, while the left wheel rises and the
-/// right wheel falls. The knuckles of a steered axle rotate relative to the axle.
+/// Velocities of those points of a solid axle that are at the contact points, and the angular velocity of the axle. The
+/// left wheel rises and the right wheel falls. The knuckles of a steered axle rotate relative to the axle, so they are
+/// not included.
 fn by_difference<T: Scalar>(
     state: &Balance<T>,
     axle: usize,
@@ -83,7 +84,7 @@ fn by_difference<T: Scalar>(
     Some((velocities, turn))
 }
 
-/// Loads of both wheels of an axle that balance given forces at the contact points.
+/// Computes the loads of both wheels of an axle that balance given forces at the contact points.
 fn loads_by<T: Scalar>(state: &Balance<T>, axle: usize, forces: [Vector3<T>; 2]) -> [T; 2] {
     let up = state.road.up;
     let [left, right] = [0, 1].each(|side| &state.wheels[2 * axle + side]);
@@ -106,7 +107,7 @@ fn loads_by<T: Scalar>(state: &Balance<T>, axle: usize, forces: [Vector3<T>; 2])
     }
 }
 
-/// Height at which a lateral force causes no roll. `forces` are the shares of a unit force at the two contact points.
+/// Height at which a lateral force causes no roll. `forces` are the forces at the two contact points; their sum is 1.
 fn height_of_transfer<T: Scalar>(state: &Balance<T>, axle: usize, forces: [Vector3<T>; 2]) -> T {
     let [left, right] = loads_by(state, axle, forces);
     track(state, axle).scaled(0.5) * (right - left)
@@ -150,7 +151,8 @@ pub(in crate::car) fn bar_torque<T: Scalar>(state: &Balance<T>, axle: usize) -> 
     state.bars[axle]
 }
 
-/// Torque of a twist beam. The equations treat the beam as a bar with a quarter of its rate and twice its angle.
+/// Torque of a twist beam. In the equations, the beam is a bar whose rate is a quarter of the beam's rate, and whose
+/// angle is twice the beam's angle.
 pub(in crate::car) fn beam_torque<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
     -state.bars[axle].scaled(2.0)
 }
@@ -191,7 +193,7 @@ pub(in crate::car) fn pitch_steer_gradient<T: Scalar>(solved: &Solved<'_, T>, ax
     mean_steer(&solved.by_ax, axle)[1]
 }
 
-/// Increase of both wheel loads per rise of the ground.
+/// Increase of the sum of both wheel loads per rise of the ground.
 pub(in crate::car) fn ride_rate<T: Scalar>(solved: &Solved<'_, T>, axle: usize) -> T {
     load(&solved.by_heave, axle)[1]
 }

@@ -28,8 +28,8 @@ pub(in crate::car) fn energy<T: Scalar>(state: &Balance<T>) -> T {
     state.energy
 }
 
-/// Change of each wheel load per warp of the ground. The ground rises under one diagonal pair of wheels and falls under the
-/// other.
+/// Change of each wheel load per warp of the ground. The ground rises under one diagonal pair of wheels and falls under
+/// the other pair.
 pub(in crate::car) fn warp_stiffness<T: Scalar>(solved: &Solved<'_, T>) -> T {
     let [a, b, c, d] = loads(&solved.by_warp).each(|load| load[1]);
     (a - b - c + d).scaled(0.25)
@@ -48,7 +48,7 @@ pub(in crate::car) fn wheelbase<T: Scalar>(state: &Balance<T>) -> T {
     mid_contact(state, 0) - mid_contact(state, 1)
 }
 
-/// Distance of the sprung mass ahead of the rear axle, divided by the wheelbase.
+/// Distance of the sprung mass's centre of gravity ahead of the rear axle, divided by the wheelbase.
 pub(in crate::car) fn front_share_at_cg<T: Scalar>(state: &Balance<T>) -> T {
     (state.road.forward.dot(state.sprung.1) - mid_contact(state, 1)) / wheelbase(state)
 }
@@ -163,7 +163,8 @@ pub(in crate::car) fn drag<T: Scalar>(state: &Balance<T>) -> T {
     state.air[2]
 }
 
-/// Longitudinal components of an axle's wheel loads, in percent of the load transfer by the tyres' longitudinal forces.
+/// Longitudinal components of an axle's wheel loads, in percent of the load transfer that the tyres' longitudinal
+/// forces cause.
 pub(in crate::car) fn anti<T: Scalar>(state: &Balance<T>, axle: usize) -> T {
     let push = |wheel: &WheelState<T>| {
         let force = wheel.across * wheel.side_force + wheel.heading * wheel.longitudinal_force;
@@ -226,10 +227,10 @@ pub(in crate::car) fn heave_frequency<T: Scalar>(solved: &Solved<'_, T>) -> T {
 }
 
 /// Squared angular frequencies of the sprung mass in heave and pitch on massless wheels. These squares are the roots w
-/// of det(K - w M) = 0. K and M belong to the height of G and the pitch angle.
+/// of det(K - w M) = 0. The coordinates of K and M are the height of G and the pitch angle.
 fn body_frequency<T: Scalar>(solved: &Solved<'_, T>, sign: f64) -> T {
-    // The residuals are the vertical force and the moment about -e at the mean contact point of the design position.
-    // They depend on gamma and theta.
+    // The residuals are the vertical force, and the moment about -e at the mean contact point of the design position.
+    // The residuals depend on gamma and theta.
     let height = solved.now.road.up.dot(solved.now.design_contact);
     let along = |state: &Balance<Jet<T, 2>>| {
         let [forward, up, pitch] =

@@ -133,7 +133,7 @@ pub(in crate::car) fn rebound_stop_extension<T: Scalar>(
     beyond(-spring_travel(state, place), stop)
 }
 
-/// Returns the excess of a number over a limit; NaN without a limit.
+/// Returns the part of a number that exceeds a limit; NaN without a limit.
 fn beyond<T: Scalar>(number: T, end: Option<f64>) -> T {
     match end {
         None => number.constant(f64::NAN),
@@ -142,14 +142,14 @@ fn beyond<T: Scalar>(number: T, end: Option<f64>) -> T {
     }
 }
 
-/// Increase of the wheel load per unit of side force. The force acts inboard along the ground.
+/// Increase of the wheel load per unit of side force. The force acts inboard, along the ground.
 pub(in crate::car) fn jacking<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
     let wheel = of(state, place);
     let rate = wheel.contact_rate;
     rate.dot(state.road.left).scaled(wheel.corner.sign) / rate.dot(state.road.up)
 }
 
-/// Increase of the wheel load per unit of side force. The force acts inboard across the wheel.
+/// Increase of the wheel load per unit of side force. The force acts inboard, across the wheel.
 pub(in crate::car) fn side_force_jacking<T: Scalar>(state: &Balance<T>, place: WheelPlace) -> T {
     let wheel = of(state, place);
     let rate = wheel.contact_rate;

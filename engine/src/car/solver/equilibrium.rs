@@ -16,11 +16,11 @@ pub struct Equilibrium {
     pub evaluations: usize,
     /// Rack displacement of each axle.
     pub racks: [f64; 2],
-    /// Pose of both wheels of each axle; `None` if the wheels come from their curves, which agree with poses up to rounding
-    /// error. In this case, [`CarSolver::poses`](super::CarSolver::poses) solves the poses.
+    /// Poses of the wheels of each axle; `None` if the wheels were computed from their curves. Curves agree with poses
+    /// up to rounding errors. In this case, [`CarSolver::poses`](super::CarSolver::poses) solves the poses.
     pub(in crate::car) placed: Option<Box<[AxlePose; 2]>>,
-    /// Factors of the tangent at one of the last steps. From there to the equilibrium, the tangent changes negligibly.
-    /// `None` for a state from lanes whose tangent was not computed.
+    /// LU factors of the tangent at one of the last steps. From there to the equilibrium, the tangent changes
+    /// negligibly. `None` for a state from SIMD lanes whose tangent was not computed.
     pub(in crate::car) factors: Option<Box<Factors>>,
 }
 

@@ -1,15 +1,15 @@
-//! Steps towards equilibrium of several cases side by side, one in each lane.
+//! Steps towards the equilibria of several cases at the same time. Each SIMD lane contains one case.
 //!
-//! J approximates the inverse of the tangent G_x. After a step s from x, Broyden's method (C. G. Broyden, Math. Comp.
-//! 19, 1965) gives the next step from the residuals r at x + s. The inner product divides the unknowns by their sizes. With
-//! u = J r,
+//! J approximates the inverse of the tangent G_x. After a step s from x, let r be the residuals at x + s. Broyden's
+//! method (C. G. Broyden, Math. Comp. 19, 1965) computes the next step from r. The inner product divides the unknowns
+//! by their sizes. With u = J r,
 //!
 //! ```text
 //! J' = J - u (s^T J)/(s.s + s.u)            J' maps the change of the residuals along s onto s                    (1)
 //! s' = -J' r = -u (s.s)/(s.s + s.u)                                                                               (2)
 //! ```
 //!
-//! The first step is s = -J r. So a step evaluates the residuals once and needs neither a tangent nor its factors.
+//! The first step is s = -J r. So a step computes the residuals once, and needs neither a tangent nor its LU factors.
 
 #![allow(
     clippy::needless_range_loop,
@@ -23,10 +23,10 @@ use crate::axle::{CURVE_LANES, Carriers, CurveLanes, LaneCurveWheel};
 use crate::model::Side;
 use crate::number::{SimdReal, SimdTask, Vector3, array_of};
 
-/// One number for each lane.
+/// One number for each SIMD lane.
 pub(super) type Numbers = [f64; CURVE_LANES];
 
-/// Accelerations and speed, the parameters that differ between lanes.
+/// Parameters that differ between lanes: accelerations and speed.
 pub(super) const OF_CASE: [BodyParameter; 4] = [
     BodyParameter::Ax,
     BodyParameter::Ay,
@@ -34,7 +34,7 @@ pub(super) const OF_CASE: [BodyParameter; 4] = [
     BodyParameter::Speed,
 ];
 
-/// Cases in lanes during the iteration.
+/// Cases in SIMD lanes during the iteration.
 #[derive(Clone, Debug)]
 pub(super) struct Lanes {
     pub(super) x: [Numbers; UNKNOWNS],
@@ -44,11 +44,11 @@ pub(super) struct Lanes {
     pub(super) inverse: [[Numbers; UNKNOWNS]; UNKNOWNS],
     /// Inverse sizes of the unknowns.
     pub(super) scales: [Numbers; UNKNOWNS],
-    /// Largest component of the last step, relative to the sizes of the unknowns. NaN if the step is not finite.
+    /// Largest component of the last step, relative to the sizes of the unknowns. It is NaN if the step is not finite.
     pub(super) longest: Numbers,
     /// Components of the wheel loads before the last step.
     pub(super) parts: [[Numbers; 4]; 4],
-    /// 1 in lanes that take steps, else 0.
+    /// 1 in lanes that take steps, 0 in other lanes.
     pub(super) active: Numbers,
     /// Values of the parameters [`OF_CASE`].
     pub(super) of_case: [Numbers; 4],
@@ -74,7 +74,7 @@ pub(super) struct Step<'p> {
     pub(super) lanes: &'p mut Lanes,
 }
 
-/// A wheel on the ground.
+/// Places a wheel on the ground.
 #[inline(always)]
 fn placed<B: SimdReal>(
     shared: &Shared<'_>,
@@ -99,7 +99,7 @@ fn placed<B: SimdReal>(
     Placed::of(&shared.held, parameters, number, corner, ground, load)
 }
 
-/// Residuals of the equations, and the components of the wheel loads.
+/// Computes the residuals of the equations, and the components of the wheel loads.
 #[inline(always)]
 fn evaluate<B: SimdReal>(
     shared: &Shared<'_>,
@@ -164,7 +164,7 @@ impl SimdTask for Step<'_> {
         let scales: [B; UNKNOWNS] = array_of(|k| like.load(&lanes.scales[k]));
         let mut factor = like.constant(-1.0);
         if !is_first {
-            // The last step, with unknowns divided by their sizes.
+            // The last step; each unknown is divided by its size.
             let mut along = [like.zero(); UNKNOWNS];
             let (mut square, mut product) = (like.zero(), like.zero());
             for k in 0..UNKNOWNS {
@@ -199,7 +199,7 @@ impl SimdTask for Step<'_> {
             step.store(&mut lanes.step[k]);
             B::select(active, x[k] + step, x[k]).store(&mut lanes.x[k]);
         }
-        // The product is NaN if any component is not finite.
+        // The added product is NaN if any component is not finite.
         (longest + sum.scaled(0.0)).store(&mut lanes.longest);
     }
 }

@@ -1,15 +1,15 @@
 //! Newton's method for one set of wheels in contact.
 //!
-//! Several steps use the factors of one tangent. Let x be the unknowns and s the steps, both divided by the sizes of the
-//! unknowns. Let L bound the relative change of the tangent G_x per step. With the factors at y, a step s from x leaves the
-//! error
+//! Several steps use the LU factors of one tangent. Let x be the unknowns and s the steps, both divided by the sizes of
+//! the unknowns. Let L bound the relative change of the tangent G_x per step. If the tangent was computed at y, a step
+//! s from x has the remaining error
 //!
 //! ```text
 //! e <= L (|x - y| + |s|) |s|                                                                                    (1)
 //! ```
 //!
-//! A step is the last one if this error is below rounding. L is [`CURVATURE`], or ten times the value that (1) gives for the
-//! previous steps, if that is larger.
+//! A step is the last one if this error is below rounding. L is [`CURVATURE`], or ten times the value of L that the
+//! previous steps show by (1), if that is larger.
 
 use super::super::equations::{GROUND, Held, LOADS, PITCH, ROLL, TRAVELS, UNKNOWNS};
 use super::super::parameters::Parameters;
@@ -21,29 +21,30 @@ use super::start::Start;
 use super::{CarSolver, LONGEST_TRAVEL, LONGEST_TURN};
 use crate::number::{Each, array_of};
 
-/// Largest ratio of a step to the previous step without a new tangent.
+/// If a step is larger than this fraction of the previous step, a new tangent is needed.
 const CONTRACTION: f64 = 0.1;
-/// After a step below this limit, relative to the sizes of the unknowns, the next step uses the same tangent.
+/// If a step is below this limit, relative to the sizes of the unknowns, the next step uses the same tangent.
 const NEAR: f64 = 2e-3;
-/// After a step between half of [`NEAR`] and this limit, the next step still uses the tangent of a neighbouring state.
-/// After a shorter step, the solver computes a new tangent close to the solution.
+/// If a step is between half of [`NEAR`] and this limit, the next step still uses the tangent of a neighbouring state.
+/// If a step is shorter, the solver computes a new tangent close to the solution.
 const BESIDE: f64 = 2e-2;
 /// A step below this limit, relative to the sizes of the unknowns, is rounding error.
 pub(super) const ROUNDING: f64 = 8.0 * f64::EPSILON;
-/// Interval in steps. Newton's method gives up if, on average, more than one step per interval is longer than the shortest
-/// step so far despite a new tangent.
+/// Number of steps. Newton's method fails if, on average, more than one of this many steps is longer than the shortest
+/// step so far, although its tangent is new.
 const MOST_LONGER: usize = 5;
-/// Smallest value of L in (1): relative change of the tangent per size of the unknowns.
+/// Smallest value of L in (1): relative change of the tangent if the unknowns change by their sizes.
 const CURVATURE: f64 = 100.0;
 
-/// Factors of a tangent, with the unknowns at which it was computed. `None` for the tangent of another state.
+/// LU factors of a tangent, with the unknowns at which the tangent was computed. These unknowns are `None` for the
+/// tangent of another state.
 struct Linear {
     factors: Box<Factors>,
     at: Option<[f64; UNKNOWNS]>,
 }
 
 impl<'a> CarSolver<'a> {
-    /// Reads the wheels at these travels. `is_exact` requires poses instead of curves.
+    /// Computes the wheels at these travels. If `is_exact` is true, poses are used instead of curves.
     fn wheels(
         &mut self,
         travels: [f64; 4],
@@ -56,9 +57,10 @@ impl<'a> CarSolver<'a> {
         Ok(Wheels::Exact(Box::new(self.read(travels, racks)?)))
     }
 
-    /// Newton's method for one set of wheels in contact. The function keeps the factors of a tangent, at first the
-    /// factors of the start, while each step is at most a tenth of the previous step. Wheels come from their curves
-    /// until the last step, which reads poses. With `may_be_near`, the last step uses the curves as well.
+    /// Runs Newton's method for one set of wheels in contact. The function starts with the LU factors of the start. It
+    /// keeps the factors of a tangent while each step is at most a tenth of the previous step. The wheels are computed
+    /// from their curves until the last step, which uses poses. If `may_be_near` is true, the last step also uses the
+    /// curves.
     pub(super) fn newton(
         &mut self,
         case: &Case,
@@ -153,10 +155,10 @@ struct Iteration {
     reached: Option<[f64; UNKNOWNS]>,
     /// Shortest step so far.
     smallest: f64,
-    /// Number of steps with a fresh tangent that were longer than the shortest step so far.
+    /// Number of steps with a new tangent that were longer than the shortest step so far.
     longer: usize,
     curvature: Curvature,
-    /// Factors for the next step. `None` if it needs a new tangent.
+    /// LU factors for the next step. `None` if the next step needs a new tangent.
     linear: Option<Linear>,
 }
 
@@ -188,7 +190,8 @@ impl Iteration {
         }
     }
 
-    /// Computes a step. `None` if the factors of an earlier tangent fail, so that a new tangent is needed.
+    /// Computes a step. `None` if the factors of an earlier tangent are no longer good enough, so that a new tangent is
+    /// needed.
     fn step(
         &mut self,
         wheels: &Wheels<'_>,
@@ -225,15 +228,16 @@ impl Iteration {
         }))
     }
 
-    /// Returns true if a step leaves only rounding error.
+    /// Returns true if only rounding error remains after a step.
     fn is_end(&self, step: &Step) -> bool {
         let is_still = step.longest >= self.smallest && self.smallest <= 1e-10;
         let error = self.curvature.error(step.distance, step.longest);
         is_still || step.longest <= ROUNDING || error <= ROUNDING
     }
 
-    /// Takes a step, and keeps its factors if the next step can use them. If the tangent was computed too far away, or if
-    /// convergence is too slow, the iteration stays at its point. The next step then gets a new tangent.
+    /// Applies a step, and keeps its LU factors if the next step can use them. If the tangent was computed too far
+    /// away, or if convergence is too slow, the function does not apply the step. A new tangent is then computed at the
+    /// same point.
     fn advance(&mut self, step: Step, is_end: bool) {
         let longest = step.longest;
         if !step.is_fresh && (is_end || longest > CONTRACTION * self.smallest) {
@@ -257,7 +261,7 @@ impl Iteration {
         }
     }
 
-    /// Continues with other readings of the wheels.
+    /// Starts again after a change in how the wheels are computed (curves or poses).
     fn begin_again(&mut self, linear: Linear) {
         self.smallest = f64::INFINITY;
         self.curvature.last = 0.0;
@@ -268,14 +272,14 @@ impl Iteration {
 /// Bound L of (1) on the relative change of the tangent.
 #[derive(Default)]
 struct Curvature {
-    /// Largest L from (1) for the steps so far.
+    /// Largest value of L that the steps so far show by (1).
     shown: f64,
-    /// Denominator of (1) for the last step; 0 before the first one.
+    /// Denominator of (1) for the last step; 0 before the first step.
     last: f64,
 }
 
 impl Curvature {
-    /// Error by (1) that remains after a step.
+    /// Returns the error by (1) that remains after a step.
     fn error(&self, distance: f64, step: f64) -> f64 {
         let shown = self.shown_by(step);
         CURVATURE.max(10.0 * shown) * (distance + step) * step
@@ -289,7 +293,7 @@ impl Curvature {
         }
     }
 
-    /// Records a step, from which the bound L follows.
+    /// Records a step. The bound L is computed from the recorded steps.
     fn observe(&mut self, distance: f64, step: f64) {
         self.shown = self.shown_by(step);
         let next = (distance + step) * step;
@@ -304,8 +308,8 @@ struct Sizes {
 }
 
 impl Sizes {
-    /// Point halfway back to `reached`, the last point at which the wheels had poses. `None` without such a point, or if it
-    /// is the present point.
+    /// Returns the point halfway back to `reached`, the last point at which the wheels had poses. `None` if there is no
+    /// such point, or if it is the present point.
     fn half_way_back(
         &self,
         x: &[f64; UNKNOWNS],
@@ -330,7 +334,7 @@ impl Sizes {
         self.longest(&array_of(|k| x[k] - y[k]))
     }
 
-    /// Largest component of a step, relative to the sizes of the unknowns; NaN if a component is NaN.
+    /// Largest component of a step, relative to the sizes of the unknowns. It is NaN if a component is NaN.
     fn longest(&self, step: &[f64; UNKNOWNS]) -> f64 {
         let mut longest = 0.0_f64;
         for (k, part) in step.iter().enumerate() {
@@ -348,7 +352,7 @@ impl Sizes {
         longest
     }
 
-    /// Largest fraction of a step that respects the limits on attitude and travels.
+    /// Largest fraction of a step that keeps attitude and travels within their limits.
     fn shrink(&self, step: &[f64; UNKNOWNS]) -> f64 {
         let too_long = (0..LOADS).map(|k| match k {
             ROLL | PITCH => step[k].abs() / LONGEST_TURN,

@@ -1,4 +1,4 @@
-//! Readings of the wheels in a state, from poses or from curves.
+//! Wheels in a state, computed from poses or from curves.
 
 use super::super::corner::{Corner, Steps};
 use super::super::equations::{Balance, Held, TRAVELS, UNKNOWNS, residuals};
@@ -8,7 +8,7 @@ use crate::axle::{AxlePose, Carriers, CurveWheel, Read, Reading, WheelParts};
 use crate::model::Side;
 use crate::number::{Each, Real, Scalar};
 
-/// Wheels of a state during the iteration to equilibrium.
+/// Wheels of a state during the iteration towards equilibrium.
 pub(in crate::car) enum Wheels<'a> {
     /// Wheels from their curves.
     Near(Box<OnCurves>),
@@ -33,7 +33,7 @@ impl Default for OnCurves {
 }
 
 impl OnCurves {
-    /// Inputs for the evaluation of nearby states.
+    /// Returns the inputs from which nearby states are computed.
     #[inline]
     pub(in crate::car) fn base<'h>(&self, held: Held<'h>) -> Base<'h, '_, CurveWheel> {
         Base {
@@ -60,7 +60,7 @@ impl Wheels<'_> {
         }
     }
 
-    /// Residuals of the equations.
+    /// Computes the residuals of the equations.
     pub(in crate::car) fn residuals(
         &self,
         held: Held<'_>,
@@ -73,7 +73,7 @@ impl Wheels<'_> {
         }
     }
 
-    /// Residuals of the equations, and their derivatives with respect to the unknowns.
+    /// Computes the residuals of the equations, and their derivatives with respect to the unknowns.
     pub(in crate::car) fn tangent(
         &self,
         held: Held<'_>,
@@ -87,16 +87,16 @@ impl Wheels<'_> {
     }
 }
 
-/// Readings of the wheels in a state.
+/// Wheels in a state, computed from poses.
 pub(in crate::car) struct Readings<'a> {
     pub placed: [AxlePose; 2],
-    /// True if the readings include the dependence of the wheels on the racks.
+    /// True if the numbers include the dependence of the wheels on the racks.
     pub by_rack: bool,
     pub axles: [Read<'a>; 2],
 }
 
 impl Readings<'_> {
-    /// Readings in order: front left, front right, rear left, rear right.
+    /// Returns the wheels in this order: front left, front right, rear left, rear right.
     #[inline]
     pub(in crate::car) fn wheels(&self) -> [&Reading<f64>; 4] {
         let [front, rear] = &self.axles;
@@ -104,7 +104,7 @@ impl Readings<'_> {
         [a, b, c, d]
     }
 
-    /// Returns the inputs for the evaluation of nearby states.
+    /// Returns the inputs from which nearby states are computed.
     #[inline]
     pub(in crate::car) fn base<'h>(&self, held: Held<'h>) -> Base<'h, '_, Reading<f64>> {
         let [front, rear] = &self.placed;
@@ -123,14 +123,14 @@ impl Readings<'_> {
     }
 }
 
-/// Inputs of a state, with readings of the wheels at their travels.
+/// Inputs from which nearby states are computed, with the wheels at their travels.
 pub(in crate::car) struct Base<'h, 'r, R> {
     pub held: Held<'h>,
     /// Wheels in the frames of their sides: front left, front right, rear left, rear right.
     pub readings: [&'r R; 4],
-    /// Travels of the readings.
+    /// Travels at which the wheels were computed.
     pub travels: [f64; 4],
-    /// Racks of both axles in the readings; `None` if the readings do not include the dependence on the racks.
+    /// Racks of both axles; `None` if the wheels do not include the dependence on the racks.
     pub racks: Option<[f64; 2]>,
     /// Type of the wheel carriers of each axle.
     pub carriers: [Carriers; 2],
@@ -151,7 +151,7 @@ impl<R> Base<'_, '_, R> {
         Balance::of(&self.held, parameters, corners, x)
     }
 
-    /// Computes the residuals of the equations, without the rest of a state.
+    /// Computes only the residuals of the equations, without the other results of a state.
     pub(in crate::car) fn residuals<T: Scalar, U: Real>(
         &self,
         parameters: &Parameters<T>,

@@ -1,16 +1,17 @@
-//! Solver for several rows of cases side by side. In a row, each case starts from its neighbour.
+//! Solver for several rows of a map of cases at the same time. In a row, each case starts from its neighbour.
 //!
-//! The first state of a row is solved alone. Then each row takes a lane ([`super::lanes`]). The start of a state is
-//! extrapolated by a polynomial through the last states of its row. Its first inverse tangent is that of the last states.
-//! So the results of a row do not depend on other rows. In these cases a row leaves its lane, and the solver solves its
-//! case alone:
+//! The first state of a row is solved alone. Then the row gets a SIMD lane ([`super::lanes`]). The start of a state is
+//! extrapolated by a polynomial through the last states of its row. Its first inverse tangent is that of the last
+//! states. So the results of a row do not depend on other rows. In these cases a row leaves its lane, and the solver
+//! solves its case alone:
 //!
 //! - a wheel has no curve, or a step is not finite or too long,
 //! - the iteration does not converge,
 //! - the set of wheels in contact would change, or the case has other settings than its block.
 //!
-//! One state in [`VERIFIED`] gets its exact tangent. This state must meet the condition of stability in
-//! [`super::super::stability`]. Otherwise the solver solves all states since the last state with a tangent again, alone.
+//! For one of [`VERIFIED`] states, the solver computes the exact tangent. This state must meet the condition of
+//! stability in [`super::super::stability`]. Otherwise all states since the last state with a tangent are solved again,
+//! alone.
 
 use super::super::equations::{Held, LOADS, TRAVELS, UNKNOWNS, masses, static_loads};
 use super::super::parameters::Parameters;
@@ -24,30 +25,31 @@ use crate::number::{Vector3, Width, array_of};
 
 /// Number of states from one exact tangent to the next.
 const VERIFIED: usize = 8;
-/// Largest number of steps.
+/// Largest number of steps for one state.
 const MOST_STEPS: usize = 10;
 /// Largest first step, relative to the sizes of the unknowns.
 const LONGEST: f64 = 0.1;
-/// If steps no longer become shorter and one of them was below this limit, only rounding error remains.
+/// Only rounding error remains if steps no longer become shorter, and one of them was below this limit.
 const STILL: f64 = 1e-12;
-/// Number of earlier states that the start of a state extrapolates.
+/// Number of earlier states from which the start of a state is extrapolated.
 const POINTS: usize = 3;
 
 /// A state of a row.
 #[derive(Clone, Debug)]
 pub struct RowState {
-    /// Equilibrium. Lanes and [`CarSolver::solve`] may differ by rounding errors.
+    /// Equilibrium. A state from a SIMD lane may differ from that of [`CarSolver::solve`] by rounding errors.
     pub found: Equilibrium,
     /// Components of each wheel load: elastic, geometric, longitudinal, unsprung.
     pub parts: [[f64; 4]; 4],
-    /// True if the state was solved in a lane.
+    /// True if the state was solved in a SIMD lane.
     pub is_from_lane: bool,
 }
 
 /// Result for a case of a row.
 pub type RowResult = Result<RowState, NoEquilibrium>;
 
-/// A state from a lane that no tangent has confirmed yet: its unknowns, and the components of the wheel loads.
+/// A state from a SIMD lane that is not confirmed by a tangent yet: its unknowns, and the components of the wheel
+/// loads.
 type Pending = ([f64; UNKNOWNS], [[f64; 4]; 4]);
 
 /// A row of cases during its solution.
@@ -59,7 +61,7 @@ struct Row<'c> {
     at: Option<Equilibrium>,
     /// States since `at`, in order.
     pending: Vec<Pending>,
-    /// Unknowns of the last states, the latest first, and their number.
+    /// Unknowns of the last states, starting with the latest, and their number.
     points: [[f64; UNKNOWNS]; POINTS],
     known: usize,
     is_in_lane: bool,
@@ -98,7 +100,7 @@ impl<'c> Row<'c> {
         self.known = (self.known + 1).min(POINTS);
     }
 
-    /// Start of the next state, extrapolated by the polynomial through the last states.
+    /// Returns the start of the next state, extrapolated by the polynomial through the last states.
     fn start(&self) -> [f64; UNKNOWNS] {
         let [a, b, c] = &self.points;
         array_of(|k| match self.known {
@@ -109,8 +111,8 @@ impl<'c> Row<'c> {
     }
 }
 
-/// Returns true if a step leaves only rounding error. Convergence accelerates. So ten times the squared step, divided by
-/// the shortest step before it, bounds the next step.
+/// Returns true if only rounding error remains after a step. Convergence becomes faster from step to step. So the next
+/// step is at most ten times the square of this step, divided by the shortest step before it.
 fn is_last(step: f64, shortest: f64) -> bool {
     let next = 10.0 * step / shortest * step;
     let is_still = step >= shortest && shortest <= STILL;
@@ -125,7 +127,7 @@ fn fits(case: &Case, other: &Case) -> bool {
 }
 
 impl Block<'_> {
-    /// Assigns a lane to a row, with the inverse tangent of a state.
+    /// Puts a row into a lane, with the inverse tangent of a state.
     fn enter(&mut self, lane: usize, factors: &Factors) {
         for (rows, row) in self.lanes.inverse.iter_mut().zip(factors.inverse()) {
             for (numbers, number) in rows.iter_mut().zip(row) {
@@ -134,7 +136,7 @@ impl Block<'_> {
         }
     }
 
-    /// Puts the next case of a row into its lane.
+    /// Puts the next case of a row into the lane of this row.
     fn begin(&mut self, lane: usize, case: &Case, start: [f64; UNKNOWNS]) {
         let lanes = &mut *self.lanes;
         for (numbers, number) in lanes.x.iter_mut().zip(start) {
@@ -148,15 +150,15 @@ impl Block<'_> {
         lanes.active[lane] = 1.0;
     }
 
-    /// Unknowns of a lane.
+    /// Returns the unknowns in a lane.
     fn unknowns(&self, lane: usize) -> [f64; UNKNOWNS] {
         array_of(|k| self.lanes.x[k][lane])
     }
 }
 
 impl<'a> CarSolver<'a> {
-    /// Finds the states of rows of cases, several rows side by side. `take` receives the index of a row, the index of a
-    /// case in the row, and the state. The cases of a row come in their order.
+    /// Finds the states of several rows of cases at the same time. For each state, the function calls `take` with the
+    /// index of the row, the index of the case in the row, and the state. The cases of a row come in their order.
     pub fn solve_rows(
         &mut self,
         rows: &[&[Case]],
@@ -171,8 +173,8 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Splits rows into blocks that [`CarSolver::solve_rows`] solves side by side. Results of a row do not depend on other
-    /// rows.
+    /// Splits rows into blocks. [`CarSolver::solve_rows`] solves the rows of a block at the same time. The results of a
+    /// row do not depend on other rows.
     pub fn blocks_of<'r, 'c>(rows: &'r [&'c [Case]]) -> impl Iterator<Item = &'r [&'c [Case]]> {
         let alike = |a: &&[Case], b: &&[Case]| match (a.first(), b.first()) {
             (Some(a), Some(b)) => fits(a, b),
@@ -195,7 +197,7 @@ impl<'a> CarSolver<'a> {
                 self.in_lanes(block, &mut rows);
             }
             for (number, row) in rows.iter_mut().enumerate() {
-                // A row that has left its lane is behind the others. Solve its case alone.
+                // A row that has left its lane is behind the others, so its case is solved alone.
                 if row.next <= column && row.case().is_some() {
                     self.confirm(&mut block, (number, row), take);
                     self.alone(&mut block, (number, row), take);
@@ -209,7 +211,7 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Solves the next case of every row that has a lane. Rows whose case stays unsolved leave their lane.
+    /// Solves the next case of every row that has a lane. If a case stays unsolved, its row leaves the lane.
     fn in_lanes(&mut self, block: &mut Block<'_>, rows: &mut [Row<'_>]) {
         block.lanes.active = [0.0; CURVE_LANES];
         let mut smallest = [f64::INFINITY; CURVE_LANES];
@@ -275,7 +277,7 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Reads the wheels of a lane from their curves. `None` if a wheel has no curve there.
+    /// Computes the wheels of a lane from their curves. `None` if a wheel has no curve there.
     fn read_lane(&mut self, block: &mut Block<'_>, lane: usize) -> Option<()> {
         let curves = self.curves.as_mut()?;
         let mut wheel = CurveWheel::unknown();
@@ -291,7 +293,8 @@ impl<'a> CarSolver<'a> {
         Some(())
     }
 
-    /// Returns true if all wheels stay on the ground in a new state, and if body and wheels move little from the last state.
+    /// Returns true if all wheels stay on the ground in a new state, and body and wheels move little from the last
+    /// state.
     fn keeps_contact(&self, row: &Row<'_>, x: &[f64; UNKNOWNS]) -> bool {
         let before = &row.points[0];
         let travel = LONGEST_TRAVEL * self.car.per_metre();
@@ -308,8 +311,8 @@ impl<'a> CarSolver<'a> {
         x[LOADS..LOADS + 4].iter().all(|load| *load >= 0.0) && (0..LOADS).all(is_near)
     }
 
-    /// Confirms the states of a row that came from its lane, by the tangent in the last state. If this state is not stable,
-    /// the solver solves all these states again, alone.
+    /// Checks the states of a row that were solved in its lane, with the tangent in the last state. If this state is
+    /// not stable, all these states are solved again, alone.
     fn confirm<'c>(
         &mut self,
         block: &mut Option<Block<'c>>,
@@ -363,7 +366,7 @@ impl<'a> CarSolver<'a> {
         }
     }
 
-    /// Solves the next case of a row alone, and gives the row a lane if all wheels are on the ground.
+    /// Solves the next case of a row alone. If all wheels are on the ground, the row then gets a lane.
     fn alone<'c>(
         &mut self,
         block: &mut Option<Block<'c>>,
@@ -408,8 +411,8 @@ impl<'a> CarSolver<'a> {
         take(self, place, found);
     }
 
-    /// State of a case with these unknowns and all wheels on the ground, with its tangent. `None` if a wheel has no curve
-    /// there, or if the tangent is singular.
+    /// Returns the state of a case with these unknowns and all wheels on the ground, with its tangent. `None` if a
+    /// wheel has no curve there, or if the tangent is singular.
     fn with_tangent(&mut self, case: &Case, x: [f64; UNKNOWNS]) -> Option<Equilibrium> {
         let travels = array_of(|k| x[TRAVELS + k]);
         let near = self.near(travels, case.racks)?;
@@ -430,7 +433,8 @@ impl<'a> CarSolver<'a> {
         })
     }
 
-    /// Inputs of a block whose cases share the settings of this case. `None` if its wheels have no curves, or without AVX2.
+    /// Returns the inputs of a block whose cases have the settings of this case. `None` if the wheels have no curves,
+    /// or if the processor has no AVX2.
     fn block<'c>(&mut self, case: &'c Case, found: &Equilibrium) -> Option<Block<'c>> {
         if !Width::Avx2.is_available() {
             return None;

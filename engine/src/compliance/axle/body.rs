@@ -1,4 +1,4 @@
-//! A body that carries both wheels: its pose, its motion, and its links without springs.
+//! Body that carries both wheels (solid axle): pose, motion, and the axle without its springs.
 
 use super::derivatives::{AxleChange, AxleTangent};
 use super::{AxleEquilibrium, ElasticAxle};
@@ -7,10 +7,10 @@ use crate::compliance::system::{Limb, State};
 use crate::model::{Side, mirrored};
 use crate::number::{Each, Jet, Matrix3, Scalar, Vector3};
 
-/// Pose of a solid axle, in the left wheel's axes.
+/// Pose of a solid axle, in the axes of the left wheel.
 #[derive(Clone, Copy, Debug)]
 pub struct AxlePlace<T> {
-    /// Displacement of the middle of both wheel centres from the design position.
+    /// Displacement of the point midway between the wheel centres, from the design position.
     pub middle: Vector3<T>,
     /// Direction of the axle's x axis, which is forward in the design position.
     pub forward: Vector3<T>,
@@ -19,8 +19,8 @@ pub struct AxlePlace<T> {
 }
 
 impl<T: Scalar> AxlePlace<T> {
-    /// Computes the pose of the solid axle. Each side gives the position of the axle in its own axes, and the lever of
-    /// its wheel centre.
+    /// Computes the pose of the solid axle. For each side, the arguments are the position of the axle and the vector to
+    /// the wheel centre, in the axes of this side.
     fn of([left, right]: [(&Placed<T>, Vector3<T>); 2]) -> Self {
         let shift = |(placed, lever): (&Placed<T>, Vector3<T>)| placed.displacement(lever);
         let sum = shift(left) + mirrored(shift(right));
@@ -33,8 +33,8 @@ impl<T: Scalar> AxlePlace<T> {
         }
     }
 
-    /// Returns the pose relative to another reference position. `home` is the rotation from that position to the design
-    /// position.
+    /// Returns the pose relative to another reference position. `home` is the rotation from that reference position to
+    /// the design position.
     pub(crate) fn counted_from(&self, home: &Matrix3<f64>) -> Self {
         let axes = [self.forward, self.line, self.forward.cross(self.line)];
         let turned = |column: Vector3<f64>| {
@@ -57,7 +57,7 @@ impl<T: Scalar> ElasticAxle<T> {
         self.shared.is_joined
     }
 
-    /// Pose of a body that carries both wheels; `None` for independently suspended wheels.
+    /// Returns the pose of a body that carries both wheels; `None` for independently suspended wheels.
     pub fn place(&self, at: &AxleEquilibrium<T>) -> Option<AxlePlace<T>> {
         let side = |side: usize| {
             let centre = self.wheels[side].built.system.wheel.centre;
@@ -66,7 +66,7 @@ impl<T: Scalar> ElasticAxle<T> {
         self.is_joined().then(|| AxlePlace::of([side(0), side(1)]))
     }
 
-    /// Pose of the solid axle: values, and first derivatives with respect to an input.
+    /// Returns the pose of the solid axle, with its first derivatives with respect to an input.
     pub(crate) fn place_along(
         &self,
         tangent: &AxleTangent<T>,
@@ -84,10 +84,10 @@ impl<T: Scalar> ElasticAxle<T> {
             .then(|| AxlePlace::of([(&left.0, left.1), (&right.0, right.1)]))
     }
 
-    /// Height of the roll centre above the middle of both contact points, and its distance to the left of that middle. For
-    /// equal opposite travels, let v be the velocity of the body at the middle and w its angular velocity. In front view,
-    /// the centre of this motion is v.y/w.x above the middle and -v.z/w.x to its left. `None` for independently suspended
-    /// wheels.
+    /// Returns the height of the roll centre above the point midway between the contact points, and its distance to the
+    /// left of that point. The wheels have equal and opposite travels. Let v be the velocity of the axle at that point,
+    /// and w the angular velocity of the axle. In front view, the centre of this motion is v.y/w.x above the point and
+    /// -v.z/w.x to its left. `None` for independently suspended wheels.
     pub fn roll_centre(&self, at: &AxleEquilibrium<T>, tangent: &AxleTangent<T>) -> Option<[T; 2]> {
         if !self.is_joined() {
             return None;
@@ -104,8 +104,8 @@ impl<T: Scalar> ElasticAxle<T> {
         Some([velocity.y / turn.x, -(velocity.z / turn.x)])
     }
 
-    /// Returns this axle held only by its links, without springs and anti-roll bar. The links have no forces from the
-    /// design load. `None` for independently suspended wheels.
+    /// Returns this axle without springs and anti-roll bar, so that only its links hold it. The links have no forces
+    /// from the design load. `None` for independently suspended wheels.
     pub fn on_its_links(&self) -> Option<Self> {
         if !self.is_joined() {
             return None;
@@ -116,7 +116,7 @@ impl<T: Scalar> ElasticAxle<T> {
         for wheel in &mut axle.wheels {
             let system = &mut wheel.built.system;
             system.bar = None;
-            // The spring's seat is the last part.
+            // The spring is the last part in the list.
             if let Some(Limb::CarrierSeat(_)) = system.limbs.last() {
                 system.limbs.pop();
                 system.holders.limbs.pop();
@@ -128,8 +128,8 @@ impl<T: Scalar> ElasticAxle<T> {
         Some(axle)
     }
 
-    /// Adds derivatives to an equilibrium of [`ElasticAxle::on_its_links`]. Its travels equal those of the equilibrium
-    /// `held`.
+    /// Adds derivatives to an equilibrium of [`ElasticAxle::on_its_links`]. The wheel travels are those of the
+    /// equilibrium `held`.
     pub(in crate::compliance) fn carried_on_links(
         &self,
         at: &AxleEquilibrium,

@@ -23,7 +23,7 @@ use crate::compliance::system::Singular;
 use crate::linear::square::{MOST, SquareLu};
 use crate::number::{Each, Scalar, Valued};
 
-/// Equations of both wheels, factorised.
+/// Factorised equations of both wheels.
 #[derive(Clone, Debug)]
 pub(super) enum Corners<T: Valued> {
     /// Factors of two independently suspended wheels.
@@ -32,7 +32,7 @@ pub(super) enum Corners<T: Valued> {
     Joined(Box<Joined<T>>),
 }
 
-/// The equations of a body that carries both wheels.
+/// Equations of a body that carries both wheels.
 #[derive(Clone, Debug)]
 pub(super) struct Joined<T: Valued> {
     places: Places,
@@ -40,7 +40,7 @@ pub(super) struct Joined<T: Valued> {
     factors: SquareLu<T>,
 }
 
-/// Maps the rows of each side's equations to rows of the joint equations.
+/// For each side, the positions of its equations in the joint equations.
 #[derive(Clone, Copy, Debug)]
 struct Places {
     rows: [[usize; MOST]; 2],
@@ -49,7 +49,8 @@ struct Places {
 }
 
 impl Places {
-    /// Assigns joint rows to two systems with `sizes` rows. `None` if this gives more than [`MOST`] rows.
+    /// Finds the positions in the joint equations for two sides with `sizes` equations. `None` if the joint system
+    /// would have more than [`MOST`] equations.
     fn of(sizes: [usize; 2]) -> Option<Self> {
         let size = sizes[0] + sizes[1] - 6;
         let mut rows = [[0; MOST]; 2];
@@ -65,7 +66,7 @@ impl Places {
         (size <= MOST).then_some(Places { rows, sizes, size })
     }
 
-    /// Rows of a side: index in the side's equations, index in the joint equations, and sign.
+    /// Returns, for each equation of a side: its index on this side, its index in the joint equations, and its sign.
     fn of_side(&self, side: usize) -> impl Iterator<Item = (usize, usize, f64)> {
         let rows = self.rows[side];
         let sign = move |i: usize| if i < 6 { sign(side, i) } else { 1.0 };
@@ -103,8 +104,9 @@ impl<T: Scalar> Corners<T> {
         Ok(Corners::Apart([factors(0)?, factors(1)?]))
     }
 
-    /// Combines both sides of a body that carries both wheels, by equation (1). In `sides`, the left side then has all
-    /// forces on the body, and the right side has zero forces. With `bounds`, every motion must have a stiffness.
+    /// Combines both sides of a body that carries both wheels, by equation (1). In `sides`, the left side contains all
+    /// forces on the body, and the forces of the right side are zero. If `bounds` is given, every motion must have a
+    /// stiffness.
     pub(super) fn joined(
         sides: &mut [SideEquations<T>; 2],
         bounds: Option<Bounds>,
@@ -156,7 +158,8 @@ impl<T: Scalar> Corners<T> {
 }
 
 impl Corners<f64> {
-    /// Checks the stability of both wheels while the shared bodies are held. The error contains the unstable side.
+    /// Checks the stability of each wheel while the shared bodies are held. The error contains the side that is
+    /// unstable.
     pub(super) fn check_stable(
         &self,
         sides: &[SideEquations<f64>; 2],
@@ -219,7 +222,7 @@ impl Corners<f64> {
     }
 }
 
-/// Symmetric part of the tangent. The rows of rigid joints and heights also become columns.
+/// Symmetric part of the tangent. Each row of a rigid joint or of a held height is also a column.
 fn symmetric(equations: &Equations<f64>) -> [[f64; MOST]; MOST] {
     let mut symmetric = [[0.0; MOST]; MOST];
     for i in 0..6 {

@@ -17,11 +17,12 @@ pub struct SteeringColumn<T = f64> {
 /// Elastic parts of an axle.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxleCompliance<T = f64> {
-    /// Elastic parts of the left and the right wheel, each in the axes of a left wheel.
+    /// Elastic parts of the left and the right wheel. Each wheel is described in the axes of a left wheel.
     pub wheels: [Compliance<T>; 2],
-    /// Subframe; `None` if the body holds all inner ends.
+    /// Subframe; `None` if all inner ends are on the body.
     pub subframe: Option<Subframe<T>>,
-    /// Stiffness between commanded rack and rack, without the column: force per length. `None` if it is rigid.
+    /// Stiffness between the commanded and the actual rack displacement, without the steering column: force per length.
+    /// `None` if it is rigid.
     pub rack_rate: Option<T>,
     /// Steering column, in series with the rack. `None` for a rigid column.
     pub column: Option<SteeringColumn<T>>,
@@ -55,8 +56,8 @@ impl AxleCompliance {
         self.rack_rate.is_some() || self.column.is_some()
     }
 
-    /// Sets the rate of a bushing, link, spring, rack, column or anti-roll bar. If a bushing has a force curve, the
-    /// function sets the factor on its forces.
+    /// Sets the rate of a bushing, link, spring, rack, column or anti-roll bar. If the law of a bushing is a force
+    /// curve, the function sets the factor on the forces of the curve.
     pub fn set_rate(&mut self, of: AxleParameter, value: f64) {
         match self.shared_number(of.parameter) {
             Some(number) => *number = value,
@@ -82,8 +83,8 @@ impl AxleCompliance {
         }
     }
 
-    /// Returns true if the axle has the part of this parameter only once. Both wheels share such a part, or it is a link or
-    /// bushing in the middle of a solid axle. The left half contains the parts in the middle.
+    /// Returns true if the axle has only one part with this parameter. Both wheels share this part, or it is a link or
+    /// bushing in the middle of a solid axle. The data of the left wheel contain the parts in the middle.
     pub fn is_shared(&self, parameter: Parameter) -> bool {
         let [left, right] = &self.wheels;
         let is_in_the_middle = match parameter {
@@ -125,8 +126,8 @@ impl AxleCompliance {
 }
 
 impl<T> AxleCompliance<T> {
-    /// Value of a parameter of the parts that both wheels share. The indices of subframe mounts follow the indices of one
-    /// wheel's bushings.
+    /// Returns the value of a parameter of the parts that both wheels share. For bushings, the indices of the wheel's
+    /// bushings come first, and then those of the subframe's mounts.
     pub(super) fn shared_number(&mut self, parameter: Parameter) -> Option<&mut T> {
         let (number, axis) = match parameter {
             Parameter::RackRate => return self.rack_rate.as_mut(),
@@ -150,9 +151,9 @@ impl<T> AxleCompliance<T> {
 }
 
 impl<T: Scalar> AxleCompliance<T> {
-    /// Stiffness between the commanded rack and the rack, rack and column in series: force per length. `None` if both are
-    /// rigid. With the rack's displacement per radian c, the column's rate k_c and the rack's rate k_r,
-    /// 1/k = 1/k_r + c^2/k_c.
+    /// Returns the stiffness between the commanded and the actual rack displacement, with rack and column in series:
+    /// force per length. `None` if both are rigid. With the rack's displacement per radian c, the column's rate k_c and
+    /// the rack's rate k_r, 1/k = 1/k_r + c^2/k_c.
     pub fn steering_rate(&self) -> Option<T> {
         let of_column = self.column.map(|column| {
             let c = column.rack_per_angle;

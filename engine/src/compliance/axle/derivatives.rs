@@ -12,18 +12,18 @@ use crate::linear::square::MOST;
 use crate::model::Side;
 use crate::number::{Each, Jet, Scalar, Valued, Vector3};
 
-/// Input along which an equilibrium changes.
+/// Input with respect to which an equilibrium is differentiated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AxleChange<T = f64> {
-    /// Loads on both wheels, in the kernel's frame of each side.
+    /// Loads on both wheels, each in the kernel's frame of its side.
     Loads([WheelLoads<T>; 2]),
-    /// Travels of both wheels. Their heights must be held.
+    /// Travels of both wheels. The heights of both wheels must be held.
     Travels([T; 2]),
     /// Commanded displacement of the rack along the left wheel's +y.
     Rack,
 }
 
-/// Solved equations in an equilibrium, with one quantity held.
+/// Factorised equations of an equilibrium, with the wheel heights or the wheel loads held.
 #[derive(Clone, Debug)]
 pub struct AxleTangent<T: Valued = f64> {
     pub(super) state: AxleState<T>,
@@ -65,13 +65,13 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// Derivatives of all unknowns with respect to the input that `change` names.
+    /// Returns the derivatives of all unknowns with respect to the input `change`.
     pub(super) fn rate(&self, tangent: &AxleTangent<T>, change: &AxleChange<T>) -> AxleStep<T> {
         let zero = self.like();
         let equations = &tangent.equations;
         let mut wheels = [[zero; MOST]; 2];
         let mut shared = [zero; SHARED];
-        // A rigid rack follows its command exactly.
+        // A rigid rack moves exactly by the commanded displacement.
         let mut moved = false;
         match change {
             AxleChange::Loads(loads) => {
@@ -127,8 +127,8 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// Inputs of the catalogue's formulas at both wheels, with their first derivatives with respect to `change`. The
-    /// spring's length is unknown.
+    /// Returns the inputs of the catalogue's formulas for both wheels, with their first derivatives with respect to
+    /// `change`. The length of the spring is not included.
     pub(crate) fn inputs_along(
         &self,
         tangent: &AxleTangent<T>,
@@ -143,7 +143,8 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// Shifts of the wheel centres and rotations of the carriers per change of loads, each in the frame of its side.
+    /// Returns the shifts of the wheel centres and the rotations of the carriers per change of loads. Each is in the
+    /// frame of its side.
     pub fn twists_along(
         &self,
         tangent: &AxleTangent<T>,
@@ -159,7 +160,8 @@ impl<T: Scalar> ElasticAxle<T> {
         })
     }
 
-    /// Number of a side's parts with inner unknowns, and of its rigid joints, for tests of the system's size.
+    /// Returns the number of parts with inner unknowns and the number of rigid joints on a side. Tests check the size
+    /// of the system with these numbers.
     pub fn parts(&self, side: Side) -> [usize; 2] {
         let system = &self.wheels[side as usize].built.system;
         [system.limbs.len(), system.joints.len()]

@@ -9,7 +9,7 @@ use crate::compliance::solve::Obstacle;
 use crate::compliance::wheel::HeldQuantity;
 use crate::model::Side;
 
-/// Motion of an axle whose ends the search finds.
+/// Motion of an axle. The search finds the ends of this motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum AxleWay {
     /// Travel of one wheel, with the other wheel at the design height.
@@ -88,7 +88,7 @@ fn equilibrium(state: &AxleState<f64>, task: &AxleTask<f64>) -> AxleEquilibrium 
 }
 
 impl ElasticAxle {
-    /// Smallest and largest value of a motion with an equilibrium.
+    /// Returns the smallest and the largest value of a motion at which an equilibrium exists.
     pub fn motion_ends(&self, way: AxleWay) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
         let at = self.at([0.0; 2], 0.0)?;
         let force = match way {
@@ -105,8 +105,8 @@ impl ElasticAxle {
         }))
     }
 
-    /// Smallest and largest multiple of the loads `unit` with an equilibrium. These loads act in addition to the loads
-    /// of a station.
+    /// Returns the smallest and the largest factor on the loads `unit` with which an equilibrium exists. These loads
+    /// act in addition to the loads of a station.
     pub(in crate::compliance) fn load_ends(
         &self,
         station: &AxleEquilibrium,

@@ -69,22 +69,22 @@ pub(in super::super) struct AxleTask<T> {
     pub(in super::super) wheels: [Task<T>; 2],
 }
 
-/// Change of all unknowns, or their rate.
+/// Change of all unknowns in a step, or their derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct AxleStep<T> {
     pub(in super::super) wheels: [Step<T>; 2],
     pub(in super::super) shared: [T; SHARED],
 }
 
-/// External forces that hold the design position at the start if it is no equilibrium. The solver reduces them step by
-/// step.
+/// External forces that hold the design position at the start, if this position is not an equilibrium. The solver
+/// reduces these forces step by step.
 #[derive(Clone, Copy, Debug)]
 pub(in super::super) struct AxleHeld<T> {
     pub(in super::super) wheels: [Held<T>; 2],
     pub(in super::super) shared: [T; SHARED],
 }
 
-/// Part of an axle whose equations are singular, so that no Newton step exists.
+/// Part of an axle that can move without resistance. It makes the equations singular, so no Newton step exists.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum AxleSingular {
     Wheel(usize, Singular),
@@ -107,7 +107,7 @@ pub(in super::super) struct SideEquations<T: Valued> {
 pub(in super::super) struct AxleEquations<T: Valued> {
     pub(in super::super) sides: [SideEquations<T>; 2],
     corners: Corners<T>,
-    /// A_c^-1 B_c of both wheels, for each shared unknown that moves.
+    /// A_c^-1 B_c of both wheels. There is one entry for each shared unknown that moves.
     responses: Vec<[[T; MOST]; 2]>,
     /// Indices of the shared unknowns that move.
     active: Vec<usize>,
@@ -117,14 +117,14 @@ pub(in super::super) struct AxleEquations<T: Valued> {
     factors: Option<SquareLu<T>>,
 }
 
-/// Purpose of the equations.
+/// Purpose for which the equations are formed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in super::super) enum Purpose {
     /// An equilibrium under loads.
     Balance,
-    /// Forces at the design load. Elements contribute their stiffness but no force.
+    /// Forces at the design load. Elastic parts contribute their stiffness, but no force.
     Preload,
-    /// The step that adds derivatives to an equilibrium. Tangents are constants.
+    /// The step that adds derivatives to an equilibrium. In this step, the tangents are constants.
     Correction,
 }
 
@@ -135,12 +135,13 @@ impl<T: Scalar> SideEquations<T> {
         array_of(|i| self.coupling.corner_by[i][shared].scaled(mirror))
     }
 
-    /// Derivative of the shared force `i` with respect to the shared unknown `j`, in the left wheel's axes.
+    /// Returns the derivative of the shared force `i` with respect to the shared unknown `j`, in the axes of the left
+    /// wheel.
     fn own(&self, side: usize, i: usize, j: usize) -> T {
         self.coupling.own[i][j].scaled(sign(side, i) * sign(side, j))
     }
 
-    /// Product C_c x for one shared force.
+    /// Returns the product C_c x for one force on the shared bodies.
     fn on_shared(&self, side: usize, shared: usize, x: &[T; MOST]) -> T {
         let by = &self.coupling.by_corner[shared];
         let mut sum = x[0].zero();
@@ -167,7 +168,7 @@ impl<T: Scalar> SharedParts<T> {
             active.extend(0..RACK);
         }
         active.extend(self.rack.is_some().then_some(RACK));
-        // In a preload calculation, the bar has no stiffness, so its twist stays fixed.
+        // While the forces at the design load are computed, the bar has no stiffness, so its twist stays fixed.
         active.extend((self.has_bar && purpose != Purpose::Preload).then_some(TWIST));
         active
     }
@@ -282,7 +283,8 @@ impl<T: Scalar> SharedParts<T> {
                 coupling.fix_tangents();
             }
             Purpose::Preload => {
-                // The stiffness check of a body that carries both wheels needs both sides together.
+                // The stiffness check of a body that carries both wheels needs the equations of both sides, so it is
+                // done later.
                 let bounds = (!self.is_joined).then_some(wheel.bounds);
                 let bordered = wheel.built.border_for_preload(&mut equations, bounds);
                 bordered.map_err(|why| match why {
@@ -300,7 +302,8 @@ impl<T: Scalar> SharedParts<T> {
     }
 }
 
-/// Lever that converts a shared rotation to a displacement; 1 for displacements.
+/// Lever that converts a shared unknown to a displacement, if this unknown is a rotation. For displacements, the result
+/// is 1.
 pub(super) fn lever_of(shared: usize, bounds: Bounds) -> f64 {
     if (3..RACK).contains(&shared) || shared == TWIST {
         bounds.lever()
@@ -309,8 +312,8 @@ pub(super) fn lever_of(shared: usize, bounds: Bounds) -> f64 {
     }
 }
 
-/// Returns true if the matrix of equation (1) is positive definite on the shared unknowns that move. Rotations count as
-/// displacements at the end of a lever. The limit [`LOOSE`] excludes stiffness that is only rounding error.
+/// Returns true if the matrix of equation (1) is positive definite for the shared unknowns that move. A lever converts
+/// rotations to displacements for this check. The limit [`LOOSE`] excludes stiffness that is only rounding error.
 fn holds<T: Scalar>(matrix: &[[T; MOST]; MOST], active: &[usize], bounds: Bounds) -> bool {
     let scale = |shared: usize| 1.0 / lever_of(shared, bounds);
     let mut scaled = [[0.0; SHARED]; SHARED];
@@ -323,7 +326,7 @@ fn holds<T: Scalar>(matrix: &[[T; MOST]; MOST], active: &[usize], bounds: Bounds
 }
 
 impl<T: Scalar> AxleEquations<T> {
-    /// Solves for the displacements under these forces, by equation (1).
+    /// Solves equation (1) for the displacements caused by these forces.
     pub(in super::super) fn solve(
         &self,
         wheels: &[[T; MOST]; 2],
@@ -358,7 +361,7 @@ impl<T: Scalar> AxleEquations<T> {
         self.own[i][j]
     }
 
-    /// Residuals with opposite signs, for a Newton step.
+    /// Residuals with opposite sign, for a Newton step.
     pub(in super::super) fn residuals(&self) -> ([[T; MOST]; 2], [T; SHARED]) {
         let wheels = [0, 1].each(|side: usize| self.sides[side].equations.residual.each(|c| -c));
         (wheels, self.force.each(|c| -c))
@@ -394,7 +397,7 @@ impl<T: Scalar> AxleEquations<T> {
                 let by = part.coupling.beside.iter().find(|(number, _)| *number == k);
                 let beside = by.map(|(_, by)| (*by, beside));
                 let mut step = followers.step(&seen, beside.as_ref(), is_rate);
-                // The shift of a link is measured from the holder of the rack, so the rack's own shift is added.
+                // The shift of a link is relative to the holder of the rack, so the shift of the rack is added.
                 if let Limb::Floating(Floating {
                     inner: Some(_),
                     on_rack: true,
@@ -469,8 +472,8 @@ impl AxleEquations<f64> {
         }
     }
 
-    /// Returns true if the matrix of equation (1) has a positive definite symmetric part on the shared unknowns. The rows of
-    /// rigid joints and heights also count as columns.
+    /// Returns true if the symmetric part of the matrix of equation (1) is positive definite for the shared unknowns.
+    /// Each row of a rigid joint or of a held height is also a column.
     fn is_definite(&self) -> bool {
         let mut matrix = [[0.0; SHARED]; SHARED];
         for (k, row) in matrix.iter_mut().enumerate() {

@@ -32,7 +32,7 @@ use crate::model::{Axis, Mechanism, Side, Suspension, mirrored};
 use crate::number::{Each, Scalar, Vector3, array_of};
 use equations::{AxleEquations, AxleSingular, AxleState, AxleTask, Purpose, SharedParts};
 
-/// Equilibrium of both wheels.
+/// Equilibrium of both wheels of an axle.
 #[derive(Clone, Copy, Debug)]
 pub struct AxleEquilibrium<T = f64> {
     state: AxleState<T>,
@@ -47,8 +47,8 @@ impl<T: Scalar> AxleEquilibrium<T> {
     }
 }
 
-/// Axle of two elastic wheels in one design. Each wheel is in the kernel's frame of a left wheel. The rack moves along the
-/// left wheel's +y.
+/// Axle of two elastic wheels in one design. Each wheel is described in the kernel's frame of a left wheel. The rack
+/// displacement is positive along the left wheel's +y.
 #[derive(Clone, Debug)]
 pub struct ElasticAxle<T = f64> {
     wheels: [ElasticWheel<T>; 2],
@@ -58,7 +58,7 @@ pub struct ElasticAxle<T = f64> {
 }
 
 impl<T: Scalar> ElasticAxle<T> {
-    /// Makes the axle of two suspensions with their hardpoints at `designs`.
+    /// Makes an axle from two suspensions. Their hardpoints are at `designs`.
     pub fn of(
         suspensions: [&Suspension; 2],
         designs: [&[Vector3<T>]; 2],
@@ -162,7 +162,7 @@ impl<T: Scalar> ElasticAxle<T> {
                 };
             }
             AxleSingular::Carrier => AXLE,
-            // In a preload calculation, the bar has no stiffness, so it is not the cause.
+            // While the forces at the design load are computed, the bar has no stiffness, so it is not the cause.
             AxleSingular::Shared => match (self.shared.has_subframe, self.shared.rack.is_some()) {
                 (true, false) => "the subframe",
                 (false, true) => "the rack",
@@ -257,7 +257,8 @@ impl<T: Scalar> ElasticAxle<T> {
         carrier.as_pose(self.wheels[side as usize].built.reference, origin)
     }
 
-    /// Inputs of the catalogue's formulas at a wheel, in the kernel's frame of its side. Rates, rocker and bar are unknown.
+    /// Returns the inputs of the catalogue's formulas for a wheel, in the kernel's frame of its side. Rates, rocker and
+    /// bar are not included.
     pub(crate) fn inputs(&self, at: &AxleEquilibrium<T>, side: Side) -> Inputs<T> {
         let wheel = &self.wheels[side as usize];
         let state = &at.state.wheels[side as usize];
@@ -344,8 +345,8 @@ const AXLE: &str = "the axle";
 /// Name of the shared bodies in messages.
 const SHARED_NAME: &str = "the subframe, rack or anti-roll bar";
 
-/// The reference point of a body that carries both wheels, in the left wheel's axes: the middle of both wheel centres.
-/// `None` for independently suspended wheels.
+/// Returns the reference point of a body that carries both wheels, in the axes of the left wheel. This point is midway
+/// between the wheel centres. `None` for independently suspended wheels.
 fn common_reference(suspensions: [&Suspension; 2]) -> Option<Vector3<f64>> {
     suspensions[0].mechanism.rigid_axle.as_ref()?;
     let [left, right] = suspensions.each(|wheel| wheel.design[wheel.mechanism.wheel_centre.0]);
@@ -353,7 +354,7 @@ fn common_reference(suspensions: [&Suspension; 2]) -> Option<Vector3<f64>> {
 }
 
 impl<T: Scalar> ElasticAxle<T> {
-    /// Converts this equilibrium to a task with another quantity held.
+    /// Converts this equilibrium to a state and a task in which the quantity `held` stays fixed.
     fn held_as(&self, at: &AxleEquilibrium<T>, held: HeldQuantity) -> (AxleState<T>, AxleTask<T>) {
         let (mut state, mut task) = (at.state, at.task);
         for (side, wheel) in self.wheels.iter().enumerate() {
@@ -379,7 +380,7 @@ impl<T: Scalar> ElasticAxle<T> {
 }
 
 impl ElasticAxle {
-    /// Members of a side whose forces are in the results.
+    /// Returns the parts of a side whose forces are in the results.
     pub(crate) fn members(
         &self,
         side: Side,
@@ -390,7 +391,7 @@ impl ElasticAxle {
         built.members(mechanism, bushings)
     }
 
-    /// Forces of all members of a side in an equilibrium.
+    /// Returns the forces of all parts of a side in an equilibrium.
     pub(crate) fn member_forces(&self, at: &AxleEquilibrium, side: Side) -> Option<CarriedForces> {
         let around = at.state.around(side as usize);
         let built = &self.wheels[side as usize].built;

@@ -17,7 +17,7 @@ use crate::number::{Each, Vector3, array_of, larger};
 const SOFT_STEPS: usize = 8;
 
 impl ElasticAxle {
-    /// Finds the equilibrium with the wheel centres at these heights, without horizontal loads.
+    /// Finds the equilibrium with the wheel centres at the heights `travels`, without horizontal loads.
     pub fn at(&self, travels: [f64; 2], rack: f64) -> Result<AxleEquilibrium, NoEquilibrium> {
         let (from, to) = (self.level([0.0; 2], 0.0), self.level(travels, rack));
         let has_offset = self.wheels.iter().any(|wheel| wheel.has_offset);
@@ -46,8 +46,9 @@ impl ElasticAxle {
         self.solved(&self.start(), &from, &to, held.as_ref())
     }
 
-    /// Finds the equilibrium under loads in addition to the loads of a station, from a neighbouring equilibrium. Loads are
-    /// in the kernel's frame of each side. The station's heights or wheel loads stay held.
+    /// Finds the equilibrium under loads that act in addition to the loads of a station. The search starts from a
+    /// neighbouring equilibrium. The loads are in the kernel's frame of each side. The wheel heights or the wheel loads
+    /// of the station stay held.
     pub fn loaded_about(
         &self,
         station: &AxleEquilibrium,
@@ -99,7 +100,7 @@ impl ElasticAxle {
         }
     }
 
-    /// Newton's method from a state. For a failure at one wheel, the error contains the index of its side.
+    /// Runs Newton's method from a state. If a wheel fails, the error contains the index of its side.
     pub(super) fn newton(
         &self,
         start: &AxleState<f64>,
@@ -162,7 +163,7 @@ impl ElasticAxle {
         }
     }
 
-    /// Name of an eliminated part of a wheel, and the motion of this part that has no stiffness.
+    /// Returns the name of an eliminated part of a wheel, and the direction in which this part moves without stiffness.
     pub(super) fn limb_of(&self, side: usize, limb: usize) -> (String, Motion) {
         let wheel = &self.wheels[side];
         let name = of_side(side, &wheel.built.names[limb]);
@@ -170,7 +171,7 @@ impl ElasticAxle {
     }
 
     /// Finds the motion with the least stiffness by inverse iteration on the tangent. Returns its displacement per unit
-    /// force, its part and its direction.
+    /// force, the part that moves, and the direction of the motion.
     pub(super) fn softest(
         &self,
         state: &AxleState<f64>,
@@ -250,8 +251,8 @@ impl ElasticAxle {
         (found.1, found.2)
     }
 
-    /// Largest unbalanced force in a state. A moment counts as its force at a lever of 300 mm. Infinite if the equations
-    /// cannot be formed.
+    /// Returns the largest unbalanced force in a state. A moment counts as the force that produces it at a lever of 300
+    /// mm. The result is infinite if the equations cannot be formed.
     pub fn out_of_balance(&self, at: &AxleEquilibrium) -> f64 {
         let found =
             self.shared
@@ -272,7 +273,7 @@ impl ElasticAxle {
     }
 }
 
-/// Name of a side's part, in words.
+/// Name of a part with its side, for messages.
 fn of_side(side: usize, name: &str) -> String {
     let name = name.strip_prefix("the ").unwrap_or(name);
     format!("the {} {name}", Side::ALL[side].name())

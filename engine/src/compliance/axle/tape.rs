@@ -1,4 +1,4 @@
-//! Elastic axle over numbers on a tape. The tape records chosen inputs of the axle.
+//! Elastic axle with numbers on a tape. The tape records how results depend on chosen inputs of the axle.
 
 use super::equations::AxleTask;
 use super::{AxleCompliance, AxleEquilibrium, ElasticAxle};
@@ -9,16 +9,16 @@ use crate::compliance::system::Hold;
 use crate::model::Suspension;
 use crate::number::{Each, Scalar, Tape, Tracked, Vector3};
 
-/// Elastic axle over numbers on a tape.
+/// Elastic axle with numbers on a tape.
 #[derive(Clone, Debug)]
 pub struct AxleOnTape<'t> {
-    /// Axle over these numbers.
+    /// The axle.
     pub axle: ElasticAxle<Tracked<'t>>,
 }
 
 impl<'t> AxleOnTape<'t> {
-    /// Makes the axle with these inputs. The inputs are the first numbers on the tape, in the order of `parameters`.
-    /// Parameters that the axle lacks have no effect.
+    /// Makes the axle with these inputs. The inputs are the first numbers on the tape, in the order of `parameters`. An
+    /// input has no effect if the axle does not have its part.
     pub fn new(
         suspensions: [&Suspension; 2],
         designs: [&[Vector3<f64>]; 2],
@@ -29,7 +29,7 @@ impl<'t> AxleOnTape<'t> {
         let constant = |point: &Vector3<f64>| point.map(Tracked::constant);
         let mut tracked = designs.map(|design| design.iter().map(constant).collect::<Vec<_>>());
         let mut parts = parts.map(Tracked::constant);
-        // Inputs come first on the tape, so their indices start at 0.
+        // The inputs are the first numbers on the tape, so their indices start at 0.
         let changes: Vec<Tracked<'t>> = parameters.iter().map(|_| tape.input(0.0)).collect();
         for (of, change) in parameters.iter().zip(changes) {
             let parameter = &of.parameter;
@@ -71,7 +71,7 @@ impl<'t> AxleOnTape<'t> {
     }
 }
 
-/// Task of an equilibrium over numbers on a tape, with the rack at `rack`.
+/// Converts the task of an equilibrium to numbers on a tape. `rack` is the rack displacement.
 fn on_tape<'t>(at: &AxleEquilibrium, rack: f64) -> AxleTask<Tracked<'t>> {
     let wheels = at.task.wheels.each_ref();
     AxleTask {
@@ -81,8 +81,9 @@ fn on_tape<'t>(at: &AxleEquilibrium, rack: f64) -> AxleTask<Tracked<'t>> {
 }
 
 impl<'t> ElasticAxle<Tracked<'t>> {
-    /// Adds derivatives with respect to the inputs to an equilibrium under loads in addition to the loads of a station. The
-    /// station's heights or wheel loads stay held. Their values can depend on the inputs.
+    /// Adds derivatives with respect to the inputs to an equilibrium under loads that act in addition to the loads of a
+    /// station. The wheel heights or the wheel loads of the station stay held. These heights or loads can depend on the
+    /// inputs.
     pub(in crate::compliance) fn carried_about(
         &self,
         station: &AxleEquilibrium<Tracked<'t>>,

@@ -1,8 +1,8 @@
-//! Locations of the study's parts in a system, and hardpoints of the system's parts.
+//! Locations of the study's parts in the equations, and hardpoints of the parts in the equations.
 
 use crate::model::{PointId, Rod};
 
-/// Location of one of the definition's bushings in the system.
+/// Location of a bushing in the system of equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::compliance) enum BushingPlace {
     /// End of a part with inner unknowns.
@@ -20,16 +20,16 @@ pub(in crate::compliance) enum BushingPlace {
     Subframe(usize),
 }
 
-/// Location of one of the definition's links in the system.
+/// Location of a link with axial stiffness in the system of equations.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::compliance) enum LinkPlace {
     /// Rod of the carrier.
     Rod(usize),
-    /// Rod of the rocker at the spring's seat.
+    /// Rod of the rocker on which the spring acts.
     RockerRod,
 }
 
-/// Points of a part with inner unknowns.
+/// Points of a part with inner unknowns (see `limb.rs`).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(in crate::compliance) enum LimbPlace {
     /// Arm with bushings, by its outer joint.
@@ -43,12 +43,12 @@ pub(in crate::compliance) enum LimbPlace {
     },
     /// Top mount of the strut.
     Mount,
-    /// Seat of the spring: on the carrier, or on the rigid arm with this outer joint.
+    /// Point on which the spring acts: on the carrier, or on the rigid arm with this outer joint.
     Seat(Option<PointId>),
 }
 
 impl LimbPlace {
-    /// Joint at which the part holds the carrier.
+    /// Returns the joint at which the part holds the carrier.
     pub(in crate::compliance) fn point(self) -> Option<PointId> {
         match self {
             LimbPlace::Arm(outer) | LimbPlace::Link { outer, .. } => Some(outer),
@@ -68,9 +68,9 @@ pub(in crate::compliance) enum JointPlace {
         /// End at the carrier.
         outer: PointId,
     },
-    /// Ball joint of an arm or link at the body. It keeps the distance to the outer end constant.
+    /// Ball joint of an arm or link at the body. The distance between this joint and the outer end is constant.
     Pivot(PointId),
-    /// Mount on the line of a strut.
+    /// Mount of a strut. It stays on the line of the strut.
     Line(PointId),
     /// Point of the carrier.
     Pin(PointId),

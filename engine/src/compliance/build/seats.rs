@@ -1,4 +1,4 @@
-//! Spring, anti-roll bar and subframe of a system.
+//! Adds the spring, the anti-roll bar and the subframe to a system.
 
 use super::super::definition::{LinkMember, SubframeMount};
 use super::super::ground::SubframePart;
@@ -12,7 +12,7 @@ use crate::model::{Arm, Body, PointId};
 use crate::number::{Scalar, Vector3};
 
 impl<T: Scalar> Builder<'_, T> {
-    /// Adds the spring to the part that carries its seat, if the spring has a law.
+    /// Adds the spring to the part on which it acts, if the spring has a law.
     pub(super) fn spring(&mut self, arms: &[Option<usize>]) {
         let (Some(spring), Some(law)) = (self.mechanism.spring, &self.compliance.spring) else {
             return;
@@ -146,7 +146,7 @@ impl<T: Scalar> Builder<'_, T> {
         self.system.bar = Some(BarPart { foot, seat });
     }
 
-    /// Adds the side of the subframe at this wheel. Returns the locations of its mounts.
+    /// Adds the part of the subframe on the side of this wheel. Returns the locations of its mounts.
     pub(super) fn subframe(&mut self) -> Vec<BushingPlace> {
         let Some(subframe) = self.of_axle.subframe else {
             return Vec::new();

@@ -34,7 +34,7 @@ use crate::compliance::{
 use crate::model::{Axis, Side, Suspension};
 use crate::number::{Each, Scalar, Valued, Vector3};
 
-/// Suspensions and data of an axle under test.
+/// Suspensions and data of the axle under test.
 #[derive(Clone, Copy, Debug)]
 pub struct AxleVehicle<'a> {
     /// Left and right wheel, each in the kernel's frame of a left wheel.
@@ -52,15 +52,15 @@ pub struct AxleKcRun<'a> {
     axle: ElasticAxle,
 }
 
-/// Conditions of a test: bar connected, rack locked.
+/// Conditions of a test. First: the anti-roll bar is connected. Second: the rack is locked.
 pub(crate) type Conditions = (bool, bool);
 
-/// State of a station under the conditions of a test.
+/// Equilibrium at a station, under the conditions of a test.
 pub(crate) struct Here<T: Valued = f64> {
     pub(crate) axle: ElasticAxle<T>,
     pub(crate) at: AxleEquilibrium<T>,
     tangents: [Option<Option<AxleTangent<T>>>; 2],
-    /// Equilibrium of a solid axle on its links alone, with the same travels.
+    /// Solid axle that only its links hold, and its equilibrium at the same travels.
     links: Option<(ElasticAxle<T>, AxleEquilibrium<T>)>,
 }
 
@@ -84,12 +84,13 @@ impl<T: Scalar> Here<T> {
         }
     }
 
-    /// True for each tangent that has been computed.
+    /// Returns, for each held quantity, true if its tangent has been computed.
     fn known_tangents(&self) -> [bool; 2] {
         self.tangents.each_ref().map(Option::is_some)
     }
 
-    /// Axle and its tangent, with the wheel heights or the wheel loads held; `None` if the tangent is singular.
+    /// Returns the axle and its tangent, with the wheel heights or the wheel loads held. `None` if the tangent is
+    /// singular.
     pub(crate) fn moving(
         &mut self,
         held: HeldQuantity,
@@ -102,7 +103,7 @@ impl<T: Scalar> Here<T> {
         Some((axle, tangent))
     }
 
-    /// Derivatives of both wheels' angles and positions with respect to an input.
+    /// Returns the derivatives of the angles and positions of both wheels with respect to an input.
     fn by(&mut self, held: HeldQuantity, change: &AxleChange<T>) -> Option<[WheelFigures<T>; 2]> {
         let (axle, tangent) = self.moving(held)?;
         Some(axle.figures_along(tangent, change))
@@ -115,7 +116,7 @@ impl<T: Scalar> Here<T> {
     }
 }
 
-/// Derivatives of roll angle and roll moment for opposite travels, by equation (1).
+/// Returns the derivatives of roll angle and roll moment for opposite travels, by equation (1).
 fn roll<T: Scalar>(
     (axle, at): (&ElasticAxle<T>, &AxleEquilibrium<T>),
     by: &[WheelFigures<T>; 2],
@@ -140,7 +141,7 @@ impl<'a> AxleKcRun<'a> {
         AxleKcRun::of(vehicle, designs, parts)
     }
 
-    /// Prepares the tests, like `new`, with the hardpoints of the left and right wheel at `designs`.
+    /// Prepares the tests, like `new`. The hardpoints of the left and the right wheel are at `designs`.
     pub fn of(
         vehicle: AxleVehicle<'a>,
         designs: [&[Vector3<f64>]; 2],
@@ -159,18 +160,19 @@ impl<'a> AxleKcRun<'a> {
         [&self.designs[0], &self.designs[1]]
     }
 
-    /// Vertical forces at the contact points in the design position; `None` if the design position is no equilibrium.
+    /// Returns the vertical forces at the contact points in the design position; `None` if this position is not an
+    /// equilibrium.
     pub fn design_loads(&self) -> Option<[f64; 2]> {
         self.axle.design_loads()
     }
 
-    /// Equilibrium at the design height, with the bar connected.
+    /// Finds the equilibrium at the design height, with the anti-roll bar connected.
     pub fn at_design(&self) -> Result<KcState, NoEquilibrium> {
         let at = self.axle.at([0.0; 2], 0.0)?;
         Ok(self.state(&self.axle, &at))
     }
 
-    /// Elastic parts of the axle with the conditions of a test.
+    /// Returns the elastic parts of the axle under the conditions of a test.
     fn parts_of(&self, (has_bar, locks_rack): Conditions) -> AxleCompliance {
         let mut parts = self.parts.clone();
         if !has_bar {
@@ -182,12 +184,12 @@ impl<'a> AxleKcRun<'a> {
         parts
     }
 
-    /// Elastic model of the axle, with its bar and its steering.
+    /// Returns the elastic model of the axle, with its bar connected and its rack not locked.
     pub(crate) fn axle(&self) -> &ElasticAxle {
         &self.axle
     }
 
-    /// Axle with the conditions of a test: with or without anti-roll bar, with the rack locked or free.
+    /// Makes the axle under the conditions of a test: with or without anti-roll bar, with the rack locked or not.
     fn variant(&self, conditions: Conditions) -> Result<ElasticAxle, AxleFault> {
         let (has_bar, locks_rack) = conditions;
         let keeps_bar = has_bar || self.parts.bar_rate.is_none();
@@ -200,8 +202,8 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// Runs the tests at all stations that have tests. A station gives the travels of the left and right wheel, and the
-    /// rack displacement along the study's +y.
+    /// Runs the tests at all stations that have tests. A station consists of the travels of the left and the right
+    /// wheel, and the rack displacement along the study's +y.
     pub fn run(&self, stations: &[([f64; 2], f64)], tests: &[KcTest]) -> Vec<KcStation> {
         let distance =
             |([left, right], rack): &([f64; 2], f64)| left.abs() + right.abs() + rack.abs();
@@ -217,7 +219,7 @@ impl<'a> AxleKcRun<'a> {
         self.vehicle.suspensions[0].frame.sign(Axis::Y)
     }
 
-    /// Solves the station at these travels and this rack displacement along the kernel's +y, ready for these tests.
+    /// Finds the equilibrium of a station, for these tests. The rack displacement is along the kernel's +y.
     pub(crate) fn here<'t>(
         &self,
         conditions: Conditions,
@@ -231,7 +233,7 @@ impl<'a> AxleKcRun<'a> {
             softest: None,
         })?;
         let at = axle.at(travels, rack)?;
-        // Only the roll test has a result of the links alone.
+        // Only the roll test has a result for the axle on its links alone.
         let rolls = tests.into_iter().any(|test| test.load == TestLoad::Roll);
         let alone = rolls.then(|| axle.on_its_links()).flatten();
         let links = alone.and_then(|links| {
@@ -286,7 +288,8 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// Inputs for the results of a wheel. The axes are those of the left wheel, because both wheels share the rack.
+    /// Collects the inputs for the results of a wheel. The axes are those of the left wheel, because both wheels share
+    /// the rack.
     fn sheet(&self, side: Side, has_axis: bool) -> Sheet<'_> {
         Sheet {
             suspension: self.vehicle.suspensions[0],
@@ -338,14 +341,14 @@ impl<'a> AxleKcRun<'a> {
         }
     }
 
-    /// Results of a test with their units, first the results of the wheels.
+    /// Returns the results of a test with their units. The results of the wheels come first.
     pub fn quantities(&self, test: &KcTest) -> Vec<(&'static str, Unit, KcSubject)> {
         let mut here = Here::of(self.axle.clone(), self.axle.unsolved());
         let figures = self.figures(&mut here, test, None).into_iter();
         figures.map(|f| (f.quantity, f.unit, f.of)).collect()
     }
 
-    /// Secants over the window of a test; `None` if an end of the window has no equilibrium.
+    /// Returns the secants over the window of a test; `None` if there is no equilibrium at an end of the window.
     pub(crate) fn window_secants(&self, here: &Here, test: &KcTest) -> Option<[WheelFigures; 2]> {
         let (low, high) = (self.end(here, test, -1.0)?, self.end(here, test, 1.0)?);
         let axle = &here.axle;
@@ -357,7 +360,7 @@ impl<'a> AxleKcRun<'a> {
         Some(Side::ALL.each(|side| quotient(&figures(&low, side), &figures(&high, side), inverse)))
     }
 
-    /// Equilibrium at the negative or the positive end of a test's window.
+    /// Finds the equilibrium at the negative or the positive end of a test's window.
     fn end(&self, here: &Here, test: &KcTest, sign: f64) -> Option<AxleEquilibrium> {
         let (load, _) = test.unit_load(&self.vehicle.suspensions[0].vehicle);
         let force = sign * test.window;

@@ -1,4 +1,4 @@
-//! Largest test loads that a wheel carries, at the design height with the rack straight ahead.
+//! Largest test loads that a wheel can carry, at the design height with the rack straight ahead.
 
 use super::{KcRun, KcTest, TestLoad};
 use crate::compliance::NoEquilibrium;
@@ -16,8 +16,8 @@ impl KcTest {
 }
 
 impl KcRun<'_> {
-    /// Smallest and largest load of a test that the wheel carries. Tests of motions have no load. For the ends of motions,
-    /// see [`crate::compliance::ElasticWheel::travel_ends`] and `rack_ends`.
+    /// Returns the smallest and the largest load of a test with which the wheel has an equilibrium. Tests of motions
+    /// have no load. For the ends of motions, see [`crate::compliance::ElasticWheel::travel_ends`] and `rack_ends`.
     pub fn load_ends(&self, test: &KcTest) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
         let at = self.wheel.at(0.0, 0.0)?;
         let (unit, _) = test.unit_load(&self.suspension.vehicle);

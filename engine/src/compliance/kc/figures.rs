@@ -1,5 +1,6 @@
-//! Results of a test, from derivatives or secants with respect to its load or motion. The results are in program units.
-//! The formulas work with any number type, so they also give derivatives with respect to the design.
+//! Results of a test, computed from derivatives or secants with respect to the load or motion of the test. The results
+//! are in program units. The formulas work with any number type, so they also compute derivatives with respect to the
+//! design.
 
 use super::test::{KcTest, TestLoad};
 use crate::ask::Unit;
@@ -7,7 +8,7 @@ use crate::compliance::{HeldQuantity, WheelFigures};
 use crate::model::{Axis, Side, Suspension};
 use crate::number::Scalar;
 
-/// Displacement per force, in mm/kN. Below this limit, the reciprocal counts as no stiffness.
+/// Smallest displacement per force, in mm/kN, for which a stiffness is computed.
 const LEAST_COMPLIANCE: f64 = 1e-9;
 
 /// Test result with its name.
@@ -18,13 +19,13 @@ pub(super) struct Figure<T> {
     pub(super) value: Option<T>,
 }
 
-/// Inputs of the test results, except the state.
+/// Data from which the test results are computed, in addition to the state.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sheet<'a> {
     pub(super) suspension: &'a Suspension,
     /// True if no part is elastic.
     pub(super) is_rigid: bool,
-    /// True if joints give a steering axis.
+    /// True if the wheel has a steering axis.
     pub(super) has_axis: bool,
     /// Rate of the tyre, force per length.
     pub(super) tyre_rate: Option<f64>,
@@ -35,15 +36,15 @@ pub(super) struct Sheet<'a> {
 /// Values of a state from which test results are computed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Read<T> {
-    /// Derivatives or secants per newton, per newton times length, or per length.
+    /// Derivatives or secants: per newton, per newton times the length unit, or per length.
     pub(super) by: Option<WheelFigures<T>>,
     /// Wheel rate at the contact point, for the ride rate of a heave test: force per length.
     pub(super) wheel_rate: Option<T>,
-    /// Force on the rack along the kernel's +y; `None` without a spring to load the rack.
+    /// Force on the rack along the kernel's +y; `None` without a spring, because nothing then loads the rack.
     pub(super) rack_force: Option<T>,
 }
 
-/// Names of the angles per load. Results without a steering axis omit caster.
+/// Names of the results for the four angles. Without a steering axis, caster is omitted.
 type AngleNames = [&'static str; 4];
 
 const LATERAL: AngleNames = [
@@ -118,7 +119,8 @@ impl Sheet<'_> {
         found
     }
 
-    /// Results that are derivatives with respect to the roll angle. `read` already contains these derivatives.
+    /// Computes the results that are derivatives with respect to the roll angle. `read` already contains these
+    /// derivatives.
     fn by_roll<T: Scalar>(&self, read: &Read<T>) -> Vec<Figure<T>> {
         let to_left = self.left_sign();
         let steer = read.by.map(|by| by.toe.scaled(to_left));
@@ -132,7 +134,7 @@ impl Sheet<'_> {
         ]
     }
 
-    /// Sign of steer to the left per toe. Toe-in turns a left wheel to the right.
+    /// Returns the sign that converts toe to steer to the left. Toe-in turns a left wheel to the right.
     pub(super) fn left_sign(&self) -> f64 {
         match self.side {
             Side::Left => -1.0,
@@ -150,7 +152,7 @@ impl Sheet<'_> {
             let caster = caster.map(|[caster, _]| caster.scaled(along));
             found.push(figure("caster_by_rack", Unit::AnglePerLength, caster));
         }
-        // Without a spring, the rack has no load.
+        // Without a spring, nothing loads the rack.
         if let Some(force) = read.rack_force {
             found.push(figure("rack_force", Unit::Force, Some(force.scaled(along))));
         }
@@ -231,7 +233,7 @@ impl Sheet<'_> {
             .collect()
     }
 
-    /// Converts length per force to force per length; `None` for a part that does not move.
+    /// Returns force per length, from length per force. `None` if the part does not move.
     pub(super) fn stiffness<T: Scalar>(&self, displacement: Option<T>) -> Option<T> {
         let millimetre = self.suspension.length_unit.per_metre() / 1000.0;
         let least = LEAST_COMPLIANCE / 1000.0 * millimetre;
@@ -239,7 +241,7 @@ impl Sheet<'_> {
         moving.map(|d| d.one() / d)
     }
 
-    /// Ride rate: wheel rate and tyre rate in series.
+    /// Returns the ride rate: wheel rate and tyre rate in series.
     fn ride_rate<T: Scalar>(&self, rate: Option<T>) -> Option<T> {
         let rate = rate?;
         let tyre = rate.constant(self.tyre_rate?);

@@ -21,7 +21,7 @@ pub enum KcValue {
         test: KcTest,
         /// Name of the result.
         quantity: &'static str,
-        /// True for the secant over the window, false for the derivative at the station.
+        /// True for the secant over the window; false for the derivative at the station.
         is_secant: bool,
     },
     /// Characteristic of the wheel in the equilibrium.
@@ -30,13 +30,13 @@ pub enum KcValue {
     WheelRate(Characteristic),
 }
 
-/// Reader for the values of one state. It computes each tangent once.
+/// Computes the values of one state. Each tangent is computed only once.
 pub(super) struct Station<'s, T: Valued> {
     pub(super) wheel: &'s ElasticWheel<T>,
     pub(super) sheet: Sheet<'s>,
     pub(super) at: Equilibrium<T>,
     tangents: [Option<Option<Tangent<T>>>; 2],
-    /// Inputs of characteristics along wheel travel; `None` until they are computed.
+    /// Inputs of characteristics with their derivatives with respect to wheel travel; `None` until they are computed.
     by_travel: Option<Option<Inputs<Jet<T, 2>>>>,
 }
 
@@ -51,7 +51,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         }
     }
 
-    /// Tangent with a quantity held.
+    /// Returns the tangent of the state, with the quantity `held` fixed.
     pub(super) fn tangent(&mut self, held: HeldQuantity) -> Option<&Tangent<T>> {
         let (wheel, at) = (self.wheel, &self.at);
         let tangent = self.tangents[usize::from(held == HeldQuantity::WheelLoad)]
@@ -75,7 +75,8 @@ impl<'s, T: Scalar> Station<'s, T> {
         ElasticWheel::of_inputs(inputs, of, is_rate)
     }
 
-    /// Values of the station; `None` for a value that does not exist. `secant` gives the secants over the window of a test.
+    /// Returns the values of the station; `None` for a value that does not exist. `secant` computes the secants over
+    /// the window of a test.
     fn values(
         &mut self,
         wanted: &[KcValue],
@@ -119,7 +120,7 @@ impl<'s, T: Scalar> Station<'s, T> {
         wheel.figures_along(self.tangent(test.held)?, &change)
     }
 
-    /// Reads the values from which test results are computed. `by` has the derivatives or secants.
+    /// Collects the values from which the results of a test are computed. `by` contains the derivatives or secants.
     fn read(&mut self, test: &KcTest, by: Option<WheelFigures<T>>) -> Read<T> {
         let needs_rate = test.load == TestLoad::Heave && self.sheet.tyre_rate.is_some();
         let has_spring = test.load == TestLoad::Steering && self.wheel.spring(&self.at).is_some();
@@ -130,20 +131,20 @@ impl<'s, T: Scalar> Station<'s, T> {
         }
     }
 
-    /// Results of a test at the station.
+    /// Returns the results of a test at the station.
     pub(super) fn figures(&mut self, test: &KcTest) -> Vec<Figure<T>> {
         let by = self.by(test);
         let read = self.read(test, by);
         self.sheet.figures(test, &read)
     }
 
-    /// Results of a test, from secants.
+    /// Returns the results of a test, computed from secants.
     pub(super) fn secants(&mut self, test: &KcTest, by: Option<WheelFigures<T>>) -> Vec<Figure<T>> {
         let read = self.read(test, by);
         self.sheet.figures(test, &read)
     }
 
-    /// Wheel rate at the contact point: wheel load per height of the contact point.
+    /// Returns the wheel rate at the contact point: wheel load per height of the contact point.
     fn wheel_rate(&mut self) -> Option<T> {
         let wheel = self.wheel;
         let like = wheel.travel(&self.at);
@@ -167,8 +168,8 @@ pub struct KcGradient<'g> {
 }
 
 impl KcRun<'_> {
-    /// Values at a station with their derivatives with respect to inputs. The station has a travel, and a rack displacement
-    /// along the study's +y.
+    /// Computes values at a station with their derivatives with respect to inputs. A station is a travel and a rack
+    /// displacement along the study's +y.
     pub fn gradients(
         &self,
         [travel, rack]: [f64; 2],
@@ -209,8 +210,8 @@ impl KcRun<'_> {
         Ok(())
     }
 
-    /// Values at a station with a travel, and a rack displacement along the study's +y. `None` for a value that does not
-    /// exist.
+    /// Computes values at a station, which is a travel and a rack displacement along the study's +y. `None` for a value
+    /// that does not exist.
     pub fn values(
         &self,
         [travel, rack]: [f64; 2],
@@ -221,8 +222,8 @@ impl KcRun<'_> {
         Ok(self.values_at(&at, wanted, |_, _| None))
     }
 
-    /// Values in an equilibrium without horizontal loads. `known` gives the equilibrium at the negative end (0) or the
-    /// positive end (1) of a test's window, if it is already known.
+    /// Computes values in an equilibrium without horizontal loads. `known` returns the equilibrium at the negative end
+    /// (0) or at the positive end (1) of a test's window, if this equilibrium is already known.
     pub(crate) fn values_at(
         &self,
         at: &Equilibrium,
@@ -233,13 +234,13 @@ impl KcRun<'_> {
         station.values(wanted, |test| self.window_secant(at, test, &known))
     }
 
-    /// Loads at the ends of a test's window, in addition to the loads of the station.
+    /// Returns the loads at both ends of a test's window. They act in addition to the loads of the station.
     pub(crate) fn window_loads(&self, test: &KcTest) -> [WheelLoads; 2] {
         let (unit, _) = test.unit_load(&self.suspension.vehicle);
         [-1.0, 1.0].each(|sign: f64| end_loads(&unit, sign * test.window))
     }
 
-    /// Secant over the window of a test.
+    /// Computes the secant over the window of a test.
     fn window_secant(
         &self,
         at: &Equilibrium,
@@ -258,7 +259,7 @@ impl KcRun<'_> {
         Some(super::quotient(&end(0)?, &end(1)?, inverse))
     }
 
-    /// Secant over the window of a test, with the derivatives of the window's ends.
+    /// Computes the secant over the window of a test, with the derivatives of both ends of the window.
     fn secant_on_tape<'t>(
         &self,
         at: &Equilibrium,

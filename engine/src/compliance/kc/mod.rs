@@ -1,9 +1,10 @@
-//! Tests of a kinematics and compliance rig on one wheel, and on both wheels of an axle (`axle.rs`).
+//! Tests of a kinematics and compliance rig, on one wheel or on both wheels of an axle (`axle.rs`).
 //!
-//! At a station (travel, rack) the wheel is in equilibrium without horizontal loads, with its height held. From this state,
-//! a test changes a load, the travel or the rack. Its results are derivatives with respect to this change. The window of a
-//! test gives secants, and its levels are equilibria between the ends of the window. All results are those of a left wheel
-//! in ISO 8855 axes.
+//! At a station (travel, rack) the wheel is in equilibrium without horizontal loads, with its height held. A test
+//! starts from this equilibrium and changes a load, the travel or the rack. Its results are derivatives with respect to
+//! this change. The window of a test is the range of its load. The results also contain secants over this window. The
+//! levels of a test are equilibria at equally spaced loads in the window. All results are those of a left wheel in ISO
+//! 8855 axes.
 
 mod axle;
 mod ends;
@@ -37,7 +38,7 @@ use gradients::Station;
 pub struct KcFigure {
     /// Name of the result.
     pub quantity: &'static str,
-    /// Unit of value and secant.
+    /// Unit of `value` and of `secant`.
     pub unit: Unit,
     /// Derivative at the station; `None` if it does not exist.
     pub value: Option<f64>,
@@ -58,12 +59,12 @@ pub enum KcSubject {
     Axle,
 }
 
-/// Equilibrium at a level of a test load.
+/// Equilibrium under one value of a test load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KcState {
     /// State of the wheel; for an axle, of the left and the right wheel.
     pub wheels: Vec<KcWheelState>,
-    /// Values of the whole axle; `None` for a single wheel.
+    /// Values of the whole axle; `None` in a study with one wheel.
     pub axle: Option<KcAxleState>,
 }
 
@@ -78,7 +79,7 @@ pub struct KcAxleState {
     pub bar_torque: Option<f64>,
 }
 
-/// State of a wheel in an equilibrium.
+/// State of one wheel in an equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KcWheelState {
     /// Angles and positions of the wheel.
@@ -93,48 +94,50 @@ pub struct KcWheelState {
     pub tensions: Vec<f64>,
 }
 
-/// Level of a test.
+/// Level of a test: one of the loads of the test, with its equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KcLevel {
     /// Number of the level: 0 without load, negative for negative loads.
     pub level: i64,
     /// Load at this level.
     pub load: f64,
-    /// Equilibrium, or the reason why it does not exist.
+    /// Equilibrium, or the reason why there is none.
     pub state: Result<KcState, NoEquilibrium>,
 }
 
-/// Outcome of a test at a station.
+/// Results of a test at a station.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KcOutcome {
-    /// Test of this outcome.
+    /// The test.
     pub test: KcTest,
     /// Point where the load acts.
     pub place: TestPlace,
     /// Results of the test.
     pub figures: Vec<KcFigure>,
-    /// Levels, from the lowest load to the highest; empty without levels.
+    /// Levels, from the lowest load to the highest; empty if the test has no levels.
     pub levels: Vec<KcLevel>,
 }
 
-/// Outcome of all tests at a station.
+/// Results of all tests at a station.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KcStation {
     /// Wheel travel; for an axle, of the left wheel.
     pub travel: f64,
-    /// Travel of the right wheel, for an axle.
+    /// Travel of the right wheel; `None` in a study with one wheel.
     pub right_travel: Option<f64>,
     /// Rack displacement along the study's +y.
     pub rack: f64,
-    /// Outcomes of the tests, or the reason for no equilibrium.
+    /// Results of the tests, or the reason why there is no equilibrium.
     pub outcomes: Result<Vec<KcOutcome>, NoEquilibrium>,
-    /// Tests of the station with the points of their loads. The list is also present without an equilibrium.
+    /// Tests of the station with the points where their loads act. The list also exists if the station has no
+    /// equilibrium.
     pub tests: Vec<(KcTest, TestPlace)>,
     /// Compliance matrix of the wheel centre, in the study's axes; `None` if the wheel load cannot be held. Rows are
-    /// displacements x, y, z, then rotations; columns are forces, then moments. For an axle, the left wheel comes first,
-    /// with the anti-roll bar and the steering of the first test.
+    /// displacements along x, y, z, then rotations. Columns are forces, then moments. For an axle, the left wheel comes
+    /// first. Anti-roll bar and steering are as in the first test.
     pub matrix: Option<Vec<Vec<f64>>>,
-    /// Lateral distance between the wheel centres, for an axle whose first test has an equilibrium.
+    /// Lateral distance between the wheel centres of an axle. `None` for a single wheel, or if the first test has no
+    /// equilibrium.
     pub centre_distance: Option<f64>,
 }
 
@@ -158,7 +161,7 @@ impl<'a> KcRun<'a> {
         KcRun::of(suspension, &suspension.design, compliance, tyre_rate)
     }
 
-    /// Prepares the tests, like `new`, with the hardpoints at `design`.
+    /// Prepares the tests, like `new`. The hardpoints are at `design`.
     pub fn of(
         suspension: &'a Suspension,
         design: &[Vector3<f64>],
@@ -257,7 +260,8 @@ impl<'a> KcRun<'a> {
         }
     }
 
-    /// Equilibria from the lowest load to the highest. Each equilibrium starts from its neighbour closer to zero load.
+    /// Finds the equilibria from the lowest load to the highest. Each equilibrium starts from the neighbouring
+    /// equilibrium with a smaller load.
     fn levels(&self, at: &Equilibrium, test: &KcTest, load: &WheelLoads) -> Vec<KcLevel> {
         let next = |from: &Equilibrium, force: f64| {
             let loads = end_loads(load, force);
@@ -300,7 +304,7 @@ impl<'a> KcRun<'a> {
     }
 }
 
-/// Stations that have tests, each with its tests.
+/// Returns the stations that have tests, each with its tests.
 fn at_stations<S: Copy>(
     stations: &[S],
     distance: impl Fn(&S) -> f64,
@@ -331,7 +335,7 @@ fn twist_signs(frame: Frame) -> [f64; 6] {
     })
 }
 
-/// Unit force at the wheel centre, or unit moment.
+/// Returns a unit force or a unit moment at the wheel centre.
 fn unit_at_centre(component: usize) -> WheelLoads {
     let mut unit = Vector3::new(0.0, 0.0, 0.0);
     unit[Axis::ALL[component % 3]] = 1.0;
@@ -344,7 +348,7 @@ fn unit_at_centre(component: usize) -> WheelLoads {
     load
 }
 
-/// Results of a study's test, with their units.
+/// Returns the results of a study's test, with their units.
 pub fn quantities(
     suspension: &Suspension,
     compliance: &Compliance,
@@ -370,8 +374,8 @@ pub fn quantities(
         .collect()
 }
 
-/// Levels of a test from the lowest load to the highest. `next` finds the equilibrium under a load, from a neighbouring
-/// equilibrium.
+/// Finds the levels of a test, from the lowest load to the highest. `next` finds the equilibrium under a load, from a
+/// neighbouring equilibrium.
 fn levels<E: Copy>(
     at: &E,
     test: &KcTest,
@@ -383,7 +387,8 @@ fn levels<E: Copy>(
     let mut sides = [Vec::new(), Vec::new()];
     for (sign, side) in [-1, 1].into_iter().zip(&mut sides) {
         let mut before = Ok(*at);
-        // Number of levels that the search reached, including the fraction of the level that failed.
+        // Number of levels that the search reached. If a level failed, this number includes the fraction of it that was
+        // reached.
         let mut reached = 0.0;
         for step in 1..=count {
             let level = sign * step;
@@ -408,14 +413,14 @@ fn levels<E: Copy>(
     low
 }
 
-/// Loads at an end of a window: a multiple of a unit load.
+/// Returns the loads at an end of a window: a unit load times `factor`.
 fn end_loads(unit: &WheelLoads, factor: f64) -> WheelLoads {
     let mut loads = WheelLoads::none(0.0).plus(unit, factor);
     loads.trail = unit.trail;
     loads
 }
 
-/// Secant between the ends of a wheel's window; `None` if an end has no equilibrium.
+/// Returns the secant between both ends of a wheel's window; `None` if there is no equilibrium at an end.
 fn secant(levels: &[KcLevel], wheel: usize) -> Option<WheelFigures> {
     let (low, high) = (levels.first()?, levels.last()?);
     let (a, b) = (low.state.as_ref().ok()?, high.state.as_ref().ok()?);

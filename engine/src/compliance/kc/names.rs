@@ -86,7 +86,7 @@ const FIGURES: &[(TestLoad, &[&str])] = &[
     ),
 ];
 
-/// Results that describe the whole axle. All results of a roll test describe the whole axle too, but are not in this
+/// Results that describe the whole axle. The results of a roll test also describe the whole axle, but are not in this
 /// list.
 const OF_AXLES: [&str; 4] = [
     "axle_steer_by_lateral_force",
@@ -112,7 +112,7 @@ pub fn figures_by(load: TestLoad) -> &'static [&'static str] {
     found.map_or(&[], |(_, names)| names)
 }
 
-/// Loads of the tests that have this result.
+/// Returns the loads of the tests that have a result of this name.
 pub fn loads_of_figure(figure: &str) -> impl Iterator<Item = TestLoad> {
     let with = FIGURES
         .iter()
@@ -120,12 +120,12 @@ pub fn loads_of_figure(figure: &str) -> impl Iterator<Item = TestLoad> {
     with.map(|(load, _)| *load)
 }
 
-/// Returns true for a result that needs both wheels of an axle.
+/// Returns true if the result needs both wheels of an axle.
 pub fn is_figure_of_axles(figure: &str) -> bool {
     OF_AXLES.contains(&figure) || figures_by(TestLoad::Roll).contains(&figure)
 }
 
-/// Additions to the name of a result, and the keys of the test that cause them.
+/// Suffixes of result names, and the keys of the test that cause each suffix.
 const ADDITIONS: [(&str, &str); 7] = [
     ("_wheel_height", "hold = \"wheel_height\""),
     ("_wheel_load", "hold = \"wheel_load\""),
@@ -136,15 +136,15 @@ const ADDITIONS: [(&str, &str); 7] = [
     ("_locked_rack", "steering = \"locked_rack\""),
 ];
 
-/// Splits the name of a test result in a study into the result and the keys of its test, without the load. `None` if no
-/// test has a result of this name.
+/// Splits the name of a test result in a study. Returns the name of the result without suffixes, and the keys of its
+/// test except the load. `None` if no test has a result of this name.
 pub fn figure_and_keys(name: &str) -> Option<(&'static str, Vec<String>)> {
     let loads = FIGURES.iter().map(|(load, _)| format!("_{}", load.name()));
     let mut without_load = loads.filter_map(|end| name.strip_suffix(&end));
     figure_and_additions(name).or_else(|| without_load.find_map(figure_and_additions))
 }
 
-/// Splits a name that does not end with the load of its test.
+/// Splits a name that does not end with the load of the test.
 fn figure_and_additions(name: &str) -> Option<(&'static str, Vec<String>)> {
     let name = name.strip_suffix("_secant").unwrap_or(name);
     let names = figure_names().into_iter();
@@ -170,17 +170,16 @@ fn figure_and_additions(name: &str) -> Option<(&'static str, Vec<String>)> {
     Some((figure, keys))
 }
 
-/// Prefixes of the names of results whose sign follows the study's y axis: derivatives with respect to the rack
-/// displacement, and forces along the rack.
+/// Starts of the names of those results whose sign depends on the direction of the study's y axis: derivatives with
+/// respect to the rack displacement, and forces along the rack.
 const ALONG_Y: [&str; 3] = ["steer_by_rack", "caster_by_rack", "rack_force"];
 
-/// Returns true for a result that changes its sign if the study's y axis points to the other side.
+/// Returns true if the sign of a result changes when the study's y axis points to the other side.
 pub fn follows_y_axis(figure: &str) -> bool {
     ALONG_Y.iter().any(|start| figure.starts_with(start))
 }
 
-/// Prefixes and fragments of the names of results, each with the meaning of a positive value. The first entry that a name
-/// contains applies.
+/// Parts of result names, each with the meaning of a positive value. The first entry that occurs in a name is used.
 const SIGNS: &[(&str, &str)] = &[
     ("toe_by", "toe-in"),
     ("camber_by", "top outboard"),
@@ -201,7 +200,8 @@ const SIGNS: &[(&str, &str)] = &[
     ("rate", "load grows as the contact point rises"),
 ];
 
-/// Meaning of a positive value of a test result. The name may start with a side and end with the test's trail.
+/// Returns the meaning of a positive value of a test result. The name of the result may start with a side and end with
+/// the trail of the test.
 pub fn sign_of_figure(name: &str) -> &'static str {
     let mut signs = SIGNS.iter();
     let own = signs.find(|(part, _)| name.contains(part));

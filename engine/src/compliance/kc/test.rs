@@ -1,11 +1,11 @@
-//! Rig tests: loads or motions, and their ranges.
+//! Rig tests: loads or motions, with their ranges.
 
 use crate::ask::six_digits;
 use crate::compliance::{Change, HeldQuantity, WheelLoads};
 use crate::model::{LengthUnit, Side, TorquePath, VehicleFigures};
 use crate::number::Each;
 
-/// Load or motion of a test.
+/// Load or motion that a test applies.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TestLoad {
     /// Wheel travel.
@@ -56,7 +56,7 @@ impl TestLoad {
 pub enum TestPlace {
     /// No point, because the test is a motion.
     Nowhere,
-    /// Contact point, or a point at the trail's distance behind it.
+    /// Contact point, or a point behind it at the distance of the trail.
     ContactPoint,
     /// Wheel centre.
     WheelCentre,
@@ -95,9 +95,9 @@ const DEFAULT_TRAIL: f64 = 30.0;
 /// One rig test.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KcTest {
-    /// Load or motion of the test.
+    /// Load or motion that the test applies.
     pub load: TestLoad,
-    /// Distance of the side force behind the contact point.
+    /// Trail: distance from the contact point back to the point where the side force acts.
     pub trail: f64,
     /// Quantity that stays fixed while the load changes.
     pub held: HeldQuantity,
@@ -105,13 +105,13 @@ pub struct KcTest {
     pub window: f64,
     /// Number of load levels on each side of zero load. Each level is an equilibrium.
     pub levels: usize,
-    /// True for a test at all stations, false for a test at the station nearest to travel 0 and rack 0.
+    /// True if the test runs at all stations; false if it runs only at the station nearest to travel 0 and rack 0.
     pub at_all_stations: bool,
     /// Wheels on which the load acts.
     pub mode: TestMode,
-    /// True if the anti-roll bar acts between the wheels.
+    /// True if the anti-roll bar is connected to the wheels.
     pub has_bar: bool,
-    /// True if the rack is held in its housing, false if it is held at the steering wheel.
+    /// True if the rack is locked in its housing; false if the steering wheel is held.
     pub locks_rack: bool,
 }
 
@@ -121,8 +121,8 @@ impl KcTest {
         !self.load.is_motion() && self.levels > 0
     }
 
-    /// Suffix of result names for the trail, such as `_trail_30`; empty without a trail. The number has six digits, so
-    /// rounding in unit conversions does not change the suffix.
+    /// Returns the suffix of result names for the trail, such as `_trail_30`; empty without a trail. The number is
+    /// rounded to six digits, so unit conversions do not change the suffix.
     pub fn trail_suffix(&self) -> String {
         match self.trail {
             0.0 => String::new(),
@@ -130,7 +130,7 @@ impl KcTest {
         }
     }
 
-    /// Makes a test with the defaults of studies.
+    /// Makes a test with the default values of a study.
     pub fn new(load: TestLoad, length: LengthUnit) -> Self {
         KcTest {
             load,
@@ -151,8 +151,8 @@ impl KcTest {
         }
     }
 
-    /// Default tests of a study: motions, and loads if the study has elastic parts. Without elastic parts, only loads that
-    /// cause jacking remain.
+    /// Returns the default tests of a study. If the study has elastic parts, these are motions and loads. Without
+    /// elastic parts, they are the motions, and the loads that cause jacking.
     pub fn defaults(is_rigid: bool, has_spring: bool, length: LengthUnit) -> Vec<KcTest> {
         let test = |load| KcTest::new(load, length);
         let mut tests = vec![
@@ -207,12 +207,12 @@ impl KcTest {
         tests
     }
 
-    /// Conditions of the test on an axle: bar connected, rack locked.
+    /// Returns the conditions of the test on an axle. First: the bar is connected. Second: the rack is locked.
     pub fn conditions(&self) -> (bool, bool) {
         (self.has_bar, self.locks_rack)
     }
 
-    /// Multiples of the unit load on the left and the right wheel, each in the frame of its side.
+    /// Returns the factors on the unit load for the left and the right wheel, each in the frame of its side.
     pub(super) fn factors(&self) -> [f64; 2] {
         let is_lateral = matches!(self.load, TestLoad::Lateral | TestLoad::Aligning);
         match self.mode {
@@ -261,10 +261,10 @@ impl KcTest {
         (load, place)
     }
 
-    /// Input that the test changes, per unit.
+    /// Returns the input that the test changes by one unit.
     pub(super) fn change(&self, vehicle: &VehicleFigures) -> Change {
         match self.load {
-            // A study of a single wheel cannot have a roll test.
+            // A study with a single wheel cannot have a roll test.
             TestLoad::Heave | TestLoad::Roll => Change::Travel,
             TestLoad::Steering => Change::Rack,
             _ => Change::Load(self.unit_load(vehicle).0),

@@ -1,4 +1,5 @@
-//! Coordinates beside the carrier that an arm's forces depend on, with the arm's rotations eliminated.
+//! Forces of an arm that depend on coordinates other than the carrier's: the spring's upper end and the bar's twist.
+//! The rotations of the arm are eliminated.
 
 #![expect(
     clippy::needless_range_loop,
@@ -11,8 +12,8 @@ use super::super::point::PointForce;
 use super::{InnerEquations, OwnSum, Pivot, entries};
 use crate::number::{Matrix3, Real, Valued, Vector3, array_of, outlined};
 
-/// Forces of an arm on coordinates of [`Beside`], before its rotations are eliminated. The tangents of the arm's forces
-/// with respect to these coordinates are the transposes.
+/// Forces of an arm on the coordinates in [`Beside`], before the rotations of the arm are eliminated. The tangents of
+/// the arm's forces with respect to these coordinates are the transposed matrices.
 pub(super) struct OwnBeside<T> {
     pub(super) force: [T; BESIDE],
     pub(super) own: [[T; BESIDE]; BESIDE],
@@ -32,7 +33,8 @@ impl<T: Valued> OwnBeside<T> {
         }
     }
 
-    /// Adds a force at a point of the arm. It depends on the displacement of the point relative to the upper end.
+    /// Adds a force at a point of the arm. The force depends on the displacement of this point relative to the spring's
+    /// upper end.
     pub(super) fn add_upper(&mut self, lever: Vector3<T>, point: &PointForce<T>) {
         let turning = point.stiffness.times(&cross_matrix(lever));
         for k in 0..3 {
@@ -46,7 +48,7 @@ impl<T: Valued> OwnBeside<T> {
         }
     }
 
-    /// Eliminates the rotations of the arm and the force in its ball joint.
+    /// Eliminates the rotations of the arm, and the forces in its ball joint.
     #[inline(always)]
     pub(super) fn condense(
         &self,

@@ -1,4 +1,4 @@
-//! Residuals of a system, and their derivatives.
+//! Residuals of a system of equations, and derivatives of the residuals.
 
 #![expect(
     clippy::needless_range_loop,
@@ -19,13 +19,13 @@ pub(in crate::compliance) struct Equations<T: Valued> {
     pub(in crate::compliance) residual: [T; MOST],
     pub(in crate::compliance) matrix: [[T; MOST]; MOST],
     pub(in crate::compliance) followers: [Followers<T>; MOST_LIMBS],
-    /// Unbalanced forces on inner unknowns.
+    /// Unbalanced forces on the inner unknowns of each part.
     pub(in crate::compliance) inner: [[T; 7]; MOST_LIMBS],
-    /// First part that alone is unstable, in any lane.
+    /// First part that is unstable by itself, in any SIMD lane.
     pub(in crate::compliance) unstable: Option<usize>,
-    /// Lanes in which every part alone is stable.
+    /// SIMD lanes in which every part is stable by itself.
     pub(in crate::compliance) is_stable: MaskOf<T>,
-    /// First part that has a motion without stiffness, in any lane.
+    /// First part with a motion that has no stiffness, in any SIMD lane.
     pub(in crate::compliance) loose: Option<usize>,
     joints: usize,
 }
@@ -40,7 +40,8 @@ pub(in crate::compliance) enum Singular {
 }
 
 impl<T: Valued> Equations<T> {
-    /// Makes equations for this number of rigid joints. They contain only the external forces that hold the carrier.
+    /// Makes the equations for this number of rigid joints. They only contain the external forces `held` on the
+    /// carrier.
     #[inline(always)]
     pub(in crate::compliance) fn empty(like: T, joints: usize, held: Option<&Held<T>>) -> Self {
         let zero = like.zero();
@@ -110,7 +111,8 @@ impl<T: Valued> Equations<T> {
         }
     }
 
-    /// Removes the derivatives of the tangents, for the step of [`Conditions::is_correction`](super::Conditions).
+    /// Makes the tangents constant: removes their derivatives, as [`Conditions::is_correction`](super::Conditions)
+    /// requires.
     pub(in crate::compliance) fn fix_tangents(&mut self) {
         self.matrix = self.matrix.each(|row| row.each(|c| tangent_of(c, true)));
         for followers in &mut self.followers {
@@ -118,7 +120,7 @@ impl<T: Valued> Equations<T> {
         }
     }
 
-    /// Unknowns of a Newton step by equation (1). `None` if the equations are singular in every lane.
+    /// Solves equation (1) for the unknowns of a Newton step. `None` if the equations are singular in every SIMD lane.
     #[inline(always)]
     pub(in crate::compliance) fn solution(&self) -> Option<[T; MOST]> {
         outlined!(
@@ -135,15 +137,16 @@ impl<T: Valued> Equations<T> {
         )
     }
 
-    /// Computes all unknowns from the unknowns of equation (1). With `is_rate`, they are rates along a motion in which
-    /// forces stay in balance.
+    /// Computes all unknowns from the unknowns of equation (1). If `is_rate` is true, the result contains the rates of
+    /// the unknowns along a motion in which the forces stay in balance.
     #[inline(always)]
     pub(in crate::compliance) fn step(&self, solution: &[T; MOST], is_rate: bool) -> Step<T> {
         let carrier: [T; 6] = array_of(|i| solution[i]);
         self.step_seen(solution, |_, limb| limb.step(&carrier, None, is_rate))
     }
 
-    /// Like `step`, but `of_limb` gives the step of each part with inner unknowns, by its index.
+    /// Works like `step`, but `of_limb` returns the step of each part with inner unknowns. Its argument is the index of
+    /// the part.
     #[inline(always)]
     pub(in crate::compliance) fn step_seen(
         &self,
@@ -173,7 +176,7 @@ impl<T: Scalar> Equations<T> {
         array_of(|i| array_of(|j| self.matrix[i][j].value()))
     }
 
-    /// Rows of the carrier that every motion must keep at zero.
+    /// Returns the rows of rigid joints and of the held height. Every free motion of the carrier keeps them at zero.
     pub(in crate::compliance) fn rows(&self) -> impl Iterator<Item = [f64; 6]> + '_ {
         let row = |i: usize| array_of(|j| self.matrix[i][j].value());
         (6..self.size).map(row)

@@ -1,17 +1,17 @@
-//! Unknowns of a system, and a step of the unknowns.
+//! Unknowns of a system of equations, and a step of these unknowns.
 
 use super::super::algebra::Placed;
 use super::super::limb::{LimbState, LimbStep};
 use super::{MOST_JOINTS, MOST_LIMBS};
 use crate::number::{Each, MaskOf, Valued};
 
-/// State of all unknowns.
+/// Values of all unknowns.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::compliance) struct State<T> {
     pub(in crate::compliance) carrier: Placed<T>,
     pub(in crate::compliance) limbs: [LimbState<T>; MOST_LIMBS],
     pub(in crate::compliance) joints: [T; MOST_JOINTS],
-    /// Vertical force at the contact point that holds the height.
+    /// Vertical force at the contact point that keeps the wheel at its height.
     pub(in crate::compliance) vertical: T,
 }
 
@@ -38,7 +38,7 @@ impl<T: Valued> State<T> {
 }
 
 impl<T: Valued> State<T> {
-    /// Selects `yes` in the lanes of a mask, else `no`.
+    /// For each SIMD lane, selects `yes` if the lane is in the mask, else `no`.
     #[inline(always)]
     pub(in crate::compliance) fn choose(mask: MaskOf<T>, yes: &Self, no: &Self) -> Self {
         let mut chosen = *no;
@@ -63,7 +63,7 @@ impl<T: Valued> State<T> {
     }
 }
 
-/// Selects a position lane by lane.
+/// Selects a position for each SIMD lane.
 #[inline(always)]
 fn placed<T: Valued>(mask: MaskOf<T>, yes: &Placed<T>, no: &Placed<T>) -> Placed<T> {
     let number = |yes, no| T::choose(mask, yes, no);
@@ -73,7 +73,7 @@ fn placed<T: Valued>(mask: MaskOf<T>, yes: &Placed<T>, no: &Placed<T>) -> Placed
     }
 }
 
-/// Change of all unknowns, or their rate.
+/// Change of all unknowns in a step, or their derivatives.
 #[derive(Clone, Copy, Debug)]
 pub(in crate::compliance) struct Step<T> {
     pub(in crate::compliance) carrier: [T; 6],

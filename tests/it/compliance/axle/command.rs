@@ -174,7 +174,7 @@ fn mounts_on_one_line_do_not_hold_the_subframe() {
     let errors = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert_eq!(refused.status.code(), Some(2), "{errors}");
     assert!(
-        errors.contains("without torsion nothing holds the subframe"),
+        errors.contains("only the torsional stiffness of bushings holds the subframe"),
         "{errors}"
     );
     // A lever of one millimetre is accepted.

@@ -1,4 +1,4 @@
-//! Largest test loads that an axle carries, and ends of its motions from the design position.
+//! Largest test loads that an axle can carry, and ends of its motions from the design position.
 
 use super::{AxleKcRun, KcTest, end_loads};
 use crate::compliance::ends::EquilibriumEnd;
@@ -6,7 +6,8 @@ use crate::compliance::{AxleWay, NoEquilibrium};
 use crate::number::Each;
 
 impl AxleKcRun<'_> {
-    /// Smallest and largest load of a test that the axle carries, under the conditions of the test.
+    /// Returns the smallest and the largest load of a test with which the axle has an equilibrium, under the conditions
+    /// of the test.
     pub fn load_ends(&self, test: &KcTest) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
         let here = self.here(test.conditions(), [0.0; 2], 0.0, [])?;
         let suspension = self.vehicle.suspensions[0];
@@ -16,7 +17,8 @@ impl AxleKcRun<'_> {
         Ok(here.axle.load_ends(&here.at, &unit, test.held, ways))
     }
 
-    /// Smallest and largest value of a motion, with the bar connected and the steering wheel held.
+    /// Returns the smallest and the largest value of a motion at which an equilibrium exists. The anti-roll bar is
+    /// connected, and the steering wheel is held.
     pub fn motion_ends(&self, way: AxleWay) -> Result<[EquilibriumEnd; 2], NoEquilibrium> {
         self.axle.motion_ends(way)
     }

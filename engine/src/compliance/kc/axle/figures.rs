@@ -10,7 +10,7 @@ use crate::model::{AxlePosition, Side};
 use crate::number::{Each, Scalar};
 
 impl AxleKcRun<'_> {
-    /// Computes the results of a test, first the results of the wheels.
+    /// Computes the results of a test. The results of the wheels come first.
     pub(crate) fn figures<T: Scalar>(
         &self,
         here: &mut Here<T>,
@@ -31,7 +31,8 @@ impl AxleKcRun<'_> {
         figures
     }
 
-    /// Derivatives of both wheels with respect to the load or motion, each in the frame of its side.
+    /// Returns the derivatives of both wheels with respect to the load or motion of the test, each in the frame of its
+    /// side.
     fn derivatives<T: Scalar>(
         &self,
         here: &mut Here<T>,
@@ -59,7 +60,7 @@ impl AxleKcRun<'_> {
         secants: Option<[WheelFigures<T>; 2]>,
     ) -> Vec<AxleFigure<T>> {
         let one = here.axle.travel(&here.at, Side::Left).one();
-        // These factors convert the derivatives to derivatives per unit load on the wheel itself.
+        // These factors convert the derivatives: they become derivatives per unit of the load on the wheel itself.
         let units = match test.load {
             TestLoad::Heave | TestLoad::Steering => [one; 2],
             TestLoad::Roll => match &by {
@@ -68,7 +69,7 @@ impl AxleKcRun<'_> {
             },
             _ => test.factors().each(|factor| one.scaled(factor)),
         };
-        // Wheel load per rise of the contact point while both wheels rise together.
+        // Wheel load per height of the contact point, while both wheels rise together.
         let rates = by.filter(|_| test.load == TestLoad::Heave);
         let rates = rates.map(|by| by.each(|by| by.vertical / by.contact.z));
         let mut found = Vec::new();
@@ -123,7 +124,7 @@ impl AxleKcRun<'_> {
             });
         };
         let steer = |by: &[WheelFigures<T>; 2]| (by[1].toe - by[0].toe).scaled(0.5);
-        // At the left wheel, loads act to the right.
+        // Loads on the left wheel act to the right.
         let to_left = |by: &[WheelFigures<T>; 2]| -steer(by);
         let position = self.vehicle.suspensions[0].vehicle.position;
         let understeer = match position {

@@ -6,13 +6,14 @@ use crate::compliance::{AxleOnTape, AxleParameter, Parameter, WheelFigures};
 use crate::model::Side;
 use crate::number::{Each, Tape, Tracked};
 
-/// Derivatives of a test result and of its secant; `None` without a value.
+/// Derivatives of a test result, and of its secant. An entry is `None` if the result has no value.
 pub type FigureGradients = [Option<Vec<f64>>; 2];
 
 impl AxleKcRun<'_> {
-    /// Derivatives of test results at a station with respect to inputs, for each test in the order of its outcome.
-    /// Hardpoints and parts of both wheels change together. Tests under the same conditions share the station's equilibrium
-    /// and its tape. The rack displacement is along the study's +y. `None` if the station has no equilibrium.
+    /// Returns the derivatives of the test results at a station with respect to inputs. The order is that of each
+    /// test's outcome. Hardpoints and parts of both wheels change together. Tests under the same conditions use the
+    /// same equilibrium on the same tape. The rack displacement is along the study's +y. `None` if the station has no
+    /// equilibrium.
     pub fn gradients(
         &self,
         travels: [f64; 2],
@@ -61,9 +62,9 @@ impl AxleKcRun<'_> {
         Some(gradients)
     }
 
-    /// Derivatives of a test's secants with respect to the first `inputs` numbers on the tape. Afterwards the function
-    /// removes the window's ends from the tape, because a tape with the ends of all tests would not fit into the
-    /// processor's cache. The station must have its tangents.
+    /// Returns the derivatives of a test's secants with respect to the first `inputs` numbers on the tape. Afterwards
+    /// the function removes the window's ends from the tape. A tape with the ends of all tests would not fit into the
+    /// processor's cache. The tangents of the station must have been computed before.
     fn secant_gradients<'t>(
         &self,
         plain: &Here,
@@ -90,7 +91,7 @@ impl AxleKcRun<'_> {
         tape.truncate(length);
     }
 
-    /// Station over numbers on a tape. The inputs are the first numbers on the tape.
+    /// Computes a station with numbers on a tape. The inputs are the first numbers on the tape.
     pub(crate) fn on_tape<'t>(
         &self,
         conditions: Conditions,
@@ -113,7 +114,7 @@ impl AxleKcRun<'_> {
         })
     }
 
-    /// Secants over the window of a test, with the derivatives of the window's ends.
+    /// Returns the secants over the window of a test. They contain the derivatives of both ends of the window.
     pub(crate) fn secants_on_tape<'t>(
         &self,
         plain: &Here,

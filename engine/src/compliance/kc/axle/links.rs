@@ -1,7 +1,8 @@
-//! Test results of a solid axle's links: their tensions, and their contribution to roll stiffness.
+//! Test results for the links of a solid axle: tensions of the links, and their contribution to the roll stiffness.
 //!
-//! A solid axle on five links cannot roll without a change of the links' lengths. This contribution is the roll
-//! stiffness without springs and anti-roll bar. The contribution is zero if the links allow roll at constant lengths.
+//! A solid axle on five links cannot roll unless the lengths of the links change. So the links contribute to the roll
+//! stiffness. This contribution is the roll stiffness without springs and anti-roll bar. It is zero if the axle can
+//! roll with constant lengths of the links.
 
 use super::{AxleFigure, AxleKcRun, Here, roll};
 use crate::ask::Unit;
@@ -9,7 +10,7 @@ use crate::compliance::{AxleChange, HeldQuantity, KcSubject, LinkMember, WheelFi
 use crate::model::Side;
 use crate::number::Scalar;
 
-/// Links of a solid axle, each with the name of its tension.
+/// Links of a solid axle, each with the name of the result for its tension.
 const TENSIONS: [(&str, &str); 3] = [
     ("lower_link", "lower_link_tension"),
     ("upper_link", "upper_link_tension"),
@@ -17,14 +18,14 @@ const TENSIONS: [(&str, &str); 3] = [
 ];
 
 impl AxleKcRun<'_> {
-    /// Tensions of the links on each half.
+    /// Returns the tensions of the links on each half of the axle.
     pub(super) fn wheel_tensions<T: Scalar>(&self, here: &Here<T>) -> Vec<AxleFigure<T>> {
         let of_side = |side| self.tensions(here, side).into_iter().filter(is_of_wheel);
         Side::ALL.into_iter().flat_map(of_side).collect()
     }
 
-    /// Results of the whole axle's links: tensions of the links that exist only once, and the roll stiffness without
-    /// springs.
+    /// Returns the results of the links for the whole axle: tensions of the links that exist only once, and the roll
+    /// stiffness without springs.
     pub(super) fn link_figures<T: Scalar>(&self, here: &Here<T>) -> Vec<AxleFigure<T>> {
         if !here.axle.is_joined() {
             return Vec::new();
@@ -76,7 +77,7 @@ fn is_of_wheel<T>(figure: &AxleFigure<T>) -> bool {
     matches!(figure.of, KcSubject::Wheel(_))
 }
 
-/// Roll moment per roll angle of the axle on its links alone.
+/// Returns the roll stiffness of an axle that only its links hold: roll moment per roll angle.
 fn roll_stiffness<T: Scalar>(here: &Here<T>) -> Option<T> {
     let (axle, at) = here.links.as_ref()?;
     let one = axle.travel(at, Side::Left).one();

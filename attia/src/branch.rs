@@ -1,4 +1,4 @@
-//! Tells the assemblies of a mechanism apart, and measures how far a position is from singular positions.
+//! Distinguishes the assemblies of a mechanism, and measures how far a position is from singular positions.
 
 use super::drive::{Drive, Driving};
 use super::equations::Fixed;
@@ -6,9 +6,10 @@ use super::{Moving, Singular};
 
 /// Signs that distinguish the proper solution from the improper ones at a given position of the arm.
 ///
-/// The first two cannot change along a motion. The other two change where their volume passes zero; for a driven arm such a
-/// position is singular. For a given arm the signs make the pose unique. Only two square roots have a choice of sign: the strut's
-/// length, and the distance of the tie-rod end from the plane 3-4-5. All other points follow rigidly.
+/// The first two signs cannot change along a motion. Each of the other two changes where its volume passes zero (see
+/// `Volumes`). For a driven arm such a position is singular. For a given arm the signs make the pose unique. Only two square
+/// roots have a choice of sign: the strut's length, and the distance of the tie-rod end from the plane 3-4-5. All other points
+/// follow rigidly.
 ///
 /// So a check of these signs excludes wrong roots for [`Drive::ArmAngle`]. For [`Drive::PaperTheta`] the check also needs
 /// the side of the arm. The sign of the Jacobian's determinant tells that side. The drive with the wheel travel could
@@ -16,7 +17,7 @@ use super::{Moving, Singular};
 /// branch ends there, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Branch {
-    /// Handedness of the knuckle. Its mirror image has the other sign.
+    /// Handedness of the knuckle. The mirror image of the knuckle has the other sign.
     chirality: bool,
     /// True if the direction from 9 to 4 agrees with the direction from 6 to 7.
     rod: bool,

@@ -47,7 +47,7 @@ pub struct Motion {
 impl PointCoordinates {
     /// Velocities and accelerations at a solved pose.
     ///
-    /// C(q, t) = 0 are the fifteen equations, and J = C_q. One factorisation of J serves both solutions:
+    /// C(q, t) = 0 are the fifteen equations, and J = C_q. Both are solved with one factorisation of J:
     ///
     /// - J v = -C_t
     /// - J a = -(dJ/dt) v - C_qt v - C_tt

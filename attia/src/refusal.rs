@@ -68,7 +68,7 @@ pub enum Refusal {
     /// The requested pose is so near to a singular position that fewer than half of the digits would be correct.
     #[error("singular: {0}")]
     Singular(Singular),
-    /// The branch of the design position ends before the requested pose.
+    /// The solution branch of the design position ends before the requested pose.
     #[error("unreachable: the motion ends at the drive value {value}: {limit}")]
     Unreachable {
         /// Value of the drive up to which the branch was followed.
@@ -76,7 +76,7 @@ pub enum Refusal {
         /// Singularity that ends the range.
         limit: Singular,
     },
-    /// The branch of the design position ends before the rack reaches the requested displacement.
+    /// The solution branch of the design position ends before the rack reaches the requested displacement.
     #[error("unreachable: the rack ends before this position: {limit}")]
     RackUnreachable {
         /// Singularity that stops the rack.

@@ -29,9 +29,9 @@ pub struct Strut {
     pub wheel_centre: Vector3<f64>,
 }
 
-/// Choice of the points of the strut's axis that serve as 6, 7 and 9 in the equations.
+/// Choice of the points of the strut's axis that the equations use as points 6, 7 and 9.
 ///
-/// The pose does not depend on this choice, but its rounding error does.
+/// The pose does not depend on this choice, but the rounding error of the pose does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum StrutPoints {
     /// Points far apart, at fixed fractions of the strut's length. The equations are then as well conditioned as the suspension

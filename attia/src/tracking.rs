@@ -1,4 +1,4 @@
-//! Newton's method from one pose to the next on the same branch.
+//! Newton's method from one pose to the next on the same solution branch.
 
 use super::branch::{Branch, nearest_singularity};
 use super::drive::{Driver, Driving};
@@ -146,8 +146,8 @@ impl PointCoordinates {
 
     /// Returns the pose at another station, on the branch of `from`.
     ///
-    /// Drive and rack go there on a straight line. The solver makes one step if that is safe, otherwise as many as necessary. It
-    /// accepts a step if three conditions hold along the step:
+    /// Drive and rack change in proportion to each other, up to the new station. The solver makes one step if that is safe,
+    /// otherwise as many as necessary. It accepts a step if three conditions hold along the step:
     ///
     /// - Newton's method contracts from the start. This estimates Kantorovich's condition: under it the root is the only one
     ///   nearby, and a path of regular roots joins it to the start.

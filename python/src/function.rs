@@ -320,8 +320,8 @@ pub(crate) fn named(
     }
 }
 
-/// True if two variables are the same, or if one sets a coordinate that the other one moves. Two offsets of the same coordinate
-/// do not conflict: they add up.
+/// Returns true if two variables are the same, or if one sets a coordinate that the other one moves. Two offsets of the same
+/// coordinate do not conflict: they add up.
 fn contradict(study: &hardpoint::Study, a: &DesignVariable, b: &DesignVariable) -> bool {
     if a.name == b.name {
         return true;
@@ -338,7 +338,7 @@ fn contradict(study: &hardpoint::Study, a: &DesignVariable, b: &DesignVariable) 
     }
 }
 
-/// True if the rotation with this name moves one of the moved points.
+/// Returns true if the rotation with this name moves one of the moved points.
 fn turns(study: &hardpoint::Study, name: &str, moves: &[Move]) -> bool {
     let (points, _) = name.rsplit_once("_turn_").unwrap_or((name, ""));
     let mechanism = &study.wheel().mechanism;

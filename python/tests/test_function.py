@@ -33,7 +33,7 @@ def test_values_are_the_curves_and_do_not_depend_on_company(front):
 
 @pytest.mark.parametrize("name", ["macpherson", "double_wishbone", "five_link", "semi_trailing_arm"])
 def test_jacobians_are_derivatives(name):
-    """Against differences of sixth order, of every characteristic that the template asks for."""
+    """Jacobians agree with difference quotients of sixth order, for every characteristic that the template requests."""
     study = hp.loads(hp.template(name), {"motion.travel": [-20.0, 0.0, 30.0]})
     names = [f"{study.points[0]}_dz", f"{study.points[-1]}_dy", "wheel_centre_dx"]
     f = study.function(sorted(set(names)))
@@ -90,7 +90,7 @@ def test_hostile_arrays_are_exceptions(front):
 
 
 def test_values_and_jacobians_are_found_together(front):
-    """One design alone is as among others; where a station has no pose the others keep theirs."""
+    """A design alone has the same results as among other designs. If one station has no pose, the others keep their values."""
     study = front.replace({"motion.travel": [-60.0, 0.0, 60.0, 5000.0]})
     for f in (front.function(), study.function()):
         x = designs(f, 37)

@@ -289,7 +289,7 @@ fn at_arm_angles(motion: &Motion, frame: &Frame) -> Stations {
     Stations::of(&motion, frame, &[])
 }
 
-/// One block of designs scattered about the design of the suspension.
+/// One block of designs: the suspension with random moves of the hardpoints.
 fn scattered(suspension: &Suspension) -> Vec<Vector3<f64>> {
     let by = SCATTER * suspension.size();
     let points = suspension.design.len();

@@ -1,9 +1,9 @@
 //! Measures that targets and constraints apply to: catalogue quantities, forces under loads, and geometry of parts.
 //!
-//! A [`Measure`] has a value in every pose. A geometric measure is a formula of up to six vectors. Each vector is a position
-//! or a direction, in the current pose or in the design position. Each formula is written once, over [`Scalar`]. With number
-//! types that carry derivatives, it also gives the derivatives with respect to its vectors. The adjoint turns these into
-//! derivatives with respect to the hardpoints.
+//! A [`Measure`] has a value in every pose. A geometric measure is a formula of up to six vectors. Each vector is a position or
+//! a direction, in the current pose or in the design position. Each formula is written once, over [`Scalar`]. With number types
+//! that carry derivatives, it also gives the derivatives with respect to its vectors. The adjoint converts these derivatives
+//! into derivatives with respect to the hardpoints.
 //!
 //! Values are smooth except at these kinks, where the derivative belongs to one side:
 //!
@@ -129,7 +129,7 @@ pub enum Measure {
 /// Largest number of vectors that a formula reads.
 const MOST: usize = 6;
 
-/// Vectors of a formula. Entries that it does not read may have any value.
+/// Vectors of a formula. Entries that the formula does not read may have any value.
 pub(crate) type Vectors<T> = [Vector3<T>; MOST];
 
 impl Measure {

@@ -108,7 +108,7 @@ pub struct MotionColumn {
     pub unit: &'static str,
     /// True if the study gives the coordinate, false if it follows from the pose.
     pub is_given: bool,
-    /// True if files have a column for it.
+    /// True if files have a column for the coordinate.
     pub is_written: bool,
 }
 
@@ -123,7 +123,7 @@ impl MotionColumn {
         }
     }
 
-    /// Name of its column in files.
+    /// Name of the coordinate's column in files.
     pub fn name(&self) -> String {
         with_unit(self.key, self.unit)
     }

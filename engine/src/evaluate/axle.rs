@@ -1,4 +1,4 @@
-//! Designs of an axle. The evaluator moves points of both wheels and solves both at every pose of the motion.
+//! Designs of an axle. The evaluator moves points of both wheels and solves both wheels at every station of the motion.
 //!
 //! A variable moves the same point of both wheels as mirror images, even if the hardpoints of the right wheel differ from the
 //! left ones.
@@ -80,7 +80,7 @@ impl<'s> AxleStations<'s> {
         }
     }
 
-    /// Gives a solver new designs of both wheels.
+    /// Changes a solver to new designs of both wheels.
     pub(super) fn prepare<const N: usize>(
         &self,
         solver: &mut AxleSolver<'_, N>,
@@ -130,7 +130,7 @@ impl<'s> AxleStations<'s> {
         };
         let mut evaluator = Evaluator::of(self.axle.left.design.len(), one_by_one);
         evaluator.axle = Some(&self.axle);
-        // Gains need one more order of derivatives than values. Lanes do not compute this order.
+        // Gains need one more order of derivatives than values. The code for SIMD lanes does not compute this order.
         let quantities = self.gains.iter().filter_map(|gain| gain.quantity());
         if let Some(order) = quantities.map(|q| q.rate_order()).max() {
             evaluator.slopes = Some(match order {

@@ -390,8 +390,8 @@ impl<T: Real> Configuration<'_, T> {
         let turn = Turn::of(ends);
         let zero = self.rack.zero();
         let none = Vector3::new(zero, zero, zero);
-        // A seed for the angle or the rotation has no point of its own. A point of the axis with a zero gradient takes
-        // its place in the formulas.
+        // A seed for the angle or the rotation has no point of its own. A point of the axis with a zero gradient replaces this
+        // point in the formulas.
         let (designed, gradients, moment) = match seed {
             RockerSeed::Point { designed, gradient } => (designed, [gradient, none], zero),
             RockerSeed::Angle(gradient) => (ends[0], [none; 2], gradient * turn.sense(rocker.rod)),

@@ -46,8 +46,8 @@ pub(crate) struct StrutLine<T> {
 }
 
 impl<T: Real> StrutLine<T> {
-    /// Makes both equations. `knuckle` holds the positions of all points on the undisplaced knuckle (for a design, its own
-    /// points). `origin` is the knuckle's origin.
+    /// Makes both equations. `knuckle` holds the positions of all points on the undisplaced knuckle (for a design, the points
+    /// of the design). `origin` is the knuckle's origin.
     #[inline(always)]
     pub(crate) fn both(
         top: PointId,

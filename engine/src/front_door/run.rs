@@ -191,7 +191,7 @@ fn refuse_wrong(sampled: &Sampled) -> Result<(), Error> {
                 number(
                     "the number of samples of a grid",
                     sampled.samples,
-                    "the product of the steps of its variables, as 125 for 5 steps of each of 3",
+                    "the product of the numbers of steps of its variables, for example 125 for 3 variables with 5 steps each",
                 )
             }
         }

@@ -33,7 +33,7 @@ pub enum BuildError {
     },
     /// Neither `spindle_inner` nor static camber and toe are given, or both are.
     #[error(
-        "the direction of the wheel takes either the hardpoint spindle_inner or static camber and toe"
+        "the direction of the wheel needs either the hardpoint spindle_inner, or static camber and toe"
     )]
     SpinAxis,
     /// The topology carries both wheels, so it is not a suspension of one wheel.

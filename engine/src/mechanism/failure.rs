@@ -140,7 +140,7 @@ impl LimitCause {
             LimitCause::DependentLinks => "links are at toggle: their lines are linearly dependent",
             LimitCause::AxleFolds => "the links of the axle are at toggle",
             LimitCause::BeamFolds => {
-                "the wheel centres move no further: the arms are vertical, or the halves block each other"
+                "the wheel centres cannot move any further: the arms are vertical, or the halves block each other"
             }
             LimitCause::CentreHighest => "the wheel centre is at its highest point",
             LimitCause::CentreLowest => "the wheel centre is at its lowest point",
@@ -354,7 +354,7 @@ impl Failure {
             }
             Failure::Singular => "the pose is singular: it has no derivatives".to_owned(),
             Failure::Toggle(rod) => format!(
-                "the {rod} is at toggle there or nearer to the design position, and turns {} no further",
+                "the {rod} is at toggle there or nearer to the design position: it cannot turn {} any further",
                 rod.turns()
             ),
             Failure::Uncertified(reason) => format!("the pose is not certified: {reason}"),

@@ -35,7 +35,7 @@ pub enum NoPose {
     NoGround,
     /// No mean travel gives the axle the required load. Either the load does not grow with the travel, or a wheel cannot
     /// reach it.
-    #[error("there is no mean travel at which the wheels carry the held load")]
+    #[error("there is no mean travel at which the wheels carry the required load")]
     NoLoad,
     /// A certificate was requested. The poses of both wheels are certified, but not that the ground under them is
     /// unique.

@@ -65,7 +65,7 @@ impl Volumes {
 /// Returns the nearest singularity of this position. Each singularity has a margin between 0 (singular) and 1.
 ///
 /// `arm_to_travel` is the wheel centre's vertical velocity while the arm is driven, in units of d51 times the arm's angular
-/// velocity. Only the drive with the wheel travel uses it.
+/// velocity. Only the drive with the wheel travel uses `arm_to_travel`.
 pub(crate) fn nearest_singularity(
     driving: &Driving,
     fixed: &Fixed,

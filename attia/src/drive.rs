@@ -154,8 +154,8 @@ impl Driving {
         }
     }
 
-    /// Scale of the drive with the wheel travel. The division by the sum of the weights keeps its rounding error as
-    /// small as that of the other equations.
+    /// Scale of the drive with the wheel travel. The equation is divided by the sum of the weights, so its rounding error is as
+    /// small as the rounding errors of the other equations.
     fn travel_scale(&self) -> f64 {
         self.d51 / self.wheel_centre.shares().map(f64::abs).iter().sum::<f64>()
     }

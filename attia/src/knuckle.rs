@@ -107,7 +107,7 @@ impl AngularMotion {
     }
 }
 
-/// Points 5 to 8 (or their rates) less their mean.
+/// Points 5 to 8 (or their rates), minus the mean of the four.
 fn about_mean(moving: &Moving) -> [Vector3<f64>; 4] {
     let [p5, p6, p7, p8, _] = *moving;
     let mean = (p5 + p6 + p7 + p8) * 0.25;

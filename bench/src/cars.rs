@@ -58,7 +58,7 @@ fn map(study: &CarStudy, count: Option<usize>) -> Vec<Vec<Case>> {
     map.ax.iter().map(row).collect()
 }
 
-/// A case that has a state, with the state before it in its row.
+/// A case that has a state, with the state of the previous case in the same row.
 struct Step {
     case: Case,
     found: Equilibrium,

@@ -15,7 +15,8 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-/// Number of designs that one thread takes at a time for values. Values with Jacobians take longer and have a smaller number.
+/// Number of designs that one thread takes at a time for values. Values with Jacobians take longer, so fewer designs are taken
+/// at a time.
 const CHUNK: usize = 128;
 const DIFFERENTIATED: usize = 32;
 /// Number of designs per chunk for an axle, whose designs are solved one by one.

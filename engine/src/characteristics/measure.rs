@@ -300,9 +300,9 @@ impl Measure {
         }
     }
 
-    /// Gradients of the shown value, and of its derivatives with respect to the drive up to `highest`, with respect to every
-    /// hardpoint coordinate. `buffer` has one entry per point. `receive` gets the order, the point and the gradient, for
-    /// every order and point.
+    /// Computes gradients with respect to every hardpoint coordinate: gradients of the shown value, and gradients of the
+    /// derivatives of this value with respect to the drive, up to the order `highest`. `buffer` has one entry per point.
+    /// `receive` gets the order, the point and the gradient, for every order and point.
     ///
     /// With f the measure's formula and v_k its vectors, the seed series are df/dv_k. For an angle they are multiplied by
     /// da/dv = 1/sqrt(v (2 - v)).

@@ -22,8 +22,9 @@ impl Slot {
         });
     }
 
-    /// Adds the seeds of a quantity y(u, u') that contains velocities, for the series of its derivatives with respect to the
-    /// hardpoints. `gradient` holds the derivatives of y slot by slot, and `turn` is the angular velocity.
+    /// Adds the seeds of a quantity y(u, u') that contains velocities. From these seeds, the adjoint computes the derivatives
+    /// of y with respect to the hardpoints, as series. `gradient` holds the derivatives of y slot by slot, and `turn` is the
+    /// angular velocity.
     ///
     /// Let h and g be the derivatives of y with respect to u and u'. Then dy/dp = h.u_p + g.u_p'. For any seed series S, an
     /// adjoint pass returns the series of S.u_p. If S has the coefficients S_i = h_(i-1) + (j+1-i) g_i, coefficient j+1 of

@@ -1,7 +1,7 @@
 //! Designs of an axle. The evaluator moves points of both wheels and solves both wheels at every station of the motion.
 //!
-//! A variable moves the same point of both wheels as mirror images, even if the hardpoints of the right wheel differ from the
-//! left ones.
+//! A variable moves a point of the left wheel and the same point of the right wheel. The two displacements are mirror images,
+//! even if the hardpoints of the right wheel differ from the left ones.
 
 use super::axle_lanes::AxleLanes;
 use super::elastic_axle::ElasticAxleParts;

@@ -110,8 +110,8 @@ pub struct SuspensionBuilder {
 }
 
 impl Suspension {
-    /// Starts a suspension of a topology. [`Topology::ALL`] has their names and hardpoints. The defaults are a left wheel,
-    /// ISO 8855 axes and millimetres.
+    /// Starts a suspension of a topology. [`Topology::ALL`] lists the topologies with their names and hardpoints. The defaults
+    /// are a left wheel, ISO 8855 axes and millimetres.
     pub fn builder(topology: &str) -> SuspensionBuilder {
         SuspensionBuilder {
             topology: topology.to_owned(),

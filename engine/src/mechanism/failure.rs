@@ -175,7 +175,7 @@ pub struct PartMeasure {
 pub struct Toggle {
     /// Travel at the toggle, accurate to rounding.
     pub travel: f64,
-    /// Rod that is in line with its lever: the rod of the rocker, or of a rocker that moves it.
+    /// Rod that is in line with its lever: the rod of the rocker, or the rod of another rocker that moves this rocker.
     pub rod: Rod,
 }
 
@@ -217,11 +217,11 @@ pub enum DesignFault {
         /// End that lies on the axis.
         end: PointId,
     },
-    /// The tie rod lies in the plane through steering axis and rack joint, so it cannot rotate the knuckle.
+    /// The tie rod lies in the plane through steering axis and rack joint, so the tie rod cannot rotate the knuckle.
     Toggle,
     /// The strut has no length above the ball joint.
     NoStrutLength,
-    /// The upper arm is in line with the steering axis, so that it does not hold the knuckle.
+    /// The upper arm is in line with the steering axis, so the arm does not hold the knuckle.
     UpperArmInLine {
         /// Upper ball joint.
         outer: PointId,

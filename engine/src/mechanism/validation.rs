@@ -290,7 +290,7 @@ fn right_side(suspension: &Suspension) -> Vec<GeometryFault> {
         .collect();
     let mean = inboard.iter().sum::<f64>() / inboard.len() as f64;
     let centre = mechanism.wheel_centre;
-    // A twist beam without springs has no point on the body, so their mean does not exist.
+    // A twist beam without springs has no point on the body, so the mean of these points does not exist.
     if design[centre.0].y < mean {
         vec![GeometryFault::WrongSide {
             wheel_centre: name(suspension, centre),

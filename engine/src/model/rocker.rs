@@ -24,7 +24,8 @@ pub struct Rocker {
     pub second: PointId,
     /// End of the rod on the rocker.
     pub inner: PointId,
-    /// Other end of the rod: on an arm, the knuckle or an earlier rocker. For a rocker on a solid axle it is on the chassis.
+    /// Other end of the rod: on an arm, the knuckle or an earlier rocker. For a rocker on a solid axle, this end is on the
+    /// chassis.
     pub outer: PointId,
 }
 
@@ -302,7 +303,7 @@ impl Mechanism {
         self.points.iter().position(is_end).map(PointId)
     }
 
-    /// Rockers that move a point: the one that carries it, and the one that moves that rocker.
+    /// Rockers that move a point: the rocker that carries the point, and the rocker that moves this rocker.
     pub fn rockers_moving(&self, id: PointId) -> impl Iterator<Item = RockerId> + '_ {
         let under = |id: PointId| match self.body(id) {
             Body::Rocker(rocker) => Some(rocker),

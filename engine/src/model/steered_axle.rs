@@ -8,8 +8,8 @@
 //!
 //! # The steering gear
 //!
-//! The steering gear has moved the drag link's end by the displacement s along the unit vector d. With its hardpoint p,
-//! the end is at
+//! The steering gear has moved the drag link's end by the displacement s along the unit vector d. If p is the hardpoint of this
+//! end, the end is at
 //!
 //! ```text
 //! p' = p + s d                                                                                 (1)
@@ -37,7 +37,7 @@
 //! ```
 //!
 //! Both travels are 0 in the design pose, for every s. So the path to a station begins in the design pose: the knuckles turn
-//! first, then the axle moves. The travels of a station are always those of the wheel centres from their hardpoints.
+//! first, then the axle moves. The travels of a station are always the heights of the wheel centres above their hardpoints.
 //! Derivatives with respect to hardpoints are taken at constant values of these travels.
 
 use super::topology::{Given, Group, NO_LINK, NO_TIE_ROD, optional};

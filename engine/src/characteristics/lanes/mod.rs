@@ -39,7 +39,8 @@ pub struct LaneReader<'a> {
     place: Vec<Option<usize>>,
     /// True if the reader needs a part outside the knuckle: another body's point, or a rocker.
     reads_others: bool,
-    /// Rockers that move any part that is read, and rockers that move those rockers. Their positions need velocities.
+    /// Rockers that move a part that is read, and rockers that move these rockers. The reader needs velocities for the
+    /// positions of rockers.
     rockers: Vec<RockerId>,
     rates: bool,
     /// True if the reader also reads derivatives with respect to the rack.

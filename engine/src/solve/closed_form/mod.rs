@@ -392,8 +392,8 @@ impl<T: Real> ArmState<T> {
         self.toggle_square
     }
 
-    /// Margin of the upper end, which is zero at its limit. The margin is the length of a strut from the foot of the
-    /// ball joint's perpendicular to the mount, or a lever of the upper arm.
+    /// Margin of the upper end, which is zero at its limit. For a strut, the margin is the length from the foot of the ball
+    /// joint's perpendicular to the mount. For an upper arm, it is a lever.
     #[inline(always)]
     pub(crate) fn upper_margin(&self) -> T {
         self.upper_margin

@@ -108,8 +108,8 @@ impl<'m> Solver<'m> {
         Ok(())
     }
 
-    /// Refuses rods and axes without length. Also refuses those so short that the rounding of coordinates leaves fewer than
-    /// six digits of their direction.
+    /// Refuses rods and axes without length. Also refuses rods and axes so short that the rounding of coordinates leaves fewer
+    /// than six digits of their direction.
     fn check_distinct(&self) -> Result<(), DesignFault> {
         let shortest = (DEGENERATE * self.size).max(1e6 * f64::EPSILON * self.coordinate_scale);
         let distinct = |first: PointId, second: PointId| {

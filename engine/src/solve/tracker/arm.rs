@@ -49,9 +49,9 @@ impl<B: SimdReal> ArmDesign<'_, B> {
     }
 }
 
-/// Largest slope of the half tangent with respect to the travel, in 1/size. An arm as long as the size has a slope of
-/// one half. A larger slope means that a fold is near. Rounding errors of the pose grow with the slope, those of
-/// rates with its cube.
+/// Largest slope of the half tangent with respect to the travel, in 1/size. An arm as long as the size has a slope of one half.
+/// A larger slope means that a fold is near. Rounding errors of the pose grow with the slope. Rounding errors of rates grow
+/// with the cube of the slope.
 pub(crate) const STEEPEST: f64 = 3.0;
 /// Largest rotation of the arm from the design position, as the tangent of half the angle.
 pub(crate) const FARTHEST: f64 = 0.7;

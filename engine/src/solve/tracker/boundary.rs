@@ -1,8 +1,8 @@
 //! Search for designs at the boundary between designs that the tracker accepts and designs that it rejects.
 //!
-//! On a line between an accepted and a rejected design, bisection ends at two neighbouring designs. Between these two, the inputs
-//! of a check differ only by rounding. A check that accepts the first design with some slack also accepts the second one. So the
-//! check that rejects the second design is the one without slack.
+//! On a line between an accepted and a rejected design, bisection ends at two neighbouring designs. Between these two, the
+//! inputs of a check differ only by rounding. A check that accepts the first design with some slack also accepts the second
+//! one. So the check that rejects the second design is the one without slack.
 
 use super::{Acceptance, AdjointPose, CornerTracker, Rejection, Visit};
 use crate::model::{Drive, Suspension, Topology};
@@ -61,10 +61,10 @@ pub(super) struct Judgement {
 /// Slack that counts as zero. It exceeds the rounding errors of a design and is far below the slack of other checks.
 const NONE: f64 = 1e-6;
 
-/// Searches for boundaries on lines from the design of the study. The rack is alternately in the middle and displaced.
-/// `judge` returns the decisions of all checks at all waypoints of an accepted design. Exactly one of these decisions
-/// must have zero slack. Its reason must be that of the rejected neighbour. Returns the number of boundaries of each
-/// check.
+/// Searches for boundaries on lines from the design of the study. The rack is alternately in the middle and displaced. `judge`
+/// returns the decisions of all checks at all waypoints of an accepted design. Exactly one of these decisions must have zero
+/// slack. The reason of this decision must be the reason for which the neighbour was rejected. Returns the number of boundaries
+/// of each check.
 pub(super) fn boundaries(
     suspension: &Suspension,
     drive: Drive,

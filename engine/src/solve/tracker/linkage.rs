@@ -20,7 +20,7 @@
 //! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Then only two
 //! determinants must not vanish. A lane is rejected if a determinant is less than a fourth of the base design's. It is also
 //! rejected if a determinant changes by more than half, or more than doubles, from one waypoint to the next. The determinants
-//! of a lane are those of its last step, with which it converged.
+//! of a lane come from its last step, with which it converged.
 //!
 //! An instantaneous steering axis is the axis of the screw t with J t = -F_r (module `steering`). Along the motion,
 //! its derivative t' follows from J t' = -(F_r' + J' t).

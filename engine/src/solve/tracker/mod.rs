@@ -85,7 +85,7 @@ pub trait Visit<B: SimdReal> {
 #[derive(Clone)]
 pub struct LaneDesign<'d, B: SimdReal> {
     form: Form<'d, B>,
-    /// Origin of the knuckle in the design position. Poses give its position.
+    /// Origin of the knuckle in the design position. Poses contain the present position of the origin.
     origin: Vector3<B>,
     /// Lanes in which all rods have a length.
     distinct: B::Mask,
@@ -418,9 +418,9 @@ impl CornerTracker<'_> {
         self.routes[rack].places.iter().filter_map(|p| p.station)
     }
 
-    /// Visits the stations of one design, which is in all lanes, with one station in each lane. `history` is that of
+    /// Visits the stations of one design, which is in all lanes, with one station in each lane. `history` comes from
     /// [`CornerTracker::track_one`], which must have accepted every station. The visitor receives the index of a group of
-    /// stations instead of a station. Lanes beyond the last station repeat it.
+    /// stations instead of a station. Lanes beyond the last station repeat the last station.
     #[inline(always)]
     pub fn visit_stations_in_lanes<B: SimdReal>(
         &self,

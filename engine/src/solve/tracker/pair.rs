@@ -138,14 +138,14 @@ pub(super) trait Wheel<B: SimdReal, const N: usize> {
 
     /// Derivatives of the unknowns with respect to travel and to the rack in the base design.
     fn slopes(&self) -> [[f64; N]; 2];
-    /// Linearises about unknowns near the pose at a travel. Lanes that have converged keep the numbers of their check.
+    /// Linearises about unknowns near the pose at a travel. Lanes that have converged keep the numbers for their checks.
     fn linear(&mut self, unknowns: &[B; N], rack: B, travel: B, settled: B::Mask) -> Linear<B>;
     /// Returns the unknowns at the travel of the linearisation plus `further`.
     fn moved(&self, unknowns: &[B; N], further: B) -> [B; N];
     /// Checks the residuals of the predicted unknowns at a travel, and corrects the unknowns.
     fn corrected(&mut self, unknowns: &[B; N], rack: B, travel: B) -> Corrected<B, N>;
     /// Accepts lanes that are well conditioned and on their solution branch. `step` is the change of travel since the previous
-    /// check. The caller passes it only on the legs of stations.
+    /// check. The caller passes `step` only on the legs that contain the stations.
     fn check(
         &self,
         unknowns: &[B; N],

@@ -81,9 +81,9 @@ pub(crate) struct Route {
 }
 
 impl Route {
-    /// Makes the route through the stations in steps of the drive of at most `longest`. Before it, in the lead, rack
-    /// and heave move to their values in steps of at most `longest_of_lead`. The lead includes the lift of wheel
-    /// centres by a steering gear.
+    /// Makes the route through the stations in steps of the drive of at most `longest`. Before these stations, in the lead,
+    /// rack and heave move to their values in steps of at most `longest_of_lead`. The lead includes the lift of wheel centres
+    /// by a steering gear.
     pub(crate) fn through(
         station_order: &StationOrder,
         [rack, heave, lift]: [f64; 3],

@@ -119,8 +119,8 @@ fn judge(
 }
 
 /// For each of these checks there is a strut that only this check rejects, at its published threshold. For some checks between
-/// two waypoints the search lines contain no such design; `a_step_is_guarded_at_its_thresholds` tests these checks. No design is
-/// rejected for a far rotation in one step of a leg:
+/// two waypoints the search lines contain no such design; `a_step_is_guarded_at_its_thresholds` tests these checks. No design
+/// is rejected for a far rotation in one step of a leg:
 ///
 /// - Travel: a step is at most 0.02 sizes, and the extrapolated slope is below 3 per size. With r the slope before and r'
 ///   the slope of the step, 2 r' - r < 3 and r < 3 give r' < 3, so that the tangent changes by less than 0.06 < 0.1.

@@ -13,8 +13,8 @@ const LEAST: f64 = 0.25;
 
 /// Largest correction of a prediction, relative to the mechanism's size.
 const LARGEST_CORRECTION: f64 = 0.02;
-/// Largest rotation of the knuckle in one step, as the tangent of half the angle. Together with the limits of the
-/// determinants this keeps Newton's method on its branch. `tests/it/lanes.rs` compares every lane with the continuation.
+/// Largest rotation of the knuckle in one step, as the tangent of half the angle. Together with the limits of the determinants
+/// this keeps Newton's method on the solution branch. `tests/it/lanes.rs` compares every lane with the continuation.
 const LONGEST: f64 = 0.1;
 
 /// Newton steps in the six unknowns.
@@ -134,7 +134,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         (at, is_settled, rest)
     }
 
-    /// Accepts lanes that are well conditioned and on their branch.
+    /// Accepts lanes that are well conditioned and on their solution branch.
     #[inline(always)]
     pub(super) fn guard(
         &self,

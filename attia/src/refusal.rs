@@ -39,8 +39,8 @@ impl Singular {
             Singular::StrutPointsCoincide => "the points 6 and 7 of the strut's axis coincide",
             Singular::RodPointsCoincide => "the points 4 and 9 of the strut's rod coincide",
             Singular::NoStrutLength => {
-                "the strut has no length: its top is at the foot of the perpendicular from the \
-                 ball joint to its axis"
+                "the strut has no length: strut_top is at the foot of the perpendicular from the \
+                 ball joint to the strut axis"
             }
             Singular::BallJointOnArmAxis => "the ball joint lies on the axis of the lower arm",
             Singular::TieRodToggle => {

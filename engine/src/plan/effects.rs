@@ -114,7 +114,7 @@ impl Plan {
         let steering_axis = reasons(&Slot::is_of_steering_axis).map(|because| {
             let (what, cost) = match mechanism.steering_axis {
                 Some(SteeringAxis::Instantaneous) => {
-                    ("by a velocity analysis of the rack", cost::SCREW_AXIS)
+                    ("by a velocity analysis with a moving rack", cost::SCREW_AXIS)
                 }
                 _ => ("through two joints", 0.0),
             };
@@ -172,7 +172,7 @@ impl Plan {
     fn certificate(&self, study: &Study) -> Option<(String, String, f64)> {
         self.certify.then(|| {
             (
-                "certificate of every pose, and that all poses are on one branch".to_owned(),
+                "certificate for every pose, and proof that all poses are on one branch".to_owned(),
                 written(study, &["outputs", "certify"], "outputs.certify"),
                 cost::CERTIFICATE,
             )

@@ -23,8 +23,8 @@ pub(crate) struct Branch {
     rod: bool,
     /// True if 4 is on the positive side of the foot of 5 on the strut's axis.
     strut: bool,
-    /// True if 8 is on the positive side of the plane 3-4-5. `None` for the drive with the wheel travel, which passes the
-    /// toggle regularly.
+    /// True if 8 is on the positive side of the plane 3-4-5. `None` for the drive with the wheel travel: this drive is not
+    /// singular at a tie-rod toggle, so the side may change.
     tie_rod: Option<bool>,
 }
 
@@ -102,7 +102,7 @@ pub(crate) fn nearest_singularity(
         Drive::ArmAngle => {}
         Drive::PaperTheta => margins[8].1 = driving.arm_sine(moving).abs(),
         Drive::Travel => {
-            // The drive with the wheel travel passes a tie-rod toggle regularly.
+            // The drive with the wheel travel is not singular at a tie-rod toggle.
             margins[7].1 = 1.0;
             margins[9].1 = arm_to_travel.map_or(1.0, f64::abs);
         }

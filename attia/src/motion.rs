@@ -19,14 +19,14 @@ pub struct Rates {
 }
 
 impl Rates {
-    /// Unit rate of the drive with the rack held. Velocities are then derivatives with respect to the drive's value.
+    /// Unit rate of the drive with the rack fixed. Velocities are then derivatives with respect to the drive's value.
     pub const BY_DRIVE: Rates = Rates {
         drive: 1.0,
         drive_acceleration: 0.0,
         rack: 0.0,
         rack_acceleration: 0.0,
     };
-    /// Unit rate of the rack with the drive held. Velocities are then derivatives with respect to the rack's displacement.
+    /// Unit rate of the rack with the drive fixed. Velocities are then derivatives with respect to the rack's displacement.
     pub const BY_RACK: Rates = Rates {
         drive: 0.0,
         drive_acceleration: 0.0,

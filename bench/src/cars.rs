@@ -100,7 +100,7 @@ fn steps(solver: &mut CarSolver<'_>, map: &[Vec<Case>]) -> Vec<Step> {
     steps
 }
 
-/// Solves the rows of a map on two threads, each with its own solver, and works on every state.
+/// Solves the rows of a map on two threads, each with its own solver, and calls `work` for every state.
 fn on_two_threads(
     car: &Car,
     rows: &[Vec<Case>],
@@ -122,7 +122,7 @@ fn on_two_threads(
     }
 }
 
-/// A job that works on every one of these states.
+/// Makes a job that calls `work` for every one of these states.
 fn each<'a>(steps: &'a [&Step], mut work: impl FnMut(&Step) + 'a) -> Job<'a> {
     Job {
         items: steps.len(),

@@ -328,7 +328,7 @@ impl<'f> Evaluation<'f> {
         self.gradients = Some((evaluator, found));
     }
 
-    /// Makes the `count` designs of the variables `x`.
+    /// Makes `count` designs from the values `x` of the variables.
     fn place(&mut self, x: &[f64], count: usize) {
         let f = self.function;
         let (width, points) = (self.offsets.len(), f.suspension.design.len());

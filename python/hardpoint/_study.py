@@ -216,8 +216,8 @@ class Study:
         return Function(self, None if variables is None else names_of(variables, "variables"), constraints)
 
     def residuals(self, on_failure: Literal["nan", "raise"] = "nan") -> Residuals:
-        """Targets of [optimise] as a function of its variables, in tolerances. A design without residuals gives NaN, so
-        that an optimiser shortens its step, or raises an exception."""
+        """Deviations from the targets of [optimise], divided by their tolerances, as a function of the variables. A
+        design without residuals gives NaN, so that an optimiser shortens its step, or raises an exception."""
         return Residuals(self, on_failure)
 
     def swept(self, number: int) -> Study:

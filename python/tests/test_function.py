@@ -61,7 +61,7 @@ def test_hostile_arrays_are_exceptions(front):
     for threads in (0, -1, 2**70):
         with pytest.raises((hp.HardpointError, OverflowError)):
             f(np.zeros(k), threads=threads)
-    # The answer would be larger than the address space.
+    # The result would be larger than the address space.
     huge = np.broadcast_to(np.zeros(k), (2**40, k))
     with pytest.raises((MemoryError, hp.HardpointError)):
         f(huge)

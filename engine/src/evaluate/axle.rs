@@ -26,7 +26,8 @@ pub(crate) struct AxleStations<'s> {
     pub gains: Vec<AxleColumn>,
     /// True if some of these derivatives are derivatives with respect to the rack.
     pub steers: bool,
-    /// Placements of the motion, then the design position, then placements of targets that the motion does not contain.
+    /// Required positions of the axle: first the positions of the motion, then the design position, then positions of targets
+    /// that the motion does not contain.
     pub placements: Vec<Placement>,
     of_motion: usize,
     pub(super) design: usize,

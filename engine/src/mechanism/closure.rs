@@ -228,7 +228,7 @@ impl<T: Real> Closure<T> {
         (residual, wrench)
     }
 
-    /// Rates of the rows of [`Closure::wrenches`] along a motion of the knuckle, with the rack held. The sixth row is the
+    /// Rates of the rows of [`Closure::wrenches`] along a motion of the knuckle, with the rack fixed. The sixth row is the
     /// drive with the wheel travel.
     #[inline(always)]
     pub(crate) fn wrench_rates(&self, at: &Configuration<T>, along: &Twist<T>) -> [Wrench<T>; 6] {

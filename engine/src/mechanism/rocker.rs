@@ -184,8 +184,8 @@ impl<T: Real> Turn<T> {
     }
 }
 
-/// Returns true if w^2/(r.r l.l) of a rod leaves six accurate digits of a derivative. The number itself is accurate to a few
-/// units in the last place. Returns false for NaN.
+/// Returns true if w^2/(r.r l.l) of a rod is large enough for six accurate digits of a derivative. The number itself is
+/// accurate to a few units in the last place. Returns false for NaN.
 #[inline]
 pub(crate) fn is_effective(ends: Ends<f64>) -> bool {
     Turn::of(ends).leverage_squared > DEGENERATE

@@ -349,7 +349,7 @@ impl Mechanism {
         }
     }
 
-    /// Returns true for a point of the far half of a rigid axle, which follows the near half.
+    /// Returns true for a point of the far half of a rigid axle. The far half follows from the near half.
     pub fn is_far(&self, id: PointId) -> bool {
         self.rigid_axle
             .as_ref()

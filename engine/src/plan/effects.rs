@@ -114,7 +114,7 @@ impl Plan {
         let steering_axis = reasons(&Slot::is_of_steering_axis).map(|because| {
             let (what, cost) = match mechanism.steering_axis {
                 Some(SteeringAxis::Instantaneous) => {
-                    ("by a velocity analysis with a moving rack", cost::SCREW_AXIS)
+                    ("by a velocity analysis of the rack", cost::SCREW_AXIS)
                 }
                 _ => ("through two joints", 0.0),
             };

@@ -124,8 +124,8 @@ fn moved<B: Real>(unknowns: [B; UNKNOWNS], twist: &Twist<B>) -> [B; UNKNOWNS] {
 }
 
 impl ByLinkage {
-    /// Prepares to solve designs of a mechanism driven by its travel. `None` if another quantity drives, or if designs
-    /// near `base` cannot be tracked.
+    /// Prepares to solve designs of a mechanism with the travel as the drive. `None` if the drive is another quantity, or if
+    /// designs near `base` cannot be tracked.
     pub(crate) fn of(
         mechanism: &Mechanism,
         base: &[Vector3<f64>],

@@ -184,7 +184,7 @@ fn an_arm_is_followed_to_seventy_degrees() {
             }
         }
     }
-    assert!(ends > 0, "in at least one direction, the arm reaches the limit of the check");
+    assert!(ends > 0, "only the check limits one direction");
 }
 
 /// The limit of the slope is relative to the size: the half tangent may change by 3 per travel of one size. If the arm's angle is

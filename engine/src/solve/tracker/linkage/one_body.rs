@@ -1,8 +1,8 @@
 //! Equations of an axle whose wheels share one mechanism: a solid axle or a twist beam.
 //!
-//! The unknowns are the pose of the mechanism as seen from the left wheel, and half the difference of the travels, s. Both wheels
-//! are on bodies of this mechanism, so their contact points follow from the same pose. With the mean travel z held, the drive of
-//! the closure equations is s, and (1) and (2) of [`pair`](super::super::pair) are
+//! The unknowns are the pose of the mechanism as seen from the left wheel, and half the difference of the travels, s. Both
+//! wheels are on bodies of this mechanism, so their contact points follow from the same pose. With a fixed mean travel z, the
+//! drive of the closure equations is s, and (1) and (2) of [`pair`](super::super::pair) are
 //!
 //! ```text
 //! f(s) = h_l(z, s) - h_r(z, s) = 0,    f_s = h_l,s - h_r,s

@@ -169,7 +169,7 @@ where
                 },
             ),
         };
-        // Uses a loop, so that the checks, the longest piece of the method, are compiled only once.
+        // Uses a loop, so that the checks, the longest part of the method, are compiled only once.
         let mut guards = known;
         let mut wheel = 0;
         while wheel < 2 {

@@ -1,4 +1,4 @@
-//! Tells the assemblies of a mechanism apart, and measures how far a position is from singular positions.
+//! Distinguishes the assemblies of a mechanism, and measures how far a position is from singular positions.
 
 use super::drive::{Drive, Driving};
 use super::equations::Fixed;
@@ -6,9 +6,10 @@ use super::{Moving, Singular};
 
 /// Signs that distinguish the proper solution from the improper ones at a given position of the arm.
 ///
-/// The first two cannot change along a motion. The other two change where their volume passes zero; for a driven arm such a
-/// position is singular. For a given arm the signs make the pose unique. Only two square roots have a choice of sign: the strut's
-/// length, and the distance of the tie-rod end from the plane 3-4-5. All other points follow rigidly.
+/// The first two signs cannot change along a motion. Each of the other two changes where its volume passes zero (see
+/// `Volumes`). For a driven arm such a position is singular. For a given arm the signs make the pose unique. Only two square
+/// roots have a choice of sign: the strut's length, and the distance of the tie-rod end from the plane 3-4-5. All other points
+/// follow rigidly.
 ///
 /// So a check of these signs excludes wrong roots for [`Drive::ArmAngle`]. For [`Drive::PaperTheta`] the check also needs
 /// the side of the arm. The sign of the Jacobian's determinant tells that side. The drive with the wheel travel could
@@ -16,14 +17,14 @@ use super::{Moving, Singular};
 /// branch ends there, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Branch {
-    /// Handedness of the knuckle. Its mirror image has the other sign.
+    /// Handedness of the knuckle. The mirror image of the knuckle has the other sign.
     chirality: bool,
     /// True if the direction from 9 to 4 agrees with the direction from 6 to 7.
     rod: bool,
     /// True if 4 is on the positive side of the foot of 5 on the strut's axis.
     strut: bool,
-    /// True if 8 is on the positive side of the plane 3-4-5. `None` for the drive with the wheel travel, which passes the
-    /// toggle regularly.
+    /// True if 8 is on the positive side of the plane 3-4-5. `None` for the drive with the wheel travel: this drive is not
+    /// singular at a tie-rod toggle, so the side may change.
     tie_rod: Option<bool>,
 }
 
@@ -64,7 +65,7 @@ impl Volumes {
 /// Returns the nearest singularity of this position. Each singularity has a margin between 0 (singular) and 1.
 ///
 /// `arm_to_travel` is the wheel centre's vertical velocity while the arm is driven, in units of d51 times the arm's angular
-/// velocity. Only the drive with the wheel travel uses it.
+/// velocity. Only the drive with the wheel travel uses `arm_to_travel`.
 pub(crate) fn nearest_singularity(
     driving: &Driving,
     fixed: &Fixed,
@@ -101,7 +102,7 @@ pub(crate) fn nearest_singularity(
         Drive::ArmAngle => {}
         Drive::PaperTheta => margins[8].1 = driving.arm_sine(moving).abs(),
         Drive::Travel => {
-            // The drive with the wheel travel passes a tie-rod toggle regularly.
+            // The drive with the wheel travel is not singular at a tie-rod toggle.
             margins[7].1 = 1.0;
             margins[9].1 = arm_to_travel.map_or(1.0, f64::abs);
         }

@@ -111,8 +111,8 @@ impl Driving {
         self.radius / self.d51
     }
 
-    /// Equation of the drive with the arm angle, at this position, as a length. Its left-hand side changes at the
-    /// speed of point 5.
+    /// Drive equation for the arm angle at this position, scaled to a length: the left-hand side changes at the speed of point
+    /// 5.
     pub(crate) fn along_the_arm(&self, moving: &Moving) -> Driver {
         let [e1, e2] = self.ahead;
         let ahead = e1.cross(e2).cross(moving[0] - self.centre).normalised();
@@ -154,14 +154,14 @@ impl Driving {
         }
     }
 
-    /// Scale of the drive with the wheel travel. The division by the sum of the weights keeps its rounding error as
-    /// small as that of the other equations.
+    /// Scale of the drive with the wheel travel. The equation is divided by the sum of the weights, so its rounding error is as
+    /// small as the rounding errors of the other equations.
     fn travel_scale(&self) -> f64 {
         self.d51 / self.wheel_centre.shares().map(f64::abs).iter().sum::<f64>()
     }
 
-    /// Rate of the level of (15) minus the rate of its left-hand side at fixed points, for a unit rate of the drive's value:
-    /// `-C_t`.
+    /// Number `-C_t` for a unit rate of the drive's value: the rate of the level of (15), minus the rate of the left-hand side
+    /// of (15) with fixed points.
     pub(crate) fn rate(&self, value: f64, moving: &Moving) -> f64 {
         match self.kind {
             Drive::ArmAngle => self.d51 * self.turned(value)[1].dot(moving[0] - self.centre),
@@ -170,8 +170,9 @@ impl Driving {
         }
     }
 
-    /// Remaining right-hand side of the acceleration equation, `-2 C_qt v rate - C_tt rate^2`. It is for a unit rate of the
-    /// drive's value; `rate` is the actual rate, and `velocity` holds the velocities at that rate.
+    /// Part of the acceleration equation's right-hand side, `-2 C_qt v rate - C_tt rate^2`. `rate` is the rate of the drive's
+    /// value, and `velocity` holds the velocities of the points at this rate. The other part is for the acceleration of the
+    /// drive.
     pub(crate) fn curvature(&self, value: f64, rate: f64, velocity: &Moving) -> f64 {
         match self.kind {
             // C_tt vanishes: the equation is harmonic in the angle, so C_tt = -C, and C = 0 at a solution.

@@ -78,10 +78,10 @@ pub struct AngularMotion {
 impl AngularMotion {
     /// Fits angular velocity and acceleration to all four knuckle points by least squares.
     ///
-    /// Take r and v relative to the mean of the points. The omega that minimises the sum of |v - omega x r|^2 solves `I omega =
-    /// sum of r x v`. Here `I = sum of |r|^2 - r r'` is the inertia of four unit masses. It is regular unless the points are on
-    /// one line. The same equation gives alpha, with a - omega x (omega x r) in place of v. Equation (25) uses a quotient that is
-    /// 0/0 for an omega in the plane of 6, 7 and 8.
+    /// Let r and v be the position and velocity of a point relative to the mean of the four points. The omega that minimises
+    /// the sum of |v - omega x r|^2 solves `I omega = sum of r x v`. Here `I = sum of |r|^2 - r r'` is the inertia of four unit
+    /// masses. It is regular unless the points are on one line. The same equation gives alpha, with a - omega x (omega x r) in
+    /// place of v. Equation (25) uses a quotient that is 0/0 for an omega in the plane of 6, 7 and 8.
     pub(crate) fn of(moving: &Moving, motion: &Motion) -> Option<Self> {
         let [r, v, a] = [moving, &motion.velocity, &motion.acceleration].map(about_mean);
         let mut inertia = Matrix3::zeros();
@@ -107,7 +107,7 @@ impl AngularMotion {
     }
 }
 
-/// Points 5 to 8 (or their rates) less their mean.
+/// Points 5 to 8 (or their rates), minus the mean of the four.
 fn about_mean(moving: &Moving) -> [Vector3<f64>; 4] {
     let [p5, p6, p7, p8, _] = *moving;
     let mean = (p5 + p6 + p7 + p8) * 0.25;

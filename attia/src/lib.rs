@@ -44,12 +44,12 @@
 //! how.
 //!
 //! # Singular positions
-//! The answer is a [`Refusal`] where the branch ends. It is also a refusal where the equations lose rank although the suspension
-//! may be sound ([`Singular`]).
+//! The answer is a [`Refusal`] where the solution branch ends. The answer is also a refusal where the equations lose rank, even
+//! if the suspension itself is not singular there ([`Singular`]).
 //!
 //! # Use in studies
-//! [`register`] makes `formulation = "point_coordinates"` available to the engine. The program `hardpoint` and the Python module
-//! call it.
+//! [`register`] makes `formulation = "point_coordinates"` available to the engine. The program `hardpoint` and the Python
+//! module call this function.
 //!
 //! # Frame and units
 //! x forward, y left (outboard), z up; a left wheel. Any unit of length works, because every equation is a squared length and

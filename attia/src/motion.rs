@@ -19,14 +19,14 @@ pub struct Rates {
 }
 
 impl Rates {
-    /// Unit rate of the drive with the rack held. With it, derivatives are with respect to the drive's value.
+    /// Unit rate of the drive with the rack fixed. Velocities are then derivatives with respect to the drive's value.
     pub const BY_DRIVE: Rates = Rates {
         drive: 1.0,
         drive_acceleration: 0.0,
         rack: 0.0,
         rack_acceleration: 0.0,
     };
-    /// Unit rate of the rack with the drive held. With it, derivatives are with respect to the rack's displacement.
+    /// Unit rate of the rack with the drive fixed. Velocities are then derivatives with respect to the rack's displacement.
     pub const BY_RACK: Rates = Rates {
         drive: 0.0,
         drive_acceleration: 0.0,
@@ -47,7 +47,7 @@ pub struct Motion {
 impl PointCoordinates {
     /// Velocities and accelerations at a solved pose.
     ///
-    /// C(q, t) = 0 are the fifteen equations, and J = C_q. One factorisation of J serves both solutions:
+    /// C(q, t) = 0 are the fifteen equations, and J = C_q. Both are solved with one factorisation of J:
     ///
     /// - J v = -C_t
     /// - J a = -(dJ/dt) v - C_qt v - C_tt

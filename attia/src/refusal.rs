@@ -39,8 +39,8 @@ impl Singular {
             Singular::StrutPointsCoincide => "the points 6 and 7 of the strut's axis coincide",
             Singular::RodPointsCoincide => "the points 4 and 9 of the strut's rod coincide",
             Singular::NoStrutLength => {
-                "the strut has no length: its top is at the foot of the perpendicular from the \
-                 ball joint to its axis"
+                "the strut has no length: strut_top is at the foot of the perpendicular from the \
+                 ball joint to the strut axis"
             }
             Singular::BallJointOnArmAxis => "the ball joint lies on the axis of the lower arm",
             Singular::TieRodToggle => {
@@ -68,7 +68,7 @@ pub enum Refusal {
     /// The requested pose is so near to a singular position that fewer than half of the digits would be correct.
     #[error("singular: {0}")]
     Singular(Singular),
-    /// The branch of the design position ends before the requested pose.
+    /// The solution branch of the design position ends before the requested pose.
     #[error("unreachable: the motion ends at the drive value {value}: {limit}")]
     Unreachable {
         /// Value of the drive up to which the branch was followed.
@@ -76,7 +76,7 @@ pub enum Refusal {
         /// Singularity that ends the range.
         limit: Singular,
     },
-    /// The branch of the design position ends before the rack reaches the requested displacement.
+    /// The solution branch of the design position ends before the rack reaches the requested displacement.
     #[error("unreachable: the rack ends before this position: {limit}")]
     RackUnreachable {
         /// Singularity that stops the rack.

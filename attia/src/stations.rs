@@ -23,8 +23,8 @@ impl PointCoordinates {
     /// Visits the drive's values outward from `start`; each pose starts from its neighbour. `visit` receives the
     /// number of the value, and its pose or the reason why it has no pose.
     ///
-    /// The order uses the form in which the value enters the drive's equation: the cosine for the paper's angle. So
-    /// values on both sides of a dead centre follow the order of the arm's positions.
+    /// The order uses the form in which the value enters the drive's equation: the cosine for the paper's angle. So values on
+    /// both sides of a dead centre are visited in the order of the arm's positions.
     pub fn for_each_pose(
         &self,
         start: &Pose,

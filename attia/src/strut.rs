@@ -29,9 +29,9 @@ pub struct Strut {
     pub wheel_centre: Vector3<f64>,
 }
 
-/// Choice of the points of the strut's axis that serve as 6, 7 and 9 in the equations.
+/// Choice of the points of the strut's axis that the equations use as points 6, 7 and 9.
 ///
-/// The pose does not depend on this choice, but its rounding error does.
+/// The pose does not depend on this choice, but the rounding error of the pose does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum StrutPoints {
     /// Points far apart, at fixed fractions of the strut's length. The equations are then as well conditioned as the suspension
@@ -138,5 +138,5 @@ impl Strut {
 
 /// Depths of 6, 7 and 9 below the top mount with [`StrutPoints::Spread`]. The unit is the distance from the mount to the foot of
 /// the ball joint on the axis. Multiples of a quarter of this distance were tried. These three gave the lowest median condition
-/// number, 73, over sixty road-car struts scattered by 50 mm.
+/// number, 73, over sixty road-car struts with random hardpoint moves of 50 mm.
 const SPREAD: [f64; 3] = [1.25, 0.5, 0.5];

@@ -1,4 +1,4 @@
-//! Newton's method from one pose to the next on the same branch.
+//! Newton's method from one pose to the next on the same solution branch.
 
 use super::branch::{Branch, nearest_singularity};
 use super::drive::{Driver, Driving};
@@ -64,7 +64,7 @@ pub struct PointCoordinates {
     design: Pose,
     /// Ratio of smallest to largest pivot at which the condition number reaches [`WORST_CONDITION`].
     smallest_spread: f64,
-    /// Size of the left-hand sides at a solution. It is not zero because of rounding.
+    /// Size of the left-hand sides at a solution. Because of rounding, this size is not zero.
     rounding: f64,
     pub(crate) work: WorkCounter,
 }
@@ -146,11 +146,11 @@ impl PointCoordinates {
 
     /// Returns the pose at another station, on the branch of `from`.
     ///
-    /// Drive and rack go there on a straight line. The solver makes one step if that is safe, otherwise as many as necessary. It
-    /// accepts a step if three conditions hold along the step:
+    /// Drive and rack change in proportion to each other, up to the new station. The solver makes one step if that is safe,
+    /// otherwise as many as necessary. It accepts a step if three conditions hold along the step:
     ///
-    /// - Newton's method contracts from the start. This estimates Kantorovich's condition: under it the root is the only one
-    ///   nearby, and a path of regular roots joins it to the start.
+    /// - Newton's method contracts from the start. This estimates Kantorovich's condition. If it holds, the root is the only
+    ///   one nearby, and a path of regular roots joins this root to the start.
     /// - The determinant of the Jacobian keeps its sign. The volumes that distinguish the assemblies keep their signs, too.
     /// - The condition number of the Jacobian leaves half of the digits correct.
     ///
@@ -192,8 +192,8 @@ impl PointCoordinates {
         })
     }
 
-    /// Applies Newton's method from the position `start`. `None` if it does not contract from its first step on, or if it
-    /// arrives on another branch.
+    /// Applies Newton's method from the position `start`. `None` if the iteration does not contract from the first step on, or
+    /// if it arrives on another solution branch.
     ///
     /// The iteration always ends: every step is at most a quarter of the previous one, until the equations hold to rounding. The
     /// method makes at least one step, so that it does not accept a double root as a solution.

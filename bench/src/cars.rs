@@ -1,5 +1,5 @@
-//! Solved states of a car per second, started from a neighbouring state or without one, and in lanes. Also with
-//! results, member loads and derivatives. Also times a whole map on two threads, and a tuning.
+//! Solved states of a car per second: started from a neighbouring state, started without one, and in SIMD lanes. Further jobs
+//! add results, member loads and derivatives. Two more jobs compute a whole map on two threads, and a tuning.
 
 use super::{Clock, Job, JobTime, Unmeasurable};
 use hardpoint_engine::car::{
@@ -36,8 +36,8 @@ fn between([from, to]: [f64; 2], count: usize) -> Vec<f64> {
     (0..count).map(at).collect()
 }
 
-/// Cases of a map, row by row: each row has one ax, and each case follows its neighbour. `count` replaces the numbers
-/// of accelerations of the study's map.
+/// Cases of a map, row by row. Each row has one value of ax, and each case follows a neighbouring case. `count` replaces the
+/// numbers of accelerations of the study's map.
 fn map(study: &CarStudy, count: Option<usize>) -> Vec<Vec<Case>> {
     let usual = || {
         let mut case = Case::at_rest("map");
@@ -58,7 +58,7 @@ fn map(study: &CarStudy, count: Option<usize>) -> Vec<Vec<Case>> {
     map.ax.iter().map(row).collect()
 }
 
-/// A case that has a state, with the state before it in its row.
+/// A case that has a state, with the state of the previous case in the same row.
 struct Step {
     case: Case,
     found: Equilibrium,
@@ -100,7 +100,7 @@ fn steps(solver: &mut CarSolver<'_>, map: &[Vec<Case>]) -> Vec<Step> {
     steps
 }
 
-/// Solves the rows of a map on two threads, each with its own solver, and works on every state.
+/// Solves the rows of a map on two threads, each with its own solver, and calls `work` for every state.
 fn on_two_threads(
     car: &Car,
     rows: &[Vec<Case>],
@@ -122,7 +122,7 @@ fn on_two_threads(
     }
 }
 
-/// A job that works on every one of these states.
+/// Makes a job that calls `work` for every one of these states.
 fn each<'a>(steps: &'a [&Step], mut work: impl FnMut(&Step) + 'a) -> Job<'a> {
     Job {
         items: steps.len(),

@@ -1,5 +1,5 @@
-//! Numbers of twice the precision: an unevaluated sum of two doubles, about 32 digits. They serve to measure the errors of
-//! doubles.
+//! Numbers of twice the precision: an unevaluated sum of two doubles, about 32 digits. The benchmark measures the errors of
+//! doubles with them.
 //!
 //! T. J. Dekker, A floating-point technique for extending the available precision, Numer. Math. 18, 1971. The square root takes
 //! one Newton step from the square root of the double.

@@ -139,7 +139,7 @@ impl Equilibria {
         Ok(found)
     }
 
-    /// Adds times of equilibria in lanes, if lanes support the wheel.
+    /// Adds times of equilibria in SIMD lanes, if the wheel can be computed in lanes.
     fn add_lanes(&mut self, own: &ElasticWheel, width: Width, clock: &Clock) {
         let names = match width {
             Width::Portable => [

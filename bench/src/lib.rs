@@ -70,7 +70,7 @@ pub enum Unmeasurable {
     NoEquilibrium,
     /// Threads cannot be started.
     #[error(
-        "{threads} threads cannot be started; the measurement takes 1 to {most} threads: give fewer with --threads"
+        "{threads} threads cannot be started; the measurement can use 1 to {most} threads: give a smaller number with --threads"
     )]
     Threads {
         /// Number of threads that cannot be started.

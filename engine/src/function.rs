@@ -285,8 +285,8 @@ impl<'f> Evaluation<'f> {
     }
 
     /// Computes the values of several designs together with their exact derivatives with respect to the variables. `jacobian`
-    /// has the shape `[design][output][station][variable]`, per length unit (per degree for a rotation). SIMD lanes hold
-    /// several designs if lanes can differentiate the outputs; otherwise designs are computed one by one.
+    /// has the shape `[design][output][station][variable]`, per length unit (per degree for a rotation). If the outputs can be
+    /// differentiated in SIMD lanes, several designs are computed at once. Otherwise designs are computed one by one.
     ///
     /// # Panics
     /// Panics if the lengths of the slices do not match.
@@ -328,7 +328,7 @@ impl<'f> Evaluation<'f> {
         self.gradients = Some((evaluator, found));
     }
 
-    /// Makes the `count` designs of the variables `x`.
+    /// Makes `count` designs from the values `x` of the variables.
     fn place(&mut self, x: &[f64], count: usize) {
         let f = self.function;
         let (width, points) = (self.offsets.len(), f.suspension.design.len());

@@ -1,9 +1,9 @@
-"""How fast the module is, as ratios to what it should be; takes scipy, and dask for the last two.
+"""Speed of the module: measured times divided by the largest acceptable times. Needs scipy, and dask for the last two.
 
     python python/benches/speed.py [--program target/release/hardpoint] [--samples 1000000] [--only tuning]
 
-Run it with a release wheel (`pip install ./python`) on a machine that does nothing else. Times are medians, but for
-those of sweeps, which are the best of `--repeat`. A ratio above 1 is slower than wanted.
+Run it with a release wheel (`pip install ./python`) on a machine that does nothing else. Times are medians; for
+sweeps they are the best of `--repeat` runs. A ratio above 1 means too slow.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def seconds(work: Callable[[], object]) -> float:
 
 
 def median(work: Callable[[], object], times: int) -> float:
-    """The median of so many calls, after some that warm up."""
+    """Median time of a call over `times` calls, after some calls that warm up."""
     for _ in range(max(3, times // 10)):
         work()
     return statistics.median(seconds(work) for _ in range(times))
@@ -46,7 +46,7 @@ def least(work: Callable[[], object], times: int) -> float:
 
 
 class Bench:
-    """What is measured: each yields a name, a figure, its unit and what it should be at most."""
+    """Measurements. Each method yields names, measured values, their units, and the largest acceptable values."""
 
     def __init__(self, options: argparse.Namespace) -> None:
         self.program = options.program
@@ -54,7 +54,7 @@ class Bench:
         self.study = hp.load(STUDIES / "macpherson_sweep.toml", {"sweep.samples": options.samples})
 
     def design(self) -> Iterator[tuple[str, float, str, float]]:
-        """Values and Jacobians of one design, of four angles over all travels, and a study with a moved point."""
+        """Times of values and Jacobians of one design (four angles at all travels), and of a study with a moved point."""
         angles = {"outputs.characteristics": ["camber", "toe", "caster", "kingpin_inclination"]}
         for name, of_values, of_jacobian in [("macpherson_front", 40.0, 50.0), ("macpherson_axle", 400.0, None)]:
             f = hp.load(STUDIES / f"{name}.toml").replace(angles).function()
@@ -70,7 +70,7 @@ class Bench:
             yield f"replace of a point, {name}", 1e6 * median(replace, 1000), "us", 20.0
 
     def tuning(self) -> Iterator[tuple[str, float, str, float]]:
-        """A tuning by SciPy with the exact Jacobian."""
+        """Time of a tuning by SciPy with the exact Jacobian."""
         from scipy.optimize import least_squares
 
         r = hp.load(STUDIES / "macpherson_front.toml").residuals()
@@ -82,7 +82,7 @@ class Bench:
         yield "tuning by SciPy", 1e3 * median(tune, 30), "ms", 6.0
 
     def arrays(self) -> Iterator[tuple[str, float, str, float]]:
-        """A sweep into arrays against the program's into CSV, on all cores."""
+        """Time of a sweep into arrays, divided by the time of the program's sweep into CSV, on all cores."""
         with tempfile.TemporaryDirectory() as folder:
             file = Path(folder) / "study.toml"
             file.write_text(self.study.text)
@@ -92,7 +92,7 @@ class Bench:
             yield f"sweep into arrays ({made:.2f} s) to CSV ({written:.2f} s)", made / written, "", 0.6
 
     def dask(self) -> Iterator[tuple[str, float, str, float]]:
-        """What Dask adds to parts, and what a second worker gains."""
+        """Additional time for parts with Dask, and the gain from a second worker."""
         import dask
         from dask.distributed import Client, LocalCluster
 

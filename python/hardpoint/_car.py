@@ -58,11 +58,12 @@ class CarTuning:
     message: str
     """Outcome in words."""
     misfit: float
-    """Root of the weighted mean of squared deviations, in tolerances."""
+    """Root of the weighted mean of squared deviations. Each deviation is divided by its tolerance."""
     variables: tuple[str, ...]
     """Columns of the variables (k)."""
     targets: Frame
-    """A row for each target: output, case, tolerance, deviation in tolerances, wanted and values (before, after) as pairs."""
+    """A row for each target: output, case, tolerance, deviation divided by the tolerance, target value and values. The last
+    ones are pairs (before, after)."""
     side_effects: Frame
     """Changes without a target, those beyond a customary tolerance first: output, unit, before_min, before_max, after_min,
     after_max, largest_change, case, wheel, at, tolerance, flagged, lost. Empty with side_effects = false in [optimise]."""
@@ -82,7 +83,7 @@ class CarTuning:
 
 
 class Car:
-    """Validated study of a car. It is immutable, and pickles as its text and the texts of its axles."""
+    """Validated study of a car. It is immutable. Pickling stores its text and the texts of both axles."""
 
     __slots__ = ("_car",)
 

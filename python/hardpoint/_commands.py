@@ -72,8 +72,8 @@ def setup(study: Study | Place) -> Results:
     """Finds the adjustments that give the static values of [setup].
 
     Tables: "setup" (instructions, and static values after each step), "effects" (effect of each adjustment) and "curves".
-    `summary["met"]` is true if all wanted values are met up to half steps of shims and turns. Each of `summary["statics"]`
-    has value and error for the computed amounts (`set`, `miss`), and for amounts rounded to real steps (`set_rounded`,
+    `summary["met"]` is true if all target values are reached within half a step of a shim or turn. Each of `summary["statics"]`
+    has value and error for the computed amounts (`set`, `miss`), and for amounts rounded to available steps (`set_rounded`,
     `miss_rounded`). `ride_height_change` is positive if the car becomes higher."""
     study = study_of(study)
     return Results(_hardpoint.setup(study._study), study)
@@ -106,7 +106,7 @@ def compare(**studies: Study | Car | Place) -> Results:
     page with overlaid curves. Cars compare with cars: "comparison" has the results of all cases, "changes" has their
     largest changes."""
     if len(studies) < 2:
-        raise HardpointError(f"compare takes two or more studies by name, as in compare(before=a, after=b); found {len(studies)}")
+        raise HardpointError(f"compare needs two or more studies by name, as in compare(before=a, after=b); found {len(studies)}")
     cars = [(label, study._car) for label, study in studies.items() if is_car(study)]
     if len(cars) == len(studies):
         return Results(_hardpoint.car_compare(cars))
@@ -123,7 +123,7 @@ def report(run: Run | Place, plots: Place | None = None, force: bool = False) ->
     """Makes one self-contained page of a run's directory, and pictures of its curves in the directory `plots`. Replaces
     existing pictures. Returns the path of the page. Results in memory have a method `report(path)`."""
     if not isinstance(run, (str, os.PathLike, Run)):
-        raise HardpointError(f"report takes a Run or its directory; use .report(path) of {type(run).__name__}")
+        raise HardpointError(f"report needs a Run or its directory; for results in memory use {type(run).__name__}.report(path)")
     path = run.path if isinstance(run, Run) else Path(run)
     pictures = _hardpoint.report(path, plots is not None, force)
     if plots is not None:
@@ -196,7 +196,7 @@ def export(
     options += _options(rack=rack, grow=grow, out=out)
     flags = ["--round-all"] * round_all + ["--curves"] * curves + ["--force"] * force
     if is_car(source):
-        raise HardpointError("export takes the path of a car's study")
+        raise HardpointError("export needs the path of the study file of a car")
     if not isinstance(source, Study):
         place = source.path if isinstance(source, Run) else Path(source)
         return _program("export", place, *options, *flags).splitlines()

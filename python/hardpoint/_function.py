@@ -232,8 +232,8 @@ class Function(_Constrained):
 
 
 class Residuals(_Constrained):
-    """Targets of [optimise] as least squares: r(x) (m,) in tolerances. Weights make the misfit the root mean square of r.
-    SciPy requests r and its Jacobian separately, so the results for the last x are kept."""
+    """Targets of [optimise] as least squares: r(x) (m,) are deviations divided by tolerances. Weights make the misfit the
+    root mean square of r. SciPy requests r and its Jacobian separately, so the results for the last x are kept."""
 
     def __init__(self, study: Study, on_failure: Literal["nan", "raise"] = "nan") -> None:
         if on_failure not in ("nan", "raise"):

@@ -148,7 +148,7 @@ class Run(Mapping[str, Frame]):
         """Refuses a finished sweep from which rows are missing."""
         designs = self.summary.get("designs") if self.command == "sweep" else None
         if isinstance(designs, int) and designs != rows:
-            raise HardpointError(f"{self.path}: {rows} of the sweep's {designs} designs are there: parts of it are missing or cut")
+            raise HardpointError(f"{self.path}: the directory has only {rows} of {designs} designs: parts are missing or cut off")
 
     def __getitem__(self, name: str) -> Frame:
         if name not in self._read:

@@ -108,7 +108,7 @@ class Study:
     def __init__(self, study: _hardpoint.Study) -> None:
         if not isinstance(study, _hardpoint.Study):
             raise HardpointError(
-                f"Study() takes no {type(study).__name__}; hp.load(path) reads a file, hp.loads(text) a text, "
+                f"Study() does not accept {type(study).__name__}; hp.load(path) reads a file, hp.loads(text) a text, "
                 "hp.Study.from_dict(sections) a mapping"
             )
         self._study = study
@@ -216,8 +216,8 @@ class Study:
         return Function(self, None if variables is None else names_of(variables, "variables"), constraints)
 
     def residuals(self, on_failure: Literal["nan", "raise"] = "nan") -> Residuals:
-        """Targets of [optimise] as a function of its variables, in tolerances. A design without residuals gives NaN, so
-        that an optimiser shortens its step, or raises an exception."""
+        """Deviations from the targets of [optimise], divided by their tolerances, as a function of the variables. A
+        design without residuals gives NaN, so that an optimiser shortens its step, or raises an exception."""
         return Residuals(self, on_failure)
 
     def swept(self, number: int) -> Study:
@@ -263,7 +263,7 @@ def study_of(source: Study | Car | str | PathLike[str]) -> Study:
     if isinstance(source, (str, PathLike)):
         return load(source)
     if is_car(source):
-        raise HardpointError("this call is of a suspension; a Car holds those of its axles: car.front, car.rear")
+        raise HardpointError("this call needs the study of a suspension; a Car contains two: car.front and car.rear")
     raise HardpointError(f"expected a Study or the path of a study file, found {type(source).__name__}")
 
 
@@ -376,7 +376,7 @@ def limits(
     direction and case."""
     if is_car(study):
         if builds is not None:
-            raise HardpointError("limits of builds are those of a suspension; leave out builds")
+            raise HardpointError("limits of builds are not available for a car; leave out builds")
         return Frame(_hardpoint.parse_table(_hardpoint.car_limits(study._car)))
     study = study_of(study)
     if builds is None:

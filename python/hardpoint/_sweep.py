@@ -45,7 +45,7 @@ class Sweep(Frame):
     def _source(self) -> tuple[Study, Floats | None]:
         """Study, and the designs if they do not come from its [sweep]."""
         if self._study is None:
-            raise HardpointError('the sweep of a car is written by hp.run(["sweep", "car.toml", "--report"])')
+            raise HardpointError('to write the sweep of a car, use hp.run(["sweep", "car.toml", "--report"])')
         if self._names is None:
             return self._study, None
         x = np.column_stack([self[name] for name in self.variables])
@@ -101,18 +101,18 @@ def sweep(
 ) -> Sweep:
     """Solves the designs of the study's [sweep] into arrays. Results equal those of `hardpoint sweep` bit for bit.
 
-    With `x` (n, k) the designs are its rows, and the study needs no [sweep]. Its columns are `variables`; the default is
-    the variables of [sweep], otherwise `study.variables`. A row with a number that is not finite has a status but no
-    values. `progress(done, all)` is called about twenty times a second. The designs of a `Car` are those of its [sweep].
+    With `x` (n, k) the designs are its rows, and the study needs no [sweep]. The columns of x are `variables`; the default
+    is the variables of [sweep], otherwise `study.variables`. A row with a number that is not finite has a status but no
+    values. `progress(done, all)` is called about twenty times a second. A `Car` uses the designs of its [sweep].
     """
     if is_car(study):
         if x is not None or variables is not None:
-            raise HardpointError("the designs of a car are those of its [sweep]; leave out x and variables")
+            raise HardpointError("a car uses the designs of its [sweep]; leave out x and variables")
         return study.sweep(threads=threads, progress=progress)
     study = study_of(study)
     if x is None:
         if variables is not None:
-            raise HardpointError("variables are the columns of x, and there is no x")
+            raise HardpointError("variables name the columns of x, but there is no x")
         found = _hardpoint.sweep(study._study, None, None, threads, progress)
         return Sweep(found["columns"], found, study)
     names = names_of(variables, "variables") if variables is not None else study.sweep_variables or study.variables

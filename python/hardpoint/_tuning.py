@@ -37,7 +37,7 @@ class Tuning:
     message: str
     """Outcome in words: misfit, violated constraints, how the kept start ended."""
     misfit: float
-    """Root of the weighted mean of squared deviations, in tolerances; NaN if no start succeeded."""
+    """Root of the weighted mean of squared deviations, each divided by its tolerance; NaN if no start succeeded."""
     before: float | None
     """Misfit of the study's own design."""
     variables: list[str]
@@ -46,7 +46,7 @@ class Tuning:
     """A row for each variable: design, tuned, offset, low, high, at_bound ("lower", "upper" or ""). For a fit also its
     standard error and interval."""
     targets: Frame
-    """A row for each target: rms and worst deviation in tolerances, before and after."""
+    """A row for each target: rms and worst deviation, divided by the tolerance, before and after."""
     constraints: Frame
     """A row for each constraint: margin (negative if violated), status "kept", "binds" or "violated", price."""
     side_effects: Frame
@@ -61,7 +61,7 @@ class Tuning:
     starts: Frame
     """A row for each start, with its outcome."""
     scatter: float | None
-    """Scatter of the measurements about a fit, in tolerances; None if the tuning is no fit."""
+    """Scatter of the measurements about a fit, in multiples of the tolerance; None if the tuning is no fit."""
     expected_yield: dict[str, float] | None
     """Shares of builds within all bands, with robust = "yield": `without_scatter` and `tuned`, from `builds` builds, and
     the `surrogate` of the search. None in other tunings."""

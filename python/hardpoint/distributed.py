@@ -47,7 +47,7 @@ def sweep_part(text: str, name: str, out: str, part: int, of: int) -> int:
     except OSError as error:
         raise HardpointError(f"part {part} of {of}: {said_here(str(error))}") from None
     if not is_whole:
-        raise HardpointError(f"part {part} of {of}: it is not whole")
+        raise HardpointError(f"part {part} of {of} is incomplete")
     return part
 
 
@@ -74,7 +74,7 @@ def sweep(
             for part in sorted(left):
                 futures.append(engine.submit(sweep_part, study.text, study.name, str(directory), part, count))
         except Exception as error:  # noqa: BLE001: an engine that has lost its workers already
-            _log.warning("the engine takes no more parts: %s", error)
+            _log.warning("the executor accepts no more parts: %s", error)
         try:
             left -= _done(futures, is_last=attempt + 1 == tries)
         except BaseException:

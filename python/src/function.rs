@@ -15,7 +15,8 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
 
-/// Number of designs that one thread takes at a time for values. Values with Jacobians take longer and have a smaller number.
+/// Number of designs that one thread takes at a time for values. Values with Jacobians take longer, so fewer designs are taken
+/// at a time.
 const CHUNK: usize = 128;
 const DIFFERENTIATED: usize = 32;
 /// Number of designs per chunk for an axle, whose designs are solved one by one.
@@ -320,8 +321,8 @@ pub(crate) fn named(
     }
 }
 
-/// True if two variables are the same, or if one sets a coordinate that the other one moves. Two offsets of the same coordinate
-/// do not conflict: they add up.
+/// Returns true if two variables are the same, or if one sets a coordinate that the other one moves. Two offsets of the same
+/// coordinate do not conflict: they add up.
 fn contradict(study: &hardpoint::Study, a: &DesignVariable, b: &DesignVariable) -> bool {
     if a.name == b.name {
         return true;
@@ -338,7 +339,7 @@ fn contradict(study: &hardpoint::Study, a: &DesignVariable, b: &DesignVariable) 
     }
 }
 
-/// True if the rotation with this name moves one of the moved points.
+/// Returns true if the rotation with this name moves one of the moved points.
 fn turns(study: &hardpoint::Study, name: &str, moves: &[Move]) -> bool {
     let (points, _) = name.rsplit_once("_turn_").unwrap_or((name, ""));
     let mechanism = &study.wheel().mechanism;

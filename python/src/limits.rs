@@ -91,8 +91,8 @@ fn value(end: &LimitEnd) -> f64 {
     end.value.unwrap_or(f64::NAN)
 }
 
-/// Names of the rows: the quantity, without the study's unit of length. Further rows of the same quantity also name the positions
-/// at which the other quantities are held, as in `travel, rack 10`.
+/// Names of the rows: the quantity, without the study's unit of length. Further rows of the same quantity also name the fixed
+/// positions of the other quantities, as in `travel, rack 10`.
 fn names(own: &hardpoint::Study, rows: &[LimitRow]) -> Vec<String> {
     let length = format!("_{}", own.wheel().length_unit.symbol());
     let mut names: Vec<String> = Vec::new();
@@ -113,7 +113,7 @@ fn names(own: &hardpoint::Study, rows: &[LimitRow]) -> Vec<String> {
     names
 }
 
-/// Adds None for usual quantities that nothing moves in this study.
+/// Adds `None` for each usual quantity that this study does not move.
 fn add_missing(own: &hardpoint::Study, result: &Ranges<'_>) -> PyResult<()> {
     let usual: &[&str] = match own.axle() {
         None => &["travel", "rack", "arm_angle_deg"],

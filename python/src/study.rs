@@ -213,7 +213,7 @@ impl Study {
     }
 }
 
-/// True if the study's points pass all checks that reading a study makes.
+/// Returns true if the study's points pass all checks that reading a study makes.
 fn is_sound(study: &hardpoint::study::Study) -> bool {
     let right = study.axle().and_then(|both| both.axle.right.as_ref());
     let mut wheels = [Some(study.wheel()), right].into_iter().flatten();

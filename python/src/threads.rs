@@ -1,4 +1,4 @@
-//! Work on a pool of threads, while the calling thread serves Python: Ctrl-C, progress and callbacks.
+//! Work on a pool of threads, while the calling thread handles Ctrl-C, progress and callbacks of Python.
 //!
 //! Each process has its own pool, because the threads of a pool do not survive a fork. A forked child that used its parent's pool
 //! would wait forever.

@@ -12,7 +12,7 @@ CAR = STUDIES / "car.toml"
 
 
 def short(tmp_path, more=""):
-    """The road car with few results and other sections."""
+    """Study of the road car with few results, and with `more` as further sections."""
     for end in ("front", "rear"):
         name = f"car_{end}.toml"
         (tmp_path / name).write_bytes((STUDIES / name).read_bytes())
@@ -98,7 +98,7 @@ def test_tuned_cars_are_studies(tmp_path):
     np.testing.assert_array_equal(frame["largest_change"], [effect["largest_change"] for effect in effects])
     assert set(frame["case"]) <= {*car.cases, ""}
     flagged = [name for name, is_flagged in zip(frame["output"], frame["flagged"], strict=True) if is_flagged]
-    # The target for the roll gradient also asks for the roll.
+    # A target for the roll gradient counts as a target for the roll, too. So neither of them is a side effect.
     assert "camber_to_road" in flagged and not {"roll", "roll_gradient"} & set(flagged)
 
 

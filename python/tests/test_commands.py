@@ -27,7 +27,7 @@ FUNCTIONS = {
     "compare": hp.compare,
     "schema": hp.schema,
 }
-# For shells, terminals and files: hp.run(["studio", ...]) and the like run them.
+# Commands for shells, terminals and files. Python runs them with hp.run, as in hp.run(["studio", ...]).
 TYPED = {"studio", "bench", "kc", "convert", "completions", "man", "help"}
 
 

@@ -13,7 +13,7 @@ STUDY = STUDIES / "double_wishbone_compliance.toml"
 
 
 def of(frame, quantity, column="value"):
-    """The figure of the test without trail."""
+    """Result of the rig test whose force has no trail."""
     rows = (frame["quantity"] == quantity) & ~(frame["trail_mm"] > 0.0)
     (value,) = frame[column][rows]
     return value
@@ -24,7 +24,7 @@ def test_tests_of_a_rig_are_frames():
     assert set(found) == {"kc", "levels", "compliance_matrix"}
     assert found.summary["design_load_N"] == pytest.approx(4682.0, abs=1.0)
     assert not found.summary["is_rigid"]
-    # The secant at the station is the slope between the outermost levels.
+    # The secant at the station is the slope between the smallest and the largest load level.
     levels = found["levels"]
     rows = (levels["load"] == "lateral") & (levels["trail_mm"] == 0.0)
     toe, force = levels["toe_deg"][rows], levels["force_N"][rows]
@@ -112,7 +112,7 @@ def test_curves_are_those_of_equilibria():
 
 
 def limits_of_the_program(capfd, *arguments):
-    """Rows of `hardpoint limits`, by quantity and held positions."""
+    """Rows of `hardpoint limits`, by quantity and the fixed positions of the other quantities."""
     capfd.readouterr()
     assert hp.run(["limits", *arguments, "--format", "csv"]) == 0
     rows = [row[1:] for row in csv.reader(capfd.readouterr().out.splitlines()) if row[:1] == ["limits"]]

@@ -51,7 +51,7 @@ def test_equalities_come_first_and_have_both_signs(steering):
 
 
 def test_slsqp_finds_no_less_than_the_constrained_tuning(steering):
-    """The study's own tuning with good_enough = 0 asks for the same minimum."""
+    """With good_enough = 0, the tuning of the study searches for the same minimum as SciPy."""
     scipy = pytest.importorskip("scipy.optimize")
     tight = {"length": "tie_rod", "between": [362.0, 375.0]}
     study = steering.replace({"optimise.constraints": [tight], "optimise.good_enough": 0.0, "optimise.starts": 1})

@@ -1,6 +1,6 @@
-"""Sweeps in parts: whoever does them, with workers and drivers killed in the middle, the same bytes.
+"""Sweeps in parts have the same bytes with every executor, also if workers and drivers are killed during the sweep.
 
-`HARDPOINT_SWEEP_SAMPLES=1000000` makes it the long check.
+`HARDPOINT_SWEEP_SAMPLES=1000000` selects the long check.
 """
 
 import hashlib
@@ -29,7 +29,7 @@ def study():
 
 
 def digests(directory):
-    """The SHA-256 of every part, its statistics and the summary."""
+    """SHA-256 of every part, of its statistics and of the summary."""
     names = sorted(p for p in directory.iterdir() if p.name.startswith("part-") or p.name == "summary.json")
     return {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in names}
 
@@ -47,7 +47,7 @@ def file(study, tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def alone(study, file, tmp_path_factory):
-    """What one process makes of it."""
+    """Hashes of the files that a single process writes for the sweep."""
     run = tmp_path_factory.mktemp("alone") / "run"
     assert program("sweep", file, "--out", run).wait() == 0
     made = digests(run)
@@ -56,7 +56,7 @@ def alone(study, file, tmp_path_factory):
 
 
 class Killer(threading.Thread):
-    """Kills a process once somebody is at a part in a directory."""
+    """Kills a process as soon as a directory contains a file of a part."""
 
     def __init__(self, directory, process):
         super().__init__(daemon=True)

@@ -1,4 +1,4 @@
-"""The manual: its names exist, its Python runs, help() is complete."""
+"""Names in the manual exist, the Python code in it runs, and help() is complete."""
 
 import builtins
 import importlib.util

@@ -1,4 +1,4 @@
-"""Wrong or hidden results that users met, each with its right answer."""
+"""Wrong or hidden results that users reported, each with the correct result."""
 
 import subprocess
 import sys
@@ -151,7 +151,7 @@ SUSPENSIONS = [path for path in sorted(STUDIES.glob("*.toml")) if not any(key in
 
 @pytest.mark.parametrize("path", SUSPENSIONS, ids=lambda path: path.stem)
 def test_moved_points_are_those_of_the_text(path):
-    """Points alone are replaced without reading the text again: the result is that of the text."""
+    """If only points change, the text is not read again. The result equals that of a study read from the new text."""
     study = hp.load(path)
     # The shear centre of a twist beam must stay in the middle of the car, so it is not moved.
     names = [name for name in study.points if name != "shear_centre"][:2]
@@ -187,7 +187,7 @@ def test_parquet_has_no_dictionaries_of_numbers(sweep_study, tmp_path):
 
 
 def test_the_lock_is_let_go(front):
-    """Another thread runs while studies are read, targets laid out, schemas made and designs solved."""
+    """Another thread keeps running while studies are read, targets prepared, schemas made and designs solved."""
     import threading
     import time
 

@@ -1,4 +1,4 @@
-"""Results: one kind of mapping, whatever made it."""
+"""All results are the same kind of mapping, whichever call made them."""
 
 import pickle
 

@@ -33,7 +33,7 @@ def test_values_are_the_curves_and_do_not_depend_on_company(front):
 
 @pytest.mark.parametrize("name", ["macpherson", "double_wishbone", "five_link", "semi_trailing_arm"])
 def test_jacobians_are_derivatives(name):
-    """Against differences of sixth order, of every characteristic that the template asks for."""
+    """Jacobians agree with difference quotients of sixth order, for every characteristic that the template requests."""
     study = hp.loads(hp.template(name), {"motion.travel": [-20.0, 0.0, 30.0]})
     names = [f"{study.points[0]}_dz", f"{study.points[-1]}_dy", "wheel_centre_dx"]
     f = study.function(sorted(set(names)))
@@ -61,7 +61,7 @@ def test_hostile_arrays_are_exceptions(front):
     for threads in (0, -1, 2**70):
         with pytest.raises((hp.HardpointError, OverflowError)):
             f(np.zeros(k), threads=threads)
-    # The answer would be larger than the address space.
+    # The result would be larger than the address space.
     huge = np.broadcast_to(np.zeros(k), (2**40, k))
     with pytest.raises((MemoryError, hp.HardpointError)):
         f(huge)
@@ -90,7 +90,7 @@ def test_hostile_arrays_are_exceptions(front):
 
 
 def test_values_and_jacobians_are_found_together(front):
-    """One design alone is as among others; where a station has no pose the others keep theirs."""
+    """A design alone has the same results as among other designs. If one station has no pose, the others keep their values."""
     study = front.replace({"motion.travel": [-60.0, 0.0, 60.0, 5000.0]})
     for f in (front.function(), study.function()):
         x = designs(f, 37)

@@ -1,4 +1,4 @@
-"""Ctrl-C in every call that may take long: an exception soon after, and nothing left running."""
+"""Ctrl-C during every call that may take long: an exception follows soon, and no work continues."""
 
 import os
 import signal
@@ -93,7 +93,7 @@ def test_ctrl_c_is_heard(call, tmp_path):
 
 @pytest.mark.parametrize("call", [curves, checked, compared], ids=lambda call: call.__name__)
 def test_ctrl_c_is_heard_by_requests_of_one_design(call):
-    """Many stations, so that one design takes long. The study is read before."""
+    """The study has so many stations that one design takes long. It is read before the call."""
     interrupted(call, many_stations())
 
 

@@ -1,4 +1,4 @@
-"""Recipes are notebooks. Each runs as it stands where its packages are installed, cell after cell. One also runs by nbclient."""
+"""Recipes are notebooks. Each one runs unchanged, cell after cell, if its packages are installed. One also runs by nbclient."""
 
 import json
 import subprocess
@@ -29,7 +29,7 @@ SMALL = {"HARDPOINT_DESIGNS": "5000", "HARDPOINT_BUILDS": "300", "HARDPOINT_TRIA
 
 
 def sources(recipe):
-    """The code cells."""
+    """Source texts of the code cells."""
     notebook = json.loads((RECIPES / f"{recipe}.ipynb").read_text(encoding="utf-8"))
     return ["".join(cell["source"]) for cell in notebook["cells"] if cell["cell_type"] == "code"]
 
@@ -43,7 +43,7 @@ def by_nbclient(recipe):
 
 
 def cell_after_cell(recipe):
-    """All cells in one process. A kernel for each recipe would take longer to start than most recipes take to run."""
+    """Runs all cells in one process. Starting a kernel for each recipe would take longer than most recipes run."""
     code = "\n\n".join(sources(recipe))
     command = [sys.executable, "-P", "-c", code]
     done = subprocess.run(command, cwd=RECIPES, capture_output=True, text=True, timeout=300, check=False)
@@ -74,7 +74,7 @@ def test_a_recipe_runs_as_a_notebook():
 
 
 def test_a_failing_cell_fails(monkeypatch, tmp_path):
-    """The runner hears an assertion."""
+    """A failed assertion in a cell makes the test of its recipe fail."""
     cell = {"cell_type": "code", "source": ["assert False, 'planted'"]}
     (tmp_path / "planted.ipynb").write_text(json.dumps({"cells": [cell]}))
     monkeypatch.setattr(sys.modules[__name__], "RECIPES", tmp_path)

@@ -1,4 +1,4 @@
-"""Results in memory as directories and pages: those of the program."""
+"""Results in memory, written as directories and pages, equal the results of the program."""
 
 import json
 import pickle
@@ -12,7 +12,7 @@ from conftest import STUDIES
 
 
 def written(command, study, tmp_path, *more):
-    """The directory of the program's run of a study."""
+    """Directory that the program writes for a run of a study."""
     path = tmp_path / f"{study.name}.toml"
     path.write_text(study.text, encoding="utf-8")
     assert hp.run(["--quiet", command, path, "--out", tmp_path / "run", "--report", *more]) in (0, 1)
@@ -63,7 +63,7 @@ def test_a_tuning_with_a_front_has_it_on_its_page(tmp_path):
 
 
 def data(page):
-    """The data that a page's script reads."""
+    """Data that the script of a page reads."""
     found = re.search(r'<script type="application/json" id="run">(.*?)</script>', page.read_text(), re.DOTALL)
     return json.loads(found[1])
 

@@ -29,7 +29,7 @@ def test_constructors_have_the_keys_of_the_schema(kind, path):
 
 
 def made(study, **changes):
-    """A study rebuilt from its numbers."""
+    """Makes a study again from its own numbers."""
     sections = {**study.to_dict(), **changes}
     suspension = sections.pop("suspension")
     points, topology = suspension.pop("hardpoints"), suspension.pop("topology")

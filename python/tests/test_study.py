@@ -1,4 +1,4 @@
-"""Studies, curves, limits: what is asked of one design."""
+"""Requests about one design: studies, curves and limits."""
 
 import csv
 import pickle

@@ -1,4 +1,4 @@
-"""hp.view, without a browser: what its sliders do."""
+"""Effects of the sliders of hp.view, tested without a browser."""
 
 import json
 

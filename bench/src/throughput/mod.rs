@@ -232,8 +232,8 @@ impl<'a> Planned<'a> {
         self.add("all of these by every hardpoint", one_by_one(), 1, job);
     }
 
-    /// Times the jobs. Jobs with several threads run alone. Between samples of other jobs their threads would lose their cores,
-    /// and would get them back only after tens of milliseconds.
+    /// Times the jobs. Jobs with several threads run alone. During the samples of other jobs, the threads of such a job would
+    /// lose their processor cores. They would get cores again only after tens of milliseconds.
     fn run(self, clock: &Clock) -> Vec<Measurement> {
         let (mut alone, mut together): (Vec<Job<'_>>, Vec<Job<'_>>) = (Vec::new(), Vec::new());
         for (job, (_, _, threads)) in self.jobs.into_iter().zip(&self.rows) {
@@ -289,7 +289,7 @@ fn at_arm_angles(motion: &Motion, frame: &Frame) -> Stations {
     Stations::of(&motion, frame, &[])
 }
 
-/// One block of designs scattered about the design of the suspension.
+/// One block of designs: the suspension with random moves of the hardpoints.
 fn scattered(suspension: &Suspension) -> Vec<Vector3<f64>> {
     let by = SCATTER * suspension.size();
     let points = suspension.design.len();

@@ -41,7 +41,8 @@ impl Info {
         by_rack: false,
     };
 
-    /// Returns the entry of a wheel's formula. Its order of derivatives becomes 1 if it reads a velocity, else 0.
+    /// Returns the entry of a wheel's formula. The order of derivatives in the entry becomes 1 if the formula reads a velocity,
+    /// else 0.
     pub(crate) const fn of_wheel(self) -> Info {
         let mut reads_rates = false;
         let mut k = 0;

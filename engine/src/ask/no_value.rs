@@ -25,7 +25,7 @@ pub enum NoValue {
 }
 
 impl NoValue {
-    /// Returns true if nothing carries a load. The station's status reports it.
+    /// Returns true if nothing carries a load. The status of the station reports this reason.
     pub fn is_about_loads(self) -> bool {
         matches!(self, NoValue::Unsupported | NoValue::NotHeld)
     }

@@ -1,8 +1,8 @@
 //! Kingpin and camber angles of Attia's paper, under separate names.
 //!
-//! H. A. Attia, *Numerical Kinematic Analysis of the Standard Macpherson Motor-Vehicle Suspension System*, KSME
-//! International Journal 17 (2003), equations (16) and (17). They allow a comparison with the paper. The usual engineering
-//! angles are `kingpin_inclination` and `camber`.
+//! H. A. Attia, *Numerical Kinematic Analysis of the Standard Macpherson Motor-Vehicle Suspension System*, KSME International
+//! Journal 17 (2003), equations (16) and (17). These two angles allow a comparison with the paper. The usual engineering angles
+//! are `kingpin_inclination` and `camber`.
 
 use super::{Need, Slot, Unit, formulas};
 use crate::number::{Real, Vector3};
@@ -48,8 +48,8 @@ pub fn attia_kingpin<T: Real>(lower_ball_joint: Vector3<T>, strut_upper: Vector3
 /// Equation (17): inclination of the line 7-10 (`strut_upper`, `wheel_centre`) in the transverse plane, positive with the
 /// wheel centre above 7 and outboard of it.
 ///
-/// It uses the line 7-10 in place of the spin axis, and projects it. So it equals camber only if 7-10 is the spin axis and
-/// the wheel is not steered.
+/// The formula uses the line 7-10 in place of the spin axis, and projects this line. So the result equals camber only if 7-10
+/// is the spin axis and the wheel is not steered.
 #[inline(always)]
 pub fn attia_camber<T: Real>(strut_upper: Vector3<T>, wheel_centre: Vector3<T>) -> T {
     let line = strut_upper - wheel_centre;

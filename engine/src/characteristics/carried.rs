@@ -29,8 +29,8 @@ impl CarriedForce {
         self.support.rocker(mechanism)
     }
 
-    /// Value of the reaction, as a series, from a balance with its support. `view` must have read spin axis and wheel
-    /// centre.
+    /// Value of the reaction as a series, from the balance of forces under this load and with this support. `view` must have
+    /// read spin axis and wheel centre.
     pub fn value<const N: usize>(
         &self,
         view: &WheelReading<N>,

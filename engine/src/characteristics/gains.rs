@@ -1,7 +1,8 @@
 //! Gains: derivatives of the angles with respect to wheel travel.
 //!
-//! A gain evaluates its angle's formula on first-order series along the motion, so the formula is written only once. It
-//! divides the result by the rise of the wheel centre. So it is a derivative with respect to wheel travel for any drive.
+//! The program evaluates the angle's formula with first-order series along the motion, so the formula is written only once. It
+//! divides the rate of the angle by the rate of the wheel centre's height. So a gain is a derivative with respect to wheel
+//! travel for any drive.
 
 use super::{
     Characteristic, Constants, DesignWheel, Formula, Info, Inputs, Slot, Unit, Wheel, angles,

@@ -1,9 +1,9 @@
 //! Measures that targets and constraints apply to: catalogue quantities, forces under loads, and geometry of parts.
 //!
-//! A [`Measure`] has a value in every pose. A geometric measure is a formula of up to six vectors. Each vector is a position
-//! or a direction, in the current pose or in the design position. Each formula is written once, over [`Scalar`]. With number
-//! types that carry derivatives, it also gives the derivatives with respect to its vectors. The adjoint turns these into
-//! derivatives with respect to the hardpoints.
+//! A [`Measure`] has a value in every pose. A geometric measure is a formula of up to six vectors. Each vector is a position or
+//! a direction, in the current pose or in the design position. Each formula is written once, over [`Scalar`]. With number types
+//! that carry derivatives, it also gives the derivatives with respect to its vectors. The adjoint converts these derivatives
+//! into derivatives with respect to the hardpoints.
 //!
 //! Values are smooth except at these kinks, where the derivative belongs to one side:
 //!
@@ -129,7 +129,7 @@ pub enum Measure {
 /// Largest number of vectors that a formula reads.
 const MOST: usize = 6;
 
-/// Vectors of a formula. Entries that it does not read may have any value.
+/// Vectors of a formula. Entries that the formula does not read may have any value.
 pub(crate) type Vectors<T> = [Vector3<T>; MOST];
 
 impl Measure {
@@ -300,9 +300,9 @@ impl Measure {
         }
     }
 
-    /// Gradients of the shown value, and of its derivatives with respect to the drive up to `highest`, with respect to every
-    /// hardpoint coordinate. `buffer` has one entry per point. `receive` gets the order, the point and the gradient, for
-    /// every order and point.
+    /// Computes gradients with respect to every hardpoint coordinate: gradients of the shown value, and gradients of the
+    /// derivatives of this value with respect to the drive, up to the order `highest`. `buffer` has one entry per point.
+    /// `receive` gets the order, the point and the gradient, for every order and point.
     ///
     /// With f the measure's formula and v_k its vectors, the seed series are df/dv_k. For an angle they are multiplied by
     /// da/dv = 1/sqrt(v (2 - v)).

@@ -275,7 +275,7 @@ mod tests {
     use std::cell::Cell;
     use std::path::Path;
 
-    /// For a suspension that has the part of a slot, reading this slot alone fills the input that formulas read.
+    /// If a suspension has the part of a slot, reading only this slot fills the input that formulas read.
     #[test]
     fn every_slot_is_read_to_where_it_is_kept() {
         let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("../studies");

@@ -6,7 +6,7 @@ use crate::mechanism::Configuration;
 use crate::number::{Outlined, Real, Vector3};
 
 impl Slot {
-    /// Adds a seed for the part of this slot. If the slot is a rate, the seed goes to the part itself.
+    /// Adds a seed for the part of this slot. If the slot is a rate, the seed is added to the part itself.
     #[inline(always)]
     pub(crate) fn push<T: Real, G: Gradient<T> + ?Sized>(
         self,
@@ -22,8 +22,9 @@ impl Slot {
         });
     }
 
-    /// Adds the seeds of a quantity y(u, u') that contains velocities, for the series of its derivatives with respect to the
-    /// hardpoints. `gradient` holds the derivatives of y slot by slot, and `turn` is the angular velocity.
+    /// Adds the seeds of a quantity y(u, u') that contains velocities. From these seeds, the adjoint computes the derivatives
+    /// of y with respect to the hardpoints, as series. `gradient` holds the derivatives of y slot by slot, and `turn` is the
+    /// angular velocity.
     ///
     /// Let h and g be the derivatives of y with respect to u and u'. Then dy/dp = h.u_p + g.u_p'. For any seed series S, an
     /// adjoint pass returns the series of S.u_p. If S has the coefficients S_i = h_(i-1) + (j+1-i) g_i, coefficient j+1 of

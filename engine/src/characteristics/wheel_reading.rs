@@ -21,7 +21,7 @@ fn along<T: Real>(axis: Axis, value: T) -> Vector3<T> {
 }
 
 impl<const N: usize> WheelReading<N> {
-    /// Reads wheel and steering axis from a configuration. `constants` are those of the suspension.
+    /// Reads wheel and steering axis from a configuration. `constants` are the constants of the suspension.
     #[inline]
     pub fn of(at: &Configuration<Jet<f64, N>>, constants: Constants) -> Self {
         WheelReading::reading(at, constants, Slots::ALL)
@@ -66,9 +66,9 @@ impl<const N: usize> WheelReading<N> {
         c.evaluate(&self.inputs)
     }
 
-    /// Computes the gradients of a quantity, and of its derivatives with respect to the drive up to `highest`, with respect
-    /// to every hardpoint coordinate. `buffer` has one entry per point. `receive` gets the order, the point and the
-    /// gradient, for every order and point.
+    /// Computes gradients with respect to every hardpoint coordinate: gradients of a quantity, and gradients of the derivatives
+    /// of this quantity with respect to the drive, up to the order `highest`. `buffer` has one entry per point. `receive` gets
+    /// the order, the point and the gradient, for every order and point.
     #[inline]
     pub fn gradients(
         &self,

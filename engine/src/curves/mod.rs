@@ -108,7 +108,7 @@ pub struct MotionColumn {
     pub unit: &'static str,
     /// True if the study gives the coordinate, false if it follows from the pose.
     pub is_given: bool,
-    /// True if files have a column for it.
+    /// True if files have a column for the coordinate.
     pub is_written: bool,
 }
 
@@ -123,7 +123,7 @@ impl MotionColumn {
         }
     }
 
-    /// Name of its column in files.
+    /// Name of the coordinate's column in files.
     pub fn name(&self) -> String {
         with_unit(self.key, self.unit)
     }
@@ -138,8 +138,8 @@ pub struct Station {
     pub status: Status,
     /// Value of each column of [`Curves::columns`], or the reason why it has no value.
     pub values: Vec<Result<f64, NoValue>>,
-    /// Condition number of the equations. For an axle, the larger number of the two wheels. If the closed form gave the pose
-    /// and the number is below 1000, it is accurate within a factor of ten. `None` if there is no pose.
+    /// Condition number of the equations. For an axle, the larger number of the two wheels. A number below 1000 is accurate
+    /// only within a factor of ten if the pose comes from the closed form. `None` if there is no pose.
     pub condition: Option<f64>,
     /// Certified bounds of the pose. `None` if the study does not request them, or if they were not found.
     pub proof: Option<Proof>,

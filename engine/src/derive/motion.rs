@@ -251,7 +251,7 @@ impl<const N: usize> DesignSeries<N> {
 }
 
 impl<const N: usize> Configuration<'_, Jet<f64, N>> {
-    /// Angular velocity of the knuckle along the series. Its highest coefficient is unknown. Do not use it.
+    /// Angular velocity of the knuckle along the series. The highest coefficient of the result is unknown; do not use it.
     pub fn angular_velocity(&self) -> Vector3<Jet<f64, N>> {
         angular_velocity(&self.pose)
     }

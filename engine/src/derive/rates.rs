@@ -42,8 +42,8 @@ pub(crate) fn pose_series<const N: usize>(
     series
 }
 
-/// Angular velocity w of the knuckle along the series, with R' R^T = (w x). w is half the sum of R e_i x R' e_i. Its
-/// highest coefficient is unknown. Do not use it.
+/// Angular velocity w of the knuckle along the series, with R' R^T = (w x). w is half the sum of R e_i x R' e_i. The highest
+/// coefficient of the result is unknown; do not use it.
 pub(crate) fn angular_velocity<const N: usize>(pose: &Pose<Jet<f64, N>>) -> Vector3<Jet<f64, N>> {
     let [a, b, c] = pose
         .rotation

@@ -39,7 +39,8 @@ impl<T: Real> Gradient<T> for [Vector3<T>] {
     }
 }
 
-/// Collector for the gradient of an output with respect to the hardpoints, and for its wrench.
+/// Sums the gradient of an output with respect to the hardpoints, and the wrench of the same output (its derivative with
+/// respect to the pose).
 struct Adjoint<'a, T, G: ?Sized> {
     wrench: Wrench<T>,
     gradient: &'a mut G,
@@ -56,7 +57,7 @@ impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for Adjoint<'_, T, G> {
     }
 }
 
-/// Collector for a gradient with respect to the hardpoints, without a wrench.
+/// Sums a gradient with respect to the hardpoints, and ignores wrenches.
 pub(crate) struct HardpointGradient<'a, G: ?Sized>(pub &'a mut G);
 
 impl<T: Real, G: Gradient<T> + ?Sized> Sink<T> for HardpointGradient<'_, G> {

@@ -92,7 +92,8 @@ impl<const N: usize> Steered<N> {
     }
 }
 
-/// Collector for a wrench along the steering motion, and for the rate of a gradient with respect to the hardpoints.
+/// Sums two quantities: a wrench along the steering motion, and the derivative along the steering motion of a gradient with
+/// respect to the hardpoints.
 struct Slope<'a, const N: usize> {
     wrench: Wrench<Along<N>>,
     gradient: &'a mut [Vector3<Jet<f64, N>>],

@@ -1,4 +1,4 @@
-//! Numbers in memory that start at a cache line, because SIMD registers load them fastest.
+//! Numbers in memory that start at a cache line, because SIMD registers load such numbers fastest.
 
 use std::ops::{Deref, DerefMut};
 

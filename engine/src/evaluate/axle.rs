@@ -1,7 +1,7 @@
-//! Designs of an axle. The evaluator moves points of both wheels and solves both at every pose of the motion.
+//! Designs of an axle. The evaluator moves points of both wheels and solves both wheels at every station of the motion.
 //!
-//! A variable moves the same point of both wheels as mirror images, even if the hardpoints of the right wheel differ from the
-//! left ones.
+//! A variable moves a point of the left wheel and the same point of the right wheel. The two displacements are mirror images,
+//! even if the hardpoints of the right wheel differ from the left ones.
 
 use super::axle_lanes::AxleLanes;
 use super::elastic_axle::ElasticAxleParts;
@@ -26,7 +26,8 @@ pub(crate) struct AxleStations<'s> {
     pub gains: Vec<AxleColumn>,
     /// True if some of these derivatives are derivatives with respect to the rack.
     pub steers: bool,
-    /// Placements of the motion, then the design position, then placements of targets that the motion does not contain.
+    /// Required positions of the axle: first the positions of the motion, then the design position, then positions of targets
+    /// that the motion does not contain.
     pub placements: Vec<Placement>,
     of_motion: usize,
     pub(super) design: usize,
@@ -80,7 +81,7 @@ impl<'s> AxleStations<'s> {
         }
     }
 
-    /// Gives a solver new designs of both wheels.
+    /// Changes a solver to new designs of both wheels.
     pub(super) fn prepare<const N: usize>(
         &self,
         solver: &mut AxleSolver<'_, N>,
@@ -130,7 +131,7 @@ impl<'s> AxleStations<'s> {
         };
         let mut evaluator = Evaluator::of(self.axle.left.design.len(), one_by_one);
         evaluator.axle = Some(&self.axle);
-        // Gains need one more order of derivatives than values. Lanes do not compute this order.
+        // Gains need one more order of derivatives than values. The code for SIMD lanes does not compute this order.
         let quantities = self.gains.iter().filter_map(|gain| gain.quantity());
         if let Some(order) = quantities.map(|q| q.rate_order()).max() {
             evaluator.slopes = Some(match order {

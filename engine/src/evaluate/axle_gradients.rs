@@ -7,7 +7,7 @@ use crate::mechanism::DesignFault;
 use crate::model::Side;
 use crate::number::Vector3;
 
-/// Solver of one axle after another. Each Taylor series has `N` coefficients.
+/// Solves axles one after another. Each Taylor series has `N` coefficients.
 struct OneByOne<'a, const N: usize> {
     stations: &'a AxleStations<'a>,
     solver: AxleSolver<'a, N>,

@@ -33,8 +33,8 @@ pub(super) struct AxleLanes<'a> {
     stations: &'a AxleStations<'a>,
 }
 
-/// Displacement of the steering gear of a steered axle, with the groups of its stations. Other axles have a single group with
-/// displacement 0.
+/// Displacement of the steering gear of a steered axle, with the groups of stations at this displacement. Other axles have a
+/// single displacement, which is 0.
 struct Gear {
     displacement: f64,
     /// Number of steps in which the gear reaches the displacement. Between two steps, the rods of the knuckles must keep
@@ -65,7 +65,7 @@ struct Spot {
 }
 
 impl Spot {
-    /// Spot of a placement. `None` for a placement that lanes cannot solve.
+    /// Spot of a placement. `None` for a placement that cannot be solved in SIMD lanes.
     fn of(placement: &Placement, carriers: Carriers) -> Option<Spot> {
         let gear = match carriers {
             Carriers::Steered(_) => placement.rack(),
@@ -109,7 +109,7 @@ struct Together {
     numbers: Vec<usize>,
 }
 
-/// Groups the placements for the tracker. `None` if lanes cannot solve one of them.
+/// Groups the placements for the tracker. `None` if one of them cannot be solved in SIMD lanes.
 fn grouped(placements: &[Placement], carriers: Carriers) -> Option<Vec<Together>> {
     let mut groups: Vec<Together> = Vec::new();
     for (number, placement) in placements.iter().enumerate() {
@@ -149,7 +149,7 @@ fn lift(suspension: &Suspension, gear: f64) -> f64 {
 }
 
 impl<'a> AxleLanes<'a> {
-    /// Makes a solver of these stations, or returns the reason why lanes cannot solve them.
+    /// Makes a solver of these stations, or returns the reason why they cannot be solved in SIMD lanes.
     pub(super) fn new(stations: &'a AxleStations<'a>, width: Width) -> Result<Self, NotInLanes> {
         let axle: &Axle = &stations.axle;
         let quantities = &stations.quantities[..];

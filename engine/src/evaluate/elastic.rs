@@ -9,7 +9,7 @@ use crate::model::Suspension;
 use crate::number::{Vector3, Width};
 use crate::study::{ComplianceStudy, WheelStudy};
 
-/// A value that a sweep or a tolerance reads.
+/// A value that a sweep or a tolerance analysis reads.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ElasticRead {
     /// The value.

@@ -1,7 +1,8 @@
 //! Wheels with elastic parts in SIMD lanes, with one design in each lane.
 //!
-//! Each design becomes a separate elastic wheel. Lanes solve the equilibria of all designs side by side, at the stations and
-//! at the ends of the tests' load windows. If a lane finds no equilibrium, its design is solved one by one afterwards.
+//! Each design becomes a separate elastic wheel. The equilibria of all designs are solved side by side, at the stations and at
+//! the ends of the tests' load windows. If no equilibrium is found in a lane, the design of this lane is solved alone
+//! afterwards.
 
 use super::elastic::{ElasticDesigns, ElasticQuantities};
 use super::evaluator::{Pairs, SolvesInLanes};
@@ -147,7 +148,7 @@ impl<B: SimdReal> Group<'_, '_, B> {
         found
     }
 
-    /// Equilibria at the ends of the load windows of all tests whose secants are requested at this station.
+    /// For every test whose secants are requested at this station: equilibria at both ends of the load window of the test.
     fn window_ends(&self, wheels: &WheelsInLanes<B>, at: &EquilibriaInLanes<B>) -> Vec<TestEnds> {
         let mut ends: Vec<TestEnds> = Vec::new();
         let Some(member) = self.runs.first() else {

@@ -52,7 +52,7 @@ pub(super) trait FindsSlopes: Send {
 
 /// Evaluator of blocks of designs of a wheel or an axle. Each thread has a separate evaluator.
 ///
-/// Designs are solved in SIMD lanes if lanes can read every requested quantity. Designs that the tracker rejects are solved
+/// Designs are solved in SIMD lanes if every requested quantity can be read there. Designs that the tracker rejects are solved
 /// one by one. Without lanes, all designs are solved one by one. The choice of method depends only on the design.
 pub struct Evaluator<'a> {
     /// Number of points of a wheel.
@@ -60,7 +60,7 @@ pub struct Evaluator<'a> {
     pub(super) lanes: Result<Box<dyn SolvesInLanes + 'a>, NotInLanes>,
     one_by_one: Box<dyn SolvesOneByOne + 'a>,
     pub(super) slopes: Option<Box<dyn FindsSlopes + 'a>>,
-    /// Axle of the designs. If the hardpoints of its wheels differ, the evaluator makes the right wheels in `rights`.
+    /// Axle of the designs. If the hardpoints of the two wheels differ, the evaluator makes the right wheels in `rights`.
     pub(super) axle: Option<&'a Axle>,
     rights: Vec<Vector3<f64>>,
     /// Indices of the designs of the block that must be solved one by one.
@@ -95,8 +95,8 @@ impl<'a> Evaluator<'a> {
         Ok(evaluator)
     }
 
-    /// Makes an evaluator like [`Evaluator::new`] that finds every pose by continuation. This method gives the same values
-    /// more slowly, and serves for comparison.
+    /// Makes an evaluator like [`Evaluator::new`] that finds every pose by continuation. This method computes the same values
+    /// more slowly, for comparison.
     pub fn by_continuation(
         suspension: &'a Suspension,
         stations: &'a Stations,

@@ -1,8 +1,8 @@
 //! Quantities at stations with their gradients with respect to the hardpoints, for several designs at a time.
 //!
-//! SIMD lanes differentiate designs that the tracker accepts, if lanes support the quantities. For a single design the lanes
-//! hold the stations of the design; the results are the same to the last bit. Other designs are differentiated one by one,
-//! with the adjoint of the closure equations. The choice of method depends only on the design.
+//! Designs that the tracker accepts are differentiated in SIMD lanes, if the quantities can be read there. A single design has
+//! one station in each lane; the results are the same to the last bit. Other designs are differentiated one by one, with the
+//! adjoint of the closure equations. The choice of method depends only on the design.
 
 use super::gradients_one_by_one::{DifferentiatesOneByOne, OneByOne};
 use super::{AxleStations, Gradients, Jacobians, Pairs, Stations};

@@ -58,7 +58,7 @@ pub(super) struct LaneSolver<'a> {
 }
 
 impl<'a> LaneSolver<'a> {
-    /// Makes a solver of these quantities, or returns the reason why lanes cannot provide them.
+    /// Makes a solver of these quantities, or returns the reason why they cannot be read in SIMD lanes.
     pub(super) fn new(
         suspension: &'a Suspension,
         stations: &'a Stations,
@@ -175,7 +175,7 @@ impl SimdTask for BlockTask<'_, '_> {
     }
 }
 
-/// Puts designs side by side in the lanes. Lanes beyond the last design repeat it.
+/// Puts designs side by side, one in each SIMD lane. Lanes beyond the last design repeat the last design.
 #[inline(always)]
 pub(super) fn gather<B: SimdReal>(
     designs: &[Vector3<f64>],
@@ -201,7 +201,7 @@ pub(super) fn gather<B: SimdReal>(
     }
 }
 
-/// Writes the points of designs in lanes one design after another.
+/// Writes the points of the designs, which are in SIMD lanes, one design after another.
 #[inline(always)]
 pub(crate) fn scatter<B: SimdReal>(
     group: &[Vector3<B>],
@@ -225,7 +225,7 @@ pub(crate) fn scatter<B: SimdReal>(
     }
 }
 
-/// Visitor of the poses of a group. A single type serves both tasks, so that the tracker is compiled only once.
+/// Visitor of the poses of a group. Both tasks use a single type, so that the tracker is compiled only once.
 pub(super) enum Visitor<'v, 'r, 't, B: SimdReal> {
     /// Reads values.
     Values(&'v mut Reading<'r, B>),

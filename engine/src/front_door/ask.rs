@@ -124,7 +124,7 @@ impl Study {
 
     /// Returns the wheel whose requests change, or an error for the study of an axle.
     fn wheel_to_ask(&mut self) -> Result<&mut WheelStudy, Error> {
-        let refusal = Error::Axle("give its requests in the study file");
+        let refusal = Error::Axle("write the requested outputs in its study file");
         self.one_wheel_mut().ok_or(refusal)
     }
 

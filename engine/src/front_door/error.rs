@@ -50,7 +50,7 @@ pub enum Error {
     Axle(&'static str),
     /// A variable of a sweep moves no coordinate.
     #[error(
-        "{0} moves no coordinate: a sweep accepts variables that move coordinates, but not turns"
+        "{0} moves no coordinate: a sweep accepts variables that move coordinates, but no rotations"
     )]
     MovesNothing(String),
     /// The design itself cannot be solved.

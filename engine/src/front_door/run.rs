@@ -92,12 +92,12 @@ impl Study {
         tune(&self.vehicle, optimise, control).map_err(|fault| Error::design(self.wheel(), &fault))
     }
 
-    /// Solves the designs of the sweep on all cores. While it runs, it passes their rows to `sink`, block by block in the
-    /// order of the designs. Memory holds only a few blocks, for any number of designs. Returns the names of the columns:
-    /// first the variables, then the outputs. The sweep ends early if `sink` breaks or the control stops it. `sink` has then
-    /// received all earlier rows, and the method still returns the names. The sweep is complete if the number of received
-    /// designs ([`Rows::designs`]) equals the number of requested designs ([`Sampled::designs`], or the rows of the file or
-    /// table).
+    /// Solves the designs of the sweep on all cores. While it runs, it passes the rows of the designs to `sink`, block by block
+    /// in the order of the designs. Memory holds only a few blocks, for any number of designs. Returns the names of the
+    /// columns: first the variables, then the outputs. The sweep ends early if `sink` breaks or the control stops it. `sink`
+    /// has then received all earlier rows, and the method still returns the names. The sweep is complete if the number of
+    /// received designs ([`Rows::designs`]) equals the number of requested designs ([`Sampled::designs`], or the rows of the
+    /// file or table).
     ///
     /// ```
     /// # extern crate hardpoint_engine as hardpoint;
@@ -191,12 +191,12 @@ fn refuse_wrong(sampled: &Sampled) -> Result<(), Error> {
                 number(
                     "the number of samples of a grid",
                     sampled.samples,
-                    "the product of the steps of its variables, as 125 for 5 steps of each of 3",
+                    "the product of the numbers of steps of its variables, for example 125 for 3 variables with 5 steps each",
                 )
             }
         }
         Sampling::Saltelli if variables.len() > MOST_EXCHANGED => number(
-            "the number of variables that are exchanged one by one",
+            "the number of variables for the method \"saltelli\"",
             count,
             "no more than a block of designs contains",
         ),

@@ -1,6 +1,6 @@
-//! Gaussian elimination with partial pivoting, in every lane, for all right-hand sides of a matrix at once.
+//! Gaussian elimination with partial pivoting, in every SIMD lane, for all right-hand sides of a matrix at once.
 //!
-//! Each lane has its own pivots. A zero pivot gives results that are not finite in its lane.
+//! Each lane has separate pivots. If a pivot is zero, the results in its lane are not finite.
 
 #![expect(
     clippy::needless_range_loop,

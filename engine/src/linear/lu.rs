@@ -22,8 +22,8 @@ pub struct Lu<T, const N: usize> {
 pub type Lu6<T> = Lu<T, 6>;
 
 impl<T: Scalar> Lu6<T> {
-    /// Factorises a closure Jacobian. Its last three columns (moments) are lengths, so the function divides the determinant
-    /// by `size`^3. The determinant is +-1 for six orthogonal unit lines, and 0 at a singularity.
+    /// Factorises a closure Jacobian. The last three columns of the Jacobian (moments) are lengths, so the function divides the
+    /// determinant by `size`^3. The determinant is +-1 for six orthogonal unit lines, and 0 at a singularity.
     #[inline]
     pub fn new(jacobian: Matrix6<T>, size: f64) -> Option<Self> {
         Lu::of(jacobian, size.powi(-3))

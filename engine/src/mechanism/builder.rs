@@ -33,7 +33,7 @@ pub enum BuildError {
     },
     /// Neither `spindle_inner` nor static camber and toe are given, or both are.
     #[error(
-        "the direction of the wheel takes either the hardpoint spindle_inner or static camber and toe"
+        "the direction of the wheel needs either the hardpoint spindle_inner, or static camber and toe"
     )]
     SpinAxis,
     /// The topology carries both wheels, so it is not a suspension of one wheel.
@@ -110,8 +110,8 @@ pub struct SuspensionBuilder {
 }
 
 impl Suspension {
-    /// Starts a suspension of a topology. [`Topology::ALL`] has their names and hardpoints. The defaults are a left wheel,
-    /// ISO 8855 axes and millimetres.
+    /// Starts a suspension of a topology. [`Topology::ALL`] lists the topologies with their names and hardpoints. The defaults
+    /// are a left wheel, ISO 8855 axes and millimetres.
     pub fn builder(topology: &str) -> SuspensionBuilder {
         SuspensionBuilder {
             topology: topology.to_owned(),
@@ -270,7 +270,7 @@ impl SuspensionBuilder {
         Ok(())
     }
 
-    /// Hardpoints in the topology's order, with its names.
+    /// Hardpoints in the topology's order, with the topology's names.
     fn given(
         &self,
         topology: &'static Topology,

@@ -1,8 +1,8 @@
 //! Six closure equations of a mechanism in the pose of its knuckle: five constraints (see [`crate::mechanism::constraint`])
 //! and a drive.
 //!
-//! The rows of their Jacobian J with respect to the pose are the lines of the constraints. So J is singular exactly
-//! where the mechanism is singular.
+//! Let J be the Jacobian of these equations with respect to the pose. Its rows are the lines of the constraints. So J is
+//! singular exactly where the mechanism is singular.
 
 use super::constraint::{ArmAngle, PartDimensions, Row, TravelRow};
 use super::pose::{Configuration, Pose, Sink, Twist, Wrench};
@@ -13,8 +13,8 @@ use crate::number::{Each, Matrix3, Outlined, Real, Vector3};
 /// Sixth equation: the drive with its present value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Driver<T> {
-    /// Height of the wheel centre above its design position. For a rigid axle, this value is either the mean travel or
-    /// the difference of travels. The other of the two is held.
+    /// Height of the wheel centre above its design position. For a rigid axle, this value is either the mean travel or the
+    /// difference of travels. The other of the two stays constant.
     Travel(T),
     /// Angle of the first arm, from its design position.
     ArmAngle {
@@ -71,7 +71,7 @@ pub struct Closure<T> {
 /// for designs contains no code for built parts. The trait's function is inlined, because a call would not be compiled
 /// for SIMD lanes.
 trait Dimensions<T>: Copy {
-    /// One of the dimensions. Constants take its number type and length.
+    /// Returns one of the dimensions, as the sample from which new constants of the same number type are made.
     fn like(self) -> T;
     /// Makes a row. `constraint` is the index of its constraint, and `number` is its index among the rows of that
     /// constraint.
@@ -228,7 +228,7 @@ impl<T: Real> Closure<T> {
         (residual, wrench)
     }
 
-    /// Rates of the rows of [`Closure::wrenches`] along a motion of the knuckle, with the rack held. The sixth row is the
+    /// Rates of the rows of [`Closure::wrenches`] along a motion of the knuckle, with the rack fixed. The sixth row is the
     /// drive with the wheel travel.
     #[inline(always)]
     pub(crate) fn wrench_rates(&self, at: &Configuration<T>, along: &Twist<T>) -> [Wrench<T>; 6] {
@@ -370,7 +370,7 @@ impl Closure<f64> {
     }
 
     /// Takes one Newton step from a pose. Returns the corrected pose, the size of the correction as a length, and the
-    /// factorised Jacobian. A rotation counts as the movement at the distance `size`.
+    /// factorised Jacobian. A rotation counts as the displacement that it causes at the distance `size`.
     pub(crate) fn newton_step(
         &self,
         at: &Configuration<f64>,

@@ -45,23 +45,23 @@ pub enum FormulationFailure {
         /// Part that is singular.
         cause: &'static str,
     },
-    /// The branch of the design position ends before the drive value.
+    /// The solution branch of the design position ends before the drive value.
     DriveEnds {
         /// Kind of drive.
         drive: Drive,
-        /// Last drive value that the solver reached on the branch, in the study's convention.
+        /// Last drive value that the solver reached on this branch, in the study's convention.
         value: f64,
         /// Part that is singular there.
         cause: &'static str,
     },
-    /// The branch of the design position ends before the angle theta of Attia's paper.
+    /// The solution branch of the design position ends before the angle theta of Attia's paper.
     ThetaEnds {
-        /// Last angle that the solver reached on the branch.
+        /// Last angle that the solver reached on this branch.
         value: f64,
         /// Part that is singular there.
         cause: &'static str,
     },
-    /// The branch of the design position ends before the requested displacement of the rack.
+    /// The solution branch of the design position ends before the requested displacement of the rack.
     RackEnds {
         /// Part that is singular there.
         cause: &'static str,
@@ -94,7 +94,7 @@ impl fmt::Display for FormulationFailure {
 pub enum LimitCause {
     /// The tie rod's ends and the steering axis lie in one plane, so the tie rod no longer holds the wheel's steer angle.
     TieRodToggle,
-    /// The upper arm is in line with the steering axis, seen along its own axis, so the knuckle can swing.
+    /// The upper arm is in line with the steering axis, seen along the axis of the arm, so the knuckle can swing.
     UpperArmStraight,
     /// The strut is perpendicular to the steering axis, so the knuckle can swing.
     StrutSquare,
@@ -131,7 +131,7 @@ impl LimitCause {
         )
     }
 
-    /// Words for the event at the limit, without a note on singular parts.
+    /// Describes the event at the limit, without a note on singular parts.
     pub fn words(self) -> &'static str {
         match self {
             LimitCause::TieRodToggle => "the tie rod is at toggle",
@@ -140,7 +140,7 @@ impl LimitCause {
             LimitCause::DependentLinks => "links are at toggle: their lines are linearly dependent",
             LimitCause::AxleFolds => "the links of the axle are at toggle",
             LimitCause::BeamFolds => {
-                "the wheel centres move no further: the arms are vertical, or the halves block each other"
+                "the wheel centres cannot move any further: the arms are vertical, or the halves block each other"
             }
             LimitCause::CentreHighest => "the wheel centre is at its highest point",
             LimitCause::CentreLowest => "the wheel centre is at its lowest point",
@@ -164,7 +164,7 @@ impl fmt::Display for LimitCause {
 /// Distance of a part from its singular position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartMeasure {
-    /// The part, identified by the cause that its singular position would be.
+    /// The part, given as the cause of a fold at the part's singular position.
     pub cause: LimitCause,
     /// Sine of the angle between the part and its singular position; 0 at that position.
     pub sine: f64,
@@ -175,7 +175,7 @@ pub struct PartMeasure {
 pub struct Toggle {
     /// Travel at the toggle, accurate to rounding.
     pub travel: f64,
-    /// Rod that is in line with its lever: the rod of the rocker, or of a rocker that moves it.
+    /// Rod that is in line with its lever: the rod of the rocker, or the rod of another rocker that moves this rocker.
     pub rod: Rod,
 }
 
@@ -186,7 +186,7 @@ pub enum Unproven {
     Singular,
     /// The residual is too large compared with the distance to the next solution, so the inequality fails.
     TooClose,
-    /// The pose is certified, but not its position on the branch of the design position.
+    /// The pose is certified, but it is not certified that the pose is on the solution branch of the design position.
     Branch,
 }
 
@@ -217,11 +217,11 @@ pub enum DesignFault {
         /// End that lies on the axis.
         end: PointId,
     },
-    /// The tie rod lies in the plane through steering axis and rack joint, so it cannot rotate the knuckle.
+    /// The tie rod lies in the plane through steering axis and rack joint, so the tie rod cannot rotate the knuckle.
     Toggle,
     /// The strut has no length above the ball joint.
     NoStrutLength,
-    /// The upper arm is in line with the steering axis, so that it does not hold the knuckle.
+    /// The upper arm is in line with the steering axis, so the arm does not hold the knuckle.
     UpperArmInLine {
         /// Upper ball joint.
         outer: PointId,
@@ -354,7 +354,7 @@ impl Failure {
             }
             Failure::Singular => "the pose is singular: it has no derivatives".to_owned(),
             Failure::Toggle(rod) => format!(
-                "the {rod} is at toggle there or nearer to the design position, and turns {} no further",
+                "the {rod} is at toggle there or nearer to the design position: it cannot turn {} any further",
                 rod.turns()
             ),
             Failure::Uncertified(reason) => format!("the pose is not certified: {reason}"),

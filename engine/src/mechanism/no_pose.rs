@@ -24,7 +24,7 @@ pub enum NoPose {
     RigidAxle {
         /// Travel of the left wheel minus that of the right one.
         difference: f64,
-        /// Reason for the failure. Its limit is half a difference of travels in the frame of a wheel.
+        /// Reason for the failure. The limit in the reason is half a difference of travels, in the frame of a wheel.
         failure: Failure,
         /// Wheel in whose frame the limit is given.
         side: Side,
@@ -33,9 +33,9 @@ pub enum NoPose {
     /// the iteration did not converge.
     #[error("there is no difference of the travels at which both wheels touch the ground")]
     NoGround,
-    /// No mean travel gives the axle the required load. Either the load does not grow with the travel, or a wheel cannot
-    /// reach it.
-    #[error("there is no mean travel at which the wheels carry the held load")]
+    /// No mean travel gives the axle the required load. Either the load does not grow with the travel, or a wheel cannot reach
+    /// the travel.
+    #[error("there is no mean travel at which the wheels carry the required load")]
     NoLoad,
     /// A certificate was requested. The poses of both wheels are certified, but not that the ground under them is
     /// unique.

@@ -90,8 +90,8 @@ impl<T> Twist<T> {
 
 /// Collects the derivatives of a quantity with respect to the pose and to the hardpoints.
 ///
-/// A derivative with respect to the pose is a wrench on the knuckle. The force is the derivative with respect to the
-/// position of its origin, the moment the derivative with respect to its rotation.
+/// A derivative with respect to the pose is a wrench on the knuckle. The force is the derivative with respect to the position
+/// of the knuckle's origin. The moment is the derivative with respect to the knuckle's rotation.
 pub(crate) trait Sink<T> {
     /// Adds a wrench at the knuckle's origin.
     fn wrench(&mut self, force: Vector3<T>, moment: Vector3<T>);

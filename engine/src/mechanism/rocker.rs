@@ -162,8 +162,8 @@ impl<T: Real> Turn<T> {
         (by_ends, back)
     }
 
-    /// Angle from the design position. The angle is positive if a rod of this kind has pushed the rocker or, for a
-    /// pullrod, pulled it.
+    /// Angle from the design position. The angle is positive if a rod of this kind has pushed the rocker. For a pullrod, the
+    /// angle is positive if the rod has pulled the rocker.
     #[inline(always)]
     pub(crate) fn angle(&self, rod: Rod) -> T {
         (self.sine * self.sense(rod)).atan2(self.cosine)
@@ -184,8 +184,8 @@ impl<T: Real> Turn<T> {
     }
 }
 
-/// Returns true if w^2/(r.r l.l) of a rod leaves six accurate digits of a derivative. The number itself is accurate to a few
-/// units in the last place. Returns false for NaN.
+/// Returns true if w^2/(r.r l.l) of a rod is large enough for six accurate digits of a derivative. The number itself is
+/// accurate to a few units in the last place. Returns false for NaN.
 #[inline]
 pub(crate) fn is_effective(ends: Ends<f64>) -> bool {
     Turn::of(ends).leverage_squared > DEGENERATE
@@ -281,8 +281,8 @@ impl<T: Real> Configuration<'_, T> {
         )
     }
 
-    /// Angle of a rocker from its design position, positive if its rod has pushed it, or if a pullrod has pulled it. NaN beyond a
-    /// toggle.
+    /// Angle of a rocker from its design position. The angle is positive if the rod has pushed the rocker, or if a pullrod has
+    /// pulled it. NaN beyond a toggle.
     #[inline(always)]
     pub fn rocker_angle(&self, id: RockerId) -> T {
         outlined!(
@@ -382,7 +382,7 @@ impl<T: Real> Configuration<'_, T> {
         }
     }
 
-    /// Derivatives of the seed with respect to the rod's ends and to the design position of its point.
+    /// Derivatives of the seed with respect to the rod's ends and to the design position of the seed's point.
     #[inline(always)]
     fn rocker_gradient(&self, id: RockerId, seed: RockerSeed<T>) -> (Ends<T>, Vector3<T>) {
         let rocker = self.mechanism.rocker(id);
@@ -390,8 +390,8 @@ impl<T: Real> Configuration<'_, T> {
         let turn = Turn::of(ends);
         let zero = self.rack.zero();
         let none = Vector3::new(zero, zero, zero);
-        // A seed for the angle or the rotation has no point of its own. A point of the axis with a zero gradient takes
-        // its place in the formulas.
+        // A seed for the angle or the rotation has no point of its own. A point of the axis with a zero gradient replaces this
+        // point in the formulas.
         let (designed, gradients, moment) = match seed {
             RockerSeed::Point { designed, gradient } => (designed, [gradient, none], zero),
             RockerSeed::Angle(gradient) => (ends[0], [none; 2], gradient * turn.sense(rocker.rod)),
@@ -413,7 +413,7 @@ enum RockerSeed<T> {
 }
 
 impl Configuration<'_, f64> {
-    /// Leverage of a rocker's rod: 1 if the rod is square to its lever, 0 at toggle, NaN beyond it.
+    /// Leverage of a rocker's rod: 1 if the rod is square to its lever, 0 at toggle, NaN beyond the toggle.
     pub(crate) fn leverage(&self, id: RockerId) -> f64 {
         let turn = Turn::of(self.ends(self.mechanism.rocker(id)));
         turn.leverage_squared.sqrt()

@@ -184,13 +184,13 @@ pub enum GeometryFault {
 }
 
 impl GeometryFault {
-    /// Returns the first fault of a suspension; `None` if it has none.
+    /// Returns the first fault of a suspension. `None` for a suspension without faults.
     pub fn first_of(suspension: &Suspension) -> Option<GeometryFault> {
         GeometryFault::all_of(suspension).into_iter().next()
     }
 
-    /// Finds the faults of a suspension. Returns only faults of the first kind found, because other kinds follow from
-    /// it.
+    /// Finds the faults of a suspension. Returns only faults of the first kind found, because this kind can cause the other
+    /// kinds.
     pub fn all_of(suspension: &Suspension) -> Vec<GeometryFault> {
         let checks = [
             distinct_points,
@@ -290,7 +290,7 @@ fn right_side(suspension: &Suspension) -> Vec<GeometryFault> {
         .collect();
     let mean = inboard.iter().sum::<f64>() / inboard.len() as f64;
     let centre = mechanism.wheel_centre;
-    // A twist beam without springs has no point on the body, so their mean does not exist.
+    // A twist beam without springs has no point on the body, so the mean of these points does not exist.
     if design[centre.0].y < mean {
         vec![GeometryFault::WrongSide {
             wheel_centre: name(suspension, centre),

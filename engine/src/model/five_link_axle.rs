@@ -1,9 +1,9 @@
 //! Solid axle on five links: two lower and two upper links, and a Panhard rod.
 //!
-//! Two heights and five lengths are seven equations for the six unknowns of the axle. So rigid links bind, and links
-//! with axial stiffness take the pose of least energy ([`crate::compliance`]). The constraints of the mechanism leave
-//! out the upper link of the far half. Without this link the axle has nearly the same motion, which serves to check
-//! and draw a study.
+//! Two heights and five lengths are seven equations for the six unknowns of the axle. So rigid links would bind. Links with
+//! axial stiffness settle in the pose of least energy ([`crate::compliance`]). The constraints of the mechanism leave out the
+//! upper link of the far half. Without this link the axle has nearly the same motion. The program uses this motion to check and
+//! to draw a study.
 
 use super::{Mechanism, Point, PointId};
 use crate::number::Each;

@@ -1,7 +1,7 @@
 //! Axes of the study and axes of the kernel.
 //!
-//! The kernel only sees a left wheel in ISO 8855 axes (x forward, y left, z up). Other conventions and right-hand wheels
-//! differ only in the signs of coordinates. So the change of frame is exact, and a mirrored car gives mirrored results
+//! The kernel computes only with a left wheel in ISO 8855 axes (x forward, y left, z up). Other conventions and right-hand
+//! wheels differ only in the signs of coordinates. So the change of frame is exact, and a mirrored car gives mirrored results
 //! to the last bit.
 
 use crate::number::{Each, Vector3};
@@ -82,8 +82,8 @@ impl Side {
         format!("{} wheel: {sentence}", self.name())
     }
 
-    /// Sign of the side: 1 for left, -1 for right. It converts a rack movement to the left, or half a difference of both
-    /// wheels, to the frame of a side.
+    /// Sign of the side: 1 for left, -1 for right. Multiply a rack movement to the left, or half the difference between both
+    /// wheels, by this sign to convert it to the frame of the side.
     pub fn sign(self) -> f64 {
         [1.0, -1.0][self as usize]
     }
@@ -204,8 +204,8 @@ impl LengthUnit {
         }
     }
 
-    /// Lever arm in the unit of torque, as a length in this unit, with its symbol: a metre, or a foot together with
-    /// pounds-force.
+    /// Length in the unit of torque: a metre, or a foot if forces are in pounds-force. Returns the value of this length in the
+    /// present unit, and its symbol.
     pub fn lever(self) -> (f64, &'static str) {
         match self {
             LengthUnit::InchPound => (12.0, "ft"),

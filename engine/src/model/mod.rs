@@ -51,7 +51,7 @@ pub enum Body {
     /// Fixed in the vehicle in x and z. Sideways it moves opposite to a knuckle point by the same distance. For the
     /// mounts of a twist beam.
     Opposite(PointId),
-    /// Moved by the steering gear to the position that another point has in the design.
+    /// Moved by the steering gear. The present position of the point is the design position of the given point.
     SteeringGear(PointId),
     /// The wheel carrier.
     Knuckle,
@@ -168,7 +168,7 @@ impl Constraint {
 /// Axis about which the knuckle rotates in steering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SteeringAxis {
-    /// Through two joints of the knuckle.
+    /// The axis passes through two joints of the knuckle.
     Through {
         /// The lower joint.
         lower: PointId,
@@ -237,7 +237,8 @@ pub struct Mechanism {
     pub points: Vec<Point>,
     /// Bodies that a study may assign to points, with their names.
     pub bodies: Vec<(&'static str, Body)>,
-    /// Points that could be on several bodies, if the study does not name their body. The program assumes these bodies.
+    /// Points that could be on several bodies, and for which the study names no body. The program assumes a body for each
+    /// point.
     pub unsaid_seats: Vec<PointId>,
     /// Constraints, five scalar equations in total.
     pub constraints: Vec<Constraint>,
@@ -251,8 +252,8 @@ pub struct Mechanism {
     pub wheel_centre: PointId,
     /// Spin axis of the wheel.
     pub spin_axis: SpinAxis,
-    /// Wheel centres of a built carrier, if the study gives the spin axis as angles: [centre, added point of the
-    /// axis]. A deviation of the centre moves the axis in parallel. Empty for other mechanisms.
+    /// Wheel centres of a built carrier, if the study gives the spin axis as angles: [centre, added point of the axis]. A
+    /// deviation of the centre moves both points, so the axis stays parallel to itself. Empty for other mechanisms.
     pub parallel_axes: Vec<[PointId; 2]>,
     /// The steering axis; `None` for a wheel that cannot be steered.
     pub steering_axis: Option<SteeringAxis>,
@@ -316,7 +317,7 @@ impl Mechanism {
         }
     }
 
-    /// Returns the mechanism with this travel of its rigid axle held. The other travel is then its drive.
+    /// Returns the mechanism with this travel of the rigid axle fixed by a constraint. The other travel is then the drive.
     pub fn holding(&self, travel: AxleTravel) -> Mechanism {
         let mut mechanism = self.clone();
         if let Some(rigid) = &mut mechanism.rigid_axle {
@@ -348,7 +349,7 @@ impl Mechanism {
         }
     }
 
-    /// Returns true for a point of the far half of a rigid axle, which follows the near half.
+    /// Returns true for a point of the far half of a rigid axle. The far half follows from the near half.
     pub fn is_far(&self, id: PointId) -> bool {
         self.rigid_axle
             .as_ref()
@@ -385,7 +386,8 @@ impl Mechanism {
         design.iter().fold(0.0, farthest).sqrt()
     }
 
-    /// Largest absolute coordinate of a design, or its size if that is larger. Rounding errors of positions scale with it.
+    /// Largest absolute coordinate of a design, or the size of the mechanism if the size is larger. Rounding errors of
+    /// positions are proportional to this length.
     pub fn coordinate_scale(&self, design: &[Vector3<f64>]) -> f64 {
         let largest = |far: f64, p: &Vector3<f64>| far.max(p.norm_squared());
         design

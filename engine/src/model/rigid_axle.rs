@@ -1,16 +1,16 @@
 //! Rigid axle: one body carries both wheels.
 //!
-//! The mechanism of a rigid axle is that of one wheel, the near wheel, and its knuckle is the axle itself. The
-//! mechanism has the points of both halves. Two travels drive the axle. With the heights z_n and z_f of the near and
-//! the far wheel centre above their design positions, they are
+//! A rigid axle has the mechanism of one wheel, the near wheel. The knuckle of this mechanism is the axle itself. The mechanism
+//! has the points of both halves. Two travels drive the axle. With the heights z_n and z_f of the near and the far wheel centre
+//! above their design positions, the travels are
 //!
 //! ```text
 //! mean        (z_n + z_f)/2                                                        (1)
 //! difference  (z_n - z_f)/2                                                        (2)
 //! ```
 //!
-//! One travel is the drive. The other replaces the displacement of the rack, and one constraint holds it. As seen from the
-//! far wheel, (1) is the same and (2) has the opposite sign.
+//! One travel is the drive. The other travel replaces the displacement of the rack; a constraint keeps it constant. As seen
+//! from the far wheel, (1) is the same and (2) has the opposite sign.
 
 use super::{AxleSteering, PointId, TwistBeam};
 use crate::number::{Real, Vector3};
@@ -52,7 +52,7 @@ pub struct RigidAxle {
     pub singles: Vec<PointId>,
     /// Centre of the far wheel.
     pub far_centre: PointId,
-    /// Travel that a constraint holds. The other travel is the drive.
+    /// Travel that a constraint keeps constant. The other travel is the drive.
     pub held: AxleTravel,
     /// Links of the far half that have no constraint. As rigid links they would overconstrain the axle; the study may
     /// give them as elastic links.
@@ -98,8 +98,8 @@ impl RigidAxle {
         }
     }
 
-    /// Moves the far half with the near half. `own` is a design with both halves. The far half keeps its differences
-    /// from a mirror image in `own`.
+    /// Moves the far half with the near half. `own` is a design with both halves. The far half keeps the differences from a
+    /// mirror image that it has in `own`.
     #[inline(always)]
     pub fn complete<T: Real>(&self, own: &[Vector3<f64>], design: &mut [Vector3<T>]) {
         for [near, far] in &self.pairs {
@@ -141,8 +141,8 @@ impl RigidAxle {
             && singles.all(|single| design[single.0] == mirrored(design[single.0]))
     }
 
-    /// Collects the derivatives with respect to all copies of a point at the left half. The copies are in the far
-    /// half, and in the axle as seen from the right wheel.
+    /// Adds the derivatives with respect to all copies of a point to those with respect to the point of the left half. The
+    /// copies are in the far half, and in the axle as seen from the right wheel.
     pub fn gather(&self, [left, right]: [&mut [Vector3<f64>]; 2]) {
         let zero = Vector3::new(0.0, 0.0, 0.0);
         for [point, beside] in self.followers() {

@@ -1,7 +1,7 @@
 //! Rockers: parts on an axis fixed in the body or in a solid axle, which a rod rotates. Examples are the bell crank of a
 //! pushrod or pullrod, an anti-roll bar with its drop link, and the rocker of a Watt linkage.
 //!
-//! Their hardpoints form groups that a topology offers in addition to its own hardpoints. A study gives every
+//! The hardpoints of rockers form groups that a topology offers in addition to its own hardpoints. A study gives every
 //! hardpoint of a group, or none of them.
 
 use super::topology::{Group, optional};
@@ -12,7 +12,8 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct RockerId(pub usize);
 
-/// A part hinged about a line fixed in its base, the vehicle or a solid axle. A rod of fixed length rotates it.
+/// Part that rotates about a line fixed in its base. The base is the vehicle or a solid axle. A rod of fixed length rotates the
+/// part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Rocker {
     /// Rod that rotates the rocker.
@@ -23,7 +24,8 @@ pub struct Rocker {
     pub second: PointId,
     /// End of the rod on the rocker.
     pub inner: PointId,
-    /// Other end of the rod: on an arm, the knuckle or an earlier rocker. For a rocker on a solid axle it is on the chassis.
+    /// Other end of the rod: on an arm, the knuckle or an earlier rocker. For a rocker on a solid axle, this end is on the
+    /// chassis.
     pub outer: PointId,
 }
 
@@ -301,7 +303,7 @@ impl Mechanism {
         self.points.iter().position(is_end).map(PointId)
     }
 
-    /// Rockers that move a point: the one that carries it, and the one that moves that rocker.
+    /// Rockers that move a point: the rocker that carries the point, and the rocker that moves this rocker.
     pub fn rockers_moving(&self, id: PointId) -> impl Iterator<Item = RockerId> + '_ {
         let under = |id: PointId| match self.body(id) {
             Body::Rocker(rocker) => Some(rocker),
@@ -310,7 +312,8 @@ impl Mechanism {
         std::iter::successors(under(id), move |rocker| under(self.rocker(*rocker).outer))
     }
 
-    /// Point at which the spring acts on the arm or knuckle: its own lower end, or the outer end of its rocker's rod.
+    /// Point at which the spring acts on the arm or knuckle: the lower end of the spring, or the outer end of the rod of the
+    /// spring's rocker.
     pub fn spring_seat(&self) -> Option<PointId> {
         let lower = self.spring?.lower;
         let last = self.rockers_moving(lower).last();

@@ -1,7 +1,7 @@
 //! Solid axle: one body carries both wheels, on four links, or on three links and a Panhard rod or a Watt linkage.
 //!
-//! The wheels may be steered (see `steered_axle.rs`). A study gives the left half, which is mirrored. Points of the Panhard rod,
-//! of the Watt linkage, of the drag link, and of a single upper link have their actual y.
+//! The wheels may be steered (see `steered_axle.rs`). A study gives the left half, which is mirrored. Points of the Panhard
+//! rod, of the Watt linkage, of the drag link, and of a single upper link are not mirrored: the study gives the actual y.
 
 use super::rigid_axle::{AxleTravel, RigidAxle};
 use super::rocker::{ANTI_ROLL_BAR, Carriers};

@@ -8,8 +8,8 @@
 //!
 //! # The steering gear
 //!
-//! The steering gear has moved the drag link's end by the displacement s along the unit vector d. With its hardpoint p,
-//! the end is at
+//! The steering gear has moved the drag link's end by the displacement s along the unit vector d. If p is the hardpoint of this
+//! end, the end is at
 //!
 //! ```text
 //! p' = p + s d                                                                                 (1)
@@ -26,19 +26,19 @@
 //!
 //! # Travels
 //!
-//! While the axle rests, steering lifts or lowers the wheel centres. Let w_n and w_f be the hardpoints of the near
-//! and the far wheel centre, and c_n and c_f their positions after the knuckles have turned, with the axle at rest.
-//! The closure equations count the travels from c_n and c_f. They compute both positions from p' for each new design;
-//! designs do not store them:
+//! Steering lifts or lowers the wheel centres even while the axle rests. Let w_n and w_f be the hardpoints of the near and the
+//! far wheel centre, and c_n and c_f their positions after the knuckles have turned, with the axle at rest. The closure
+//! equations count the travels from c_n and c_f. They compute both positions from p' for each new design; designs do not store
+//! them:
 //!
 //! ```text
 //! mean of the equations        = mean travel - (c_n.z - w_n.z + c_f.z - w_f.z)/2               (4)
 //! difference of the equations  = difference of travels - (c_n.z - w_n.z - c_f.z + w_f.z)/2     (5)
 //! ```
 //!
-//! Both travels are 0 in the design pose, for every s. So the path to a station begins in the design pose: the knuckles
-//! turn first, then the axle moves. The travels of a station are always those of the wheel centres from their
-//! hardpoints. Derivatives with respect to hardpoints hold these travels.
+//! Both travels are 0 in the design pose, for every s. So the path to a station begins in the design pose: the knuckles turn
+//! first, then the axle moves. The travels of a station are always the heights of the wheel centres above their hardpoints.
+//! Derivatives with respect to hardpoints are taken at constant values of these travels.
 
 use super::topology::{Given, Group, NO_LINK, NO_TIE_ROD, optional};
 use super::{

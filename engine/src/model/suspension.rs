@@ -72,7 +72,7 @@ impl Suspension {
         self.mechanism.size(&self.design)
     }
 
-    /// Length of the spring from seat to seat, with the points at `design`. `None` without a spring.
+    /// Length of the spring between its two end points, with the points at `design`. `None` without a spring.
     pub fn spring_length<T: Real>(&self, design: &[Vector3<T>]) -> Option<T> {
         let spring = self.mechanism.spring?;
         Some((design[spring.upper.0] - design[spring.lower.0]).norm())

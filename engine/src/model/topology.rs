@@ -118,7 +118,7 @@ pub struct Group {
 pub(super) struct Given(pub Vec<Point>);
 
 impl Given {
-    /// Given hardpoints of a topology, in its order. Hardpoints of spring and rockers are on their `carriers`, the
+    /// Given hardpoints of a topology, in the topology's order. Hardpoints of spring and rockers are on their `carriers`, the
     /// others on a `body`.
     pub(super) fn of(
         topology: &Topology,
@@ -144,9 +144,9 @@ impl Given {
         self.0.iter().position(|p| p.name == name).map(PointId)
     }
 
-    /// Adds the points of the far half of an axle. Each gets `right_` before the name of its near point. `far_body`
-    /// returns the body of a far point from its near point and that point's body. Returns the points that both halves
-    /// share, and the pairs.
+    /// Adds the points of the far half of an axle. The name of a far point is the name of its near point with `right_` before
+    /// it. `far_body` returns the body of a far point, given the near point and the body of the near point. Returns the points
+    /// that both halves share, and the pairs.
     pub(super) fn add_far_half(
         &mut self,
         is_single: impl Fn(&str) -> bool,
@@ -250,7 +250,7 @@ impl Topology {
         self.name == twist_beam::TWIST_BEAM.name
     }
 
-    /// The topology's own hardpoints, then those of its groups.
+    /// The topology's own hardpoints, then the hardpoints of its groups.
     pub fn all_hardpoints(&self) -> impl Iterator<Item = &'static Hardpoint> {
         let further = self.groups.iter().flat_map(|group| group.hardpoints);
         self.hardpoints.iter().chain(further)

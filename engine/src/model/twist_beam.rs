@@ -1,10 +1,10 @@
 //! Twist beam: two rigid halves that are hinged about the line of the cross member's shear centres.
 //!
-//! Each half is a trailing arm with half of the cross member. The hinge is the line along y through the shear centre
-//! S. If a second point is given, the hinge runs through S and that point, because a beam of parts with deviations is
-//! slightly askew. A mount holds its half in x and z. The rubber of the mounts lets them move sideways, by equal
-//! distances in opposite directions. Each half has six unknowns. The hinge removes five of these twelve, the mounts
-//! five, and the two travels determine the rest.
+//! Each half is a trailing arm with half of the cross member. The hinge is the line along y through the shear centre S. If a
+//! second point is given, the hinge runs through S and that point, because a beam of parts with deviations is slightly askew. A
+//! mount fixes its half of the beam in x and z. The rubber of the mounts lets both halves move sideways, by equal distances in
+//! opposite directions. Each half has six unknowns. The hinge removes five of these twelve, the mounts five, and the two
+//! travels determine the rest.
 //!
 //! The mechanism is that of the near half. Let M be the far mount, and S and T two points of the hinge. The near
 //! mount gives two equations. M keeps its distances from S and T, and each of these distances is a link. The travels
@@ -65,7 +65,8 @@ pub struct TwistBeam {
     pub far_mount: PointId,
     /// A point of the hinge: the shear centre.
     pub shear_centre: PointId,
-    /// Second point of the hinge. If the study does not give it, it keeps its offset from the shear centre along y.
+    /// Second point of the hinge. If the study does not give this point, the point keeps its offset from the shear centre along
+    /// y.
     pub hinge: PointId,
     /// True if the study gives the second point of the hinge.
     pub is_hinge_given: bool,

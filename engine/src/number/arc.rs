@@ -1,5 +1,5 @@
-//! Arc sine and arc tangent with elementary arithmetic. Their results are bit-identical in all lanes and on every platform,
-//! and take a fraction of the time of a mathematical library.
+//! Arc sine and arc tangent with elementary arithmetic. The results are bit-identical in all lanes and on every platform, and
+//! take a fraction of the time of a mathematical library.
 //!
 //! atan t = t + t u P(u) for |t| <= tan(pi/8), asin x = x + x u Q(u) for |x| <= 1/2, with u the square of the argument. P
 //! and Q interpolate at Chebyshev points. Their coefficients were computed with sixty digits, then rounded to doubles.

@@ -105,8 +105,8 @@ pub trait Real:
         piece.work_outlined()
     }
 
-    /// Returns the number. The caller knows that it equals the argument. For intervals, the result is the intersection of the
-    /// two intervals; other number types do not change.
+    /// Returns `self`, which the caller knows to be equal to the argument. For intervals, returns the intersection of the two
+    /// intervals, which is narrower.
     #[inline(always)]
     fn intersected_with(self, _: Self) -> Self {
         self

@@ -172,7 +172,7 @@ impl Plan {
     fn certificate(&self, study: &Study) -> Option<(String, String, f64)> {
         self.certify.then(|| {
             (
-                "certificate of every pose, and that all poses are on one branch".to_owned(),
+                "certificate for every pose, and proof that all poses are on one branch".to_owned(),
                 written(study, &["outputs", "certify"], "outputs.certify"),
                 cost::CERTIFICATE,
             )

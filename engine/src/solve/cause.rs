@@ -1,7 +1,7 @@
 //! Cause of a fold, where a path turns back: the part of the suspension that is singular there, or no part.
 //!
-//! Let C be the five constraints' rows of the Jacobian, with the rack fixed, and g the drive's row. At a fold of the drive
-//! there is a twist t of the wheel carrier with
+//! Let C be the five rows of the Jacobian for the constraints, with the rack fixed. Let g be the row for the drive. At a fold
+//! of the drive there is a twist t of the wheel carrier with
 //!
 //! ```text
 //! C t = 0                                                                                     (1)
@@ -29,10 +29,10 @@
 //!     T = k.((o - b) x (i - b)) / (|k x (o - b)| |k x (i - b)|)                                     (4)
 //! ```
 //!
-//! U and T are sines. For an upper arm, U belongs to the angle between the steering axis and the arm, seen along the
-//! arm's axis. For a strut, U belongs to the deviation of strut and steering axis from a right angle. T belongs to
-//! the angle between the half planes from the steering axis to the two ends of the tie rod. The determinant of the
-//! closure with the arm's angle as its drive is U T times lengths that are constants of the design. So:
+//! U and T are sines. For an upper arm, U belongs to the angle between the steering axis and the arm, seen along the arm's
+//! axis. For a strut, U belongs to the deviation of strut and steering axis from a right angle. T belongs to the angle between
+//! the half planes from the steering axis to the two ends of the tie rod. With the arm's angle as the drive, the determinant of
+//! the closure equations is U T times lengths that are constants of the design. So:
 //!
 //! - every fold of the arm's angle has U T = 0, and the cause is the part whose factor is zero.
 //! - if U T = 0, the arm does not move in the motion t, because C has rank 5. So a fold of the travel, or of the rack
@@ -53,11 +53,11 @@ use crate::model::{Drive, Mechanism, PointId, TwistBeam};
 use crate::number::{Each, Vector3};
 use nalgebra::{Matrix5, SMatrix};
 
-/// Value of a part's measure, a sine, below which the part counts as singular. Folds are found to rounding, but at a double
-/// root a sine has only half as many digits.
+/// A part counts as singular if its sine, (3) or (4), is smaller than this. Folds are found to rounding, but at a double root
+/// only half as many digits of a sine are correct.
 pub(crate) const SINGULAR_PART: f64 = 1e-6;
 
-/// Sine of the largest angle, half a degree, between a vertical arm and the vertical.
+/// An arm counts as vertical if the sine of its angle to the vertical is smaller than this (about half a degree).
 const VERTICAL: f64 = 0.01;
 
 impl Curve<'_> {
@@ -80,15 +80,15 @@ impl Curve<'_> {
         match (self.moving, self.held.drive) {
             (Moving::Rack, _) => LimitCause::RackStandsStill,
             (Moving::Drive, Drive::ArmAngle) => LimitCause::ArmStandsStill,
-            // Sign of the second coefficient of the travel as a Taylor series in the arc length.
+            // The travel is highest where its second Taylor coefficient with respect to the arc length is negative.
             (Moving::Drive, Drive::Travel) if fold.moved[2] < 0.0 => LimitCause::CentreHighest,
             (Moving::Drive, Drive::Travel) => LimitCause::CentreLowest,
         }
     }
 
-    /// Reason for a fold of a twist beam. In heave without a difference of travels, the arms of both halves are
-    /// vertical at a fold. If the arms are not vertical, the path has met the path of twisted halves, along which the
-    /// heave has an extreme.
+    /// Reason for a fold of a twist beam. In heave without a difference of travels, the arms of both halves are vertical at a
+    /// fold. If the arms are not vertical, the path has met another path, on which the halves are twisted. The heave has an
+    /// extreme along that other path.
     fn cause_of_beam(&self, beam: &TwistBeam, fold: &CurvePoint) -> LimitCause {
         let at = self.configuration(fold);
         let arm = at.point(self.mechanism.wheel_centre) - at.point(beam.mount);
@@ -112,7 +112,7 @@ impl Curve<'_> {
     }
 }
 
-/// Part that is nearest to a singular position. `None` for a mechanism without such parts.
+/// Part that is nearest to its singular position. `None` for a mechanism without such parts.
 pub(crate) fn nearest_part(at: &Configuration<f64>) -> Option<PartMeasure> {
     let measures = part_measures(at)?;
     measures
@@ -120,7 +120,7 @@ pub(crate) fn nearest_part(at: &Configuration<f64>) -> Option<PartMeasure> {
         .min_by(|a, b| a.sine.total_cmp(&b.sine))
 }
 
-/// Measures (3) and (4): of the upper arm or strut, and of the tie rod. `None` for a mechanism without these parts.
+/// Sine (3) of the upper arm or strut, and sine (4) of the tie rod. `None` for a mechanism without these parts.
 fn part_measures(at: &Configuration<f64>) -> Option<[PartMeasure; 2]> {
     let roles = Roles::of(at.mechanism)?;
     let ball_joint = at.point(roles.ball_joint());
@@ -181,7 +181,7 @@ pub(crate) fn dependent_links(
     loaded.filter_map(|(end, _)| end).collect()
 }
 
-/// Outer end of the link of each of the five equations. `None` for an equation that is not a link's.
+/// Outer end of the link of each of the five equations. `None` for an equation that does not belong to a link.
 pub(crate) fn outer_ends(mechanism: &Mechanism) -> Vec<Option<PointId>> {
     let ends = mechanism.constraints.iter().flat_map(|constraint| {
         let end = constraint.link().map(|(_, outer)| outer);

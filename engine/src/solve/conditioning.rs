@@ -37,8 +37,8 @@ impl Conditioning {
         distance: 0.0,
     };
 
-    /// Largest condition number that may be an estimate. Larger numbers are computed, so that reports of lost digits are never
-    /// based on an estimate.
+    /// Largest condition number that may be an estimate. Larger numbers are computed from the Jacobian, so a report of lost
+    /// digits is never based on an estimate.
     pub const ESTIMATED: f64 = 1e3;
 
     /// Number of reliable decimal digits of rates and sensitivities, at most 15.

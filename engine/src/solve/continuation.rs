@@ -1,4 +1,4 @@
-//! Follows a path of the mechanism by its arc length, also through folds, where the drive turns back.
+//! Follows a path of the mechanism in steps of arc length, also through folds, where the drive turns back.
 //!
 //! While the drive (or the rack) moves, its value q and the pose x form a curve F(x, q) = 0 in seven dimensions. With every
 //! quantity relative to the mechanism's size,
@@ -222,8 +222,8 @@ impl Curve<'_> {
         })
     }
 
-    /// Point of the curve with its tangent and series. The tangent continues with `orientation`. At the first point its sign
-    /// is such that the value moves in `direction`.
+    /// Point of the curve with its tangent and series. `orientation` gives the sign of the tangent. `None` is for the first
+    /// point: the tangent then has the sign for which the value moves in `direction`.
     fn at(
         &self,
         pose: &Pose<f64>,
@@ -277,7 +277,7 @@ impl Curve<'_> {
         })
     }
 
-    /// Point about `length` further along the curve, and the error of its prediction.
+    /// Point about `length` further along the curve, and the error of the prediction of this point.
     fn step(&self, from: &CurvePoint, length: f64) -> Option<(CurvePoint, f64)> {
         let mut pose = crate::solve::path::predict(&from.series, length);
         let [q, first, second] = from.moved.0;

@@ -66,7 +66,7 @@ pub enum FormulationVisit {
 
 /// Equations that give the poses of a topology in unknowns other than the pose of the knuckle.
 pub trait Formulation: Sync {
-    /// Visits the stations of a motion. At each displacement of the rack, the visit goes outward from the design position.
+    /// Visits the stations of a motion. At each displacement of the rack, it starts at the design position and goes outward.
     /// Returns the work of the solver.
     ///
     /// # Errors

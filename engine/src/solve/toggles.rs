@@ -22,7 +22,7 @@ pub struct Toggles {
     /// Drive and rack displacement of the stations that are visited. `None` if poses between the stations cannot be
     /// computed.
     way: Cell<Option<(Drive, f64)>>,
-    /// Rockers at or beyond a toggle at the start of the visit, and the rods of all watched rockers there.
+    /// Rockers at or beyond a toggle at the start of the visit, and the positions of all watched rods at the start.
     at_start: Cell<RockerSet>,
     rods_at_start: RefCell<Vec<RodReach<f64>>>,
     past: Cell<PreviousStation>,
@@ -32,7 +32,7 @@ pub struct Toggles {
 /// A set of rockers, with one bit for each index.
 type RockerSet = u32;
 
-/// Rockers at or beyond a toggle, and the rods of all watched rockers.
+/// Rockers at or beyond a toggle, and the positions of all watched rods.
 type Seen = (RockerSet, Vec<RodReach<f64>>);
 
 /// Previous station of the visit.
@@ -98,7 +98,7 @@ impl Toggles {
         Ok(())
     }
 
-    /// Returns the rod of the first checked rocker that reaches a toggle while the design changes, with the mechanism in its
+    /// Returns the rod of the first checked rocker that reaches a toggle while the design changes. The mechanism stays in its
     /// design pose. `design` returns the design at a fraction of the change, from 0 to 1.
     pub(crate) fn on_way(
         &self,
@@ -161,7 +161,7 @@ impl Toggles {
             return None;
         }
         let past = self.past.get();
-        // Otherwise this station is on the other side of the start.
+        // If this test is false, the station is on the other side of the start.
         let goes_on = value.abs() >= past.value.abs() && value * past.value >= 0.0;
         let (from, before) = if goes_on {
             (past.value, past.stuck)

@@ -1,4 +1,4 @@
-//! Values of quantities and their derivatives with respect to the drive, from the inputs in lanes.
+//! Values of quantities, and their derivatives with respect to the drive, for several poses at once (one in each SIMD lane).
 
 use super::{EvaluationRule, LaneInputs, LaneReader};
 use crate::characteristics::gains::{by_drive, is_angle};

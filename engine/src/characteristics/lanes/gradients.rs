@@ -1,4 +1,5 @@
-//! Gradients of quantities with respect to the hardpoints: seeds of an adjoint in lanes.
+//! Gradients of quantities with respect to the hardpoints, for several poses at once (one in each SIMD lane). The module adds
+//! the seeds of an adjoint.
 
 use super::{LaneInputs, LaneReader, LaneWheels};
 use crate::characteristics::gains::{angle_of_gain, by_direction, by_direction_along};
@@ -9,8 +10,8 @@ use crate::model::{Axis, PointId, SteeringAxis};
 use crate::number::{Jet, MOST_LANES, Outlined, SimdReal, Vector3};
 
 impl LaneReader<'_> {
-    /// Returns true if lanes provide the derivatives with respect to the hardpoints. They do not for an instantaneous
-    /// steering axis, and not for quantities that contain velocities of springs and rockers.
+    /// Returns true if the derivatives with respect to the hardpoints can be computed in SIMD lanes. This is not possible with
+    /// an instantaneous steering axis, or for quantities that contain velocities of springs and rockers.
     pub fn has_gradients(&self) -> bool {
         let instantaneous = self.mechanism.steering_axis == Some(SteeringAxis::Instantaneous);
         let can_be_had = |q: &Quantity| {

@@ -20,7 +20,7 @@ use crate::solve::{CornerTracker, KnucklePoint, KnuckleVector, LaneDesign};
 use crate::sorting::sort_by_key;
 use watching::ToggleWatch;
 
-/// Reads quantities from poses in lanes.
+/// Reads quantities from several poses at once, one in each SIMD lane.
 #[derive(Clone, Debug)]
 pub struct LaneReader<'a> {
     mechanism: &'a Mechanism,
@@ -39,7 +39,8 @@ pub struct LaneReader<'a> {
     place: Vec<Option<usize>>,
     /// True if the reader needs a part outside the knuckle: another body's point, or a rocker.
     reads_others: bool,
-    /// Rockers that move any part that is read, and rockers that move those rockers. Their positions need velocities.
+    /// Rockers that move a part that is read, and rockers that move these rockers. The reader needs velocities for the
+    /// positions of rockers.
     rockers: Vec<RockerId>,
     rates: bool,
     /// True if the reader also reads derivatives with respect to the rack.
@@ -57,7 +58,7 @@ pub struct LaneReader<'a> {
 enum EvaluationRule {
     /// The quantity's own formula.
     Formula(Characteristic),
-    /// Slope of this angle with respect to the drive. If the travel is the drive, it is the angle's gain.
+    /// Slope of this angle with respect to the drive. If the travel is the drive, this slope is the angle's gain.
     Slope(Characteristic),
     /// A coordinate of one of the points.
     Coordinate(usize, Axis),
@@ -65,20 +66,21 @@ enum EvaluationRule {
     AngularVelocity(Axis),
 }
 
-/// The body of a rigid axle, read from poses in lanes.
+/// Body of a rigid axle, with one pose in each SIMD lane.
 #[derive(Clone, Copy, Debug)]
 pub struct LaneAxle<B> {
-    /// Columns along x and y of its rotation from the design position.
+    /// Columns along x and y of the body's rotation matrix, from the design position.
     pub columns: [Vector3<B>; 2],
-    /// Angular velocities with respect to the drive and to the held travel.
+    /// Angular velocities with respect to the drive, and with respect to the travel that the drive does not change (mean travel
+    /// or difference of travels).
     pub turns: [Vector3<B>; 2],
-    /// Velocity of the steering axis's point with respect to the held travel.
+    /// Velocity of the steering axis's point with respect to the travel that the drive does not change.
     pub kingpin_by_held: Vector3<B>,
     /// True if the wheel is on a knuckle that turns in the axle.
     pub is_steered: bool,
 }
 
-/// Inputs of formulas, read from poses in lanes.
+/// Inputs of formulas, read from several poses at once (one in each SIMD lane).
 #[derive(Clone, Debug)]
 pub struct LaneInputs<B> {
     inputs: Inputs<B>,
@@ -125,7 +127,7 @@ pub struct LaneWheels<B: SimdReal> {
 }
 
 impl<'a> LaneReader<'a> {
-    /// Makes a reader of these quantities. `None` if lanes cannot read one of the quantities.
+    /// Makes a reader of these quantities. `None` if one of the quantities cannot be read in SIMD lanes.
     pub fn new(
         mechanism: &'a Mechanism,
         batch: &CornerTracker<'_>,
@@ -164,7 +166,7 @@ impl<'a> LaneReader<'a> {
     }
 
     /// Makes a reader of slots, for formulas that are evaluated elsewhere. It includes the slots' velocities if `rates` is
-    /// true. `None` if lanes cannot read one of the slots.
+    /// true. `None` if one of the slots cannot be read in SIMD lanes.
     pub fn of_slots(
         mechanism: &'a Mechanism,
         batch: &CornerTracker<'_>,
@@ -175,7 +177,8 @@ impl<'a> LaneReader<'a> {
         LaneReader::reading(mechanism, batch, constants, slots, Vec::new(), rates)
     }
 
-    /// Makes a reader of these slots and of the coordinates of these points. `None` if lanes cannot read one of them.
+    /// Makes a reader of these slots and of the coordinates of these points. `None` if one of them cannot be read in SIMD
+    /// lanes.
     fn reading(
         mechanism: &'a Mechanism,
         batch: &CornerTracker<'_>,
@@ -241,8 +244,8 @@ impl<'a> LaneReader<'a> {
         self
     }
 
-    /// If `is_wanted`, the reader also reads velocities with respect to the rack. It needs velocities with respect to the
-    /// drive and the wheel centre, so without them it reads no velocities with respect to the rack.
+    /// If `is_wanted`, the reader also reads velocities with respect to the rack. For this it needs the wheel centre, and
+    /// velocities with respect to the drive. Without these two, it reads no velocities with respect to the rack.
     #[must_use]
     pub fn with_derivatives_by_rack(mut self, is_wanted: bool) -> Self {
         let knows_centre = self.slots.contain_either(Slot::Centre, Slot::CentreRate);
@@ -250,8 +253,8 @@ impl<'a> LaneReader<'a> {
         self
     }
 
-    /// Returns true if poses must be read in the order of their stations. This order is necessary, because the reader checks
-    /// the rods of rockers from station to station.
+    /// Returns true if the reader checks the rods of rockers from station to station. Poses must then be read in the order of
+    /// their stations.
     #[inline]
     pub(crate) fn watches_rods(&self) -> bool {
         !self.rockers.is_empty()

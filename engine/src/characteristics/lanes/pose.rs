@@ -1,4 +1,4 @@
-//! Reads the parts of poses in lanes.
+//! Reads the parts of several poses at once, one pose in each SIMD lane.
 
 use super::{LaneInputs, LaneReader, LaneWheels};
 use crate::characteristics::reading::{Moving, PoseReader};
@@ -126,7 +126,7 @@ impl<B: SimdReal, P: LanePose<B>> Outlined for ReadingPose<'_, '_, B, P> {
     }
 }
 
-/// A pose that is being read.
+/// Poses that are being read, one in each SIMD lane.
 struct PoseInLanes<'r, 'm, 'c, B: SimdReal, P> {
     reader: &'r LaneReader<'m>,
     wheels: &'r LaneWheels<B>,

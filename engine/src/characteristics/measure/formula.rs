@@ -152,7 +152,7 @@ fn outside<T: Scalar>(excess: &[T]) -> T {
 }
 
 /// Distance of two segments. Their nearest points move with the ends, so derivatives of any order are exact. At these points
-/// the distance has its minimum, so it does not depend on their position to first order.
+/// the distance is smallest. So, to first order, a shift of the points along the segments does not change the distance.
 pub(super) fn between_segments<T: Scalar>(first: [Vector3<T>; 2], second: [Vector3<T>; 2]) -> T {
     let (p, q) = (first[0], second[0]);
     let (u, w) = (first[1] - p, second[1] - q);

@@ -46,8 +46,8 @@ fn a_box_is_negative_inside_and_round_outside() {
     assert_eq!(at(4.0, 6.0, 0.0), 5.0);
 }
 
-/// Over the part of a member within a rim, the distance from the spin axis is largest at the member's outer end or in the
-/// plane of the rim's edge.
+/// Along the part of a member that is inside a rim, the distance from the spin axis is largest at the member's outer end or in
+/// the plane of the rim's edge.
 #[test]
 fn a_member_is_inside_of_a_rim_where_its_outer_end_and_its_entry_are() {
     let mut seed = 1_u64;
@@ -144,7 +144,8 @@ fn cases_at_kinks() -> Vec<AtKink> {
     ]
 }
 
-/// Near a kink, the derivatives belong to the side on which the point lies. The test passes each of these kinks at t = 0:
+/// Near a kink, the derivatives belong to the side on which the point lies. The test moves the vectors across each of these
+/// kinks and reaches the kink at t = 0:
 ///
 /// - edge and middle of a box,
 /// - rim of the end of a tube,

@@ -116,8 +116,8 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
     }
 }
 
-/// Work at one pose, as a separate function. So the code is shared by poses of one design side by side and poses of many
-/// designs.
+/// Does the work at one pose in a separate function. This function is used for poses of one design side by side and for poses
+/// of many designs.
 struct AtPose<'v, 'r, 't, B: SimdReal, P> {
     differentiating: &'v mut Differentiating<'r, 't, B>,
     station: usize,
@@ -202,8 +202,8 @@ impl<B: SimdReal> Differentiating<'_, '_, B> {
         }
     }
 
-    /// Adds gradients of the quantities in the range to the row of the first of them, each times its weight. Skips quantities
-    /// that contain velocities.
+    /// Multiplies the gradient of each quantity in the range by the quantity's weight, and adds it to the row of the first
+    /// quantity. Skips quantities that contain velocities.
     #[inline(always)]
     fn add_gradients(
         &mut self,

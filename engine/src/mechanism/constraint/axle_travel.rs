@@ -1,8 +1,7 @@
 //! One of the two travels of a rigid axle (see `model/rigid_axle.rs`).
 //!
-//! z_n and z_f are the heights of the near and the far wheel centre above their design positions. s = 1 for the mean
-//! and s = -1 for the difference. r is the value that is held. Other mechanisms hold the rack's displacement instead of
-//! this value.
+//! z_n and z_f are the heights of the near and the far wheel centre above their design positions. s = 1 for the mean and s = -1
+//! for the difference. r is the prescribed value. Other mechanisms prescribe the rack's displacement instead.
 //!
 //! ```text
 //! F  = (z_n + s z_f)/2 - r                                          (1)
@@ -60,7 +59,7 @@ pub(crate) struct TravelRow<T> {
 }
 
 impl<T: Real> TravelRow<T> {
-    /// Makes the mean or the difference of the heights of both wheel centres over these heights.
+    /// Makes the mean or the difference of the heights of both wheel centres above these heights.
     #[inline(always)]
     pub(crate) fn new([near, far]: [PointId; 2], travel: AxleTravel, zeros: [T; 2]) -> Self {
         TravelRow {

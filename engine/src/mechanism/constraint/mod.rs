@@ -1,6 +1,6 @@
 //! Closure equations, one file for each kind of constraint.
 //!
-//! A constraint has a residual F (1) and its differential (2):
+//! A constraint has a residual F (1) and a differential (2):
 //!
 //! ```text
 //! F(pose, rack, hardpoints) = 0                                                    (1)

@@ -41,8 +41,8 @@ pub(crate) struct Pinned<T> {
 }
 
 impl<T: Real> Pinned<T> {
-    /// Makes all five equations. `body` holds the points of the body, `knuckle` the positions of all points on the
-    /// undisplaced knuckle. For a design, both are its own points. `origin` is the knuckle's origin.
+    /// Makes all five equations. `body` holds the points of the body, `knuckle` the positions of all points on the undisplaced
+    /// knuckle. For a design, both are the points of the design. `origin` is the knuckle's origin.
     #[inline(always)]
     pub(crate) fn all(
         first: PointId,

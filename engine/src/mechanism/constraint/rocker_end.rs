@@ -15,8 +15,8 @@
 //! k = N/D,   N = e.(x - f) x G,   D = e.(n - f) x s                                              (2)
 //! ```
 //!
-//! So the force H acts at p, and K = k s acts at o. The base receives the force G - K, and the moment of G at x minus
-//! the moment of K at o. The row (f, m) contains those of these forces that act on the knuckle.
+//! So the force H acts at p, and K = k s acts at o. The base receives the force G - K, and the moment of G at x minus the
+//! moment of K at o. The row (f, m) contains only the forces that act on the knuckle.
 //!
 //! Rates along the motion: points of the knuckle move with it, and points of the body do not move. The rod keeps its length, so
 //! the rocker turns in its base with

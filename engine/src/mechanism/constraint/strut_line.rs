@@ -19,7 +19,7 @@
 //! f' = -(w x R n),   m' = (w x R n) x g - R n x v                                     (5)
 //! ```
 //!
-//! n . g0 and u are dimensions of the knuckle. A built strut keeps those of its own knuckle, wherever its mount is in the
+//! n . g0 and u are dimensions of the knuckle. A built strut keeps the values of its own knuckle, wherever the mount is in the
 //! body.
 
 use super::normals;
@@ -46,8 +46,8 @@ pub(crate) struct StrutLine<T> {
 }
 
 impl<T: Real> StrutLine<T> {
-    /// Makes both equations. `knuckle` holds the positions of all points on the undisplaced knuckle (for a design, its own
-    /// points). `origin` is the knuckle's origin.
+    /// Makes both equations. `knuckle` holds the positions of all points on the undisplaced knuckle (for a design, the points
+    /// of the design). `origin` is the knuckle's origin.
     #[inline(always)]
     pub(crate) fn both(
         top: PointId,

@@ -72,8 +72,8 @@ enum UpperEnd<T> {
         /// The two points that give the direction of the line.
         lower: PointId,
         upper: PointId,
-        /// `inverse_base`: inverse of their distance. `designed`: position of the mount along the line. Both in the design
-        /// position.
+        /// `inverse_base`: inverse of the distance between the two points. `designed`: position of the mount along the line.
+        /// Both in the design position.
         inverse_base: T,
         designed: T,
     },

@@ -1,8 +1,8 @@
-//! Products of a knuckle vector, from which the closed form computes its image.
+//! Products of a knuckle vector. The closed form computes the image of the vector from them.
 
 use crate::number::{Real, Vector3};
 
-/// Products of a knuckle vector x0 that determine its image, for v = m + s u: products with m, u, t0, m x t0 and u x t0.
+/// Products of a knuckle vector x0 with m, u, t0, m x t0 and u x t0, where v = m + s u. They determine the image of x0.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Carried<T> {
     pub(super) by_m: T,
@@ -23,7 +23,7 @@ pub(crate) struct Carrier<T> {
 }
 
 impl<T: Real> Carrier<T> {
-    /// Products of a knuckle vector, given in the design position.
+    /// Returns the products of a knuckle vector, which is given in the design position.
     #[inline(always)]
     pub(crate) fn carried(&self, x: Vector3<T>) -> Carried<T> {
         Carried {

@@ -26,7 +26,7 @@ impl ClosedForm<f64> {
         let steering = state.ga.abs() * state.gram;
         let steering_lever = (state.dd * tie_rod_squared).sqrt();
         let outer = self.tie_squared.sqrt();
-        // One division serves both lever arms.
+        // One division is enough for both lever arms.
         let turned = size / (upper * steering);
         let held = 1.0 + turned * (steering + (upper + outer) * steering_lever);
         match rate {

@@ -123,7 +123,7 @@ impl<T: Real> ClosedForm<T> {
         ClosedForm::with_carrier(roles, design).0
     }
 
-    /// Makes the constants of a design, and the object that carries further vectors of its knuckle.
+    /// Makes the constants of a design, and the [`Carrier`] for further vectors of the knuckle.
     #[inline(always)]
     pub(crate) fn with_carrier(roles: &Roles, design: &[Vector3<T>]) -> (Self, Carrier<T>) {
         let ball_joint = design[roles.lower_arm.outer.0];
@@ -237,7 +237,7 @@ impl<T: Real> ClosedForm<T> {
         self.at(cosine, (tangent + tangent) * inverse, rack)
     }
 
-    /// One of the constants. Further constants take its number type and length.
+    /// Returns one of the constants, as the sample from which new constants of the same number type are made.
     #[inline(always)]
     pub(crate) fn like(&self) -> T {
         self.wheel_height
@@ -312,8 +312,8 @@ impl<T: Real> ClosedForm<T> {
         }
     }
 
-    /// Radicand in the position of the upper end, at the arm angle with this cosine and sine. The radicand is negative
-    /// if the mechanism cannot be assembled.
+    /// Returns the number under the square root in the position of the upper end, at the arm angle with this cosine and sine.
+    /// The number is negative if the mechanism cannot be assembled.
     pub(crate) fn upper_square(&self, cosine: T, sine: T) -> T {
         self.upper.square(self.ball_joint.at(cosine, sine))
     }
@@ -328,13 +328,13 @@ impl ArmState<f64> {
     }
 }
 
-/// Smallest squared sine of an angle by which the closed form may divide.
+/// Smallest squared sine that may be a divisor in the closed form.
 const LEAST: f64 = 0.0625;
-/// Smallest margin of the upper end, also a sine.
+/// Smallest permitted margin of the upper end, also a sine.
 const LEAST_UPPER: f64 = 0.25;
 
 impl<B: SimdReal> ArmState<B> {
-    /// Lanes in which the closed form is well conditioned, because no divisor is small. NaN counts as ill conditioned.
+    /// SIMD lanes in which the closed form is well conditioned, because no divisor is small. NaN counts as ill conditioned.
     #[inline(always)]
     pub(crate) fn is_well_conditioned(&self) -> B::Mask {
         let least = self.ga.constant(LEAST);
@@ -375,9 +375,9 @@ impl<const N: usize> ArmState<Jet<f64, N>> {
 }
 
 impl<T: Real> ArmState<T> {
-    /// Squares by which the closed form divides, or of which it takes the root. Each comes with the factor that makes
-    /// it the squared sine of an angle. These are the angles between the steering arm and the plane through steering
-    /// axis and rack joint, the rack joint and the steering axis, and the steering arm and the steering axis.
+    /// Squares by which the closed form divides, or of which it takes the root. Each square comes with a factor. Square times
+    /// factor is the squared sine of an angle. The three angles are those between: the steering arm and the plane through
+    /// steering axis and rack joint; the rack joint and the steering axis; the steering arm and the steering axis.
     #[inline(always)]
     pub(crate) fn squares(&self) -> [(T, T); 3] {
         [
@@ -392,8 +392,8 @@ impl<T: Real> ArmState<T> {
         self.toggle_square
     }
 
-    /// Margin of the upper end, which is zero at its limit. The margin is the length of a strut from the foot of the
-    /// ball joint's perpendicular to the mount, or a lever of the upper arm.
+    /// Margin of the upper end, which is zero at its limit. For a strut, the margin is the length from the foot of the ball
+    /// joint's perpendicular to the mount. For an upper arm, it is a lever.
     #[inline(always)]
     pub(crate) fn upper_margin(&self) -> T {
         self.upper_margin

@@ -95,7 +95,7 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// Returns d, s and a margin. At margin zero d is at its limit; beyond it, all values are NaN. `square`, if given,
+    /// Returns d, s and a margin. At margin zero d is at its limit; beyond this limit, all values are NaN. `square`, if given,
     /// is a more accurate value of [`Upper::square`] than the joint's position gives.
     #[inline(always)]
     pub(crate) fn at(&self, ball_joint: Vector3<T>, square: Option<T>) -> (Vector3<T>, T, T) {
@@ -159,7 +159,7 @@ impl<T: Real> Upper<T> {
         }
     }
 
-    /// Radicand in the position of the upper end: square of the strut's length, or of the arm's lever.
+    /// Number under the square root in the position of the upper end: the square of the strut's length, or of the arm's lever.
     pub(crate) fn square(&self, ball_joint: Vector3<T>) -> T {
         match self {
             Upper::Strut {

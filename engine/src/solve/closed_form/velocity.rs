@@ -59,7 +59,7 @@ impl<T: Real> Velocity<T> {
 }
 
 impl<T: Real> ClosedForm<T> {
-    /// Rates of a state. `tangent` is the tangent of half the arm's angle in it.
+    /// Rates of a state. `tangent` is the tangent of half the arm's angle in this state.
     #[inline(always)]
     pub(crate) fn velocity(&self, state: &ArmState<T>, tangent: T) -> Velocity<T> {
         let (d, g) = (state.d, state.g);

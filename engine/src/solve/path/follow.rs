@@ -1,4 +1,4 @@
-//! Follows the closure equations with steps small enough that Newton's method cannot leave the branch.
+//! Follows the closure equations with steps so small that Newton's method stays on the solution branch.
 
 use super::{Solver, Station};
 use crate::derive::MotionPoint;
@@ -12,15 +12,15 @@ use crate::mechanism::{GOOD_PREDICTION, ROUNDING};
 use crate::number::Jet;
 use crate::solve::continuation::{Moving, PathEnd};
 
-/// Largest rotation of an arm (rad), and largest move relative to the size, in one step.
+/// Largest rotation of an arm in one step (rad). Also the largest displacement in one step, relative to the mechanism's size.
 pub(crate) const LONGEST_TURN: f64 = 0.2;
 /// Shortest step in the drive, as a share of the distance to the next station. If a step would be shorter, the path turns
 /// sharply, and is followed by its arc length.
 const SHORTEST_STEP: f64 = 1.0 / 16.0;
 impl Solver<'_> {
-    /// Follows the closure equations from a station to a motion point. It makes steps of the drive, and accepts a step
-    /// only if the second-order prediction was good and the determinant has not changed much. If this needs many steps,
-    /// the function follows the path by its arc length instead. That method passes folds and finds them.
+    /// Follows the closure equations from a station to a motion point. It makes steps of the drive, and accepts a step only if
+    /// the second-order prediction was good and the determinant has not changed much. If this needs many steps, the function
+    /// follows the path in steps of arc length instead. That method passes folds and finds them.
     pub(crate) fn follow(
         &mut self,
         from: &Station,
@@ -73,7 +73,7 @@ impl Solver<'_> {
         Ok(pose)
     }
 
-    /// Follows the path by its arc length. Either the drive or the rack moves.
+    /// Follows the path in steps of arc length. Either the drive or the rack moves.
     pub(crate) fn follow_arc(
         &mut self,
         pose: &Pose<f64>,

@@ -1,10 +1,9 @@
 //! Poses that are connected to the design position.
 //!
-//! A mechanism has many assemblies. The required assembly is the one that the mechanism reaches by a motion from the
-//! design position. So every pose is found by following a path: first the rack moves at zero travel, then the drive
-//! moves outward, station by station. The tracker goes as far as its guards allow. From the last station that it
-//! accepts, the solver follows the closure equations with steps small enough that Newton's method cannot leave the
-//! branch.
+//! A mechanism has many assemblies. The required assembly is the one that the mechanism reaches by a motion from the design
+//! position. So every pose is found by following a path: first the rack moves at zero travel, then the drive moves outward,
+//! station by station. The tracker goes as far as its checks allow. From the last station that the tracker accepts, the solver
+//! follows the closure equations. Its steps are so small that Newton's method stays on the solution branch.
 
 mod follow;
 mod series;
@@ -31,7 +30,7 @@ use std::ops::ControlFlow;
 /// Range of permitted sizes. The eighth powers of these sizes, and their inverses, neither overflow nor underflow.
 const SIZES: std::ops::Range<f64> = 1e-30..1e30;
 
-/// Finds the poses of a design. Its `prepare` takes the next design.
+/// Finds the poses of a design. [`Solver::prepare`] changes to the next design.
 #[derive(Clone, Debug)]
 pub struct Solver<'m> {
     mechanism: &'m Mechanism,
@@ -45,7 +44,7 @@ pub struct Solver<'m> {
     design_series: Option<DesignSeries<3>>,
     series_is_current: bool,
     size: f64,
-    /// Largest coordinate, or the size if that is larger. Rounding of positions is relative to it.
+    /// Largest coordinate, or the size if the size is larger. Rounding errors of positions are relative to this length.
     coordinate_scale: f64,
     pub(crate) work: WorkCounter,
 }
@@ -109,8 +108,8 @@ impl<'m> Solver<'m> {
         Ok(())
     }
 
-    /// Refuses rods and axes without length. Also refuses those so short that the rounding of coordinates leaves fewer than
-    /// six digits of their direction.
+    /// Refuses rods and axes without length. Also refuses rods and axes so short that the rounding of coordinates leaves fewer
+    /// than six digits of their direction.
     fn check_distinct(&self) -> Result<(), DesignFault> {
         let shortest = (DEGENERATE * self.size).max(1e6 * f64::EPSILON * self.coordinate_scale);
         let distinct = |first: PointId, second: PointId| {

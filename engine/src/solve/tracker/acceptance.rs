@@ -1,4 +1,4 @@
-//! Acceptance of lanes by the tracker, and the reasons for rejections.
+//! Acceptance of designs by the tracker, with one design in each SIMD lane, and the reasons for rejections.
 
 use crate::number::SimdReal;
 
@@ -51,7 +51,7 @@ impl Rejection {
         }
     }
 
-    /// Number that represents this reason in a lane. 0 means no rejection.
+    /// Number that represents this reason in a SIMD lane. 0 means no rejection.
     #[inline(always)]
     fn code(self) -> f64 {
         f64::from(self as u8 + 1)
@@ -62,7 +62,7 @@ impl Rejection {
     }
 }
 
-/// Lanes that have passed every guard so far, and the first failed guard of each other lane.
+/// Lanes that have passed every check so far. For each other lane, the first check that failed.
 #[derive(Clone, Copy)]
 pub struct Acceptance<B: SimdReal> {
     accepted: B::Mask,

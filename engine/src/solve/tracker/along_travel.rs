@@ -10,7 +10,7 @@ use crate::number::{Jet, Matrix3, SimdReal, Vector3};
 #[derive(Clone, Debug)]
 pub(crate) struct AlongTravel(pub(super) ByLinkage);
 
-/// Designs in lanes as Taylor series along the travel. The series are constant.
+/// Designs, one in each SIMD lane, as Taylor series along the travel. Only the constant terms are not zero.
 pub(crate) struct SeriesDesign<B> {
     design: Vec<Vector3<Jet<B, 2>>>,
     closure: Closure<Jet<B, 2>>,
@@ -39,7 +39,7 @@ impl AlongTravel {
         }
     }
 
-    /// Prepares gradients at a configuration of [`SeriesDesign::along`].
+    /// Prepares gradients at a configuration from [`SeriesDesign::along`].
     #[inline(always)]
     pub(crate) fn adjoint<'p, B: SimdReal>(
         &self,

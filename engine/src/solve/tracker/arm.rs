@@ -25,11 +25,11 @@ pub(crate) struct ByArm {
     roles: Roles,
     /// Slope of the half tangent with respect to the drive, in the base design.
     slope: f64,
-    /// Largest slope that is accepted.
+    /// Largest slope that the tracker accepts.
     steepest: f64,
 }
 
-/// The constants of a design in each lane.
+/// Constants of the designs, one design in each SIMD lane.
 #[derive(Clone, Copy)]
 pub(crate) struct ArmDesign<'d, B> {
     mechanism: &'d Mechanism,
@@ -49,15 +49,15 @@ impl<B: SimdReal> ArmDesign<'_, B> {
     }
 }
 
-/// Largest slope of the half tangent with respect to the travel, in 1/size. An arm as long as the size has a slope of
-/// one half. A larger slope means that a fold is near. Rounding errors of the pose grow with the slope, those of
-/// rates with its cube.
+/// Largest slope of the half tangent with respect to the travel, in 1/size. An arm as long as the size has a slope of one half.
+/// A larger slope means that a fold is near. Rounding errors of the pose grow with the slope. Rounding errors of rates grow
+/// with the cube of the slope.
 pub(crate) const STEEPEST: f64 = 3.0;
-/// Largest rotation of the arm, as the tangent of half the angle.
+/// Largest rotation of the arm from the design position, as the tangent of half the angle.
 pub(crate) const FARTHEST: f64 = 0.7;
 /// Largest rotation of the arm in one step, as a change of the tangent of half the angle.
 const LONGEST: f64 = 0.1;
-/// Largest number of correction pairs for a lane to settle.
+/// Largest number of correction pairs in which a lane must converge.
 const MOST_ROUNDS: usize = 4;
 
 impl ByArm {
@@ -154,9 +154,9 @@ impl ByArm {
         }
     }
 
-    /// Accepts lanes in which the closed form is well conditioned and the arm is on its branch. `inverse_step` is the
-    /// inverse of the change of the drive since the previous guard. The caller passes it only on the legs of
-    /// stations.
+    /// Accepts lanes in which the closed form is well conditioned and the arm is on its solution branch. `inverse_step` is 1
+    /// divided by the change of the drive since the previous check. The caller passes `inverse_step` only on the legs that
+    /// contain the stations.
     #[inline(always)]
     fn guard<B: SimdReal>(
         &self,
@@ -187,7 +187,7 @@ impl ByArm {
     }
 }
 
-/// Numbers that the guards compare between two waypoints.
+/// Numbers that the checks compare between two waypoints.
 #[derive(Clone, Copy)]
 pub(super) struct BranchGuard<B> {
     tangent: B,
@@ -198,8 +198,8 @@ pub(super) struct BranchGuard<B> {
 }
 
 impl<B: SimdReal> BranchGuard<B> {
-    /// Guard of a waypoint at zero drive. `rate` is the slope of this design. Near a fold it differs much from the
-    /// slope of the base design.
+    /// Numbers of a waypoint at zero drive. `rate` is the slope of this design. Near a fold it differs much from the slope of
+    /// the base design.
     #[inline(always)]
     fn start(state: &ArmState<B>, tangent: B, rate: B) -> Self {
         let [a, b, c] = state.squares();
@@ -210,8 +210,7 @@ impl<B: SimdReal> BranchGuard<B> {
         }
     }
 
-    /// Guard of the next waypoint on this leg of the route. Its slope is the change of the half tangent divided by
-    /// the step.
+    /// Numbers of the next waypoint on this leg of the route. The slope is the change of the half tangent divided by the step.
     #[inline(always)]
     fn next(&self, state: &ArmState<B>, tangent: B, inverse_step: B) -> Self {
         BranchGuard::start(state, tangent, (tangent - self.tangent) * inverse_step)

@@ -1,8 +1,8 @@
 //! Search for designs at the boundary between designs that the tracker accepts and designs that it rejects.
 //!
-//! On a line between an accepted and a rejected design, bisection ends at two neighbouring designs. Between these two, the inputs
-//! of a guard differ only by rounding. A guard that accepts the first design with some slack also accepts the second one. So the
-//! guard that rejects the second design is the one without slack.
+//! On a line between an accepted and a rejected design, bisection ends at two neighbouring designs. Between these two, the
+//! inputs of a check differ only by rounding. A check that accepts the first design with some slack also accepts the second
+//! one. So the check that rejects the second design is the one without slack.
 
 use super::{Acceptance, AdjointPose, CornerTracker, Rejection, Visit};
 use crate::model::{Drive, Suspension, Topology};
@@ -18,7 +18,7 @@ impl Visit<f64> for Nothing {
     fn pose(&mut self, _: usize, _: &impl AdjointPose<f64>, _: Acceptance<f64>) {}
 }
 
-/// Follows a design. Returns the reason why a leg ends early, if one does. `history` receives the unknowns.
+/// Tracks a design. If a leg ends early, returns the reason. `history` receives the unknowns.
 pub(super) fn rejection(
     tracker: &CornerTracker<'_>,
     rack: usize,
@@ -49,7 +49,7 @@ pub(super) fn template(topology: &str) -> Suspension {
     study.expect("a template is valid").into_wheel()
 }
 
-/// Decision of a guard at a waypoint: its name, its reason for a rejection, and its slack. A guard with negative
+/// Decision of a check at a waypoint: its name, its reason for a rejection, and its slack. A check with negative
 /// slack rejects.
 pub(super) struct Judgement {
     pub guard: &'static str,
@@ -58,13 +58,13 @@ pub(super) struct Judgement {
     pub slack: f64,
 }
 
-/// Slack that counts as zero. It exceeds the rounding errors of a design and is far below the slack of other guards.
+/// Slack that counts as zero. It exceeds the rounding errors of a design and is far below the slack of other checks.
 const NONE: f64 = 1e-6;
 
-/// Searches for boundaries on lines from the design of the study. The rack is alternately in the middle and displaced.
-/// `judge` returns the decisions of all guards at all waypoints of an accepted design. Exactly one of these decisions
-/// must have zero slack. Its reason must be that of the rejected neighbour. Returns the number of boundaries of each
-/// guard.
+/// Searches for boundaries on lines from the design of the study. The rack is alternately in the middle and displaced. `judge`
+/// returns the decisions of all checks at all waypoints of an accepted design. Exactly one of these decisions must have zero
+/// slack. The reason of this decision must be the reason for which the neighbour was rejected. Returns the number of boundaries
+/// of each check.
 pub(super) fn boundaries(
     suspension: &Suspension,
     drive: Drive,
@@ -122,14 +122,14 @@ pub(super) fn boundaries(
         let mut without: Vec<_> = judged.iter().filter(|j| j.slack < NONE).collect();
         without.dedup_by_key(|j| j.guard);
         let guard = match without[..] {
-            // This guard counts corrections, so it has no slack.
+            // This check counts corrections, so it has no slack.
             _ if reason == Rejection::NotSettled => "settles",
             [only] => {
                 assert_eq!(only.reason, reason, "{}", only.guard);
                 only.guard
             }
             [] => panic!("line {line}: no guard is at its threshold, but {reason:?}"),
-            // Two guards reach their thresholds together, so either may reject.
+            // Two checks reach their thresholds together, so either may reject.
             _ => continue,
         };
         *counts.entry(guard).or_insert(0) += 1;

@@ -7,8 +7,8 @@
 //! J (v, w) = -F        x + v,  r + h + h x r + r (r.h),  h = w/2
 //! ```
 //!
-//! leaves an error of second order. The residuals at the result show whether the result is accurate enough. If so, one
-//! more step with J removes the remaining residuals, because these would disturb rates near a fold.
+//! leaves an error of second order. The residuals after the step show whether the pose is accurate enough. If so, one more step
+//! with J removes the remaining residuals, because these would disturb rates near a fold.
 //!
 //! J, its moments divided by the size of the mechanism, is split into four blocks of three by three,
 //!
@@ -18,9 +18,9 @@
 //! ```
 //!
 //! in an order of rows and columns that a factorisation with complete pivoting finds for the base design. Then only two
-//! determinants must not vanish. A lane is rejected if a determinant is less than a fourth of the base design's. It is
-//! also rejected if a determinant changes by more than half, or more than doubles, from one waypoint to the next. The
-//! determinants of a lane are those of the step with which it settled.
+//! determinants must not vanish. A lane is rejected if a determinant is less than a fourth of the base design's. It is also
+//! rejected if a determinant changes by more than half, or more than doubles, from one waypoint to the next. The determinants
+//! of a lane come from its last step, with which it converged.
 //!
 //! An instantaneous steering axis is the axis of the screw t with J t = -F_r (module `steering`). Along the motion,
 //! its derivative t' follows from J t' = -(F_r' + J' t).
@@ -76,7 +76,7 @@ pub(crate) struct ByLinkage {
     by_rack: [f64; UNKNOWNS],
 }
 
-/// The constants of a design in each lane.
+/// Constants of the designs, one design in each SIMD lane.
 #[derive(Clone)]
 pub(crate) struct LinkageDesign<'d, B> {
     mechanism: &'d Mechanism,
@@ -124,8 +124,8 @@ fn moved<B: Real>(unknowns: [B; UNKNOWNS], twist: &Twist<B>) -> [B; UNKNOWNS] {
 }
 
 impl ByLinkage {
-    /// Prepares to solve designs of a mechanism driven by its travel. `None` if another quantity drives, or if designs
-    /// near `base` cannot be tracked.
+    /// Prepares to solve designs of a mechanism with the travel as the drive. `None` if the drive is another quantity, or if
+    /// designs near `base` cannot be tracked.
     pub(crate) fn of(
         mechanism: &Mechanism,
         base: &[Vector3<f64>],

@@ -1,21 +1,20 @@
 //! Tracks many designs at a time, one in each SIMD lane of the processor.
 //!
-//! All ordinary poses come from here. A sweep has a design in each lane. A single design takes one number at a time
-//! ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]); every other mechanism has six
-//! ([`linkage`]). For both wheels of an axle, the unknowns are those of each wheel and the difference of their
-//! travels ([`pair`]). One loop solves all of them ([`track`](mod@track)). It visits the waypoints of a route: the
-//! stations and the points that divide long steps. The unknowns at a waypoint are predicted from earlier waypoints.
-//! Almost always one correction reaches rounding; otherwise more steps follow. A converged lane is frozen, so its
-//! neighbours do not affect it.
+//! All ordinary poses come from here. A sweep has a design in each lane. A single design is computed with ordinary numbers
+//! ([`poses`]). A mechanism with a closed form has one unknown ([`arm`]); every other mechanism has six ([`linkage`]). For both
+//! wheels of an axle, the unknowns are those of each wheel and the difference of the travels ([`pair`]). One loop solves the
+//! equations in all cases ([`track`](mod@track)). It visits the waypoints of a route: the stations and the points that divide
+//! long steps. The unknowns at a waypoint are predicted from earlier waypoints. Almost always one correction reaches rounding;
+//! otherwise more steps follow. A converged lane is frozen, so its neighbours do not affect it.
 //!
-//! Guards decide at every waypoint which lanes are accepted. A rejected lane gets a reason ([`Rejection`]) and stays
-//! rejected to the end of its leg, up or down. The continuation ([`Solver`](crate::solve::Solver)) then starts from
-//! the last accepted station. The tracker rejects a lane if
+//! Checks, called guards in the code, decide at every waypoint which lanes are accepted. A rejected lane gets a reason
+//! ([`Rejection`]) and stays rejected to the end of its leg, up or down. The continuation ([`Solver`](crate::solve::Solver))
+//! then starts from the last accepted station. The tracker rejects a lane if
 //!
 //! - a rod has no length, or the iteration does not settle;
 //! - the mechanism is not well conditioned;
 //! - a number that must not vanish, or the slope of the path, changes by more than half (or doubles) from one waypoint to the
-//!   next, because it could vanish in between. If there are several such factors, their product is guarded;
+//!   next, because it could vanish in between. If there are several such factors, their product is checked;
 //! - the mechanism rotates far, in one step or from the design position;
 //! - a fold is near: the slope of an arm is large, or a knuckle in six unknowns rotates fast per unit of travel.
 //!
@@ -82,11 +81,11 @@ pub trait Visit<B: SimdReal> {
     fn pose(&mut self, station: usize, at: &impl AdjointPose<B>, accepted: Acceptance<B>);
 }
 
-/// Constants of a design in each lane.
+/// Constants of the designs, one design in each SIMD lane.
 #[derive(Clone)]
 pub struct LaneDesign<'d, B: SimdReal> {
     form: Form<'d, B>,
-    /// Origin of the knuckle in the design position. Poses give its position.
+    /// Origin of the knuckle in the design position. Poses contain the present position of the origin.
     origin: Vector3<B>,
     /// Lanes in which all rods have a length.
     distinct: B::Mask,
@@ -243,7 +242,7 @@ const LONGEST_STEP: f64 = 0.02;
 /// Largest residual that counts as rounding, as a share of the largest coordinate. The limit allows a few roundings.
 /// Near a fold, rates amplify the remaining residual a thousandfold.
 const TOLERANCE: f64 = 1e-15;
-/// Shortest rod as a share of the largest coordinate. Designs with shorter rods are left to the continuation.
+/// Shortest rod as a share of the largest coordinate. The continuation solves designs with shorter rods.
 const SHORTEST_LENGTH: f64 = 1e-6;
 /// Largest distance from the origin, relative to the mechanism's size. Mechanisms farther away are not tracked, because accuracy
 /// would be lost.
@@ -419,9 +418,9 @@ impl CornerTracker<'_> {
         self.routes[rack].places.iter().filter_map(|p| p.station)
     }
 
-    /// Visits the stations of one design, which is in all lanes, with one station in each lane. `history` is that of
+    /// Visits the stations of one design, which is in all lanes, with one station in each lane. `history` comes from
     /// [`CornerTracker::track_one`], which must have accepted every station. The visitor receives the index of a group of
-    /// stations instead of a station. Lanes beyond the last station repeat it.
+    /// stations instead of a station. Lanes beyond the last station repeat the last station.
     #[inline(always)]
     pub fn visit_stations_in_lanes<B: SimdReal>(
         &self,

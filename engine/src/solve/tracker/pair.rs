@@ -1,4 +1,4 @@
-//! Both wheels of an axle at a time, with an axle in each lane.
+//! Solves both wheels of an axle together, with one axle in each SIMD lane.
 //!
 //! In heave both wheels have the same travel, and each is solved as a single wheel. In roll by the angle phi on a plane
 //! ground with normal n, both contact points C have the same height above it. The travels z = heave +- s follow from
@@ -36,11 +36,11 @@ use crate::number::{SimdReal, Vector3};
 use crate::solve::StationOrder;
 use both_wheels::BothWheels;
 
-/// Largest number of corrections for a lane to settle.
+/// Largest number of corrections in which a lane must converge.
 pub(super) const MOST_ROUNDS: usize = 5;
 /// Smallest rise of a contact point per travel of its wheel.
 pub(super) const LEAST_RISE: f64 = 0.5;
-/// Largest difference between the heights of both contact points, as a multiple of the tolerance of a length. A
+/// Largest permitted difference between the heights of the two contact points, as a multiple of the tolerance of a length. A
 /// height contains more rounding errors than a length.
 const OF_HEIGHTS: f64 = 4.0;
 
@@ -65,7 +65,7 @@ pub struct PairStations {
     pub heave: f64,
     /// Displacement of the rack towards the left wheel's outside. For a rigid axle, the mean travel in roll and 0 in heave.
     pub rack: f64,
-    /// Largest lift of a wheel centre of the base design by a steering gear, while the axle rests.
+    /// Largest height by which a steering gear lifts a wheel centre of the base design, at zero travel of the axle.
     pub lift: f64,
     /// Travels or roll angles.
     pub order: StationOrder,
@@ -133,19 +133,19 @@ pub(super) struct Corrected<B: SimdReal, const N: usize> {
 
 /// One wheel of a pair, with `N` unknowns.
 pub(super) trait Wheel<B: SimdReal, const N: usize> {
-    /// Numbers that the guards compare between two waypoints.
+    /// Numbers that the checks compare between two waypoints.
     type Guard: Copy;
 
     /// Derivatives of the unknowns with respect to travel and to the rack in the base design.
     fn slopes(&self) -> [[f64; N]; 2];
-    /// Linearises about unknowns near the pose at a travel. Lanes that have converged keep the numbers of their guard.
+    /// Linearises about unknowns near the pose at a travel. Lanes that have converged keep the numbers for their checks.
     fn linear(&mut self, unknowns: &[B; N], rack: B, travel: B, settled: B::Mask) -> Linear<B>;
     /// Returns the unknowns at the travel of the linearisation plus `further`.
     fn moved(&self, unknowns: &[B; N], further: B) -> [B; N];
-    /// Checks and corrects the predicted unknowns at a travel.
+    /// Checks the residuals of the predicted unknowns at a travel, and corrects the unknowns.
     fn corrected(&mut self, unknowns: &[B; N], rack: B, travel: B) -> Corrected<B, N>;
-    /// Accepts lanes that are well conditioned and on their branch. `step` is the change of travel since the previous
-    /// guard. The caller passes it only on the legs of stations.
+    /// Accepts lanes that are well conditioned and on their solution branch. `step` is the change of travel since the previous
+    /// check. The caller passes `step` only on the legs that contain the stations.
     fn check(
         &self,
         unknowns: &[B; N],
@@ -153,7 +153,7 @@ pub(super) trait Wheel<B: SimdReal, const N: usize> {
         step: Option<B>,
         accepted: &mut Acceptance<B>,
     ) -> Self::Guard;
-    /// Pose with these unknowns.
+    /// Pose for these unknowns.
     fn pose<'p>(&'p self, unknowns: &[B; N], rack: B, travel: B) -> impl LanePose<B> + 'p;
 }
 
@@ -241,10 +241,9 @@ impl<'a> AxleTracker<'a> {
         vec![like.zero(); unknowns * places.max().unwrap_or(0)]
     }
 
-    /// Visits the stations of entry `stations` in the list given to [`AxleTracker::new`]. The designs, left and
-    /// right, must be made by [`AxleTracker::wheel`], and `points` must be their points. `rest` describes how far a
-    /// steering gear lifts the wheel centres: the lift in their mean travel, and in half the difference of their
-    /// travels.
+    /// Visits the stations of entry `stations` in the list given to [`AxleTracker::new`]. The designs, left and right, must be
+    /// made by [`AxleTracker::wheel`], and `points` must be their points. `rest` is the lift of the wheel centres by a steering
+    /// gear. Its first number is the mean lift, its second number half the difference of both lifts.
     #[inline(always)]
     pub fn solve<B: SimdReal>(
         &self,
@@ -344,7 +343,7 @@ impl<'a> AxleTracker<'a> {
         }
     }
 
-    /// Largest difference of the heights of both contact points.
+    /// Largest permitted difference between the heights of the two contact points.
     #[inline(always)]
     fn level<B: SimdReal>(&self, like: B) -> B {
         let coarser = self.wheels[0].tolerance.max(self.wheels[1].tolerance);

@@ -9,7 +9,7 @@ use crate::solve::StationOrder;
 /// Largest number of routes that are kept, each for a drive, a rack displacement and an order of stations.
 const MOST_KEPT: usize = 32;
 
-/// Tracks one design after another of a mechanism.
+/// Tracks the designs of a mechanism, one after another.
 #[derive(Clone, Debug)]
 pub(crate) struct PoseTracker<'m> {
     mechanism: &'m Mechanism,
@@ -59,7 +59,7 @@ impl<'m> PoseTracker<'m> {
         }
     }
 
-    /// Finds the poses of a design at every station, as far as the guards accept them. `found` must have been cleared.
+    /// Finds the poses of a design at every station, as far as the checks accept them. `found` must have been cleared.
     pub(crate) fn track(
         &mut self,
         design: &[Vector3<f64>],

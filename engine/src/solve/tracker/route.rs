@@ -15,7 +15,7 @@ const NEIGHBOURS: usize = 8;
 /// Number of waypoints from which slopes are predicted. A slope only corrects the error of a prediction, so fewer waypoints
 /// suffice.
 const NEIGHBOURS_OF_SLOPE: usize = 4;
-/// Largest number of steps to a value. Values farther out count as out of reach and are left to the continuation.
+/// Largest number of steps to a value. Values farther out count as out of reach; the continuation solves them.
 const MOST_STEPS: f64 = 1e3;
 /// Visited waypoints with their weights. If there are fewer waypoints, the other entries have weight 0.
 pub(crate) type Stencil<const PLACES: usize> = [(usize, f64); PLACES];
@@ -56,7 +56,7 @@ pub(crate) struct RouteStep {
     pub lead: f64,
     /// Change of the drive since the previous waypoint on this leg.
     pub step: f64,
-    /// Stencil that predicts the unknowns here, together with the three following steps along slopes of the base design.
+    /// Stencil that predicts the unknowns here. The prediction also adds the steps below, which use slopes of the base design.
     pub prediction: Stencil<NEIGHBOURS>,
     /// Step of the drive. The prediction adds it, multiplied by the slope with respect to the drive. Only the first
     /// step uses it.
@@ -81,9 +81,9 @@ pub(crate) struct Route {
 }
 
 impl Route {
-    /// Makes the route through the stations in steps of the drive of at most `longest`. Before it, in the lead, rack
-    /// and heave move to their values in steps of at most `longest_of_lead`. The lead includes the lift of wheel
-    /// centres by a steering gear.
+    /// Makes the route through the stations in steps of the drive of at most `longest`. Before these stations, in the lead,
+    /// rack and heave move to their values in steps of at most `longest_of_lead`. The lead includes the lift of wheel centres
+    /// by a steering gear.
     pub(crate) fn through(
         station_order: &StationOrder,
         [rack, heave, lift]: [f64; 3],

@@ -1,5 +1,5 @@
 //! The loop over the waypoints of a route, for any number of unknowns. It predicts the unknowns from earlier waypoints,
-//! corrects them by Newton's method until the residuals are at rounding level, and checks the guards.
+//! corrects them by Newton's method until the residuals are at rounding level, and applies the checks.
 
 use super::route::{Leg, RouteStep, Stencil};
 use super::{Acceptance, Rejection};
@@ -24,12 +24,12 @@ impl<B: SimdReal> Tracked<B> {
 
 /// Equations for the `N` unknowns of a waypoint, and the visitor of the solved poses.
 pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
-    /// Largest number of corrections for a lane to settle.
+    /// Largest number of corrections in which a lane must converge.
     const MOST_ROUNDS: usize;
     /// True if rejected lanes count as converged. This setting is useful if a round makes corrections until all lanes
     /// have converged. If a round makes one correction, the loop is faster without it.
     const LEAVES_REJECTED: bool = false;
-    /// Numbers that the guards compare between two waypoints.
+    /// Numbers that the checks compare between two waypoints.
     type Guard: Copy;
 
     /// Predicts the unknowns from the previous waypoints.
@@ -43,8 +43,8 @@ pub(super) trait PlaceEquations<B: SimdReal, const N: usize> {
         settled: B::Mask,
         round: usize,
     ) -> B::Mask;
-    /// Accepts lanes that are well conditioned and on their branch. The guard of the previous waypoint, if there is one,
-    /// determines the branch. Returns the guard of this waypoint.
+    /// Accepts lanes that are well conditioned and on their solution branch. `before`, the numbers of the previous waypoint if
+    /// there is one, determines the branch. Returns the numbers of this waypoint for the next check.
     fn check(
         &mut self,
         place: &RouteStep,

@@ -16,7 +16,7 @@ pub(in crate::solve::tracker) struct ArmCorner<'w, 'd, B, V> {
     pub(super) drive: Drive,
     pub(super) tolerance: B,
     pub(super) visitor: &'w mut V,
-    /// Derivative of the half-angle tangent with respect to the drive. The corrections use it.
+    /// Derivative of the half-angle tangent with respect to the drive, for the corrections.
     pub(super) slope: B,
     /// Result of the last correction: new state, step taken, and travel error before and after it.
     pub(super) state: ArmState<B>,

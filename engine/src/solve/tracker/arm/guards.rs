@@ -1,4 +1,4 @@
-//! Tests every guard of designs with a closed form at its threshold.
+//! Tests every check of designs with a closed form at its threshold.
 
 use super::super::boundary::{Judgement, above, below, boundaries, rejection, steady, template};
 use super::super::route::Leg;
@@ -36,7 +36,7 @@ fn judgement(guard: &'static str, reason: Rejection, slack: f64) -> Judgement {
     }
 }
 
-/// Returns the decisions of the guards at all waypoints of an accepted design, computed from their formulas and published
+/// Returns the decisions of the checks at all waypoints of an accepted design, computed from their formulas and published
 /// thresholds.
 fn judge(
     tracker: &CornerTracker<'_>,
@@ -118,9 +118,9 @@ fn judge(
     judged
 }
 
-/// For each of these guards there is a strut that only this guard rejects, at its published threshold. For some guards between
-/// two waypoints the search lines contain no such design; `a_step_is_guarded_at_its_thresholds` tests these guards. No design is
-/// rejected for a far rotation in one step of a leg:
+/// For each of these checks there is a strut that only this check rejects, at its published threshold. For some checks between
+/// two waypoints the search lines contain no such design; `a_step_is_guarded_at_its_thresholds` tests these checks. No design
+/// is rejected for a far rotation in one step of a leg:
 ///
 /// - Travel: a step is at most 0.02 sizes, and the extrapolated slope is below 3 per size. With r the slope before and r'
 ///   the slope of the step, 2 r' - r < 3 and r < 3 give r' < 3, so that the tangent changes by less than 0.06 < 0.1.
@@ -184,7 +184,7 @@ fn an_arm_is_followed_to_seventy_degrees() {
             }
         }
     }
-    assert!(ends > 0, "one way at least is free up to the guard");
+    assert!(ends > 0, "only the check limits one direction");
 }
 
 /// The limit of the slope is relative to the size: the half tangent may change by 3 per travel of one size. If the arm's angle is
@@ -203,7 +203,7 @@ fn steepness_is_measured_in_sizes() {
     }
 }
 
-/// Tests the guards between two waypoints, each at its threshold while all other guards accept.
+/// Tests the checks between two waypoints, each at its threshold while all other checks accept.
 #[test]
 fn a_step_is_guarded_at_its_thresholds() {
     let before = BranchGuard {

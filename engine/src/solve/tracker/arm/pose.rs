@@ -1,4 +1,4 @@
-//! A pose of a mechanism with a closed form, in lanes.
+//! Pose of a mechanism with a closed form, for one design in each SIMD lane.
 
 use super::super::{
     AdjointConstants, AdjointPose, InKnuckle, KnuckleVector, LaneAdjoint, LanePose, LaneRates,
@@ -66,8 +66,8 @@ impl<B: SimdReal> LanePose<B> for ArmPose<'_, B> {
         }
     }
 
-    /// True in every lane. If travel is the drive, the guards have checked the slope of the arm. If the arm's angle is the drive,
-    /// no part rotates fast.
+    /// Returns true in every lane. If travel is the drive, the checks have limited the slope of the arm. If the arm's angle is
+    /// the drive, no part rotates fast.
     #[inline(always)]
     fn velocity_is_reliable(&self, _: &LaneRates<B>) -> B::Mask {
         self.tangent.everywhere()

@@ -6,7 +6,7 @@ use crate::number::{Each, Matrix3, Real, Vector3, array_of, outlined};
 /// Smallest pivot of the base design.
 const LEAST_PIVOT: f64 = 1e-3;
 
-/// An order of rows and columns.
+/// Order of the rows and columns of the Jacobian.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Order {
     rows: [usize; 6],
@@ -125,8 +125,7 @@ impl<B: Real> Blocks<B> {
         }
     }
 
-    /// Converts the square of a rotation per travel of one mechanism size into the square of a rotation per unit
-    /// length.
+    /// Converts the square of a rotation for a travel of one mechanism size into the square of a rotation per unit of travel.
     #[inline(always)]
     pub(super) fn per_size(&self, square: f64) -> B {
         self.inverse_size * self.inverse_size * self.inverse_size.constant(square)

@@ -7,7 +7,7 @@ use super::newton::{BranchGuard, NewtonSteps};
 use super::{ByLinkage, UNKNOWNS, moved};
 use crate::number::{Real, SimdReal};
 
-/// Largest number of corrections for a lane to settle.
+/// Largest number of corrections in which a lane must converge.
 const MOST_ROUNDS: usize = 5;
 
 /// Equations of a single wheel.

@@ -1,4 +1,4 @@
-//! Tests every guard of designs in six unknowns at its threshold.
+//! Tests every check of designs in six unknowns at its threshold.
 
 use super::super::boundary::{Judgement, above, below, boundaries, steady, template};
 use super::super::route::Leg;
@@ -33,7 +33,7 @@ impl Visit<f64> for Nothing {
     fn pose(&mut self, _: usize, _: &impl AdjointPose<f64>, _: Acceptance<f64>) {}
 }
 
-/// Returns the decisions of the guards at all waypoints of an accepted design, computed from their formulas and published
+/// Returns the decisions of the checks at all waypoints of an accepted design, computed from their formulas and published
 /// thresholds. Each waypoint is corrected again from its prediction, since the determinants are those of the last step of
 /// Newton's method.
 fn judge(
@@ -107,9 +107,9 @@ fn judge(
     judged
 }
 
-/// For each guard of a single waypoint there is a design that only this guard rejects, at its published threshold.
-/// For some guards between two waypoints the search lines contain no such design;
-/// `a_step_is_guarded_at_its_thresholds` tests these guards.
+/// For each check of a single waypoint there is a design that only this check rejects, at its published threshold.
+/// For some checks between two waypoints the search lines contain no such design;
+/// `a_step_is_guarded_at_its_thresholds` tests these checks.
 #[test]
 fn every_guard_rejects_a_design_alone() {
     let mut all: BTreeMap<&str, usize> = BTreeMap::new();
@@ -126,7 +126,7 @@ fn every_guard_rejects_a_design_alone() {
     }
 }
 
-/// Tests the guards of a single waypoint and between two waypoints, each at its threshold while all other guards
+/// Tests the checks of a single waypoint and between two waypoints, each at its threshold while all other checks
 /// accept.
 #[test]
 fn a_step_is_guarded_at_its_thresholds() {

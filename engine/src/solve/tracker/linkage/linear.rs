@@ -13,7 +13,7 @@ pub(super) struct Linear<B> {
     pub(super) blocks: Blocks<B>,
 }
 
-/// Work piece that computes [`Linear`].
+/// Computes [`Linear`] in a separate function (see `Outlined`).
 pub(super) struct Linearising<'p, 'd, B> {
     pub(super) linkage: &'p LinkageDesign<'d, B>,
     pub(super) at: &'p Configuration<'d, B>,

@@ -21,7 +21,8 @@ fn mirrored_turn<T: Real>(turn: Vector3<T>) -> Vector3<T> {
 /// A pose as seen from the right wheel.
 pub(crate) struct MirroredPose<'p, 'd, B> {
     left: &'p LinkagePose<'p, 'd, B>,
-    /// Rocker of the left wheel's mechanism that is the knuckle of the right wheel's; `None` if both have the same knuckle.
+    /// Rocker of the left wheel's mechanism that is the knuckle of the right wheel. `None` if the same knuckle carries both
+    /// wheels.
     body: Option<RockerId>,
     at: Configuration<'d, B>,
 }
@@ -55,7 +56,7 @@ impl<'p, 'd, B: SimdReal> MirroredPose<'p, 'd, B> {
         }
     }
 
-    /// Motion of the right wheel's knuckle in its own frame, from a motion of the left wheel's.
+    /// Converts a motion of the left wheel's knuckle into the motion of the right wheel's knuckle, in the right wheel's frame.
     #[inline(always)]
     fn mirrored_motion(&self, motion: &Twist<B>) -> Twist<B> {
         let body = self.left.at.moving_body(self.body, motion);

@@ -1,4 +1,4 @@
-//! Newton steps in the six unknowns, and the guards of their branch.
+//! Newton steps in the six unknowns, and checks that the steps stay on the solution branch.
 
 use super::super::{Acceptance, Rejection, within_half};
 use super::linear::{Linear, Linearising};
@@ -8,13 +8,13 @@ use crate::mechanism::{Configuration, Driver, Twist};
 use crate::number::{SimdReal, Vector3};
 use std::cell::{Cell, RefCell};
 
-/// Smallest determinant of a block, as a share of the base design's.
+/// Smallest determinant of a block, divided by the determinant in the base design.
 const LEAST: f64 = 0.25;
 
 /// Largest correction of a prediction, relative to the mechanism's size.
 const LARGEST_CORRECTION: f64 = 0.02;
-/// Largest rotation of the knuckle in one step, as the tangent of half the angle. Together with the limits of the
-/// determinants this keeps Newton's method on its branch. `tests/it/lanes.rs` compares every lane with the continuation.
+/// Largest rotation of the knuckle in one step, as the tangent of half the angle. Together with the limits of the determinants
+/// this keeps Newton's method on the solution branch. `tests/it/lanes.rs` compares every lane with the continuation.
 const LONGEST: f64 = 0.1;
 
 /// Newton steps in the six unknowns.
@@ -95,7 +95,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         self.linkage
     }
 
-    /// Lanes in which a step is within the permitted error of a prediction.
+    /// Lanes in which a Newton step is within the permitted error of a prediction.
     #[inline(always)]
     pub(super) fn is_near(&self, step: &Twist<B>) -> B::Mask {
         let like = step.shift.x;
@@ -134,7 +134,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
         (at, is_settled, rest)
     }
 
-    /// Accepts lanes that are well conditioned and on their branch.
+    /// Accepts lanes that are well conditioned and on their solution branch.
     #[inline(always)]
     pub(super) fn guard(
         &self,
@@ -169,7 +169,7 @@ impl<'w, 'd, B: SimdReal> NewtonSteps<'w, 'd, B> {
     }
 }
 
-/// Numbers that the guards compare between two waypoints.
+/// Numbers that the checks compare between two waypoints.
 #[derive(Clone, Copy)]
 pub(in crate::solve::tracker) struct BranchGuard<B> {
     /// Rotation of the knuckle, as tan(angle/2) times the axis.

@@ -1,8 +1,8 @@
 //! Equations of an axle whose wheels share one mechanism: a solid axle or a twist beam.
 //!
-//! The unknowns are the pose of the mechanism as seen from the left wheel, and half the difference of the travels, s. Both wheels
-//! are on bodies of this mechanism, so their contact points follow from the same pose. With the mean travel z held, the drive of
-//! the closure equations is s, and (1) and (2) of [`pair`](super::super::pair) are
+//! The unknowns are the pose of the mechanism as seen from the left wheel, and half the difference of the travels, s. Both
+//! wheels are on bodies of this mechanism, so their contact points follow from the same pose. With a fixed mean travel z, the
+//! drive of the closure equations is s, and (1) and (2) of [`pair`](super::super::pair) are
 //!
 //! ```text
 //! f(s) = h_l(z, s) - h_r(z, s) = 0,    f_s = h_l,s - h_r,s
@@ -11,9 +11,8 @@
 //! As seen from the right wheel, the pose is its mirror image (see `mirrored.rs`). So no further equations have to be solved for
 //! that wheel.
 //!
-//! A steering gear moves the positions from which the equations count both travels: (4) and (5) of `model/steered_axle.rs`. On
-//! the first steps of a route, from the design pose to the mean travel, this shift grows in proportion to the mean travel's
-//! steps.
+//! A steering gear shifts the zero positions of both travels in the equations: (4) and (5) of `model/steered_axle.rs`. On the
+//! first steps of a route, from the design pose to the mean travel, this shift grows in proportion to the mean travel.
 
 use super::super::pair::{AxleTracker, LEAST_RISE, MOST_ROUNDS, PairDrive, VisitPair};
 use super::super::route::RouteStep;
@@ -29,8 +28,8 @@ use crate::number::{SimdReal, Vector3};
 /// Unknowns of the pose, and half the difference of the travels.
 pub(in crate::solve::tracker) const ALL: usize = UNKNOWNS + 1;
 
-/// Largest number of further corrections with the same linearised equations. Each correction multiplies the error by
-/// about the prediction's error, and takes a third of the time of a new linearisation.
+/// Largest number of further corrections with the same linearised equations. Each correction multiplies the remaining error by
+/// about the error of the prediction. It takes a third of the time of a new linearisation.
 const CHORDS: usize = 3;
 
 /// Equations of an axle whose wheels share one mechanism.
@@ -42,7 +41,7 @@ pub(in crate::solve::tracker) struct OneBody<'w, 'd, B: SimdReal, V> {
     wheels: [WheelOnBody<B>; 2],
     /// Mean travel and half the difference of travels that count as zero in the closure equations.
     rest: [B; 2],
-    /// Largest difference of the heights of both contact points.
+    /// Largest permitted difference between the heights of the two contact points.
     level: B,
     visitor: &'w mut V,
     /// Ground at this waypoint, in the left wheel's frame.
@@ -128,7 +127,8 @@ impl<'w, 'd, B: SimdReal, V> OneBody<'w, 'd, B, V> {
         }
     }
 
-    /// Held value and drive value of the closure equations at a waypoint. `half` is half the difference of the travels.
+    /// Values of the closure equations at a waypoint: the fixed value and the drive value. `half` is half the difference of the
+    /// travels.
     #[inline(always)]
     fn motion(&self, place: &RouteStep, half: B) -> [B; 2] {
         let [mean, difference] = self.rest;
@@ -280,7 +280,7 @@ impl<B: SimdReal, V: VisitPair<B>> PlaceEquations<B, ALL> for OneBody<'_, '_, B,
                 let by_travel = self.steps.by_travel();
                 let contacts = self.contacts(&at, radius);
                 let [left, right] = self.rises_in(&at, &contacts, &by_travel);
-                // The right wheel's own share of the difference has the opposite sign.
+                // In the difference of travels, the right wheel has the opposite sign.
                 let least = half.constant(LEAST_RISE);
                 let upward = least.less(left) & least.less(-right);
                 self.rises = match round {

@@ -26,7 +26,7 @@ impl<B: SimdReal> SeriesAdjoint<'_, B> {
     }
 }
 
-/// Work piece that computes the equations along the travel.
+/// Computes the equations along the travel in a separate function (see `Outlined`).
 struct FormingSeries<'p, B> {
     closure: &'p Closure<Jet<B, 2>>,
     at: &'p Configuration<'p, Jet<B, 2>>,
@@ -48,7 +48,7 @@ impl<B: SimdReal> Outlined for FormingSeries<'_, B> {
     }
 }
 
-/// Work piece that subtracts the closure equations' part of a derivative with respect to the pose from a gradient.
+/// Subtracts from a gradient the effect of the closure equations. A separate function (see `Outlined`).
 struct SubtractingSeries<'p, B> {
     adjoint: &'p SeriesAdjoint<'p, B>,
     wrench: &'p Wrench<Jet<B, 2>>,

@@ -14,7 +14,7 @@ use crate::number::{SimdReal, outlined};
 pub(super) struct BothWheels<'w, B: SimdReal, W, V, const N: usize> {
     pub(super) tracker: &'w AxleTracker<'w>,
     pub(super) wheels: [W; 2],
-    /// Largest difference of the heights of both contact points.
+    /// Largest permitted difference between the heights of the two contact points.
     pub(super) level: B,
     pub(super) visitor: &'w mut V,
     /// Ground at this waypoint, in the left wheel's frame.
@@ -64,7 +64,7 @@ where
     V: VisitPair<B>,
 {
     const MOST_ROUNDS: usize = MOST_ROUNDS;
-    /// Guards of both wheels, and their travels.
+    /// Values for the checks of both wheels, and the travels of the wheels.
     type Guard = ([Option<W::Guard>; 2], [B; 2]);
 
     #[inline(always)]
@@ -169,7 +169,7 @@ where
                 },
             ),
         };
-        // Uses a loop, so that the guards, the longest piece of the method, are compiled only once.
+        // Uses a loop, so that the checks, the longest part of the method, are compiled only once.
         let mut guards = known;
         let mut wheel = 0;
         while wheel < 2 {

@@ -1,4 +1,4 @@
-//! Tests the guard of two wheels on one ground at its threshold.
+//! Tests the check of two wheels on one ground at its threshold.
 
 use super::super::boundary::{Noise, template};
 use super::super::{Acceptance, LanePose, Rejection};
@@ -40,8 +40,8 @@ impl Rises {
 }
 
 /// Axles of five-link suspensions with wheels so large that tilted ones roll on their sides. Bisection from the template to
-/// random designs ends where a contact point rises half as fast as its wheel. Six unknowns have no other guard with this
-/// reason, so only this guard rejects the neighbour.
+/// random designs ends where a contact point rises half as fast as its wheel. No other check of these equations has this
+/// reason, so only this check rejects the neighbour.
 #[test]
 fn contact_points_rise_half_as_fast_as_their_wheels() {
     let suspension = template("five_link");
@@ -105,7 +105,7 @@ fn contact_points_rise_half_as_fast_as_their_wheels() {
         }
         let (reason, least) = follow(&at(low));
         assert_eq!(reason, None);
-        // The guard evaluates the prediction, which is this close to the pose.
+        // The check uses the predicted pose, which is this close to the solved pose.
         assert!((least - 0.5).abs() < 1e-3, "{least}");
         found += 1;
     }

@@ -22,7 +22,7 @@ pub enum AssemblyError {
     /// The named member would have a length of zero or less.
     #[error("{0} would have no length")]
     NoLength(String),
-    /// The spring does not have its length at any height near the nominal height.
+    /// At no height near the nominal height does the spring have its required length.
     #[error("the spring does not have its required length at any height near the design height")]
     Spring,
     /// Toe and camber cannot be set to their nominal values.

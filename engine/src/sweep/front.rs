@@ -4,7 +4,7 @@ use super::Failing;
 use crate::sorting::sort_by_key;
 use serde::{Deserialize, Serialize};
 
-/// A stored design with its row.
+/// A design that is kept, with its row of results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
     /// Number of the design.
@@ -40,9 +40,9 @@ impl From<Vec<Candidate>> for Front {
 }
 
 impl Front {
-    /// Adds a design with its outputs, unless a design on the front has no larger deviation for any target. `deviations` are
-    /// the indices of the outputs to minimise. Removes designs that are then no longer on the front. If the caller offers
-    /// designs in the order of their numbers, the first of several equal designs stays.
+    /// Adds a design with its outputs. Does not add it if a design on the front is at least as good for every target.
+    /// `deviations` are the indices of the outputs to minimise. Removes designs that are then no longer on the front. If
+    /// the caller offers designs in the order of their numbers, the first of several equal designs stays.
     pub fn offer(
         &mut self,
         deviations: &[usize],
@@ -75,10 +75,10 @@ mod tests {
     use super::*;
     use crate::sweep::uniform;
 
-    /// The front satisfies its definition, for points in any order and for any division into parts.
+    /// For points in any order and for any division into parts, the result satisfies the definition of a Pareto front.
     #[test]
     fn the_front_is_what_no_other_design_betters() {
-        // Points near a plane on which every improvement in one target is a loss in another, and some points are repeated.
+        // Points near a plane on which every improvement in one target worsens another target. Some points are repeated.
         let point = |i: u64| {
             let whole = |k: usize, most: f64| (uniform(i, k, 9) * most).floor();
             let (a, b) = (whole(0, 12.0), whole(1, 12.0));

@@ -107,9 +107,9 @@ pub enum Kind {
     Gain,
     /// Value in a load case of a car.
     Case,
-    /// Root mean square deviation from a target, in tolerances.
+    /// Root mean square deviation from a target, divided by the tolerance.
     Rms,
-    /// Misfit: root of the weighted mean, over all targets, of the squared [`Rms`](Kind::Rms).
+    /// Misfit: root of the weighted mean of the squared [`Rms`](Kind::Rms) of all targets.
     Misfit,
 }
 
@@ -191,7 +191,7 @@ impl SweepRecord {
         part * size..self.blocks().min((part + 1) * size)
     }
 
-    /// Numbers of the parts of a shard, from its number (from 1) and the number of shards. May be empty.
+    /// Numbers of the parts of a shard. `shard` counts from 1; `shards` is the number of shards. The range may be empty.
     pub fn parts_of(&self, [shard, shards]: [u64; 2]) -> Range<u64> {
         let parts = u128::from(self.parts());
         let up_to = |shard: u64| (parts * u128::from(shard) / u128::from(shards)) as u64;

@@ -99,7 +99,7 @@ impl Failing {
     }
 }
 
-/// Returns the reason why a station has no pose. Names the wheel, but not the value at which the mechanism folds.
+/// Returns the reason why a station has no pose. The reason names the wheel, but not the value at which the motion ends.
 fn no_pose(failure: &NoPose) -> String {
     match failure {
         NoPose::Corner(failure) => reason(failure),
@@ -110,7 +110,7 @@ fn no_pose(failure: &NoPose) -> String {
     }
 }
 
-/// Reason why a station has no pose, without the value at which the mechanism folds.
+/// Returns the reason why a station has no pose, without the value at which the motion ends.
 fn reason(failure: &Failure) -> String {
     match failure {
         Failure::Unreachable {
@@ -118,8 +118,8 @@ fn reason(failure: &Failure) -> String {
             cause,
             ..
         } => format!("the wheel travel ends: {cause}"),
-        Failure::Unreachable { cause, .. } => format!("the arm turns no further: {cause}"),
-        Failure::RackUnreachable { cause, .. } => format!("the rack moves no further: {cause}"),
+        Failure::Unreachable { cause, .. } => format!("the arm cannot turn further: {cause}"),
+        Failure::RackUnreachable { cause, .. } => format!("the rack cannot move further: {cause}"),
         other => other.to_string(),
     }
 }

@@ -1,7 +1,7 @@
 //! Set-ups: adjustments that give target static values.
 //!
-//! Threads are continuous, but shims come in whole steps. So threads meet their aims exactly, for any choice of shims. Shims
-//! serve the remaining aims. The error of a shim never affects a value that a thread can meet.
+//! Threads are continuous, but shims come in whole steps. So threads meet their aims exactly, for any choice of shims.
+//! Shims minimise the errors of the remaining aims. The error of a shim never affects a value that a thread can meet.
 //!
 //! Notation: `x` are the amounts of threads and other continuous adjustments. `z` are those of shims (`z_k = s_k m_k`,
 //! with the step `s_k` and the whole number `m_k`). `w(x, z)` are the static values of the mechanism after assembly,
@@ -47,8 +47,8 @@
 //! |r(z0) + G (z - z0)|^2                                                                (6)
 //! ```
 //!
-//! The program assembles the eight best neighbours and the neighbour nearest to `z0`, with threads that meet (2). It
-//! prefers first the neighbours with errors of at most half a step,
+//! The program assembles the eight best neighbours and the neighbour nearest to `z0`. Equation (2) sets the threads. The
+//! program prefers first the neighbours with errors of at most half a step,
 //!
 //! ```text
 //! |r_i| <= sum over shims of s_k |G_ik| / 2                                             (7)
@@ -59,9 +59,9 @@
 //! If (2) or (5) misses its aims, the solver gives up the aim with the largest error and meets the others from that
 //! state. So the solver never reports an aim as out of reach only because another aim prevented it.
 //!
-//! A mechanic fits shims first, then turns the threads by sixteenths of a turn. The thread that changes toe most comes last.
-//! The solver also assembles the rounded state. It bounds the errors as in (7), plus half a sixteenth of a turn of each
-//! thread.
+//! A mechanic fits shims first, then turns the threads by sixteenths of a turn. The thread that changes toe most comes
+//! last. The solver also assembles the rounded state. The allowed errors of this state are those of (7), plus the effect
+//! of half a sixteenth of a turn of each thread.
 
 mod elastic;
 mod levels;
@@ -82,7 +82,7 @@ use problem::Problem;
 
 /// Largest adjustment, relative to the size of the suspension.
 const FARTHEST: f64 = 0.1;
-/// Rounding of a static value, in degrees or length units.
+/// Errors of a static value up to this size count as rounding errors, in degrees or length units.
 const MET: f64 = 1e-9;
 /// Steps per turn of a thread: a mechanic turns it by sixteenths of a turn.
 pub const PARTS_OF_A_TURN: f64 = 16.0;
@@ -90,10 +90,10 @@ pub const PARTS_OF_A_TURN: f64 = 16.0;
 /// A quantity of the static position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Static {
-    /// A characteristic of one wheel at travel 0, or of both wheels alike.
+    /// A characteristic of one wheel at travel 0, or of each wheel if both wheels are alike.
     Characteristic(Characteristic),
-    /// A quantity of an axle at rest that is adjusted as a whole. Position and direction of a solid axle count from
-    /// the nominal design.
+    /// A quantity of an axle at rest that is adjusted as a whole. Position and direction of a solid axle are measured
+    /// from the nominal design.
     Axle(Quantity),
     /// Change of the ride height from the design. Positive if the car is higher. The change is the negative of the
     /// wheel travel of the static position.
@@ -177,11 +177,11 @@ pub struct SetUp {
     pub drawn: AdjustedSuspension,
     /// Indices of the adjustments in the order of a mechanic: shims, then threads, with the thread of toe last.
     pub order: Vec<usize>,
-    /// State after each adjustment, in this order. Only shims are rounded.
+    /// State after each adjustment, in the order of `order`. Only shims are rounded.
     pub steps: Vec<AdjustedSuspension>,
     /// State with amounts that a mechanic can set: whole shims, sixteenths of turns, hundredths of a millimetre.
     pub rounded: AdjustedSuspension,
-    /// State after each adjustment with these amounts, in the same order. The last one is [`SetUp::rounded`].
+    /// State after each adjustment with the amounts of `rounded`, in the same order. The last one is [`SetUp::rounded`].
     pub rounded_steps: Vec<AdjustedSuspension>,
     /// Allowed error of each value: the effect of half a step of each shim.
     pub allowed: Vec<f64>,
@@ -209,7 +209,7 @@ pub enum SetUpError {
     Fault(DesignFault),
     /// The elastic parts have no equilibrium at rest.
     NoEquilibrium(NoPose),
-    /// No adjustment changes a value that must be kept.
+    /// No adjustment changes a value that must stay constant.
     Unsettled,
     /// The adjustments cannot meet these aims.
     OutOfReach(Vec<MissedTarget>),

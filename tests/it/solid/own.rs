@@ -197,7 +197,7 @@ fn positions_of_ten_thousand_axles_are_those_of_another_formulation() {
     compare_positions(10_000);
 }
 
-/// Compares positions of this number of axles of each kind, at random travels.
+/// Compares the positions of axles of each kind at random travels. `axles` is the number of axles of each kind.
 fn compare_positions(axles: usize) {
     use hardpoint::axle::WheelParts as _;
     let mut generator = Random(46);

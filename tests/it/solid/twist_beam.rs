@@ -398,7 +398,7 @@ fn gradients_are_those_of_whole_designs() {
     }
 }
 
-/// Derivatives along heave and roll equal differences.
+/// Derivatives along heave and roll equal difference quotients.
 #[test]
 fn derivatives_by_motions_are_slopes() {
     let beam = random(&mut Random(76));
@@ -476,9 +476,9 @@ fn what_a_twist_beam_lacks_is_refused() {
     }
 }
 
-/// Below the sample's range the arms are vertical. Above the range, 3 degrees before the arms are vertical, the path
-/// of equal halves meets that of twisted halves. Every station beyond an end of the range has the same reason,
-/// whatever stopped the solver. No reason names links, because the beam has none.
+/// Below the sample's range the arms are vertical. Above the range, 3 degrees before the arms are vertical, the motion
+/// with equal halves meets a motion with twisted halves. Every station beyond an end of the range has the same reason,
+/// whatever stopped the solver. No reason names links, because a twist beam has none.
 #[test]
 fn heaves_beyond_the_range_have_one_reason_at_each_end() {
     let text = include_str!("../../../studies/twist_beam_solve.toml");

@@ -30,7 +30,7 @@ pub(super) struct Link {
     pub ends: [End; 2],
 }
 
-/// Role of a link: the hardpoints of its ends, without the suffixes `_chassis` and `_axle`.
+/// Role of a link: the first part of the names of its hardpoints. The suffixes are `_chassis` and `_axle`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Meaning {
     /// The link. If it represents a pair, it is moved to the centre plane.
@@ -115,8 +115,8 @@ pub(super) fn meanings(links: &[Link]) -> Result<(Vec<Meaning>, Option<String>),
             if upper.along()[0].abs() > SAME {
                 return Err(format!(
                     "two splayed upper links ({} and its mirror image) and a Panhard rod ({}) are \
-                     one link too many: with rigid joints the axle cannot move in roll. Name the \
-                     points of a solid_axle without one of them by --map",
+                     one link too many: with rigid joints the axle cannot move in roll. Use --map \
+                     to name the points of a solid_axle without one of these links",
                     upper.name(),
                     rod.name()
                 ));
@@ -144,7 +144,7 @@ pub(super) fn meanings(links: &[Link]) -> Result<(Vec<Meaning>, Option<String>),
             let found: Vec<String> = links.iter().map(Link::name).collect();
             Err(format!(
                 "the links of [AXLE] ({}) are {} mirrored pairs and {} single ones; a solid_axle has two pairs, or a lower \
-                 pair, an upper link and a Panhard rod. Name its points by --map, as in lower_link_chassis = \"AXLE J0_CAR\"",
+                 pair, an upper link and a Panhard rod. Name the points with --map, as in lower_link_chassis = \"AXLE J0_CAR\"",
                 found.join(", "),
                 pairs.len(),
                 singles.len()

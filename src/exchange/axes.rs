@@ -158,7 +158,7 @@ impl fmt::Display for Axes {
     }
 }
 
-/// Direction of one coordinate, as far as the file states it.
+/// Direction of one coordinate, as far as it is known from the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Coordinate {
     /// The file states nothing.
@@ -185,12 +185,12 @@ impl Coordinate {
     }
 }
 
-/// Directions of the axes, as far as the file states them.
+/// Directions of all axes, as far as they are known from the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Declared(pub(super) [Coordinate; 3]);
 
 impl Declared {
-    /// Statement of all three axes.
+    /// Makes a statement of all three axes.
     pub(super) fn whole(axes: Axes) -> Self {
         Declared(axes.0.map(Coordinate::Grows))
     }

@@ -11,9 +11,9 @@
 //! | `SolidAxle` | `solid_axle` on four links |
 //! | `SolidThreeLinkAxle`, `SolidBellcrankThreeLinkAxle` | `solid_axle`: the triangular link is two upper links that share their joint at the axle |
 //!
-//! Chrono has two elements for spring and damper (`Spring`, `Shock`); a study has one. The importer takes the ends of the spring,
-//! or the ends of the damper if there is no spring. The axis of a MacPherson strut is that of the spring. As in studies, `Camber
-//! Angle (deg)` is positive with the top outward, and `Toe Angle (deg)` with the front inward.
+//! Chrono has two elements for spring and damper (`Spring`, `Shock`); a study has one. The importer uses the ends of the
+//! spring, or the ends of the damper if there is no spring. The axis of a MacPherson strut is the axis of the spring. As
+//! in studies, `Camber Angle (deg)` is positive with the top outward, and `Toe Angle (deg)` with the front inward.
 
 use super::axes::{Axes, Declared};
 use super::chrono_vehicle;
@@ -212,7 +212,7 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
             .collect();
         if !steering.is_empty() {
             table.left_out.push(format!(
-                "{}: a solid axle of a study does not steer",
+                "{}: the steering of a solid axle is not imported",
                 steering.join(", ")
             ));
         }

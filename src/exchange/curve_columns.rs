@@ -58,7 +58,7 @@ pub fn cases_in(
     page
 }
 
-/// Requested unit of lengths. A study in pounds-force keeps them in inches.
+/// Returns the requested unit of length. If the study has pounds-force and inches are requested, it keeps pounds-force.
 fn with_forces_of(own: LengthUnit, asked: LengthUnit) -> LengthUnit {
     if own.symbol() == asked.symbol() {
         own

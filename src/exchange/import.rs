@@ -150,7 +150,7 @@ pub(super) fn for_axle(
         corner.side = Some(Side::Left);
         if options.side == Some(Side::Right) {
             let reason =
-                "--side right: this axle has both wheels, and its study gives the left half";
+                "--side right: this axle has both wheels, and its study describes the left half";
             return Err(Refusal::Wrong(reason.to_owned()));
         }
     }
@@ -477,7 +477,7 @@ fn angles(figures: &Figures, imported: &mut Imported) {
         .any(|h| h.name == "spindle_inner");
     if has_spindle {
         if figures.camber.or(figures.toe).is_some() {
-            let reason = "static camber and toe: spindle_inner gives them";
+            let reason = "static camber and toe: spindle_inner defines them";
             imported.left_out.push(reason.to_owned());
         }
         return;
@@ -491,7 +491,7 @@ fn angles(figures: &Figures, imported: &mut Imported) {
     if let Some(lacking) = lacking {
         imported.notes.push(format!(
             "{lacking} assumed to be 0: the file has no point spindle_inner of the spin axis, and \
-             no such angle that can be read"
+             no angle that can be read"
         ));
     }
     imported.static_camber = Some(figures.camber.unwrap_or(0.0));

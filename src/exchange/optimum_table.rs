@@ -155,7 +155,8 @@ impl Table<'_> {
         }
     }
 
-    /// Writes the anti-roll bar, if its axis runs across the car through a single point.
+    /// Writes the anti-roll bar if its axis is transverse to the car (parallel to y), because the file has only one point
+    /// of this axis.
     fn bar(&mut self) {
         let [Some(inner), Some(outer)] =
             ["anti_roll_bar_inner", "anti_roll_bar_outer"].map(|name| self.point(name))
@@ -170,7 +171,7 @@ impl Table<'_> {
         if !lies_across {
             self.notes.push(
                 "omitted: the anti-roll bar, because its axis is not transverse to the car (the \
-                 file has one point of it)"
+                 file can contain only one point of the axis)"
                     .to_owned(),
             );
             return;

@@ -39,7 +39,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
     if !has_header {
         columns = header::without_header(sheet, &rows);
         if columns.is_some() {
-            let note = "no header names the columns: they are taken as name, x, y, z".to_owned();
+            let note = "no header names the columns: they are read as name, x, y, z".to_owned();
             table.notes.push(note);
         }
         let unknown = |row: &u32| {

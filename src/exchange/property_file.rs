@@ -24,7 +24,7 @@ const STEPS: [usize; 2] = [2, 50];
 /// Names of the blocks: along x, y and z, then about them.
 const AXES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
 
-/// Property file of the bushing at a hardpoint. Without a name, the study's only bushing is used.
+/// Makes the property file of the bushing at a hardpoint. Without a name, it is for the study's only bushing.
 ///
 /// # Errors
 /// The study has no such bushing, or it has several and there is no name.

@@ -210,8 +210,8 @@ pub(super) fn notes(seats: &[Seat]) -> Option<String> {
         .collect();
     (!assumed.is_empty()).then(|| {
         format!(
-            "bodies: {} is assumed, because the file states none; --body or [suspension.bodies] \
-             gives others",
+            "bodies: {} is assumed, because the file states none; use --body or \
+             [suspension.bodies] to change this",
             assumed.join(", ")
         )
     })

@@ -164,7 +164,7 @@ fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
     }
     if mechanism.has_watt_linkage() {
         return Err(
-            "suspensions.ini has links alone for a solid axle, but a Watt linkage holds this axle"
+            "suspensions.ini has only links for a solid axle, but a Watt linkage holds this axle"
                 .to_owned(),
         );
     }

@@ -71,7 +71,7 @@ impl Link {
     }
 }
 
-/// Identifies the links of a live axle. The second value is a note for the user.
+/// Identifies the links of a live axle. Also returns a note for the user, if there is one.
 ///
 /// # Errors
 /// The links are not those of a solid axle of this program.
@@ -194,7 +194,8 @@ mod tests {
             parts(&[rod.clone(), upper, c.clone(), d.clone()]),
             [(3, "lower_link"), (8, "upper_link"), (7, "panhard")]
         );
-        // With a Panhard rod, two splayed upper links bind. Two parallel upper links are replaced by one link in the middle.
+        // With a Panhard rod, two splayed upper links would lock the axle. One link in the middle replaces two parallel
+        // upper links.
         let [e, f] = pair(4, [0.4, 0.1, 0.4], [0.2, 0.1, 0.0]);
         let refused = meanings(&[c.clone(), d.clone(), e, f, rod.clone()]).unwrap_err();
         assert!(refused.contains("cannot move in roll"), "{refused}");

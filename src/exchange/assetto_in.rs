@@ -67,7 +67,7 @@ const LEFT_OUT: &[(&str, &str)] = &[
 /// Largest number of links of a live axle that are read.
 const MOST_LINKS: usize = 16;
 
-/// True if a file is a `suspensions.ini`: by its name, or by sections, which JSON does not have.
+/// True if a file is a `suspensions.ini`: the name shows it, or the file has sections, which JSON does not have.
 pub(super) fn is_ini(path: &Path, text: &str) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     let is_named = extension.is_some_and(|extension| extension.eq_ignore_ascii_case("ini"));

@@ -69,7 +69,8 @@ fn at_hardpoint(
     bushing: &AdamsBushing,
     imported: &Imported,
 ) -> Result<(&'static str, Laws), String> {
-    // Adams/Car puts a prefix before names: kinematic or not, then left, right or single.
+    // Adams/Car puts a prefix of three letters before names. The letters mean: bushing; kinematic or not; left, right or
+    // single.
     let name = bushing.usage.to_lowercase();
     let plain = name.split_once('_').filter(|(prefix, _)| {
         prefix.len() == 3 && prefix.starts_with('b') && prefix.ends_with(['l', 'r', 's'])

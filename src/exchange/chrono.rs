@@ -223,7 +223,7 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     Ok(Some(table))
 }
 
-/// Refusal of a template that has no topology here. It names the nearest topology.
+/// Returns the message that refuses a template without a topology in this program. It names the most similar topology.
 fn refusal(template: &str) -> String {
     let nearest = match template {
         "LeafspringAxle"
@@ -300,7 +300,7 @@ fn spring(root: &Node, topology: &str, table: &mut PointTable) {
     table.points.extend([top, foot]);
 }
 
-/// Explains why a spring on the trailing link is left out, and how to get its motion ratio.
+/// Explains why a spring on the trailing link is left out, and how to compute the spring's motion ratio.
 ///
 /// The link turns about its inner joint. So a spring foot at the fraction t of the link's length moves t times as far as the
 /// outer joint. A parallel spring at the outer joint therefore has 1/t times the motion ratio. A foot that is not on the line

@@ -64,7 +64,7 @@ pub(super) fn drop_incomplete(
     }
 }
 
-/// Leaves out a spring and an anti-roll bar that act on a rocker which is not complete.
+/// Leaves out a spring and an anti-roll bar that act on an incomplete rocker.
 fn drop_from_rocker(
     has_lost_rocker: bool,
     hardpoints: &mut Vec<Hardpoint>,

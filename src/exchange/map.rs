@@ -164,7 +164,7 @@ fn meaning(keys: &[&str]) -> (String, Marks) {
             _ => Marks::default(),
         };
         if !only_side.is_empty() && (!is_last || !parts.is_empty()) {
-            // In `{"LCA": {"R": ...}}`, the words around it decide the meaning of "R".
+            // In `{"LCA": {"R": ...}}`, the words around "R" decide what "R" means.
             if key.len() > 1 || !is_last {
                 marks = only_side.or(marks);
                 continue;

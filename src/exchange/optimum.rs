@@ -43,8 +43,8 @@ pub(super) fn bar_axis(named: &[Named<'_>], corner: Corner, picked: &mut Vec<Pic
     });
 }
 
-/// Assigns front and rear of the rocker's axis by the position of its points. Turns a rod into a pullrod if its end at the wheel
-/// is above its end at the rocker.
+/// Assigns the front and the rear point of the rocker's axis according to their positions. Changes a rod to a pullrod if
+/// its end at the wheel is above its end at the rocker.
 pub(super) fn rod(topology: &Topology, axes: Axes, picked: &mut [Picked], notes: &mut Vec<String>) {
     let along = |picked: &[Picked], name: &str| {
         let found = picked.iter().find(|p| p.hardpoint.name == name)?;

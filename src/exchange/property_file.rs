@@ -18,7 +18,7 @@ use std::fmt::Write;
 
 /// Half of the range for a law without points, in mm and in rad.
 const RANGE: [f64; 2] = [10.0, 0.2];
-/// Number of steps from the middle of the range to its end, for a straight line and for a nonlinear law.
+/// Number of steps from the middle of the range to an end: for a straight line, and for a nonlinear law.
 const STEPS: [usize; 2] = [2, 50];
 
 /// Names of the blocks: along x, y and z, then about them.

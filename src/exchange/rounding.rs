@@ -153,7 +153,8 @@ pub fn rounded(
     Ok(rounded)
 }
 
-/// Distance of a constraint's value from its nearest limit, in its unit. Zero if the constraint is satisfied.
+/// Distance of a constraint's value from the nearest limit, in the constraint's unit. Zero if the constraint is
+/// satisfied.
 fn missed(own: &ConstraintMargin) -> f64 {
     if own.is_violated { -own.margin } else { 0.0 }
 }
@@ -168,7 +169,7 @@ struct Candidate {
 }
 
 impl Candidate {
-    /// True if this rounding violates the constraints less, or equally at a smaller misfit.
+    /// True if this rounding violates the constraints less. If the violations are equal, true if the misfit is smaller.
     fn is_better(&self, than: &Candidate) -> bool {
         let own = (self.violation, self.misfit);
         own < (than.violation, than.misfit)
@@ -208,7 +209,7 @@ struct Problem<'a> {
     free: &'a [bool],
     /// All coordinates in the study's axes, point by point, in the grid's unit.
     before: Vec<f64>,
-    /// Least and most steps of each coordinate within its range. They are not whole numbers.
+    /// Smallest and largest number of steps with which each coordinate is within its range. They are not whole numbers.
     ranges: Vec<[f64; 2]>,
 }
 
@@ -347,7 +348,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Integers on both sides of a number. An integer, within rounding errors, is both of its own neighbours.
+/// Returns the integers below and above a number. For an integer (within rounding errors), both are this integer.
 fn neighbours(at: f64) -> (f64, f64) {
     let nearest = at.round();
     if (at - nearest).abs() <= 1e-9 * at.abs().max(1.0) {

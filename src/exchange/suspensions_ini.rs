@@ -126,7 +126,7 @@ fn wheel_rate(outgoing: &Outgoing<'_>) -> Result<f64, &'static str> {
     if setup.rocker_springs.carry() {
         return Err("a heave spring has another rate in roll, which the file cannot contain");
     }
-    // The game's springs act on a solid axle as a whole, so the rate in heave applies.
+    // In the game, the springs of a solid axle act on the axle as a whole, so the rate in heave applies.
     let quantity = if both.axle.is_rigid() {
         Quantity::Axle(AxleQuantity::RideRateWithoutTyres)
     } else {

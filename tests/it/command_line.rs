@@ -1,4 +1,4 @@
-//! Tests of the program as a user runs it: sample studies, results, exit codes, messages.
+//! Tests of the program as a user runs it: sample studies, results, exit codes and messages.
 
 use assert_cmd::Command;
 use std::fs;

@@ -206,7 +206,7 @@ fn an_axle_has_curves_and_takes_its_outputs_from_its_text() {
     let curves = study.curves().unwrap();
     let both = study.axle().unwrap();
     assert_eq!(curves.stations.len(), both.plan.motion.stations());
-    // A mirrored axle has equal left and right camber in the design position.
+    // On a mirrored axle, left and right camber are equal in the design position.
     let column = |name: &str| curves.columns.iter().position(|c| c.name == name).unwrap();
     let is_design = |s: &&hardpoint::Station| {
         let given = curves.motion.iter().zip(&s.at).filter(|(c, _)| c.is_given);

@@ -256,7 +256,7 @@ fn what_nothing_carries_has_a_status_and_no_values() {
         assert_eq!(values[1].is_none(), is_force, "{name}");
         assert!(values[0].is_some() && values[2].is_some(), "{name}");
     }
-    // The wheel passes the dead centre: the spring pushes against the load on one side and pulls on the other.
+    // The wheel passes the dead centre: on one side of it the spring pushes against the load, on the other side it pulls.
     let spring = table.column("kerb_spring_N").unwrap();
     assert!(spring[0].unwrap() * spring[2].unwrap() < 0.0);
 }

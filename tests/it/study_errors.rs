@@ -70,7 +70,8 @@ fn edited(from: &str, to: &str) -> String {
     GOOD.replace(from, to)
 }
 
-/// Asserts that the study has exactly this mistake, on the line that contains `on`, with these phrases in its message.
+/// Asserts that the study has exactly this mistake: on the line that contains `on`, and with these phrases in the
+/// message.
 fn assert_mistake(text: &str, on: &str, key: &str, phrases: &[&str]) {
     let errors = match read(text) {
         Ok(_) => panic!("accepted: {on}"),

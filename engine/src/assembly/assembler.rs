@@ -84,7 +84,7 @@ impl Linearised {
 }
 
 impl Assembler {
-    /// Prepares to assemble builds of a suspension. Fails if its nominal design cannot move.
+    /// Prepares to assemble builds of a suspension. Fails if the nominal design cannot move.
     pub fn new(suspension: &Suspension) -> Result<Self, DesignFault> {
         let suspension = with_eye(with_spindle(suspension));
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
@@ -131,7 +131,7 @@ impl Assembler {
     }
 
     /// Nominal suspension. Its spin axis always runs through a point of the carrier. If the study gives static camber and
-    /// toe instead, the assembler adds `spindle_inner`.
+    /// toe instead of such a point, the assembler adds the point `spindle_inner`.
     pub fn suspension(&self) -> &Suspension {
         &self.suspension
     }
@@ -236,7 +236,7 @@ impl Assembler {
         }
     }
 
-    /// Returns the pose of the carrier with the inverse of its Jacobian, starting from the nominal pose.
+    /// Returns the pose of the carrier and the inverse of the Jacobian there, starting from the nominal pose.
     pub(super) fn position(
         &self,
         parts: &Parts<f64>,
@@ -409,7 +409,7 @@ impl Assembler {
         }
     }
 
-    /// Returns a pose with the inverse of its Jacobian. `None` if the Jacobian is singular.
+    /// Returns a pose with the inverse of the Jacobian there. `None` if the Jacobian is singular.
     pub(crate) fn linearise(&self, parts: &Parts<f64>, pose: &Pose<f64>) -> Option<Linearised> {
         let at = self.configuration(parts, pose);
         let jacobian = self.closure(parts).jacobian(&at, Driver::Travel(0.0));

@@ -6,14 +6,14 @@ use crate::model::Rod;
 /// Reason why parts cannot be assembled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AssemblyError {
-    /// Between the nominal parts and the built parts, the mechanism reaches a singular position. Beyond this
-    /// position, the links are too short or too long.
+    /// The mechanism reaches a singular position when its dimensions are changed from the nominal to the built parts.
+    /// Beyond this position, the links are too short or too long.
     #[error(
         "the links cannot reach: the mechanism can be assembled with up to {:.0} % of these deviations",
         100.0 * share
     )]
     OutOfReach {
-        /// Share of the deviations up to which the mechanism can be assembled, from 0 to 1.
+        /// Largest fraction of the deviations with which the mechanism can be assembled, from 0 to 1.
         share: f64,
     },
     /// The rod of a rocker is too short or too long, or at a toggle.

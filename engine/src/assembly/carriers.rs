@@ -169,7 +169,7 @@ struct BuiltRocker<T> {
 }
 
 impl<T: Real> BuiltRocker<T> {
-    /// A rocker whose rod has this length, with the other end of the rod at `outer_now`.
+    /// Makes a rocker whose rod has this length. `outer_now` is the other end of the rod.
     #[inline(always)]
     fn of(rocker: &Rocker, parts: &Parts<T>, length: T, outer_now: Vector3<T>) -> Self {
         let drawn = |id: PointId| parts.drawn[id.0];

@@ -45,14 +45,14 @@ const LINKS: usize = 5;
 const EXTRA: usize = LINKS - 1;
 /// Largest number of corrections (5).
 const MOST_ROUNDS: usize = 40;
-/// Largest move of the axle in the first correction, relative to its size.
+/// Largest move of the axle in the first correction, relative to the axle's size.
 const FARTHEST: f64 = 0.2;
 
 /// Tensions of the five links of an assembled axle: first the links with constraints, in their order, then the link
 /// without constraint. `None` for a mechanism without an extra link.
 pub type Tensions<T = f64> = Option<[T; LINKS]>;
 
-/// Deviations from (1) in a pose, with the gradients with respect to the pose.
+/// Deviations from (1) in a pose, and the gradients of these deviations with respect to the pose.
 struct Rows<T> {
     /// Differences l_i - L_i.
     stretches: [T; LINKS],
@@ -71,7 +71,7 @@ impl<T: Real> Rows<T> {
         })
     }
 
-    /// Tensions of equations (3) and (4), from the shares s of the six rows of J.
+    /// Returns the tensions of equations (3) and (4). `shares` holds the six numbers s, one for each row of J.
     fn tensions(&self, shares: &Vector6<T>, softness: &[f64; LINKS]) -> [T; LINKS] {
         let one = self.stretches[0].one();
         let shares: [T; LINKS] = array_of(|i| if i == EXTRA { one } else { shares[i] });
@@ -201,7 +201,8 @@ impl Assembler {
             let size = Vector3::new(x, y, z).norm().max(turn);
             let ahead = size * (size / before).min(1.0);
             if ahead < self.rounding() && size <= before {
-                // The last correction is below rounding, so the inverse from the pose before it is accurate enough.
+                // The last correction is smaller than rounding errors, so the inverse from the pose before it is accurate
+                // enough.
                 at.pose = moved(&pose, correction);
                 at.rounds = round + 1;
                 return Some(at);

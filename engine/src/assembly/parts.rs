@@ -6,7 +6,7 @@ use crate::number::{Each, Real, SimdReal, Vector3};
 /// A member with its own length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Member {
-    /// A rod or a leg of an arm, by the index of its constraint in [`Mechanism::constraints`].
+    /// A rod or a leg of an arm. The number is the index of its constraint in [`Mechanism::constraints`].
     Link(usize),
     /// The rod of a rocker.
     Rod(RockerId),
@@ -127,7 +127,7 @@ impl BuildParameter {
                 let (other, _) = Member::links(mechanism).find(|(_, own)| *own == ends)?;
                 Some((BuildParameter::Length(other), 1.0))
             }
-            // The mechanism of each wheel contains only its own lever of the anti-roll bar.
+            // The mechanism of each wheel contains only the lever of the anti-roll bar on its own side.
             BuildParameter::Length(_) => self.is_single(mechanism).then_some((self, 1.0)),
         }
     }

@@ -61,7 +61,7 @@ impl<B: SimdReal> Outlined for SettlingSeries<'_, B> {
         let mut settled = like.one().less(like.zero());
         let mut rejected = settled;
         let (mut before, mut earlier) = (like.zero(), like.zero());
-        // If the pose hardly moves, the rates of the parts determine the rounding.
+        // If the pose hardly moves, the derivatives of the parts determine the rounding error.
         let mut largest = like.zero();
         for point in &parts.drawn {
             let rate = Vector3::new(point.x.0[1], point.y.0[1], point.z.0[1]).norm();

@@ -1,4 +1,4 @@
-//! Pareto front: every other design that is better in one target is worse in another target.
+//! Pareto front: a set of designs. If another design is better in one target, it is worse in another target.
 
 use super::Failing;
 use crate::sorting::sort_by_key;
@@ -52,8 +52,8 @@ impl Front {
         let at_least_as_good = |a: &[f64], b: &[f64]| deviations.iter().all(|k| a[*k] <= b[*k]);
         let known = |c: &Candidate| at_least_as_good(&c.outputs, outputs);
         if let Some(better) = self.designs.iter().position(known) {
-            // A design that was better than one candidate is often better than the next candidate, so it is compared with the
-            // next candidate first.
+            // A design that was better than one candidate is often better than the next candidate, too. So it is compared
+            // with the next candidate first.
             self.designs.swap(0, better);
             return;
         }

@@ -65,7 +65,8 @@ struct QueueState<T, F, E> {
     /// Number of the next piece to start, and the end of the range.
     next: u64,
     end: u64,
-    /// Number of the first piece whose result has not been passed on, and the finished results from this piece on.
+    /// Number of the first piece whose result has not been passed on. `waiting` holds the finished results from this
+    /// piece on.
     first: u64,
     waiting: VecDeque<Option<Option<T>>>,
     /// Callback that takes results. `None` while a thread is using it.

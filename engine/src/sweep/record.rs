@@ -137,8 +137,8 @@ pub struct TargetColumn {
     pub tolerance: f64,
     /// Weight relative to the other targets.
     pub weight: f64,
-    /// Drive values with the target values. For an axle they are values of the coordinate that the target varies. Empty for
-    /// a band.
+    /// Pairs of drive value and target value. On an axle, the first number is a value of the coordinate that the target
+    /// varies. Empty for a band.
     pub points: Vec<[f64; 2]>,
 }
 

@@ -83,7 +83,7 @@ impl Failing {
         }
     }
 
-    /// Describes a design that cannot be solved at all, with the reason in words. All its `stations` fail.
+    /// Describes a design that cannot be solved at all, with the reason in words. All `stations` of the design fail.
     pub(super) fn of_design(reason: String, stations: usize) -> Self {
         Failing {
             status: "degenerate".to_owned(),
@@ -93,7 +93,7 @@ impl Failing {
         }
     }
 
-    /// Describes a design that cannot be solved at all. All its `stations` fail.
+    /// Describes a design that cannot be solved at all. All `stations` of the design fail.
     pub(super) fn degenerate(fault: &DesignFault, mechanism: &Mechanism, stations: usize) -> Self {
         Failing::of_design(fault.describe(mechanism), stations)
     }

@@ -154,7 +154,8 @@ fn rounding_keeps_constraints_and_ranges() {
     assert_eq!(millimetres(1.0, 60.0, 300.0), (347.0, vec![]));
     assert_eq!(millimetres(1.0, 60.0, 347.6), (348.0, vec![]));
     assert_eq!(millimetres(1.0, 32.5, 300.0), (348.0, vec![]));
-    // 345 misses the lower limit by 1 mm, 350 the upper one by 1 mm; with a lower limit of 344 there is a multiple inside.
+    // 345 is 1 mm below the lower limit, and 350 is 1 mm above the upper limit. With a lower limit of 344 there is a
+    // multiple inside.
     let (at, broken) = millimetres(5.0, 60.0, 346.5);
     assert_eq!(at, 350.0);
     assert!((broken[0] - 1.0).abs() < 1e-9, "{broken:?}");

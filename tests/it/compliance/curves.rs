@@ -58,7 +58,7 @@ fn curves_are_read_off_equilibria() {
         assert_eq!(curves.stations[k].status, Status::Ok);
         assert!((toe[k] - found.toe.to_degrees()).abs() < 1e-13);
         assert!((camber[k] - found.camber.to_degrees()).abs() < 1e-13);
-        // At the design load the design position is an equilibrium, and the track change is relative to it.
+        // At the design load the design position is an equilibrium, and the track change is measured from this position.
         assert!((track[k] - (found.contact.y - design.contact.y)).abs() < 1e-9);
         assert!((spring[k] - wheel.spring(&at).unwrap().length).abs() < 1e-10);
     }

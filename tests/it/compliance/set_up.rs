@@ -256,7 +256,8 @@ fn the_spring_keeps_the_length_of_the_nominal_equilibrium() {
         (values[0] - 0.2).abs() < 1e-9 && (values[1] - nominal).abs() < 1e-9,
         "{values:?}"
     );
-    // The tubes deflect under the spring force, so the spring has another length between the nominal hardpoints.
+    // The elastic tubes deflect under the spring force, so the length of the spring in equilibrium differs from
+    // its length between the nominal hardpoints.
     assert!((spring(study.wheel()) - nominal).abs() > 1e-3);
     let wheel = study.wheel();
     let [before, after] =

@@ -88,7 +88,8 @@ fn evaluate(quantity: Quantity, state: &AxleState<f64>) -> f64 {
     quantity.value(state).unwrap_or(f64::NAN)
 }
 
-/// Values agree with the reference to 1e-12 of their scale, for both paths of the drive torque.
+/// Values agree with the reference to 1e-12 of their scale. The test covers both paths of the drive torque (shafts and
+/// carrier).
 #[test]
 fn every_value_is_the_reference_s() {
     for name in CASES {

@@ -277,7 +277,8 @@ fn arms_turn_about_the_axes_of_the_mode() {
     }
 }
 
-/// The mounts of the sample move sideways by about 0.05 mm at 2 deg of roll. Two ball joints would lock the beam.
+/// The mounts of the sample move sideways by about 0.05 mm at 2 deg of roll. With two ball joints as mounts, the beam
+/// could not roll.
 #[test]
 fn mounts_move_sideways_a_little() {
     let beam = random(&mut Random(73));
@@ -440,7 +441,7 @@ fn derivatives_by_motions_are_slopes() {
     }
 }
 
-/// The program refuses entries that have no meaning for a twist beam, with the reason.
+/// The program refuses entries that have no meaning for a twist beam, and states the reason.
 #[test]
 fn what_a_twist_beam_lacks_is_refused() {
     let beam = random(&mut Random(77));

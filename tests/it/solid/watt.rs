@@ -263,7 +263,7 @@ fn compare(each: usize) {
     }
 }
 
-/// Gradients with respect to the points of the linkage equal differences between complete designs.
+/// Gradients with respect to the points of the linkage equal difference quotients of complete designs.
 #[test]
 fn gradients_are_those_of_whole_designs() {
     let mut generator = Random(65);

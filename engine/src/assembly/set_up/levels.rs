@@ -57,7 +57,7 @@ pub(super) fn felt(mut rows: DMatrix<f64>) -> Vec<usize> {
 
 /// Result of an iteration, with its last state.
 pub(super) enum End<S = AdjustedSuspension> {
-    /// The values meet their aims, or are as close as least squares can bring them.
+    /// The values meet their aims, or are as close to them as least squares allows.
     Settled(S),
     /// No step brings the values closer to their aims.
     Stuck(S),
@@ -115,7 +115,7 @@ impl Problem<'_> {
         })
     }
 
-    /// Runs an iteration for some aims. If it does not meet them, it drops the aim with the largest error and tries
+    /// Runs an iteration for some aims. If the iteration misses them, it drops the aim with the largest error and tries
     /// again, until it meets the remaining aims. The error then names the missed aims.
     pub(super) fn settle(
         &self,
@@ -243,8 +243,8 @@ mod tests {
         }
     }
 
-    /// Newton's method for x^3 = 8 ends at 2 from both sides. From 0.5 the full step would make the error larger. From
-    /// 0.01 even a thousandth of the step would make it larger. Without a step the iteration ends at once.
+    /// Newton's method for x^3 = 8 ends at 2 from both sides. From 0.5 the full step would make the error larger, and
+    /// from 0.01 even a thousandth of the step would. If there is no step, the iteration ends at once.
     #[test]
     fn the_iteration_finds_a_root_by_shorter_steps() {
         let errors = |x: &f64| DVector::from_element(1, x.powi(3) - 8.0);

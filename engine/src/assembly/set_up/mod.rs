@@ -84,7 +84,7 @@ use problem::Problem;
 const FARTHEST: f64 = 0.1;
 /// Errors of a static value up to this size count as rounding errors, in degrees or length units.
 const MET: f64 = 1e-9;
-/// Steps per turn of a thread: a mechanic turns it by sixteenths of a turn.
+/// Number of steps per turn of a thread. A mechanic turns a thread by sixteenths of a turn.
 pub const PARTS_OF_A_TURN: f64 = 16.0;
 
 /// A quantity of the static position.
@@ -134,8 +134,8 @@ pub struct AdjustedSuspension {
     pub amounts: Vec<f64>,
     /// Assembled parts. For a solid axle, in the frame of its left wheel.
     pub built: Built,
-    /// Solid axle in the frame of its right wheel, or the right wheel of an axle that is adjusted as a whole. `None`
-    /// for one wheel, and if both wheels are alike.
+    /// Solid axle in the frame of the right wheel. For an axle that is adjusted as a whole, the right wheel. `None` for
+    /// one wheel, and if both wheels are alike.
     pub seen_from_right: Option<Built>,
     /// Static values, in printed units. With elastic parts, these are the values in equilibrium.
     pub values: Vec<f64>,
@@ -175,7 +175,8 @@ pub struct SetUp {
     pub aims: Vec<Aim>,
     /// State of the nominal design. This state is at the target ride height if no adjustment sets that height.
     pub drawn: AdjustedSuspension,
-    /// Indices of the adjustments in the order of a mechanic: shims, then threads, with the thread of toe last.
+    /// Indices of the adjustments in the order in which a mechanic makes them: shims, then threads. The thread that
+    /// changes toe most comes last.
     pub order: Vec<usize>,
     /// State after each adjustment, in the order of `order`. Only shims are rounded.
     pub steps: Vec<AdjustedSuspension>,
@@ -185,7 +186,8 @@ pub struct SetUp {
     pub rounded_steps: Vec<AdjustedSuspension>,
     /// Allowed error of each value: the effect of half a step of each shim.
     pub allowed: Vec<f64>,
-    /// Allowed error of each value after rounding: it also includes half a sixteenth of a turn of each thread.
+    /// Allowed error of each value after rounding. It also includes the effect of half a sixteenth of a turn of each
+    /// thread.
     pub allowed_rounded: Vec<f64>,
 }
 
@@ -241,8 +243,8 @@ impl SetUp {
         SetUp::solve_problem(Problem::of(study, setup, assembler)?, setup)
     }
 
-    /// Finds the adjustments of an axle as a whole, from the assemblers of its left and its right wheel. Each
-    /// assembler of a solid axle assembles the whole axle, as seen from its wheel.
+    /// Finds the adjustments of an axle as a whole, from the assemblers of its left and its right wheel. For a solid
+    /// axle, each assembler assembles the whole axle, as seen from one wheel.
     pub fn solve_axle(
         both: &AxleStudy,
         setup: &Setup,

@@ -92,7 +92,7 @@ impl<'a> Problem<'a> {
         Ok((problem, drawn))
     }
 
-    /// Set-up with the aims of the study. `lifts` is true if an adjustment sets the ride height.
+    /// Makes a set-up with the aims of the study. `lifts` is true if an adjustment sets the ride height.
     fn with(subject: Subject<'a>, setup: &Setup, mut statics: Vec<Static>, lifts: bool) -> Self {
         let length = subject.suspension().length_unit;
         let millimetre = 1e-3 * length.per_metre();
@@ -109,7 +109,7 @@ impl<'a> Problem<'a> {
                 _ => 1.0,
             });
         }
-        // A single adjustment cannot both keep the height and meet another target.
+        // A single adjustment cannot keep the height and also meet another target.
         *aims.last_mut().expect("the ride height is the last value") =
             match setup.ride_height_change {
                 Some(change) if lifts => Aim::Wanted(change),
@@ -237,7 +237,7 @@ impl<'a> Problem<'a> {
         self.subject.state(amounts, self.rest)
     }
 
-    /// Weighted derivatives `W`, with a row for each of these values and a column for each of these adjustments.
+    /// Returns the weighted derivatives `W`, with a row for each of `values` and a column for each of `adjustments`.
     pub(super) fn effects(
         &self,
         state: &AdjustedSuspension,

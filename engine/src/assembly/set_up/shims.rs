@@ -136,8 +136,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Amounts with whole shims near the amounts of a state, in the order of the linear model (6). The nearest
-    /// amounts are always included.
+    /// Returns combinations of whole shims near the amounts of a state. The linear model (6) ranks them. The nearest
+    /// combination is always included.
     pub(super) fn neighbours(&self, real: &AdjustedSuspension, levels: &Levels) -> Vec<Vec<f64>> {
         let mut nearest = real.amounts.clone();
         let mut open = Vec::new();

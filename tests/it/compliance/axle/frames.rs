@@ -1,5 +1,5 @@
-//! Tests that results of an axle do not depend on the axes of the study, and that the heave test raises both wheels by
-//! the same travel.
+//! Tests that results of an axle do not depend on the axes of the study. Also tests that the heave test raises both
+//! wheels by the same travel.
 
 use super::super::command::{hardpoint, study};
 use super::super::support::{elastic, fourth_order};

@@ -1,4 +1,4 @@
-//! Tests of the commands with five links of a solid axle: sweep, tuning, and the program as a user runs it.
+//! Tests of the commands for a solid axle on five elastic links: sweep, tuning, and the program as a user runs it.
 
 use super::{Kind, Scatter, made};
 use crate::support::random::Random;

@@ -1,4 +1,5 @@
-//! Tests of steered axles with closed-form solutions: vertical kingpins, level links and level rods.
+//! Tests of steered axles for which a closed-form solution exists: vertical kingpins, horizontal links and horizontal
+//! rods.
 
 use super::hyper::{Hyper, Point};
 use super::world::World;
@@ -22,9 +23,9 @@ fn at(x: f64, y: f64, z: f64) -> Point {
     [x, y, z].map(Hyper::constant)
 }
 
-/// Axle on level links with vertical kingpins. Its drag link has the direction and the length of the Panhard rod, but is
-/// higher by `above`. The ends of the tie rod are inboard of the line from the kingpin straight back, by the distance
-/// `inboard`.
+/// Axle on horizontal links with vertical kingpins. Its drag link has the direction and the length of the Panhard rod,
+/// but is higher by `above`. The ends of the tie rod are inboard of the line from the kingpin straight back, by the
+/// distance `inboard`.
 fn level(above: f64, inboard: f64) -> World {
     let [x, y] = KINGPIN;
     World {

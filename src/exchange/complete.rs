@@ -8,8 +8,8 @@ use crate::model::Topology;
 
 /// Leaves out springs, rockers and bars with missing parts, each with the reason.
 ///
-/// A rocker carries the lower end of the spring. If the rocker is incomplete, the spring is left out with it, because on
-/// the lower arm the spring would have a different motion ratio. A spring that the file attaches to another body is kept.
+/// A rocker carries the lower end of the spring. If the rocker is incomplete, the spring is left out, too: on the lower
+/// arm it would have a different motion ratio. A spring that the file attaches to another body is kept.
 pub(super) fn drop_incomplete(
     options: &ImportOptions<'_>,
     hardpoints: &mut Vec<Hardpoint>,

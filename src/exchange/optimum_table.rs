@@ -52,8 +52,8 @@ const BAR: [(&str, &str); 3] = [
 ///
 /// # Errors
 ///
-/// The layout does not support the topology, or the study has no wheel radius, which is needed between contact point and wheel
-/// centre.
+/// The layout does not support the topology. Or the study has no wheel radius, which gives the wheel centre from the
+/// contact point.
 pub fn optimum_k_rows(outgoing: &Outgoing<'_>) -> Result<RowsAndNotes, String> {
     let topology = outgoing.study.wheel().mechanism.topology;
     if topology.name != "double_wishbone" {

@@ -308,8 +308,8 @@ impl<'a> Problem<'a> {
         for (point, before) in suspension.design.iter().enumerate() {
             let of_study = suspension.frame.vector(*before).to_array();
             let numbers = [0, 1, 2].map(|axis| 3 * point + axis);
-            // If the units differ, a coordinate on the grid is written with the grid's digits, because the conversion of
-            // units has changed the last digit.
+            // If the units differ, the conversion of units has changed the last digit. So a coordinate on the grid is
+            // written with the grid's digits.
             let keeps_digits = |n: usize| !self.free[n] || stays(n) && own == self.grid.unit;
             let written = numbers.map(|n| {
                 if keeps_digits(n) {

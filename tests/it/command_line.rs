@@ -592,9 +592,9 @@ fn a_certificate_covers_the_whole_curve() {
     assert!(json(&directory, "summary.json")["certificate"].is_null());
 }
 
-/// The travel has a limit (fold) at 349.66780703583492 mm. Two assemblies merge there. At a station so close to the limit
-/// that both are equal in double precision, the program gives a pose without `certify` and none with it. Just before the
-/// limit the program marks derivatives as inaccurate.
+/// The travel has a limit (fold) at 349.66780703583492 mm. Two assemblies merge there. Very close to the limit, both are
+/// equal in double precision. At such a station, the program gives a pose without `certify` and none with it. Just before
+/// the limit the program marks derivatives as inaccurate.
 #[test]
 fn stations_at_a_fold_are_flagged_or_not_proved() {
     let study = studies().join("macpherson_solve.toml");
@@ -671,8 +671,8 @@ fn loads_without_support_are_reported() {
     assert!(text(said).contains(warning), "{}", text(said));
 }
 
-/// A new run that writes no page removes the page of an earlier run, because a user would take it for the page of the new
-/// run.
+/// A new run that writes no page removes the page of an earlier run. Otherwise a user would take the old page for the new
+/// one.
 #[test]
 fn a_run_without_a_page_removes_that_of_an_earlier_one() {
     let (directory, _) = run("solve", "five_link_solve.toml", &["--report"]);

@@ -471,8 +471,8 @@ fn ordinary_designs_stay_in_the_lanes() {
     if !crate::support::has_lanes() {
         return;
     }
-    // With 30 mm of random change at the rear axle's toe links, some five-link designs would steer by more than ten
-    // degrees and leave the range that lanes can solve.
+    // With 30 mm of random change at the rear axle's toe links, some five-link designs would steer by ten degrees. Lanes
+    // cannot solve such angles.
     for (name, rack) in [
         ("macpherson_solve.toml", "[0.0, 30.0]"),
         ("double_wishbone_solve.toml", "[0.0, 30.0]"),

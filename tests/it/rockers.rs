@@ -54,9 +54,9 @@ const POINTS: (&str, &str) = (
     "points = [\"pushrod_outer\", \"spring_lower\"]\nsensitivities = [\"pushrod_inner\"]",
 );
 
-/// If the study does not name the body of a drop link, the program attaches the drop link to the nearest body, if that is
-/// clear, and reports this. If the study names the body, the program uses it without a message. With the drop link on the
-/// lower arm, the bar of this study would turn less than half as far.
+/// If the study does not name the body of a drop link, the program uses the nearest body, if this is clear. It reports
+/// this choice. If the study names the body, the program uses it without a message. With the drop link on the lower arm,
+/// the bar of this study would turn less than half as far.
 #[test]
 fn a_drop_link_beside_a_rocker_is_never_assumed_silently() {
     let said = "drop_link_outer = \"rocker\"";
@@ -162,8 +162,9 @@ fn a_rod_far_from_its_assumed_body_is_doubted() {
     assert_eq!(doubts(&named), Vec::<String>::new());
 }
 
-/// The rod fits if its length is between the smallest and the largest distance from its outer end to the circle on which
-/// its inner end moves. Beyond this range the wheel still has a pose, but the outputs of the rocker have no values.
+/// The inner end of the rod moves on a circle. The rod fits if its length is between the smallest and the largest
+/// distance of its outer end from this circle. Beyond this range the wheel still has a pose, but the outputs of the
+/// rocker have no values.
 #[test]
 fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
     let (study, found, table) = run(&with_lines(&[NEAR_TOGGLE, FAR, OUTPUTS, POINTS]));

@@ -148,7 +148,7 @@ fn a_change_that_a_target_asks_for_at_one_place_is_taken_off_elsewhere() {
 }
 
 /// A target of bump steer over the whole travel counts as a target of toe. If the target covers only a part of the
-/// travel, toe beyond this part may change as much as at the end of this part. Only a larger change is a side effect.
+/// travel, toe beyond this part may change as much as at its end. Only a larger change is a side effect.
 #[test]
 fn a_target_of_a_gain_is_one_of_the_curve() {
     let of = |ends: &str| {

@@ -10,7 +10,7 @@
 //! multiplies the error by a factor that is proportional to the deviation of the parts, usually about a thousandth
 //! (module `settle`). The same code is used for plain numbers, for SIMD lanes (several builds at once) and for derivative
 //! numbers. For derivative numbers, each correction makes one more order exact. If a correction does not halve the error,
-//! the assembler changes the nominal parts to the built parts in several steps, with the Jacobian of each step. The
+//! the assembler changes the nominal parts to the built parts in several steps. Each step has its own Jacobian. The
 //! determinant of the Jacobian keeps its sign. So the result is always the assembly that a continuous change of the parts
 //! reaches from the nominal assembly.
 //!

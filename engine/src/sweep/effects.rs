@@ -19,8 +19,8 @@
 //! This term misses the variation within a level: about 1/levels^2 of the term. The better the plane fits, the smaller is
 //! the random part. If designs fail, or have no value for an output, the variables of the remaining designs are no longer
 //! independent. Then the plane's part cannot be divided among the variables, and the share is the second term for y
-//! instead of r. This share is still the part of the variance that vanishes when this variable is known, but shares may
-//! sum up to more than one.
+//! instead of r. This share is still the part of the variance that vanishes when this variable is known. But the sum of
+//! all shares may exceed one.
 //!
 //! For Saltelli's samples, the share is the mean of (y_B - mean) (y_C - y_A) (A. Saltelli et al., Computer Physics
 //! Communications 181, 2010). The total index is half the mean of (y_A - y_C)^2 (M. J. W. Jansen, Computer Physics

@@ -12,8 +12,8 @@ use std::ops::Range;
 pub const FORM: u32 = 2;
 
 /// Number of blocks in a part of a sweep of wheels or axles. With 128 designs per block, one core needs some tenths of a
-/// second for a part, and a part is a Parquet row group of usual size. The number must not depend on the machine, because
-/// parts must be identical on all machines.
+/// second for a part. A part is also a Parquet row group of usual size. The number must not depend on the machine,
+/// because parts must be identical on all machines.
 pub const BLOCKS_OF_PART: u64 = 1024;
 
 /// Number of blocks in a part of a sweep of cars. With 16 designs per block and some milliseconds per design, one core needs a
@@ -29,8 +29,8 @@ pub struct SweepRecord {
     pub form: u32,
     /// Version of the program.
     pub version: String,
-    /// SHA-256 digest of everything that determines the results. For points of a sequence, the digest does not cover the
-    /// number of designs, because a longer sequence begins with the points of a shorter one.
+    /// SHA-256 digest of everything that determines the results. A longer sequence begins with the points of a shorter
+    /// one. So for points of a sequence, the digest does not cover the number of designs.
     pub digest: String,
     /// Name of the study.
     pub study: String,

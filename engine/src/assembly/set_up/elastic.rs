@@ -335,9 +335,9 @@ impl<'a> Elastic<'a> {
         (Moves { points, tensions }, rises[0])
     }
 
-    /// Returns the contribution of the position of the assembled axle to each value (11), or the derivative of this
-    /// contribution with respect to an adjustment. The values already include the direction of the assembled axle, but
-    /// their derivatives do not. The contribution is 0 for all values that [`FROM_DESIGN`] does not list.
+    /// Returns the contribution of the position of the assembled axle (11) to each value. With `adjustment`, returns the
+    /// derivative of this contribution. The values already include the direction of the assembled axle, but their
+    /// derivatives do not. The contribution is 0 for all values that [`FROM_DESIGN`] does not list.
     fn placed(&self, built: &[Built], found: &Found, adjustment: Option<usize>) -> Vec<f64> {
         let mut placed = vec![0.0; self.factors.len() + 1];
         let Reads::Axle(_, reads) = &self.reads else {

@@ -237,8 +237,8 @@ impl From<DesignFault> for SetUpError {
 }
 
 impl SetUp {
-    /// Finds the adjustments that give the target values of one wheel, or of both wheels of an axle with elastic
-    /// parts whose wheels are alike.
+    /// Finds the adjustments that give the target values. They apply to one wheel, or to both wheels of an axle with
+    /// elastic parts and equal wheels.
     pub fn solve(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, SetUpError> {
         SetUp::solve_problem(Problem::of(study, setup, assembler)?, setup)
     }
@@ -344,14 +344,14 @@ impl SetUp {
             .collect()
     }
 
-    /// Returns true for each aim that the unrounded amounts meet, within the effect of half a step of each shim. A value without
-    /// an aim counts as met.
+    /// Returns true for each aim that the unrounded amounts meet. The allowed error is the effect of half a step of each
+    /// shim. A value without an aim counts as met.
     pub fn met(&self) -> Vec<bool> {
         within(&self.misses(), &self.allowed)
     }
 
-    /// Returns true for each aim that the rounded amounts meet, within the effect of half a step of each shim and half a
-    /// sixteenth of a turn of each thread.
+    /// Returns true for each aim that the rounded amounts meet. The allowed error is the effect of half a step of each
+    /// shim and half a sixteenth of a turn of each thread.
     pub fn met_rounded(&self) -> Vec<bool> {
         within(&self.misses_rounded(), &self.allowed_rounded)
     }

@@ -34,8 +34,8 @@ pub(super) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// Makes the set-up of one wheel, or of both wheels of an axle with elastic parts whose wheels are alike, and the
-    /// state of its design.
+    /// Makes the set-up and the state of its design. The set-up is for one wheel, or for both wheels of an axle with
+    /// elastic parts and equal wheels.
     pub(super) fn of(
         study: &Study,
         setup: &Setup,
@@ -137,9 +137,9 @@ impl<'a> Problem<'a> {
         self.subject.suspension().size()
     }
 
-    /// Keeps the toe of the design if the study gives no target for toe, and if the wheel has several threads and one of
-    /// them is for toe. A thread is for toe if it changes toe more than camber, caster and ride height. A single thread
-    /// adjusts only the values for which the study has targets.
+    /// Keeps the toe of the design under two conditions: the study gives no target for toe, and one of several threads of
+    /// the wheel is for toe. A thread is for toe if it changes toe more than camber, caster and ride height. A single
+    /// thread adjusts only the values for which the study has targets.
     fn keep_toe(&mut self, drawn: &AdjustedSuspension, setup: &Setup) {
         let toes: Vec<usize> = self.toes().collect();
         for toe in toes {

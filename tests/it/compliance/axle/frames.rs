@@ -103,8 +103,9 @@ fn results_do_not_depend_on_the_axes() {
     }
 }
 
-/// When both wheels rise by the same travel (`heave`), the ride rate is the change of wheel load per rise of the contact
-/// point, in series with the tyre. The wheels have different springs, so equal loads would not raise them equally.
+/// In the test `heave` both wheels rise by the same travel. The ride rate is the change of wheel load per rise of the
+/// contact point, in series with the tyre. The wheels have different springs, so equal loads would not raise them
+/// equally.
 #[test]
 fn ride_rates_of_heave_are_those_of_equal_travels() {
     let motion = |heave: f64| format!("heave = [{heave:?}]");

@@ -11,10 +11,11 @@
 //!  'camber_angle'  'left/right'   'real'     -0.5
 //! ```
 //!
-//! A block begins with its name in brackets, in upper or lower case. `$` and `!` begin comments. Braces name the columns. Texts
-//! are in single quotes and may be padded with blanks. A hardpoint of both sides (`left/right`) has the coordinates of the left
-//! one; the right one is its mirror image. x points rearward, y to the right and z up. As in studies, camber is positive if the
-//! top of the wheel leans outward, and toe is positive if its front turns inward.
+//! A block begins with its name in brackets, in upper or lower case. `$` and `!` begin comments. Braces name the columns.
+//! Texts are in single quotes and may be padded with blanks. A row for both sides (`left/right`) has the coordinates of
+//! the left hardpoint; the right hardpoint is the mirror image. x points rearward, y to the right and z up. As in
+//! studies, camber is positive if the top of the wheel leans outward, and toe is positive if the front of the wheel turns
+//! inward.
 
 use crate::model::LengthUnit;
 use crate::report::shortest;
@@ -127,7 +128,7 @@ pub(super) fn read(text: &str) -> Result<Subsystem, String> {
             within = name;
             continue;
         }
-        // A part of a block in parentheses has rows of another kind.
+        // A line that starts with a parenthesis begins a part of the block with other columns.
         if line.trim_start().starts_with('(') {
             within.clear();
         }
@@ -245,7 +246,7 @@ impl Field<'_> {
     }
 }
 
-/// A row of hardpoints or parameters.
+/// A row of the hardpoints or of the parameters.
 struct Row<'a> {
     name: String,
     symmetry: Symmetry,
@@ -302,8 +303,8 @@ pub(super) struct Rewritten {
     pub rows: usize,
 }
 
-/// Replaces the coordinates of a subsystem. `position` returns them for a name and a symmetry, in the file's unit and axes. Rows
-/// for which it returns `None` stay unchanged.
+/// Replaces the coordinates of a subsystem. `position` returns the new coordinates for a name and a symmetry, in the
+/// file's unit and axes. Rows for which it returns `None` stay unchanged.
 pub(super) fn rewritten(
     text: &str,
     position: impl Fn(&str, Symmetry) -> Option<[f64; 3]>,

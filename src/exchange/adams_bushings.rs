@@ -11,9 +11,10 @@
 //! of torque against angle, `[TX_CURVE]` to `[TZ_CURVE]`. The database of a path (`mdids://database/`, `<database>/`) is the
 //! folder above the folder of the subsystem.
 //!
-//! The template contains the orientation of a bushing; these files do not. A study's bushing has x along the pivot axis. The
-//! importer assumes that Adams' z is along that axis, which is the usual practice. It only accepts bushings whose remaining
-//! orientation does not matter: their curves along and about x equal those along and about y, and all curves are odd functions.
+//! The subsystem's template contains the orientation of a bushing; these files do not. In a study, x of a bushing is
+//! along the pivot axis of the arm. The importer assumes that z of the bushing in Adams is along this axis, as is usual.
+//! It accepts only bushings for which the remaining orientation does not matter: the curves along and about x equal those
+//! along and about y, and all curves are odd functions (equal in both directions).
 
 use super::adams::{assignment, block, text_of};
 use super::source::bytes_of;
@@ -35,7 +36,8 @@ pub(super) enum Law {
     Curve(Points),
 }
 
-/// Laws of a bushing in the axes of a study: along x, y and z, then about them. y and z have equal laws.
+/// Laws of a bushing in the axes of a study: along x and along y, then about x and about y. The laws for z equal those
+/// for y.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Laws {
     pub along: [Law; 2],
@@ -118,7 +120,7 @@ fn laws(path: &Path, block: &Block, unit: LengthUnit) -> Result<Laws, String> {
     });
     if let Some((key, value)) = preload {
         return Err(format!(
-            "{key} is {value}; a preload needs the axes of the bushing, which the subsystem does not have"
+            "{key} is {value}; a preload needs the axes of the bushing, which the subsystem does not state"
         ));
     }
     let mut curves = curves_of(source, unit)?;
@@ -144,7 +146,7 @@ fn laws(path: &Path, block: &Block, unit: LengthUnit) -> Result<Laws, String> {
     for (one, other, axes) in [(&fx, &fy, "FX and FY"), (&tx, &ty, "TX and TY")] {
         if !are_equal(one, other) {
             return Err(format!(
-                "{axes} differ, and the subsystem does not have the directions of its axes; write it with x_axis and z_axis"
+                "{axes} differ, and the subsystem does not state the directions of the bushing's axes; write the bushing into the study, with x_axis and z_axis"
             ));
         }
     }
@@ -228,14 +230,14 @@ fn are_equal(one: &Points, other: &Points) -> bool {
             .all(|(a, b)| near(0, a[0], b[0]) && near(1, a[1], b[1]))
 }
 
-/// Refuses a curve that is not an odd function, because its direction would matter.
+/// Refuses a curve that is not an odd function, because the direction of the axis would matter then.
 fn is_odd(axis: &str, curve: &Points) -> Result<(), String> {
     let turned: Points = curve.iter().rev().map(|[d, f]| [-d, -f]).collect();
     if are_equal(curve, &turned) {
         Ok(())
     } else {
         Err(format!(
-            "{axis} is not the same in both directions, and the subsystem does not have the directions of its axes"
+            "{axis} is not the same in both directions, and the subsystem does not state the directions of the bushing's axes"
         ))
     }
 }

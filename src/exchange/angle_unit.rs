@@ -1,4 +1,4 @@
-//! Unit of an angle: from the words and signs of its name, its remark, or the file.
+//! Finds the unit of an angle: from the angle's name, from a remark beside it, or from the file.
 
 use super::names::cut;
 use super::unit::FileUnit;
@@ -66,7 +66,7 @@ pub(super) fn of_angle(name: &str, remark: &str) -> Option<AngleUnit> {
     )
 }
 
-/// Unit of all angles that a line above the values states: "angles in radians", `Units: mm, rad`.
+/// Unit of all angles, if a line above the values states it: "angles in radians", `Units: mm, rad`.
 pub(super) fn of_line(texts: &[&str]) -> Option<AngleUnit> {
     let words: Vec<String> = texts.iter().flat_map(|text| cut(text)).collect();
     let has = |wanted: &str| {
@@ -89,8 +89,8 @@ fn one_of(mut units: impl Iterator<Item = AngleUnit>) -> Option<AngleUnit> {
     Some(if is_same { first } else { AngleUnit::Other })
 }
 
-/// True if a text has the sign of minutes, seconds or percent. An apostrophe within a word and the quotes around a text do not
-/// count.
+/// True if a text has the sign of minutes, seconds or percent. An apostrophe within a word and quotes around a text are
+/// not such signs.
 fn has_mark(text: &str) -> bool {
     let text = text.trim();
     let quotes = |c: char| "'\"".contains(c);

@@ -30,7 +30,7 @@ pub(super) struct Link {
     pub ends: [End; 2],
 }
 
-/// Role of a link: the hardpoints of its ends, without the suffixes `_chassis` and `_axle`.
+/// Role of a link: the first part of the names of its hardpoints. The suffixes are `_chassis` and `_axle`.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Meaning {
     /// The link. If it represents a pair, it is moved to the centre plane.
@@ -71,7 +71,7 @@ impl Link {
     }
 }
 
-/// Identifies the links of a live axle. The second value is a note for the user.
+/// Identifies the links of a live axle. Also returns a note for the user, if there is one.
 ///
 /// # Errors
 /// The links are not those of a solid axle of this program.
@@ -115,8 +115,8 @@ pub(super) fn meanings(links: &[Link]) -> Result<(Vec<Meaning>, Option<String>),
             if upper.along()[0].abs() > SAME {
                 return Err(format!(
                     "two splayed upper links ({} and its mirror image) and a Panhard rod ({}) are \
-                     one link too many: with rigid joints the axle cannot move in roll. Name the \
-                     points of a solid_axle without one of them by --map",
+                     one link too many: with rigid joints the axle cannot move in roll. Use --map \
+                     to name the points of a solid_axle without one of these links",
                     upper.name(),
                     rod.name()
                 ));
@@ -144,7 +144,7 @@ pub(super) fn meanings(links: &[Link]) -> Result<(Vec<Meaning>, Option<String>),
             let found: Vec<String> = links.iter().map(Link::name).collect();
             Err(format!(
                 "the links of [AXLE] ({}) are {} mirrored pairs and {} single ones; a solid_axle has two pairs, or a lower \
-                 pair, an upper link and a Panhard rod. Name its points by --map, as in lower_link_chassis = \"AXLE J0_CAR\"",
+                 pair, an upper link and a Panhard rod. Name the points with --map, as in lower_link_chassis = \"AXLE J0_CAR\"",
                 found.join(", "),
                 pairs.len(),
                 singles.len()
@@ -194,7 +194,8 @@ mod tests {
             parts(&[rod.clone(), upper, c.clone(), d.clone()]),
             [(3, "lower_link"), (8, "upper_link"), (7, "panhard")]
         );
-        // With a Panhard rod, two splayed upper links bind. Two parallel upper links are replaced by one link in the middle.
+        // With a Panhard rod, two splayed upper links would lock the axle. One link in the middle replaces two parallel
+        // upper links.
         let [e, f] = pair(4, [0.4, 0.1, 0.4], [0.2, 0.1, 0.0]);
         let refused = meanings(&[c.clone(), d.clone(), e, f, rod.clone()]).unwrap_err();
         assert!(refused.contains("cannot move in roll"), "{refused}");

@@ -56,7 +56,7 @@ const LEFT_OUT: &[(&str, &str)] = &[
     ("DAMP_REBOUND", "a study has no dampers"),
     (
         "BUMP_STOP_RATE",
-        "a stop at the wheel; those of a study are along the spring",
+        "a stop at the wheel; stops of a study act along the spring",
     ),
     (
         "TOE_OUT",
@@ -67,7 +67,7 @@ const LEFT_OUT: &[(&str, &str)] = &[
 /// Largest number of links of a live axle that are read.
 const MOST_LINKS: usize = 16;
 
-/// True if a file is a `suspensions.ini`: by its name, or by sections, which JSON does not have.
+/// True if a file is a `suspensions.ini`: the name shows it, or the file has sections, which JSON does not have.
 pub(super) fn is_ini(path: &Path, text: &str) -> bool {
     let extension = path.extension().and_then(|extension| extension.to_str());
     let is_named = extension.is_some_and(|extension| extension.eq_ignore_ascii_case("ini"));
@@ -219,7 +219,7 @@ impl File<'_> {
             && count != links.len() as f64
         {
             return Err(format!(
-                "[AXLE] LINK_COUNT is {count}, and the section has both ends of {} links",
+                "[AXLE] LINK_COUNT is {count}, but the section has both ends of {} links",
                 links.len()
             ));
         }
@@ -304,17 +304,17 @@ impl File<'_> {
         })
     }
 
-    /// Adds a note why the rate at the wheel gives no spring, and how to get a spring.
+    /// Adds a note that explains why the rate at the wheel is not enough for a spring, and how to get a spring.
     fn spring_rate(&self, name: &str, table: &mut PointTable) -> Result<(), String> {
         let Some(rate) = self.number(name, "SPRING_RATE")? else {
             return Ok(());
         };
         let ends = match self.entry(name, "TYPE").map(|entry| entry.value) {
-            Some("STRUT") => "its force at design is not in the file",
-            _ => "its ends are not in the file: add spring_upper and spring_lower",
+            Some("STRUT") => "the spring's force in the design position is not in the file",
+            _ => "the spring's ends are not in the file: add spring_upper and spring_lower",
         };
         table.left_out.push(format!(
-            "[{name}] SPRING_RATE: {rate} N/m at the wheel. A [spring] along the spring has the rate {rate} / motion_ratio^2; {ends}"
+            "[{name}] SPRING_RATE: {rate} N/m at the wheel. The rate in [spring], along the spring, is {rate} / motion_ratio^2; {ends}"
         ));
         Ok(())
     }

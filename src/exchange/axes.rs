@@ -1,4 +1,5 @@
-//! Axes of a file: the direction in which each of its three coordinates grows. Headers, titles, the format or the user state it.
+//! Axes of a file: the direction in which each of the three coordinates increases. Headers, titles, the format or the
+//! user state these directions.
 
 use crate::model::{FrameConvention, Side};
 use std::fmt;
@@ -79,7 +80,7 @@ impl Way {
 pub struct Axes(pub(super) [Way; 3]);
 
 impl Axes {
-    /// Makes axes with these directions. `None` unless each axis of the car has exactly one of them.
+    /// Makes axes with these directions. `None` unless exactly one direction is along each axis of the car.
     pub(super) fn new(ways: [Way; 3]) -> Option<Self> {
         let mut axes = ways.map(Way::axis);
         axes.sort_unstable();
@@ -158,7 +159,7 @@ impl fmt::Display for Axes {
     }
 }
 
-/// Direction of one coordinate, as far as the file states it.
+/// Direction of one coordinate, as far as it is known from the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum Coordinate {
     /// The file states nothing.
@@ -185,12 +186,12 @@ impl Coordinate {
     }
 }
 
-/// Directions of the axes, as far as the file states them.
+/// Directions of all axes, as far as they are known from the file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Declared(pub(super) [Coordinate; 3]);
 
 impl Declared {
-    /// Statement of all three axes.
+    /// Makes a statement of all three axes.
     pub(super) fn whole(axes: Axes) -> Self {
         Declared(axes.0.map(Coordinate::Grows))
     }
@@ -281,7 +282,8 @@ impl Declared {
     }
 }
 
-/// Converts a reading (the coordinates that point forward, outboard and up) to directions of the axes, for a wheel of this side.
+/// Converts a reading to directions of the axes, for a wheel of this side. A reading states which coordinates point
+/// forward, outboard and up.
 pub(super) fn of_reading(reading: &crate::report::Reading, side: Side) -> Axes {
     let mut ways = [Way::Forward; 3];
     let (along, forward) = reading.forward;
@@ -293,7 +295,8 @@ pub(super) fn of_reading(reading: &crate::report::Reading, side: Side) -> Axes {
     Axes(ways)
 }
 
-/// Converts directions of the axes to a reading (the coordinates that point forward, outboard and up), for a wheel of this side.
+/// Converts directions of the axes to a reading, for a wheel of this side. A reading states which coordinates point
+/// forward, outboard and up.
 pub(super) fn reading_of(axes: Axes, side: Side) -> crate::report::Reading {
     let at = |axis: usize| {
         let column = axes.0.iter().position(|way| way.axis() == axis);

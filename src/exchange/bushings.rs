@@ -16,7 +16,7 @@ pub(super) struct Bushing {
     from: String,
 }
 
-/// Pivots of arms. Their bushings have the axis of the arm.
+/// Pivots of arms. The axis of a bushing there is the axis of the arm.
 const PIVOTS: [&str; 6] = [
     "lower_arm_front",
     "lower_arm_rear",
@@ -36,7 +36,7 @@ pub(super) fn take(table: &PointTable, options: &ImportOptions<'_>, imported: &m
     if !options.bushings {
         let names: Vec<&str> = bushings.iter().map(|b| b.usage.as_str()).collect();
         imported.left_out.push(format!(
-            "bushings ({}): --bushings writes them for `hardpoint kc`",
+            "bushings ({}): use --bushings to import them for `hardpoint kc`",
             names.join(", ")
         ));
         return;
@@ -69,7 +69,8 @@ fn at_hardpoint(
     bushing: &AdamsBushing,
     imported: &Imported,
 ) -> Result<(&'static str, Laws), String> {
-    // Adams/Car puts a prefix before names: kinematic or not, then left, right or single.
+    // Adams/Car puts a prefix of three letters before names. The letters mean: bushing; kinematic or not; left, right or
+    // single.
     let name = bushing.usage.to_lowercase();
     let plain = name.split_once('_').filter(|(prefix, _)| {
         prefix.len() == 3 && prefix.starts_with('b') && prefix.ends_with(['l', 'r', 's'])

@@ -1,8 +1,8 @@
 //! Points and centre lines as a CAD drawing: text DXF of release 12, which every CAD program reads.
 //!
-//! The file is a list of pairs. Each pair has a number for the kind of value and the value, each on its own line (Autodesk, DXF
-//! Reference). The centre lines of each body (`LINE`) have their own layer. The points (`POINT`) are on the layer `POINTS`, and
-//! their names (`TEXT`) on `NAMES`.
+//! The file is a list of pairs. Each pair has a number for the kind of value, and the value, each on its own line
+//! (Autodesk, DXF Reference). The centre lines (`LINE`) of each body have a separate layer. The points (`POINT`) are on
+//! the layer `POINTS`, and their names (`TEXT`) on the layer `NAMES`.
 
 use super::outgoing::Outgoing;
 use crate::model::{LengthUnit, PointId, RigidAxle, Side};
@@ -29,9 +29,9 @@ fn text_height(outgoing: &Outgoing<'_>) -> f64 {
     outgoing.unit.convert(6.0, LengthUnit::Millimetre)
 }
 
-/// Prefix for the layer of a line between these points of a solid axle. `None` if the line is drawn with the other wheel. The
-/// mechanism of each wheel contains both halves, so each half is drawn with its own wheel. Parts that exist only once are drawn
-/// with the left wheel.
+/// Returns the prefix for the layer of a line between these points of a solid axle. `None` if the line is drawn with the
+/// other wheel. The mechanism of each wheel contains both halves, so each half is drawn with the wheel of this half.
+/// Parts that exist only once are drawn with the left wheel.
 fn prefix_on_solid_axle<'p>(
     rigid: &RigidAxle,
     side: Side,

@@ -11,9 +11,9 @@
 //! | `SolidAxle` | `solid_axle` on four links |
 //! | `SolidThreeLinkAxle`, `SolidBellcrankThreeLinkAxle` | `solid_axle`: the triangular link is two upper links that share their joint at the axle |
 //!
-//! Chrono has two elements for spring and damper (`Spring`, `Shock`); a study has one. The importer takes the ends of the spring,
-//! or the ends of the damper if there is no spring. The axis of a MacPherson strut is that of the spring. As in studies, `Camber
-//! Angle (deg)` is positive with the top outward, and `Toe Angle (deg)` with the front inward.
+//! Chrono has two elements for spring and damper (`Spring`, `Shock`); a study has one. The importer uses the ends of the
+//! spring, or the ends of the damper if there is no spring. The axis of a MacPherson strut is the axis of the spring. As
+//! in studies, `Camber Angle (deg)` is positive with the top outward, and `Toe Angle (deg)` with the front inward.
 
 use super::axes::{Axes, Declared};
 use super::chrono_vehicle;
@@ -212,7 +212,7 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
             .collect();
         if !steering.is_empty() {
             table.left_out.push(format!(
-                "{}: a solid axle of a study does not steer",
+                "{}: the steering of a solid axle is not imported",
                 steering.join(", ")
             ));
         }
@@ -223,7 +223,7 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     Ok(Some(table))
 }
 
-/// Refusal of a template that has no topology here. It names the nearest topology.
+/// Returns the message that refuses a template without a topology in this program. It names the most similar topology.
 fn refusal(template: &str) -> String {
     let nearest = match template {
         "LeafspringAxle"
@@ -300,7 +300,7 @@ fn spring(root: &Node, topology: &str, table: &mut PointTable) {
     table.points.extend([top, foot]);
 }
 
-/// Explains why a spring on the trailing link is left out, and how to get its motion ratio.
+/// Explains why a spring on the trailing link is left out, and how to compute the spring's motion ratio.
 ///
 /// The link turns about its inner joint. So a spring foot at the fraction t of the link's length moves t times as far as the
 /// outer joint. A parallel spring at the outer joint therefore has 1/t times the motion ratio. A foot that is not on the line

@@ -8,8 +8,8 @@ use crate::model::Topology;
 
 /// Leaves out springs, rockers and bars with missing parts, each with the reason.
 ///
-/// If there is a rocker, it carries the lower end of the spring. So the spring is left out together with an incomplete rocker,
-/// because it would have a different motion ratio on the lower arm. A spring that the file attaches to another body is kept.
+/// A rocker carries the lower end of the spring. If the rocker is incomplete, the spring is left out, too: on the lower
+/// arm it would have a different motion ratio. A spring that the file attaches to another body is kept.
 pub(super) fn drop_incomplete(
     options: &ImportOptions<'_>,
     hardpoints: &mut Vec<Hardpoint>,
@@ -64,7 +64,7 @@ pub(super) fn drop_incomplete(
     }
 }
 
-/// Leaves out a spring and an anti-roll bar that act on a rocker which is not complete.
+/// Leaves out a spring and an anti-roll bar that act on an incomplete rocker.
 fn drop_from_rocker(
     has_lost_rocker: bool,
     hardpoints: &mut Vec<Hardpoint>,

@@ -120,7 +120,7 @@ impl Imported {
     fn running(&self, name: &str, origin: &str, part: Part<'_>) -> Result<String, String> {
         let read = |text: &str| Study::from_text(name, text, Path::new(""));
         let with = |travel: f64, outputs: &[&str]| self.text(origin, part, travel, outputs);
-        // This first read reports a fault of the points only once, not once per output.
+        // This first read reports a fault of the points once, and not again for each output.
         let explained = |reason: String| match self.slip(name, origin, part) {
             None => reason,
             Some(slip) => format!("{reason}\n{slip}"),
@@ -153,8 +153,8 @@ impl Imported {
         )))
     }
 
-    /// Describes the coordinate with a wrong sign or decimal place that keeps the suspension from moving. `None` if no single
-    /// coordinate does.
+    /// Describes a coordinate that has a wrong sign or decimal place and thus keeps the suspension from moving. `None` if
+    /// there is no such coordinate.
     fn slip(&self, name: &str, origin: &str, part: Part<'_>) -> Option<String> {
         let moves = |points: &[[f64; 3]]| {
             let mut other = self.clone();

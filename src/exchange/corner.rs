@@ -1,4 +1,5 @@
-//! Chooses the axle and the wheel, and selects their point for each hardpoint. Points of two axles are never mixed.
+//! Chooses the axle and the wheel, and selects a point of this wheel for each hardpoint. Points of two axles are never
+//! mixed.
 
 use super::refusal::{Question, Refusal};
 use super::roles::{self, Role};

@@ -58,7 +58,7 @@ pub fn cases_in(
     page
 }
 
-/// Requested unit of lengths. A study in pounds-force keeps them in inches.
+/// Returns the requested unit of length. If the study has pounds-force and inches are requested, it keeps pounds-force.
 fn with_forces_of(own: LengthUnit, asked: LengthUnit) -> LengthUnit {
     if own.symbol() == asked.symbol() {
         own
@@ -96,7 +96,8 @@ pub enum Tool {
 /// A characteristic in another tool: our name, its name, and -1 if its sign is opposite.
 type Named = (&'static str, &'static str, f64);
 
-/// Published definitions of Adams that equal our characteristics. `docs/exchange.md` names the source of each one.
+/// Characteristics of Adams whose published definitions equal ours. `docs/exchange.md` names the source of each
+/// definition.
 const ADAMS: &[Named] = &[
     ("camber", "camber_angle", 1.0),
     ("toe", "toe_angle", 1.0),
@@ -106,8 +107,8 @@ const ADAMS: &[Named] = &[
     ("caster_trail", "caster_moment_arm", 1.0),
 ];
 
-/// Published definitions of Altair that equal our characteristics. Altair's camber, scrub radius and caster trail are missing,
-/// because they are projections along the axes of the car instead of the wheel.
+/// Characteristics of Altair whose published definitions equal ours. Altair's camber, scrub radius and caster trail are
+/// missing, because they are projections along the axes of the car instead of the wheel.
 const ALTAIR: &[Named] = &[
     ("toe", "Toe-in Angle", 1.0),
     ("caster", "Caster Angle", 1.0),

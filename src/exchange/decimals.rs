@@ -15,8 +15,7 @@ pub(super) struct Decimals {
 }
 
 impl Decimals {
-    /// Finds the number notation of a table's coordinates. Refuses a table in which 1,250 may mean either one thousand two
-    /// hundred and fifty or one and a quarter.
+    /// Finds the number notation of a table's coordinates. Refuses a table in which 1,250 may mean 1250 or 1.25.
     pub(super) fn of(sheet: &Sheet, columns: &Columns) -> Result<Self, String> {
         let places = || columns.triples.iter().flat_map(|triple| triple.columns);
         let texts = || {

@@ -1,6 +1,7 @@
 //! Space that a tyre needs over travel and steer, as solids for CAD.
 //!
-//! The wheels of a solid axle or a twist beam take all combinations of both travels. Other wheels move separately.
+//! On a solid axle or a twist beam, the travel of one wheel also moves the other wheel. So the file contains all
+//! combinations of both travels. Other wheels move separately.
 //!
 //! Each pose of the wheel gives one closed solid: the tyre as a cylinder about the spin axis. Its rings are polygons
 //! circumscribed about the circle, so the tyre lies inside. The file is binary STL: an 80-byte text, the number of triangles, and
@@ -54,8 +55,8 @@ impl Span {
 pub struct Envelope {
     /// One solid per pose and wheel, as triangles. Seen from outside, the corners are counter-clockwise.
     pub solids: Vec<Vec<[[f32; 3]; 3]>>,
-    /// Largest distance that a corner moves in one step of each motion. First: travel. Second: travel of the left wheel, if both
-    /// travels move each wheel. Third: rack.
+    /// Largest distance that a corner of a solid moves in one step of each motion. First: travel. Second: travel of the
+    /// left wheel, if the travel of one wheel also moves the other wheel (solid axle, twist beam). Third: rack.
     pub widest_steps: [f64; 3],
     title: String,
 }
@@ -114,7 +115,7 @@ impl Envelope {
         Ok(envelope)
     }
 
-    /// Bound on the distance by which a tyre point between two poses can be outside of all solids: half of a step along every
+    /// Largest distance by which a tyre point between two poses can be outside of all solids: half of a step along every
     /// motion.
     pub fn gap(&self) -> f64 {
         0.5 * self.widest_steps.iter().sum::<f64>()
@@ -200,7 +201,7 @@ fn poses_of_axle(
 ) -> Result<Vec<Vec<WheelPose>>, String> {
     if axle.elastic.is_some() {
         let message =
-            "the pose of a solid axle with elastic parts follows from its loads, so it has no STL";
+            "the pose of a solid axle with elastic parts depends on its loads, so there is no STL";
         return Err(message.to_owned());
     }
     let left = &axle.left;

@@ -82,7 +82,7 @@ pub(super) fn read(
                 (kind, value)
             }
         };
-        // A value of the wheel itself has priority over a value without a side.
+        // A value for this wheel has priority over a value without a side.
         if let Some((_, other, of)) = given.iter().find(|(known, ..)| *known == kind)
             && *other != value
         {

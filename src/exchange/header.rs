@@ -85,7 +85,8 @@ pub(super) fn header(
             unit = unit.or(header.unit);
         }
         declared = declared.and(stated, &sheet.row_place(row))?;
-        // A title across three columns is in the first cell or in all three. A cell such as "y right" names an axis, not a wheel.
+        // A title across three columns is in the first cell or in all three cells. A cell such as "y right" names a
+        // direction of an axis, not a wheel.
         let [x, y, z] = columns;
         let title = above.and_then(|above| sheet.cell(above, x.min(y).min(z)));
         let title = title.and_then(text).map(cut).unwrap_or_default();
@@ -123,7 +124,8 @@ pub(super) fn header(
     }))
 }
 
-/// Wheel and axle that all three headers name. If only one header has a side, it is the direction of that coordinate.
+/// Wheel and axle that all three headers name. If only one of the headers has a side, this side is the direction of its
+/// coordinate.
 fn marks_of_all(three: &[(u32, Coordinates)]) -> Marks {
     let first = three.first().map(|(_, header)| header.marks);
     let first = first.unwrap_or_default();
@@ -301,7 +303,8 @@ fn along(word: &str) -> Option<usize> {
     }
 }
 
-/// Words beside x, y and z in a row of titles that is not a header because these words are not known: "um" in `x [um]`.
+/// In a row of titles, returns the words beside x, y and z if they are not known, such as "um" in `x [um]`. Because of
+/// these words, the row is not a header.
 pub(super) fn unknown_beside_axes(sheet: &Sheet, row: u32) -> Option<String> {
     let beside = |axis: &str| {
         let mut cells = sheet.row(row).filter_map(|(_, cell)| text(cell));

@@ -1,9 +1,9 @@
 //! Wheels that are given by the hub instead of the wheel centre, as in the geometry files of Suspension Explorer.
 //!
-//! Its documents (`suspension-explorer-core`, README and the schema of its geometry files) give two points of the spin axis,
-//! `axle_inboard` and `axle_outboard`. The second point is the mounting face of the hub. The wheel centre is at the distance
-//! `wheel.offset` (ET, in millimetres, positive inboard) from this point along the axis. The tyre's nominal radius is half the
-//! rim's diameter (inches) plus the side wall, `aspect_ratio` times `section_width` (millimetres).
+//! Its documents (`suspension-explorer-core`, README and the schema of the geometry files) give two points of the spin
+//! axis, `axle_inboard` and `axle_outboard`. The second point is the mounting face of the hub. The wheel centre is on the
+//! axis, at the distance `wheel.offset` (ET, in millimetres, positive inboard) from this point. The tyre's nominal radius
+//! is half the rim's diameter (inches) plus the side wall, `aspect_ratio` times `section_width` (millimetres).
 
 use super::figure_names::{FigureKind, figure};
 use super::table::{Figure, Marks, NamedPoint, PointTable};

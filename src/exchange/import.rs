@@ -1,5 +1,6 @@
-//! Makes a study's wheel from the points of a file: roles of the points, axle and wheel, axes, and unit. The notes report every
-//! guess. If a guess would be uncertain, the import is refused, and the refusal names the flag that decides.
+//! Makes a study's wheel from the points of a file: roles of the points, axle and wheel, axes, and unit. The notes report
+//! every guess. If a guess would be uncertain, the import is refused. The message then names the flag with which the user
+//! decides.
 
 mod unused;
 
@@ -36,13 +37,13 @@ pub struct ImportOptions<'a> {
     pub side: Option<Side>,
     /// Axle to import.
     pub axle: Option<AxlePosition>,
-    /// Distance of the wheel centre from the centre plane, in the file's unit.
+    /// Distance of the wheel centre from the centre plane of the car, in the file's unit.
     pub half_track: Option<f64>,
     /// Loaded radius, in the file's unit.
     pub radius: Option<f64>,
     /// True if bushings of the file are imported.
     pub bushings: bool,
-    /// Names in the file by hardpoint. They supplement the table of usual names.
+    /// Names in the file, by hardpoint. The importer uses them in addition to the table of usual names.
     pub names: &'a BTreeMap<String, String>,
     /// Bodies by hardpoint, for ends of springs and rods whose body is not in the file.
     pub bodies: &'a BTreeMap<String, String>,
@@ -150,7 +151,7 @@ pub(super) fn for_axle(
         corner.side = Some(Side::Left);
         if options.side == Some(Side::Right) {
             let reason =
-                "--side right: this axle has both wheels, and its study gives the left half";
+                "--side right: this axle has both wheels, and its study describes the left half";
             return Err(Refusal::Wrong(reason.to_owned()));
         }
     }
@@ -178,7 +179,7 @@ pub(super) fn for_axle(
     })?;
 
     let wanted = corner.side;
-    // Tools with their own layout measure the half track at the contact point.
+    // In tools with their own layout, the half track is measured at the contact point.
     let compare = !is_optimum && table.kinds.is_empty();
     let half_track = figures.half_track();
     let checks = Checks {
@@ -477,7 +478,7 @@ fn angles(figures: &Figures, imported: &mut Imported) {
         .any(|h| h.name == "spindle_inner");
     if has_spindle {
         if figures.camber.or(figures.toe).is_some() {
-            let reason = "static camber and toe: spindle_inner gives them";
+            let reason = "static camber and toe: spindle_inner defines them";
             imported.left_out.push(reason.to_owned());
         }
         return;
@@ -491,7 +492,7 @@ fn angles(figures: &Figures, imported: &mut Imported) {
     if let Some(lacking) = lacking {
         imported.notes.push(format!(
             "{lacking} assumed to be 0: the file has no point spindle_inner of the spin axis, and \
-             no such angle that can be read"
+             no angle that can be read"
         ));
     }
     imported.static_camber = Some(figures.camber.unwrap_or(0.0));

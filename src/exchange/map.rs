@@ -149,7 +149,7 @@ pub(super) fn points_of(root: &Node) -> Result<Option<PointTable>, String> {
     Ok((!table.points.is_empty()).then_some(table))
 }
 
-/// Splits the keys that lead to a value into the parts of its name, and its wheel and axle.
+/// Splits the keys that lead to a value into two results: the parts of the value's name, and the wheel and axle.
 ///
 /// A key that only names a wheel or an axle applies to everything below it. The key "front" also does, if it comes before all
 /// keys that name a hardpoint. Keys with unknown words ("MyCar", "baja_2021") describe the surroundings and are skipped, except
@@ -164,7 +164,7 @@ fn meaning(keys: &[&str]) -> (String, Marks) {
             _ => Marks::default(),
         };
         if !only_side.is_empty() && (!is_last || !parts.is_empty()) {
-            // In `{"LCA": {"R": ...}}`, the words around it decide the meaning of "R".
+            // In `{"LCA": {"R": ...}}`, the words around "R" decide what "R" means.
             if key.len() > 1 || !is_last {
                 marks = only_side.or(marks);
                 continue;
@@ -343,7 +343,7 @@ fn names_unit(keys: &[&str]) -> bool {
             .all(|word| LENGTH.split(' ').any(|known| known == word))
 }
 
-/// Axes in the words below a key whose subject is the axes.
+/// Directions of the axes in a text, when the key before it is about axes.
 fn in_words(text: &str) -> Declared {
     Declared::in_text(&format!("axes: {text}"))
 }

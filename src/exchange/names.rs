@@ -376,7 +376,7 @@ pub(super) fn end_of(word: &str) -> Option<AxlePosition> {
     }
 }
 
-/// Hardpoint of a topology that a name means.
+/// Returns the hardpoint of a topology that a name means.
 pub(super) fn hardpoint(name: &str, topology: &Topology) -> Option<&'static str> {
     super::roles::read(name, topology, super::roles::Letters::default()).map(|role| role.hardpoint)
 }

@@ -9,7 +9,8 @@
 //! (dx, half track + dy, dz) + R (sin c sin t, sin c cos t, cos c)
 //! ```
 //!
-//! The axis of the U-bar runs through `CHAS_PivPnt` of both wheels. A rod is a pullrod if its end at the wheel is the higher one.
+//! The axis of the anti-roll bar (U-bar) runs through `CHAS_PivPnt` of both wheels. A rod is a pullrod if its end at the
+//! wheel is higher than the other end.
 
 use super::Hardpoint;
 use super::axes::Axes;
@@ -18,7 +19,7 @@ use super::figures::Figures;
 use super::place::Placed;
 use crate::model::{Side, Topology};
 
-/// Adds the inner point of the U-bar's axis, which is the pivot of the other wheel.
+/// Adds the inner point of the U-bar's axis: the pivot of the other wheel.
 pub(super) fn bar_axis(named: &[Named<'_>], corner: Corner, picked: &mut Vec<Picked>) {
     let has = |name: &str| picked.iter().any(|p| p.hardpoint.name == name);
     if !has("anti_roll_bar_outer") || has("anti_roll_bar_inner") {
@@ -42,8 +43,8 @@ pub(super) fn bar_axis(named: &[Named<'_>], corner: Corner, picked: &mut Vec<Pic
     });
 }
 
-/// Assigns front and rear of the rocker's axis by the position of its points. Turns a rod into a pullrod if its end at the wheel
-/// is above its end at the rocker.
+/// Assigns the front and the rear point of the rocker's axis according to their positions. Changes a rod to a pullrod if
+/// its end at the wheel is above its end at the rocker.
 pub(super) fn rod(topology: &Topology, axes: Axes, picked: &mut [Picked], notes: &mut Vec<String>) {
     let along = |picked: &[Picked], name: &str| {
         let found = picked.iter().find(|p| p.hardpoint.name == name)?;

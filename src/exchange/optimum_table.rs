@@ -52,8 +52,8 @@ const BAR: [(&str, &str); 3] = [
 ///
 /// # Errors
 ///
-/// The layout does not support the topology, or the study has no wheel radius, which is needed between contact point and wheel
-/// centre.
+/// The layout does not support the topology. Or the study has no wheel radius, which gives the wheel centre from the
+/// contact point.
 pub fn optimum_k_rows(outgoing: &Outgoing<'_>) -> Result<RowsAndNotes, String> {
     let topology = outgoing.study.wheel().mechanism.topology;
     if topology.name != "double_wishbone" {
@@ -155,7 +155,8 @@ impl Table<'_> {
         }
     }
 
-    /// Writes the anti-roll bar, if its axis runs across the car through a single point.
+    /// Writes the anti-roll bar if its axis is transverse to the car (parallel to y), because the file has only one point
+    /// of this axis.
     fn bar(&mut self) {
         let [Some(inner), Some(outer)] =
             ["anti_roll_bar_inner", "anti_roll_bar_outer"].map(|name| self.point(name))
@@ -170,7 +171,7 @@ impl Table<'_> {
         if !lies_across {
             self.notes.push(
                 "omitted: the anti-roll bar, because its axis is not transverse to the car (the \
-                 file has one point of it)"
+                 file can contain only one point of the axis)"
                     .to_owned(),
             );
             return;

@@ -26,7 +26,7 @@ pub(super) struct Placed {
     pub side: Side,
 }
 
-/// Wheel to which the file assigns the points used as evidence, and these points.
+/// Returns the points that show the axes, and the wheel to which the file assigns these points.
 fn evidence(picked: &[Picked], wanted: Option<Side>) -> (Option<Side>, Vec<(&str, [f64; 3])>) {
     let has = |side: Side| picked.iter().any(|p| p.origin == Some(side));
     let origin = match wanted {
@@ -361,8 +361,8 @@ mod tests {
         }
     }
 
-    /// Points show the side of their wheel if their arms point outward with a cosine above 0.25. Otherwise the left side is
-    /// assumed.
+    /// The points show the side of the wheel if the arms point outward with a cosine above 0.25. Otherwise the left side
+    /// is assumed.
     #[test]
     fn a_side_is_shown_by_a_quarter() {
         let none = BTreeMap::new();
@@ -408,8 +408,9 @@ mod tests {
         }
     }
 
-    /// If a wheel is nearer to the centre plane than half of its reach, its origin is at the wheel. The importer moves it out by
-    /// the half track, on either side.
+    /// Reach is the lateral distance between the wheel centre and the arms' inner ends. If the wheel centre is nearer to
+    /// the centre plane than half of this reach, the origin is at the wheel. The importer then moves the points outward
+    /// by the half track, on either side.
     #[test]
     fn wheels_at_the_origin_are_moved_out() {
         let moved = |side: Side, wheel: f64, inner: f64, half_track: Option<f64>, asked: bool| {

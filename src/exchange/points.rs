@@ -39,7 +39,7 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
     if !has_header {
         columns = header::without_header(sheet, &rows);
         if columns.is_some() {
-            let note = "no header names the columns: they are taken as name, x, y, z".to_owned();
+            let note = "no header names the columns: they are read as name, x, y, z".to_owned();
             table.notes.push(note);
         }
         let unknown = |row: &u32| {
@@ -217,8 +217,8 @@ impl Rows<'_> {
         Ok(())
     }
 
-    /// Refuses a row with more numbers than titles, if a comma is probably more than the separator: also the decimal sign, or a
-    /// sign between groups of digits.
+    /// Refuses a row with more numbers than titles if a comma is probably not only the separator: it may be the decimal
+    /// sign, or a sign between groups of digits.
     fn check_decimals(&self, row: u32) -> Result<(), String> {
         let Some(last) = self.last_title else {
             return Ok(());
@@ -251,7 +251,8 @@ impl Rows<'_> {
         ))
     }
 
-    /// True if most rows with numbers have one beyond the last title: the sheet has a column without a title.
+    /// True if most rows with numbers also have a number beyond the last title. Then the sheet has a column without a
+    /// title.
     fn is_usual_beyond(&self, last: u32) -> bool {
         const EXAMINED: usize = 100;
         let is_number = |cell: &Cell| self.decimals.number(cell).is_ok();

@@ -18,13 +18,13 @@ use std::fmt::Write;
 
 /// Half of the range for a law without points, in mm and in rad.
 const RANGE: [f64; 2] = [10.0, 0.2];
-/// Number of steps from the middle of the range to its end, for a straight line and for a nonlinear law.
+/// Number of steps from the middle of the range to an end: for a straight line, and for a nonlinear law.
 const STEPS: [usize; 2] = [2, 50];
 
 /// Names of the blocks: along x, y and z, then about them.
 const AXES: [&str; 6] = ["FX", "FY", "FZ", "TX", "TY", "TZ"];
 
-/// Property file of the bushing at a hardpoint. Without a name, the study's only bushing is used.
+/// Makes the property file of the bushing at a hardpoint. Without a name, it is for the study's only bushing.
 ///
 /// # Errors
 /// The study has no such bushing, or it has several and there is no name.

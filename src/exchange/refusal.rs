@@ -54,7 +54,7 @@ impl fmt::Display for Refusal {
                 .free
                 .map(|(flag, example)| format!("{flag} {example}")),
         );
-        write!(f, "{}: say {}", question.reason, answers.join(" or "))
+        write!(f, "{}: give {}", question.reason, answers.join(" or "))
     }
 }
 

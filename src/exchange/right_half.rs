@@ -7,8 +7,8 @@ use super::refusal::Refusal;
 use crate::model::{Side, Topology};
 use crate::report::brief;
 
-/// Hardpoints that the file gives for the right half, without mirror images of the left half. `left` is the left half in the axes
-/// of the file.
+/// Returns the hardpoints that the file gives for the right half, without those that are mirror images of the left half.
+/// `left` is the left half in the axes of the file.
 pub(super) fn own(
     topology: &'static Topology,
     named: &[Named<'_>],
@@ -37,7 +37,7 @@ pub(super) fn own(
         let Some(far) = corner::pick(near.name, named, right)? else {
             continue;
         };
-        // A row without a side, or the only row of a point, is in the left half already.
+        // A row without a side, or the only row of a point, already belongs to the left half.
         if far.origin != Some(Side::Right) || far.hardpoint.place == near.place {
             continue;
         }

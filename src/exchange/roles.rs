@@ -94,7 +94,7 @@ fn optimum(words: &[String]) -> Option<(&'static str, Marks)> {
         let before = words.len().checked_sub(own.len())?;
         (words[before..] == own).then_some((before, *hardpoint))
     });
-    // The longest name wins, because `nsma ubar att pnt` ends with `ubar att pnt`.
+    // The longest name has priority, because `nsma ubar att pnt` ends with `ubar att pnt`.
     let (before, hardpoint) = fitting.min_by_key(|(before, _)| *before)?;
     let marks = words[..before].iter().fold(marks, |marks, word| {
         let axle = match word.as_str() {
@@ -137,7 +137,7 @@ pub(super) fn read(name: &str, topology: &Topology, letters: Letters) -> Option<
         });
     }
     let readings = readings(&words, letters);
-    // The topology's own names with a side have priority over the meaning of single words.
+    // The topology's own hardpoint names with a side have priority over the meaning of single words.
     let own = readings.iter().find_map(|(words, marks)| {
         let plain = words.join("_");
         let mut all = topology.all_hardpoints().map(|hardpoint| hardpoint.name);

@@ -1,27 +1,30 @@
 //! Rounds hardpoints to a grid with the smallest increase of the misfit.
 //!
-//! Let r be the residuals of a study's targets, in tolerances ([`Objective`]), and J their derivatives with respect to all coordinates. Let d
-//! be the moves that round the coordinates, in steps g of the grid. Then the residuals after rounding are
+//! Let r be the residuals of a study's targets, divided by the tolerances ([`Objective`]), and J their derivatives with
+//! respect to all coordinates. Let d be the moves that round the coordinates, in steps g of the grid. Then the residuals
+//! after rounding are
 //!
 //! ```text
 //! r + g J d,   d = k - x/g,   k integers
 //! ```
 //!
-//! So the best rounding is the lattice point g J k nearest to a given point. Only free coordinates move; the others keep their
-//! digits.
+//! So the best rounding is the lattice point g J k nearest to a given point. Only free coordinates move; all others keep
+//! their digits.
 //!
-//! The method is *nearest plane* (L. Babai, On Lovász' lattice reduction and the nearest lattice point problem, Combinatorica 6,
-//! 1986). It rounds the coordinates one after the other. With g J = Q R it rounds the last coordinate and passes the resulting
-//! change on to the other coordinates. Then it continues back to the first one. A weak spring (rows s I below g J) keeps
-//! coordinates that no target depends on near their original values. Each coordinate goes to one of its two neighbours on the
-//! grid, so a coordinate on the grid stays.
+//! The method is *nearest plane* (L. Babai, On Lovász' lattice reduction and the nearest lattice point problem,
+//! Combinatorica 6, 1986). It rounds the coordinates one after the other. With g J = Q R, it rounds the last coordinate
+//! first and passes the resulting change on to the other coordinates. It continues in this way back to the first
+//! coordinate. A weak spring (additional rows s I below g J) keeps coordinates that no target depends on near their
+//! original values. Each coordinate is rounded to one of its two neighbours on the grid, so a coordinate on the grid
+//! stays.
 //!
 //! The result depends on the order of the coordinates. The program tries three orders and also ordinary rounding, and computes
 //! the misfit of each exactly.
 //!
-//! Constraints and ranges come before the misfit. A coordinate with a range takes a neighbour within its range, if there is one.
-//! Of the candidates, the program keeps the one with the smallest violation of the constraints, and among equals the one with the
-//! smallest misfit. Then single coordinates and pairs of them go to their other neighbours while that is better.
+//! Constraints and ranges have priority over the misfit. A coordinate with a range is rounded to a neighbour within this
+//! range, if there is one. Among the candidates, the program keeps the one with the smallest violation of the
+//! constraints. If violations are equal, it keeps the one with the smallest misfit. Then it changes single coordinates
+//! and pairs of coordinates to their other neighbours, as long as this improves the result.
 
 mod targets;
 
@@ -33,9 +36,9 @@ use crate::study::{Optimise, Study, Variable};
 use nalgebra::{DMatrix, DVector};
 use targets::Targets;
 
-/// Largest number of roundings that the search for a better neighbour evaluates.
+/// Largest number of roundings that the program evaluates when it tries other neighbours.
 const MOST_TRIALS: usize = 2000;
-/// Stiffness of the spring against moves that leave the targets unchanged, in tolerances per step.
+/// Stiffness of the spring against moves that leave the targets unchanged: residual (1 = a tolerance) per step.
 const SPRING: f64 = 1e-3;
 
 /// A rounded design.
@@ -53,7 +56,7 @@ pub struct Rounded {
     pub broken: Vec<Broken>,
 }
 
-/// Misfits in tolerances. `None` if a design cannot be solved.
+/// Misfits, each in multiples of the tolerances. `None` if a design cannot be solved.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Loss {
     /// Misfit of the design before rounding.
@@ -62,11 +65,11 @@ pub struct Loss {
     pub ordinary: Option<f64>,
     /// Misfit of the chosen rounding.
     pub best: f64,
-    /// Number of coordinates that the chosen rounding does not round to the nearest multiple.
+    /// Number of coordinates that are not rounded to the nearest multiple in the chosen rounding.
     pub otherwise: usize,
 }
 
-/// A constraint or a range that the rounded design violates. Lengths and angles in its unit.
+/// A constraint or a range that the rounded design violates. Its lengths and angles are in `unit`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Broken {
     /// Name of the constraint with its limits, or of the coordinate with its range.
@@ -150,7 +153,8 @@ pub fn rounded(
     Ok(rounded)
 }
 
-/// Distance of a constraint's value from its nearest limit, in its unit. Zero if the constraint is satisfied.
+/// Distance of a constraint's value from the nearest limit, in the constraint's unit. Zero if the constraint is
+/// satisfied.
 fn missed(own: &ConstraintMargin) -> f64 {
     if own.is_violated { -own.margin } else { 0.0 }
 }
@@ -165,7 +169,7 @@ struct Candidate {
 }
 
 impl Candidate {
-    /// True if this rounding violates the constraints less, or equally at a smaller misfit.
+    /// True if this rounding violates the constraints less. If the violations are equal, true if the misfit is smaller.
     fn is_better(&self, than: &Candidate) -> bool {
         let own = (self.violation, self.misfit);
         own < (than.violation, than.misfit)
@@ -205,7 +209,7 @@ struct Problem<'a> {
     free: &'a [bool],
     /// All coordinates in the study's axes, point by point, in the grid's unit.
     before: Vec<f64>,
-    /// Least and most steps of each coordinate within its range. They are not whole numbers.
+    /// Smallest and largest number of steps with which each coordinate is within its range. They are not whole numbers.
     ranges: Vec<[f64; 2]>,
 }
 
@@ -227,8 +231,8 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Neighbours of a coordinate on the grid: both sides of its present value, without a side that leaves the range, unless both
-    /// leave it.
+    /// Returns the neighbours of a coordinate on the grid, below and above its present value. A neighbour outside the
+    /// range is left out, unless both are outside.
     fn neighbours(&self, coordinate: usize) -> (f64, f64) {
         let (below, above) = neighbours(self.grid.steps(self.before[coordinate]));
         let is_within = |steps: f64| self.outside(coordinate, steps) == 0.0;
@@ -243,7 +247,7 @@ impl<'a> Problem<'a> {
     fn outside(&self, coordinate: usize, steps: f64) -> f64 {
         let [least, most] = self.ranges[coordinate];
         let missed = (least - steps).max(steps - most);
-        // The ends of a range have rounding errors of their own.
+        // The ends of a range also have rounding errors.
         let slack = 1e-9 * most.abs().max(least.abs()).max(1.0);
         if missed > slack { missed } else { 0.0 }
     }
@@ -293,7 +297,8 @@ impl<'a> Problem<'a> {
         steps.collect()
     }
 
-    /// Design whose coordinates are these multiples of the rounding step. A coordinate that does not move keeps its exact value.
+    /// Makes the design whose coordinates are these multiples of the step. A coordinate that does not move keeps its
+    /// exact value.
     fn result(&self, steps: &[f64], loss: Option<Loss>) -> Rounded {
         let suspension = self.study.wheel();
         let own = suspension.length_unit;
@@ -303,8 +308,8 @@ impl<'a> Problem<'a> {
         for (point, before) in suspension.design.iter().enumerate() {
             let of_study = suspension.frame.vector(*before).to_array();
             let numbers = [0, 1, 2].map(|axis| 3 * point + axis);
-            // A coordinate on the grid is written with the grid's digits if the units differ, because its conversion has lost the
-            // last digit.
+            // If the units differ, the conversion of units has changed the last digit. So a coordinate on the grid is
+            // written with the grid's digits.
             let keeps_digits = |n: usize| !self.free[n] || stays(n) && own == self.grid.unit;
             let written = numbers.map(|n| {
                 if keeps_digits(n) {
@@ -343,7 +348,7 @@ impl<'a> Problem<'a> {
     }
 }
 
-/// Integers on both sides of a number. An integer, within rounding errors, is both of its own neighbours.
+/// Returns the integers below and above a number. For an integer (within rounding errors), both are this integer.
 fn neighbours(at: f64) -> (f64, f64) {
     let nearest = at.round();
     if (at - nearest).abs() <= 1e-9 * at.abs().max(1.0) {
@@ -353,7 +358,8 @@ fn neighbours(at: f64) -> (f64, f64) {
     }
 }
 
-/// Steps of all coordinates by nearest plane. The free coordinates are processed from the last to the first of `order`.
+/// Returns the steps of all coordinates by the method nearest plane. Processes the free coordinates from the last to the
+/// first of `order`.
 fn nearest_plane(problem: &Problem<'_>, at_design: &Linearisation, order: &[usize]) -> Vec<f64> {
     let (rows, columns) = (at_design.jacobian.nrows(), order.len());
     let own = problem.study.wheel().length_unit;
@@ -410,8 +416,8 @@ pub fn tuned_coordinates(study: &Study) -> Vec<bool> {
     tuned
 }
 
-/// Smallest and largest value of each coordinate that the variables of `[optimise]` allow, in the study's axes and unit. `origin` is
-/// the design from which the ranges count. Rotations do not limit the points that they move.
+/// Smallest and largest value of each coordinate that the variables of `[optimise]` allow, in the study's axes and unit.
+/// The ranges are measured from the design `origin`. Rotations do not limit the points that they move.
 pub fn ranges_of_coordinates(study: &Study, origin: &[Vector3<f64>]) -> Vec<[f64; 2]> {
     const ANY: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
     let wheel = study.wheel();

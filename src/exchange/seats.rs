@@ -102,7 +102,8 @@ fn stated(
 /// Ratio of distances below which a nearer body replaces the usual body.
 const NEARER: f64 = 0.5;
 
-/// Finds a body whose members are much nearer to an end than the usual body. `None` keeps the usual body.
+/// Finds a body whose members are much nearer to an end than those of the usual body. Returns `None` to keep the usual
+/// body.
 fn nearest(
     imported: &Imported,
     mechanism: &Mechanism,
@@ -152,7 +153,7 @@ fn nearest(
     let Some((nearest, least)) = near.first().copied() else {
         return Ok(None);
     };
-    // With a wrong body for the drop link, the motion ratio of the bar would be wrong by a large factor.
+    // If the drop link were on a wrong body, the motion ratio of the bar would be wrong by a large factor.
     let has_rocker = near.iter().any(|(body, _)| *body == "rocker");
     if name == "drop_link_outer" && has_rocker {
         if near.iter().skip(1).all(|(_, other)| least < NEARER * other) {
@@ -210,8 +211,8 @@ pub(super) fn notes(seats: &[Seat]) -> Option<String> {
         .collect();
     (!assumed.is_empty()).then(|| {
         format!(
-            "bodies: {} is assumed, because the file states none; --body or [suspension.bodies] \
-             gives others",
+            "bodies: {} is assumed, because the file states none; use --body or \
+             [suspension.bodies] to change this",
             assumed.join(", ")
         )
     })

@@ -9,7 +9,7 @@ use super::{Hardpoint, ImportOptions};
 use crate::model::Side;
 use crate::report::Slip;
 
-/// Describes a slip in a point of the file. `outcome` says what the likely value achieves.
+/// Describes a slip in a point of the file. `outcome` states the result with the likely value.
 pub(super) fn in_words(point: &Hardpoint, slip: &Slip, outcome: &str) -> String {
     let words = slip.describe(point.position[slip.axis], slip.likely);
     format!(
@@ -66,7 +66,7 @@ impl Checks<'_> {
         match refusal {
             Refusal::Wrong(_) => Refusal::Wrong(reason),
             Refusal::Open(question) => Refusal::Open(Question {
-                reason: format!("{reason}. If it is right"),
+                reason: format!("{reason}. If the value is right"),
                 ..question
             }),
         }

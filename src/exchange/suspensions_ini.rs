@@ -126,7 +126,7 @@ fn wheel_rate(outgoing: &Outgoing<'_>) -> Result<f64, &'static str> {
     if setup.rocker_springs.carry() {
         return Err("a heave spring has another rate in roll, which the file cannot contain");
     }
-    // The game's springs act on a solid axle as a whole, so the rate in heave applies.
+    // In the game, the springs of a solid axle act on the axle as a whole, so the rate in heave applies.
     let quantity = if both.axle.is_rigid() {
         Quantity::Axle(AxleQuantity::RideRateWithoutTyres)
     } else {
@@ -164,7 +164,7 @@ fn kind(outgoing: &Outgoing<'_>) -> Result<&'static str, String> {
     }
     if mechanism.has_watt_linkage() {
         return Err(
-            "suspensions.ini has links alone for a solid axle, but a Watt linkage holds this axle"
+            "suspensions.ini has only links for a solid axle, but a Watt linkage holds this axle"
                 .to_owned(),
         );
     }

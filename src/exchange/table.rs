@@ -1,4 +1,4 @@
-//! Named rows of a file. Every format's reader makes this table, and all later steps use it.
+//! Table of the named rows of a file. The reader of every format makes this table, and all later steps use it.
 
 use super::adams_bushings::AdamsBushing;
 use super::angle_unit::AngleUnit;
@@ -16,7 +16,7 @@ pub(super) struct Marks {
 }
 
 impl Marks {
-    /// Completes missing side and axle from another heading.
+    /// Completes a missing side and axle from `other`.
     pub(super) fn or(self, other: Marks) -> Marks {
         Marks {
             side: self.side.or(other.side),

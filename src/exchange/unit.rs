@@ -1,4 +1,5 @@
-//! Unit of a file's coordinates: the stated unit, or the unit that gives the points the size of a car's suspension.
+//! Finds the unit of a file's coordinates: the stated unit, or else the unit with which the points have the size of a
+//! car's suspension.
 //!
 //! Studies have mm, m and inches. Coordinates in other units are converted: centimetres to mm, feet to inches.
 

@@ -1,8 +1,8 @@
-//! Tests of anti-dive, anti-lift and anti-squat against statics: the spring force under a longitudinal force equals the
-//! spring force under the load transfer alone.
+//! Tests of anti-dive, anti-lift and anti-squat against statics: the spring force under a longitudinal force with its
+//! load transfer, and the spring force under the load transfer alone.
 //!
-//! The balance of the links (`analyse::loads`), which uses no velocities, gives the spring forces. If a shaft carries
-//! the torque about the spin axis, the test subtracts this torque from the load on the wheel carrier.
+//! The spring forces come from the force balance of the links (`analyse::loads`), which uses no velocities. If a shaft
+//! carries the torque about the spin axis, the test subtracts this torque from the load on the wheel carrier.
 
 use hardpoint::curves::curves;
 use hardpoint::number::Vector3;
@@ -22,7 +22,7 @@ struct Case {
     axle: &'static str,
     /// Share of the force at this axle, positive forward.
     share: f64,
-    /// Sign of the load transfer: 1 if the axle is loaded, -1 if it is unloaded.
+    /// Sign of the load transfer: 1 if the load on the axle increases, -1 if it decreases.
     transfer: f64,
     shafts: bool,
 }
@@ -160,7 +160,7 @@ fn the_spring_feels_what_the_percentages_leave_to_it() {
     }
 }
 
-/// The program refuses an anti-effect that the axle does not have, and names the available anti-effects.
+/// If a study requests an anti-effect that the axle does not have, the program refuses it and names the available ones.
 #[test]
 fn an_axle_is_told_what_it_does_not_have() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_solve.toml");

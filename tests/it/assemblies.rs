@@ -1,4 +1,4 @@
-//! Tests of the search for all assemblies at one travel: it finds every assembly and reports no false one.
+//! Tests of the search for all assemblies of a mechanism at one travel: it finds every assembly and no false one.
 
 use crate::support::quadratics::Quadratics;
 use crate::support::random::Random;
@@ -13,7 +13,7 @@ use hardpoint::study::Study;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// The search finds no assembly at travels at which the reference has no assembly on any branch.
+/// At travels at which the reference has no assembly on any solution branch, the search finds none.
 #[test]
 fn where_there_is_none_none_is_found() {
     let case = Case::read("no-assembly");
@@ -29,8 +29,8 @@ fn where_there_is_none_none_is_found() {
     }
 }
 
-/// All reference states on both sides of the folds are among the found assemblies. Each assembly is certified, and no
-/// two assemblies are equal.
+/// The search finds all reference states on both sides of the folds (ends of travel where two assemblies merge). Each
+/// found assembly is certified, and no two of them are equal.
 #[test]
 fn every_state_of_the_reference_is_among_them() {
     for name in [
@@ -80,7 +80,7 @@ fn every_state_of_the_reference_is_among_them() {
     }
 }
 
-/// The pose that the solver reaches from the design position is one of the assemblies.
+/// The pose that the solver reaches from the design position is one of the found assemblies.
 #[test]
 fn the_connected_pose_is_one_of_them() {
     let case = Case::read("nominal");
@@ -103,7 +103,7 @@ fn the_connected_pose_is_one_of_them() {
     assert!(all.found.iter().all(|a| a.certificate.is_some()));
 }
 
-/// Suspension of a topology's template.
+/// Returns the suspension of a topology's template.
 fn template(topology: &str) -> Suspension {
     let topology = Topology::named(topology).unwrap();
     Study::from_text(topology.name, topology.template, Path::new("."))
@@ -116,7 +116,7 @@ fn all(mechanism: &Mechanism, design: &[Vector3<f64>], travel: f64, rack: f64) -
     solver.assemblies(travel, rack).unwrap()
 }
 
-/// Distance between two poses, divided by the suspension size.
+/// Returns the distance between two poses, divided by the suspension size.
 fn apart(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
     let turned = columns.map(|(p, q)| (*p - q).norm()).fold(0.0, f64::max);
@@ -134,8 +134,8 @@ fn any_rotation(random: &mut Random) -> Matrix3<f64> {
     }
 }
 
-/// Newton's method on other equations, started from thousands of random poses, finds no further assembly. Each found
-/// assembly has the lengths of the design and is certified.
+/// Checks two things. Newton's method on other equations, started from thousands of random poses, finds no assembly that
+/// the search has missed. Each found assembly has the lengths of the design and is certified.
 fn compare_with_newton(mechanism: &Mechanism, design: &[Vector3<f64>], travel: f64, rack: f64) {
     let found = all(mechanism, design, travel, rack);
     let equations = Quadratics::new(mechanism, design);
@@ -220,8 +220,8 @@ fn no_assembly_of_a_five_link_is_missing() {
     compare_with_newton(mechanism, &design, 70.0, -20.0);
 }
 
-/// For double wishbones, the closed form over one turn of the arm and the box search over all rotations find the same
-/// assemblies.
+/// For double wishbones, two methods find the same assemblies: the closed form over one turn of the arm, and the search
+/// over all rotations.
 #[test]
 fn two_methods_find_the_same_double_wishbones() {
     let suspension = template("double_wishbone");
@@ -241,8 +241,8 @@ fn two_methods_find_the_same_double_wishbones() {
     }
 }
 
-/// A mechanism that is mirrored, turned about the vertical and moved keeps the number and the properties of its
-/// assemblies. Wheel height and size of the rotation stay equal too.
+/// If a mechanism is mirrored, turned about the vertical and moved, the number and the properties of its assemblies do
+/// not change. This includes the wheel height and the size of the rotation.
 #[test]
 fn assemblies_do_not_depend_on_where_the_car_stands() {
     for name in ["macpherson", "double_wishbone", "five_link"] {
@@ -291,7 +291,7 @@ fn a_hinged_arm_has_two_assemblies_or_none() {
     let centre = design[mechanism.wheel_centre.0];
     let foot = inner + axis * axis.dot(centre - inner);
     let radius = (centre - foot).norm();
-    // Rise of the circle above its centre.
+    // Height of the top of the circle above the centre of the circle.
     let rise = radius * (1.0 - axis.z * axis.z).sqrt();
     let top = foot.z + rise - centre.z;
     for (travel, count) in [
@@ -314,8 +314,8 @@ fn a_hinged_arm_has_two_assemblies_or_none() {
     }
 }
 
-/// At a fold two assemblies merge and vanish. Beyond the fold there are two assemblies fewer than before, and the
-/// search returns no assembly that closes only approximately.
+/// At a fold two assemblies merge and vanish. Beyond the fold the search finds two assemblies fewer. It returns no
+/// assembly in which the links fit only approximately.
 #[test]
 fn two_assemblies_end_at_a_fold() {
     for name in ["macpherson", "double_wishbone", "five_link"] {
@@ -341,7 +341,7 @@ fn two_assemblies_end_at_a_fold() {
     }
 }
 
-/// Template with these points moved.
+/// Returns a template with these points moved.
 fn with_points(topology: &str, points: &[(&str, [f64; 3])]) -> Suspension {
     let mut suspension = template(topology);
     for (name, [x, y, z]) in points {
@@ -351,8 +351,8 @@ fn with_points(topology: &str, points: &[(&str, [f64; 3])]) -> Suspension {
     suspension
 }
 
-/// A tie rod 1.7 mm from the steering axis reaches its joint only within a tiny interval of the arm angle. The search
-/// finds both assemblies in this interval and leaves no interval undecided.
+/// If the tie rod is 1.7 mm from the steering axis, its length fits only within a tiny interval of the arm angle. The
+/// search finds both assemblies in this interval and leaves no interval undecided.
 #[test]
 fn a_tie_rod_next_to_the_steering_axis_leaves_nothing_undecided() {
     let suspension = with_points(
@@ -375,8 +375,8 @@ fn a_tie_rod_next_to_the_steering_axis_leaves_nothing_undecided() {
     assert!(found.looked_at < 10_000, "{}", found.looked_at);
 }
 
-/// Four branches meet where the arms and tie rod of an exact parallelogram align with the steering axis. Away from that
-/// position the search finds and certifies every assembly.
+/// In an exact parallelogram, four solution branches meet in the position where arms and tie rod are in line with the
+/// steering axis. Away from this position the search finds and certifies every assembly.
 #[test]
 fn parallel_arms_leave_nothing_undecided() {
     let suspension = with_points(

@@ -1,4 +1,4 @@
-//! Tests of the results of `hardpoint bench` without its times: the errors are the same on every machine.
+//! Tests of the results of `hardpoint bench`, but not of its times: the errors are the same on every machine.
 
 use assert_cmd::Command;
 use hardpoint::bench::accuracy::{Accuracy, Family, Measurement};
@@ -34,7 +34,7 @@ fn of<'a>(accuracy: &'a Accuracy, family: Family, method: &str) -> Vec<&'a Measu
     found
 }
 
-/// Error that the benchmark reports for this setting.
+/// Returns the error that the benchmark reports for this setting.
 fn error(measurements: &[&Measurement], setting: &str) -> f64 {
     let found = measurements.iter().find(|m| m.setting == setting);
     found.unwrap_or_else(|| panic!("{setting}")).error
@@ -51,8 +51,8 @@ fn errors_are_what_arithmetic_and_method_promise() {
         assert!(m.error.is_finite(), "{m:?}");
     }
 
-    // The closed form runs in single, double and twice double precision. Their 7, 16 and 31 digits are relative to a
-    // few hundred millimetres.
+    // The closed form runs in single, double and twice double precision, with 7, 16 and 31 digits. Errors are relative to
+    // a few hundred millimetres.
     let rounding = |name: &str| error(&of(&accuracy, Family::Pose, name), "rounding");
     let [single, double, twice] =
         ["f32", "f64", "double-double"].map(|name| rounding(&format!("closed form, {name}")));
@@ -63,7 +63,7 @@ fn errors_are_what_arithmetic_and_method_promise() {
     assert!(rounding("six equations, f64") < 1e-12);
     assert!(rounding("point coordinates (paper)") < 1e-11);
 
-    // A tolerance ten times finer does not increase the error.
+    // With a tolerance that is ten times finer, the error does not increase.
     for name in ["closed form, f64", "six equations, f64"] {
         let errors: Vec<f64> = of(&accuracy, Family::Pose, name)
             .iter()
@@ -76,7 +76,7 @@ fn errors_are_what_arithmetic_and_method_promise() {
         assert!(falls.all(|falls| falls), "{errors:?}");
     }
 
-    // A better start needs fewer iterations for the same error.
+    // With a better starting point, the solver needs fewer iterations for the same error.
     let evaluations = |name: &str| {
         let found = of(&accuracy, Family::Start, name);
         let m = found.iter().find(|m| m.setting == "1e-9 m").unwrap();
@@ -92,8 +92,8 @@ fn errors_are_what_arithmetic_and_method_promise() {
     assert!(counts.is_sorted_by(|a, b| a >= b), "{counts:?}");
     assert!(counts[3] + 1.0 < counts[0], "{counts:?}");
 
-    // Straight lines converge with the square of the distance, cubics with its fourth power, and polynomials through
-    // Chebyshev points faster than any power.
+    // The error of straight lines falls with the square of the distance between stations, the error of cubics with its
+    // fourth power. The error of polynomials through Chebyshev points falls faster than any power.
     let curve = |method: &str, count: usize| {
         let setting = format!("{count} stations");
         error(&of(&accuracy, Family::Curve, method), &setting)
@@ -103,7 +103,7 @@ fn errors_are_what_arithmetic_and_method_promise() {
     assert!((12.0..20.0).contains(&gain("cubic")), "{}", gain("cubic"));
     assert!(curve("Chebyshev", 17) < 1e-12);
 
-    // The error of differences is V-shaped over the step: too long and too short steps both lose accuracy.
+    // The error of difference quotients has a minimum: with longer or shorter steps the error is larger.
     let analytic = of(&accuracy, Family::Derivative, "analytic")[0].error;
     assert!(analytic < 1e-14, "{analytic:e}");
     let central = of(&accuracy, Family::Derivative, "central difference");
@@ -113,7 +113,7 @@ fn errors_are_what_arithmetic_and_method_promise() {
         .fold(f64::INFINITY, f64::min);
     let [short, long] = ["step 1e-10", "step 1e-2"].map(|s| error(&central, s));
     assert!(short > 1e3 * best && long > 1e6 * best);
-    // The best step of differences loses five digits, the usual step six.
+    // With the best step, difference quotients lose five digits; with the usual step they lose six.
     assert!(best > 1e5 * analytic, "{best:e} {analytic:e}");
     assert!(error(&central, "usual step") > 1e6 * analytic);
 
@@ -136,7 +136,7 @@ fn errors_are_what_arithmetic_and_method_promise() {
     }
 }
 
-/// The benchmarks of accuracy and of effects run with every topology.
+/// The benchmarks of accuracy and of effects run for every topology.
 #[test]
 fn every_topology_can_be_measured() {
     const FEW: &[&str] = &["motion.travel={from=-40.0, to=40.0, steps=5}"];
@@ -174,8 +174,8 @@ fn a_motion_of_two_stations_is_no_curve() {
     assert_eq!(refused, expected);
 }
 
-/// The benchmark times every topology in lanes of every available width. It also times gradients, except for
-/// topologies with an instantaneous steering axis. The method of the paper handles struts only.
+/// The benchmark times every topology in SIMD lanes of every available width. It also times gradients, except for
+/// topologies with an instantaneous steering axis. The method of the paper applies only to struts.
 #[test]
 fn throughput_is_measured_by_every_way_there_is() {
     if !crate::support::has_lanes() {
@@ -194,11 +194,11 @@ fn throughput_is_measured_by_every_way_there_is() {
             let all = found.measurements.iter();
             all.filter(|m| m.method.starts_with(method)).count()
         };
-        // One run of the motion ratio if the wheel has a spring.
+        // One run for the motion ratio if the wheel has a spring.
         let springs = study.wheel().mechanism.spring.iter().count();
-        // In lanes of each width, the benchmark times angles, gains and two kinds of gradients. In the widest lanes,
-        // it also times angles on two threads, and extra points. `limit` is 1 if it times poses at given arm angles,
-        // the fastest case.
+        // In lanes of each width, the benchmark times angles, gains and two kinds of gradients. In the widest lanes, it
+        // also times angles on two threads, and extra points. `limit` is 1 if the benchmark times poses at given arm
+        // angles, which is the fastest case.
         let expected = (2 + gradients) * widths + 2 + springs + limit;
         assert_eq!(of("lanes"), expected, "{name}");
         assert_eq!(of("point coordinates"), paper, "{name}");
@@ -233,8 +233,8 @@ fn the_command_writes_table_picture_and_circumstances() {
     assert!(csv.starts_with("effect,alone_ns,"), "{csv}");
 }
 
-/// The benchmark times cars and equilibria of wheels and axles, with one row for each job. The number per second
-/// follows from the time.
+/// The benchmark times cars and equilibria of wheels and axles, with one row for each job. The number per second agrees
+/// with the time.
 #[test]
 fn cars_and_equilibria_are_timed() {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");

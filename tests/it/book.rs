@@ -1,8 +1,8 @@
-//! The book agrees with the program: its commands run as printed, they make its pictures, its links hold.
+//! Tests of the book: its commands run as printed and make its pictures, and its links lead to existing headings.
 //!
-//! A block of `sh` is run line by line, in a folder that holds `studies`. A line ``Save as `FILE`:`` or ``Add to `FILE`:`` before
-//! another block writes that file. A comment `<!-- made: FILE -->` before a picture names the file that a command made.
-//! `UPDATE_README=1 cargo test --test it book::` renews the pictures.
+//! The test runs a block of `sh` line by line, in a folder that contains `studies`. If the line before another block is
+//! ``Save as `FILE`:`` or ``Add to `FILE`:``, the test writes that file. A comment `<!-- made: FILE -->` before a picture
+//! names the file that a command made. `UPDATE_README=1 cargo test --test it book::` renews the pictures.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -12,7 +12,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// All pages of the book, below the root.
+/// All pages of the book, relative to the root of the repository.
 fn pages() -> Vec<String> {
     let mut pages: Vec<String> = [
         "README",
@@ -39,9 +39,9 @@ fn text_of(page: &str) -> String {
 /// Part of a page.
 #[derive(Debug, PartialEq)]
 enum Part {
-    /// Block: the text of the line before it, its kind, its lines.
+    /// Block: the text of the line before it, the kind of the block, and its lines.
     Block(String, String, String),
-    /// Picture, and the file that a command made for it.
+    /// Picture, and the file that a command wrote for it.
     Picture(String, String),
 }
 
@@ -169,7 +169,7 @@ fn proofs_and_compliance_run_as_printed() {
     run("docs/compliance.md");
 }
 
-/// No page has a block of commands that no test runs. `tests/it/readme.rs` runs the command of the README.
+/// A test runs the commands of every page that has commands. `tests/it/readme.rs` runs the command of the README.
 #[test]
 fn every_page_with_commands_is_run() {
     let run = [
@@ -188,7 +188,7 @@ fn every_page_with_commands_is_run() {
     }
 }
 
-/// The book has at least forty tasks, and each one has a command.
+/// The book has at least forty tasks, and each task has a command.
 #[test]
 fn each_task_has_a_command() {
     let text = text_of("docs/how-to.md");
@@ -199,7 +199,7 @@ fn each_task_has_a_command() {
     }
 }
 
-/// Anchor of a heading, as Git hosting sites and mdBook make it.
+/// Returns the anchor of a heading, as Git hosting sites and mdBook make it.
 fn anchor(heading: &str) -> String {
     let kept = heading.trim().to_lowercase();
     let kept = kept
@@ -237,7 +237,8 @@ fn links(text: &str) -> Vec<String> {
     found
 }
 
-/// Every link leads to a file of the repository and to a heading there. The test does not follow web links.
+/// Every link in the book leads to an existing file of the repository and to an existing heading there. The test does not
+/// follow web links.
 #[test]
 fn every_link_leads_somewhere() {
     let mut missing = Vec::new();
@@ -264,7 +265,7 @@ fn every_link_leads_somewhere() {
     assert!(missing.is_empty(), "{missing:#?}");
 }
 
-/// Every page of the manual is in the table of contents, and every entry there is a page.
+/// Every page of the manual is in the table of contents, and every entry of that table is a page.
 #[test]
 fn the_contents_name_every_page() {
     let contents: BTreeSet<String> = links(&text_of("docs/SUMMARY.md")).into_iter().collect();

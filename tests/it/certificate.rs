@@ -1,5 +1,5 @@
-//! Tests of certificates of poses and curves: the bounds hold against the reference, and the certifier never certifies
-//! a false pose.
+//! Tests of certificates of poses and curves: the certified bounds hold for the reference, and the certifier never
+//! certifies a false pose.
 
 use crate::support::{Case, motion, order_to, vector};
 use hardpoint::analyse::Certifier;
@@ -10,8 +10,8 @@ use hardpoint::number::Vector3;
 use hardpoint::solve::{Solver, StationOrder};
 use std::ops::ControlFlow;
 
-/// Checks that the certified bound holds for every point of the reference, and that it is close to rounding for an
-/// ordinary design. Returns the numbers of certified and refused poses.
+/// Checks that the certified bound holds for every point of the reference. For an ordinary design, the bound must also be
+/// close to the rounding error (`sharpness`). Returns the numbers of certified and refused poses.
 fn check(name: &str, sharpness: f64) -> (usize, usize) {
     let case = Case::read(name);
     let certifier = Certifier::new(&case.mechanism, &case.design);
@@ -47,7 +47,8 @@ fn check(name: &str, sharpness: f64) -> (usize, usize) {
                     let wanted = case.frame.vector(vector(&state["positions"][p]));
                     let error = (at.point(id) - wanted).norm();
                     let lever = at.designed_lever(id).norm();
-                    // Computing the point, and reading the reference as doubles, adds one more rounding.
+                    // Two further rounding errors are allowed: the computation of the point, and the conversion of the
+                    // reference to doubles.
                     let rounding = 4.0 * f64::EPSILON * size;
                     let bound = certificate.point_error(lever) + rounding;
                     assert!(error <= bound, "{p} {error:e} {bound:e}");
@@ -77,15 +78,16 @@ fn ordinary_poses_are_proved_to_rounding() {
     }
 }
 
-/// Near a fold the error grows like 1/det and the next solution comes closer. The certificate holds there or is
-/// refused; where solutions coincide in double precision the program certifies nothing.
+/// Near a fold, the error of a pose grows like one over the determinant of the Jacobian, and a second solution comes
+/// closer. The certificate is correct there, or is refused. Where both solutions are equal in double precision, the
+/// program certifies nothing.
 #[test]
 fn beside_folds_and_toggles_the_proof_holds_or_is_refused() {
     let (proved, _) = check("travel-limit", 1e-6);
     assert!(proved > 0);
 }
 
-/// Visits the stations up to both ends, and certifies each as being on the same branch as the design position.
+/// Visits the stations up to both ends. Certifies that each pose is on the same solution branch as the design position.
 fn certified(
     solver: &mut Solver,
     certifier: &Certifier,
@@ -101,7 +103,7 @@ fn certified(
             &StationOrder::through(values),
             rack,
             |_, station, proof| {
-                // The pose belongs to its station: a separate certificate for this station holds too.
+                // The pose belongs to its station: a separate certificate for this station is also valid.
                 if let Ok((pose, certificate)) = proof {
                     let point = MotionPoint {
                         drive,
@@ -137,13 +139,13 @@ fn whole_curves_are_proved_to_be_one_branch() {
         found.iter().all(|r| r.is_ok_and(|e| e < 1e-13)),
         "{found:?}"
     );
-    // Goes from each end to the other in a single step.
+    // Moves from each end to the other in a single step.
     let found = certified(&mut solver, &certifier, Drive::Travel, &[-0.3, 0.3], 0.0);
     println!("{found:?}");
     assert!(found.iter().all(|r| r.is_ok_and(|e| e < 1e-12)));
 }
 
-/// A pose of another assembly is a solution on another branch, so its certificate of the path fails.
+/// A pose of another assembly is on another solution branch, so the certificate of the path fails.
 #[test]
 fn a_wrong_pose_is_not_proved() {
     let case = Case::read("nominal");
@@ -164,17 +166,18 @@ fn a_wrong_pose_is_not_proved() {
         .unwrap();
     let mut pose = pose.unwrap();
     assert!(certifier.pose(&pose, &point(0.05)).is_ok());
-    // A pose that is off by a micrometre is still near a solution, and the certificate bounds the distance.
+    // A pose with an error of a micrometre is still near a solution, and the certificate bounds the distance to that
+    // solution.
     pose.origin.z += 1e-6;
     let proof = certifier.pose(&pose, &point(0.05)).unwrap();
     assert!(proof.error >= 1e-6 && proof.error < 1e-4, "{proof:?}");
-    // A pose that is off by a decimetre has no certificate.
+    // A pose with an error of a decimetre has no certificate.
     pose.origin.z += 0.1;
     assert!(certifier.pose(&pose, &point(0.05)).is_err());
 }
 
-/// The program certifies degenerate cases outside the reference to the given bound (in metres). A certificate from
-/// interval arithmetic is valid whatever the solver did, so this test needs no second solver.
+/// The program certifies degenerate designs that are not in the reference, with errors up to the given bound (in metres).
+/// A certificate from interval arithmetic is valid whatever the solver did, so this test needs no second solver.
 #[test]
 fn degenerate_geometries_are_proved() {
     let nominal = Case::read("nominal");
@@ -213,12 +216,12 @@ fn degenerate_geometries_are_proved() {
         1e-13,
     );
 
-    // Far from the origin, coordinates at 1e4 m have a rounding error of 1e4 m times the epsilon.
+    // Far from the origin, coordinates of 1e4 m have a rounding error of 1e4 m times the machine epsilon.
     let away = Vector3::new(1e4, -1e4, 1e4);
     let far: Vec<_> = nominal.design.iter().map(|p| *p + away).collect();
     solved("1e4 m away", &far, Drive::Travel, &travel, 1e-10);
 
-    // Strut points are a micrometre apart; the given doubles define their direction exactly.
+    // Two strut points are only a micrometre apart. The given doubles define the strut's direction exactly.
     let close = at("p6") + (at("p4") - at("p6")) * (1e-6 / (at("p4") - at("p6")).norm());
     solved(
         "strut points",
@@ -228,7 +231,7 @@ fn degenerate_geometries_are_proved() {
         1e-13,
     );
 
-    // The ball joint is on the strut axis (p4, p6, p7 in line with it).
+    // The ball joint is on the strut axis: p4, p6 and p7 are in line with it.
     let on_axis = |t: f64| at("p5") + (at("p4") - at("p5")) * t;
     let design = with(&[("p6", on_axis(0.25)), ("p7", on_axis(0.5))]);
     solved(

@@ -1,4 +1,4 @@
-//! Tests of the program as a user runs it: sample studies, results, exit codes, messages.
+//! Tests of the program as a user runs it: sample studies, results, exit codes and messages.
 
 use assert_cmd::Command;
 use std::fs;
@@ -19,7 +19,7 @@ fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 
-/// Runs a command on a sample study into a fresh directory.
+/// Runs a command on a sample study, with results in a new directory.
 fn run(command: &str, study: &str, more: &[&str]) -> (tempfile::TempDir, String) {
     let directory = tempfile::tempdir().unwrap();
     let study = studies().join(study);
@@ -72,7 +72,7 @@ fn the_template_runs_as_it_is() {
     let study = directory.path().join("mine.toml");
     fs::write(&study, &template.get_output().stdout).unwrap();
     let study = study.to_str().unwrap();
-    // The template names no file that its reader lacks.
+    // The template names no file that its user does not have.
     let written = text(&template.get_output().stdout);
     assert!(!written.contains("_solve.toml") && written.contains("hardpoint check STUDY.toml"));
     hardpoint(&["check", study]).success();
@@ -95,7 +95,7 @@ fn solving_the_sample_gives_a_row_for_each_station() {
         (travel.len(), travel[0], travel[20], travel[40]),
         (41, -80.0, 0.0, 80.0)
     );
-    // The static camber follows from the hardpoints alone: the spin axis runs from spindle_inner to wheel_centre.
+    // The static camber is determined by the hardpoints alone: the spin axis runs from `spindle_inner` to `wheel_centre`.
     let (dx, dy, dz) = (0.2_f64, 100.0, 0.9);
     let camber = -(dz / (dx * dx + dy * dy + dz * dz).sqrt())
         .asin()
@@ -119,7 +119,7 @@ fn the_front_sample_meets_its_camber_and_kingpin_curves() {
     for target in summary["targets"].as_array().unwrap() {
         assert!(target["after"]["rms"].as_f64().unwrap() < 1.0, "{target}");
     }
-    // The written curves are within two tolerances of every point of the targets.
+    // The curves in the results differ from every point of the targets by at most two tolerances.
     let curves = csv(&directory, "curves.csv");
     let travel = column(&curves, "travel_mm");
     let camber = column(&curves, "camber_deg");
@@ -135,8 +135,7 @@ fn the_front_sample_meets_its_camber_and_kingpin_curves() {
         !said.contains("at upper bound") && !said.contains("at lower bound"),
         "{said}"
     );
-    // The design with the smallest misfit is farther from the nominal design than a design with a misfit that is good
-    // enough.
+    // A design with the smallest misfit is farther from the nominal design than a design whose misfit is `good_enough`.
     let least = ["--set", "optimise.good_enough=0.0"];
     let (other, _) = run("optimise", "macpherson_front.toml", &least);
     let moved = |summary: &serde_json::Value| {
@@ -147,7 +146,8 @@ fn the_front_sample_meets_its_camber_and_kingpin_curves() {
     assert!(moved(&json(&other, "summary.json")) > moved(&summary));
 }
 
-/// A tuning reports the condition number of the tuned design's equations and the certified bounds.
+/// A tuning reports two numbers for the accuracy: the condition number of the tuned design's equations and the certified
+/// bounds.
 #[test]
 fn a_tuning_says_what_is_known_of_its_accuracy() {
     let certify = ["--set", "outputs.certify=true"];
@@ -159,7 +159,7 @@ fn a_tuning_says_what_is_known_of_its_accuracy() {
     assert_eq!(certificate["proved"], 41);
     assert_eq!(certificate["one_branch"], true);
     assert!(said.contains("41 of 41 stations certified"), "{said}");
-    // A run with positions alone, solved by the closed form, also reports a condition number.
+    // A run that computes only positions, by the closed form, also reports a condition number.
     let (directory, _) = run("solve", "macpherson_front.toml", &[]);
     let summary = json(&directory, "summary.json");
     assert!(summary["condition"]["worst"].as_f64().unwrap() >= 1.0);
@@ -179,7 +179,8 @@ fn the_bump_steer_sample_holds_its_toe() {
         let toe = column(&csv(&directory, name), "toe_deg");
         toe.iter().copied().fold(f64::MIN, f64::max) - toe.iter().copied().fold(f64::MAX, f64::min)
     };
-    // The target is constant toe to 0.01 deg; three coordinates meet it within three tolerances.
+    // The target is constant toe, with a tolerance of 0.01 deg. With three variable coordinates, the deviation is at most
+    // three tolerances.
     assert!(spread("curves_before.csv") > 1.0);
     assert!(spread("curves.csv") < 0.03);
 }
@@ -248,8 +249,8 @@ fn tables_come_as_csv_and_json_too() {
     assert!(tables.contains("\n\ntable,effect,state,cost,because_of,what\neffects,position,on,"));
 }
 
-/// If a travel is beyond the reach of the mechanism, the program writes the other stations and the reason. Cells
-/// without a result are empty.
+/// If the mechanism cannot reach a travel, the program writes the other stations and gives the reason. Cells without a
+/// result are empty.
 #[test]
 fn what_cannot_be_reached_is_reported_and_left_empty() {
     let directory = tempfile::tempdir().unwrap();
@@ -279,8 +280,8 @@ fn what_cannot_be_reached_is_reported_and_left_empty() {
     assert_eq!(rows[4].last().unwrap(), "ok");
 }
 
-/// The program solves a travel just inside the limits and refuses one just outside. (`tests/it/hard_cases.rs` compares
-/// the limits with the reference.)
+/// The program solves a travel just inside the limits and refuses a travel just outside. (`tests/it/hard_cases.rs`
+/// compares the limits with the reference.)
 #[test]
 fn limits_are_sharp_and_have_a_cause() {
     let study = studies().join("macpherson_solve.toml");
@@ -299,7 +300,7 @@ fn limits_are_sharp_and_have_a_cause() {
     );
     let lowest = "the wheel centre is at its lowest point, no part is at a singularity";
     assert!(travel["because"].as_str().unwrap().starts_with(lowest));
-    // The message names the member nearest to a limit as this topology calls it.
+    // The message names the member nearest to a limit by its name in this topology.
     let wishbones = studies().join("double_wishbone_solve.toml");
     let assert = hardpoint(&["limits", wishbones.to_str().unwrap(), "--format", "json"]).success();
     let other: serde_json::Value = serde_json::from_slice(&assert.get_output().stdout).unwrap();
@@ -343,7 +344,7 @@ fn assemblies_are_listed_and_the_connected_one_is_named() {
     assert_eq!(connected[0]["strut"], "upright");
 }
 
-/// If the design has no assembly, the command says so in one sentence and exits with code 1.
+/// If the design cannot be assembled, the command states this in one sentence and exits with code 1.
 #[test]
 fn no_assembly_is_said_in_a_sentence() {
     let study = studies().join("macpherson_solve.toml");
@@ -389,7 +390,7 @@ fn assemblies_of_every_topology_are_listed_with_their_branch() {
     }
 }
 
-/// Each mistake causes exit code 2 and one message with location and fault, and the program writes nothing.
+/// For each mistake, the exit code is 2, and one message gives the location and the mistake. The program writes no files.
 #[test]
 fn mistakes_are_named_and_nothing_is_written() {
     let good = fs::read_to_string(studies().join("macpherson_front.toml")).unwrap();
@@ -473,7 +474,7 @@ fn wrong_calls_are_named() {
     assert!(text(&assert.get_output().stderr).contains("[optimise]"));
 }
 
-/// `hardpoint new` writes its study into a file, and replaces one only with `--force`.
+/// `hardpoint new` writes its study to a file. It replaces an existing file only with `--force`.
 #[test]
 fn a_new_study_goes_into_a_file() {
     let directory = tempfile::tempdir().unwrap();
@@ -487,7 +488,7 @@ fn a_new_study_goes_into_a_file() {
     hardpoint(&[&new[..], &["--force"]].concat()).code(0);
 }
 
-/// An axle cannot be defined by its right wheel. The message tells the user to mirror the points.
+/// The user cannot define an axle by its right wheel. The message tells the user to mirror the points.
 #[test]
 fn an_axle_of_a_right_wheel_is_told_to_mirror_it() {
     let study = studies().join("macpherson_axle.toml");
@@ -503,7 +504,7 @@ fn an_axle_of_a_right_wheel_is_told_to_mirror_it() {
     assert!(said.contains("--side left"), "{said}");
 }
 
-/// The program names an output location that it cannot write, before it computes anything.
+/// If the program cannot write to the output location, it reports this before it computes anything.
 #[test]
 fn a_place_that_cannot_be_written_is_named() {
     let directory = tempfile::tempdir().unwrap();
@@ -526,7 +527,8 @@ fn a_place_that_cannot_be_written_is_named() {
     assert_eq!(fs::read_dir(directory.path()).unwrap().count(), 1);
 }
 
-/// If a target is at a travel that the wheel cannot reach, the tuning ends and reports the end of the wheel travel.
+/// If a target applies at a travel that the wheel cannot reach, the tuning ends and reports the limit of the wheel
+/// travel.
 #[test]
 fn an_unreachable_target_travel_is_a_reason_not_a_crash() {
     let directory = tempfile::tempdir().unwrap();
@@ -553,8 +555,8 @@ fn an_unreachable_target_travel_is_a_reason_not_a_crash() {
     assert!(summary["misfit_after"].is_null());
 }
 
-/// Every station of an ordinary study is certified to rounding, on one branch. `check` names the key that requests
-/// certificates.
+/// Every station of an ordinary study is certified to rounding, on one solution branch. `check` names the key that
+/// requests certificates.
 #[test]
 fn a_certificate_covers_the_whole_curve() {
     let certify = ["--set", "outputs.certify=true"];
@@ -590,8 +592,9 @@ fn a_certificate_covers_the_whole_curve() {
     assert!(json(&directory, "summary.json")["certificate"].is_null());
 }
 
-/// Travel has a fold at 349.66780703583492 mm. A station so close to it that its assemblies coincide in double
-/// precision is solved without a certificate, and refused with one. Just before the fold the program flags derivatives.
+/// The travel has a limit (fold) at 349.66780703583492 mm. Two assemblies merge there. Very close to the limit, both are
+/// equal in double precision. At such a station, the program gives a pose without `certify` and none with it. Just before
+/// the limit the program marks derivatives as inaccurate.
 #[test]
 fn stations_at_a_fold_are_flagged_or_not_proved() {
     let study = studies().join("macpherson_solve.toml");
@@ -637,7 +640,7 @@ fn stations_at_a_fold_are_flagged_or_not_proved() {
     assert!(said.contains("2 of 3 stations certified"), "{said}");
 }
 
-/// The program reports loads that the mechanism cannot carry, and its exit code is that of incomplete results.
+/// The program reports loads that the mechanism cannot carry. The exit code is that of incomplete results.
 #[test]
 fn loads_without_support_are_reported() {
     let study = studies().join("semi_trailing_arm_solve.toml");
@@ -668,7 +671,8 @@ fn loads_without_support_are_reported() {
     assert!(text(said).contains(warning), "{}", text(said));
 }
 
-/// A new run without a page removes an older page, because a user would take it for a page of the new run.
+/// A new run that writes no page removes the page of an earlier run. Otherwise a user would take the old page for the new
+/// one.
 #[test]
 fn a_run_without_a_page_removes_that_of_an_earlier_one() {
     let (directory, _) = run("solve", "five_link_solve.toml", &["--report"]);
@@ -686,7 +690,7 @@ fn a_run_without_a_page_removes_that_of_an_earlier_one() {
     assert!(!page.exists());
 }
 
-/// If a user writes a key of the study as an option, the message shows how to set that key.
+/// If a user gives a key of the study as an option, the message shows how to set this key.
 #[test]
 fn a_key_as_an_option_is_told_how_to_set_it() {
     let path = studies().join("macpherson_front.toml");
@@ -707,12 +711,12 @@ fn a_key_as_an_option_is_told_how_to_set_it() {
     }
 }
 
-/// The program warns of probable mistakes that still define a valid suspension.
+/// The program warns of probable mistakes even if the suspension is valid.
 #[test]
 fn doubtful_studies_are_called_so() {
     for entry in fs::read_dir(studies()).unwrap() {
         let path = entry.unwrap().path();
-        // The wheel in the paper is given by points that are not on its spin axis.
+        // In the paper, the wheel is defined by points that are not on its spin axis.
         let is_paper = path.ends_with("attia.toml");
         if path.extension().is_some_and(|e| e == "toml") && !is_paper {
             let assert = hardpoint(&["check", path.to_str().unwrap()]).success();
@@ -813,7 +817,7 @@ fn doubtful_studies_are_called_so() {
     }
 }
 
-/// If the set-up cannot reach a target value, the program names the target with the effect of each adjustment.
+/// If the set-up cannot reach a target value, the program names the target and the effect of each adjustment.
 #[test]
 fn a_set_up_out_of_reach_names_the_wish() {
     let directory = tempfile::tempdir().unwrap();
@@ -845,7 +849,7 @@ fn a_set_up_out_of_reach_names_the_wish() {
     );
     let (header, rows) = csv(&directory, "effects.csv");
     assert_eq!((header[0].as_str(), rows.len()), ("adjustment", 5));
-    // The failed run has removed the files of the earlier set-up.
+    // The failed run has removed the files of the earlier set-up run.
     for name in ["setup.csv", "summary.json", "curves.csv"] {
         assert!(!out.join(name).exists(), "{name}");
     }
@@ -856,7 +860,8 @@ fn a_set_up_out_of_reach_names_the_wish() {
     );
 }
 
-/// Tables of a set-up fit 100 columns, with every name and heading complete. Instructions use workshop terms.
+/// Tables of a set-up have at most 100 columns of text, with every name and heading complete. Instructions use workshop
+/// terms.
 #[test]
 fn a_set_up_is_printed_for_a_mechanic() {
     let more = [
@@ -885,7 +890,7 @@ fn a_set_up_is_printed_for_a_mechanic() {
             .count()
     };
     assert_eq!(rows("upper_ball_joint y"), 2, "{said}");
-    // Rows for three adjustments, the steps and the target values.
+    // Rows for three adjustments, for their steps, and for the target values.
     assert_eq!(rows("bump_steer_deg_per_mm"), 5, "{said}");
     assert_eq!(rows("ride_height_change_mm"), 5, "{said}");
     assert!(
@@ -913,7 +918,7 @@ fn a_set_up_is_printed_for_a_mechanic() {
             );
         }
     }
-    // The set-up adjusts shims first and toe last.
+    // The order of adjustments is: shims first, toe last.
     let order: Vec<_> = summary["adjustments"]
         .as_array()
         .unwrap()
@@ -929,7 +934,8 @@ fn a_set_up_is_printed_for_a_mechanic() {
     assert_eq!(rows.len(), 6);
 }
 
-/// If no build exists, the program reports nothing about builds. Limits that allow only negative lengths are a mistake.
+/// If no build can be assembled, the program reports nothing about builds. Limits that allow only negative lengths are a
+/// mistake.
 #[test]
 fn no_builds_have_no_linear_answer() {
     let short = "tolerance.scatter=[{ length = \"tie_rod\", limits = [-300.0, -250.0] }]";
@@ -971,7 +977,7 @@ fn no_builds_have_no_linear_answer() {
     );
 }
 
-/// The heading of the ranking says `largest share` for a reader; in JSON the key is `share`.
+/// The heading of the ranking is `largest share`. The key in JSON is `share`.
 #[test]
 fn the_share_of_a_ranking_is_the_largest() {
     let few = ["--set", "tolerance.builds=300"];
@@ -993,7 +999,7 @@ fn the_share_of_a_ranking_is_the_largest() {
     );
 }
 
-/// Counts of one use the singular.
+/// A count of one is followed by a singular noun.
 #[test]
 fn one_is_singular() {
     let one = "sweep={ method = \"sobol\", samples = 1, variables = [ { hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-1.0, 1.0] } ] }";

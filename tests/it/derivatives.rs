@@ -1,9 +1,9 @@
-//! Tests of every derivative of every quantity against differences of the values.
+//! Tests of every derivative of every quantity against difference quotients of the values.
 //!
-//! The differences are central, of sixth order, with steps h of 0.05 mm. The sharpest change occurs for a swing arm at
-//! a distance d = 6 mm (in a hardpoint coordinate) from its pole: the truncation error is 36 (h/d)^6 = 1e-11 of the
-//! derivative. The rounding error is that of the values divided by the step: 1e-15, 1e-14, 1e-13 for values, first and
-//! second derivatives, over 5e-5. The bounds 1e-9, 1e-8, 1e-7 are above both errors.
+//! The difference quotients are central, of sixth order, with steps h of 0.05 mm. The truncation error is largest for a
+//! swing arm that has a pole (an infinite value) at a distance of d = 6 mm in a hardpoint coordinate: 36 (h/d)^6 = 1e-11
+//! of the derivative. The rounding error is that of the values divided by the step: 1e-15, 1e-14, 1e-13 for values, first
+//! and second derivatives, over 5e-5. The bounds 1e-9, 1e-8, 1e-7 are above both errors.
 
 use crate::support::Case;
 use hardpoint::characteristics::{Characteristic, Constants, Quantity, WheelReading};
@@ -122,7 +122,7 @@ fn quantities(mechanism: &Mechanism) -> Vec<Quantity> {
     all
 }
 
-/// Value and first two derivatives of every quantity.
+/// Returns the value and the first two derivatives of every quantity.
 fn series(
     mechanism: &Mechanism,
     design: &[Vector3<f64>],
@@ -174,7 +174,7 @@ const PLACES: [MotionPoint<f64>; 3] = [
     },
 ];
 
-/// Largest error over the quantities, each relative to the scale of its kind.
+/// Returns the largest error over the quantities, each relative to the scale of its kind.
 fn compare(
     mechanism: &Mechanism,
     values: &[[f64; 3]],
@@ -185,8 +185,8 @@ fn compare(
 ) {
     let quantities = quantities(mechanism);
     for ((quantity, value), (f, w)) in quantities.iter().zip(values).zip(found.iter().zip(wanted)) {
-        // A swing arm y is the inverse of a rotation rate, so an error of that rate appears in y with the factor y^2.
-        // The position of the end of the swing arm has the same factor.
+        // A swing arm y is the inverse of a rotation rate, so an error of that rate is multiplied by y^2 in y. The same
+        // applies to the position of the end of the swing arm.
         let pole = match quantity {
             Quantity::Characteristic(
                 Characteristic::FrontViewSwingArm
@@ -301,7 +301,7 @@ fn derivatives_by_every_hardpoint_coordinate_are_those_of_the_values() {
     }
 }
 
-/// Outputs per wheel travel do not depend on the drive of the mechanism.
+/// Outputs per wheel travel are the same whichever drive (travel or arm angle) moves the mechanism.
 #[test]
 fn gains_and_centres_do_not_depend_on_the_drive() {
     let (mechanism, design) = with_extra_points();

@@ -1,4 +1,4 @@
-//! Tests that the program computes only the effects that a study requests, as the work counts show.
+//! Tests that the program computes only the effects that a study requests. The test reads the counts of the work done.
 
 use hardpoint::characteristics::{Characteristic, Constants, Slots, WheelReading};
 use hardpoint::curves::{Curves, curves};
@@ -24,7 +24,7 @@ fn run(study: &Study) -> Curves {
     found
 }
 
-/// Work counts of a sample study with only these characteristics, at 41 travels.
+/// Returns the work counts of a sample study with only these characteristics, at 41 travels.
 fn work(name: &str, characteristics: &str, more: &[&str]) -> Work {
     let characteristics = format!("outputs.characteristics={characteristics}");
     let mut overrides = vec![
@@ -44,7 +44,7 @@ const WISHBONE: &str = "double_wishbone_solve.toml";
 const FIVE_LINK: &str = "five_link_solve.toml";
 const STATIONS: u64 = 41;
 
-/// With the closed form, a position needs no linear algebra. The counted work belongs to the design position, which the
+/// The closed form needs no linear algebra for a position. The counted work belongs to the design position, which the
 /// program evaluates once.
 #[test]
 fn camber_alone_takes_no_velocity_analysis() {
@@ -70,10 +70,10 @@ fn camber_gain_takes_one_right_hand_side_more_for_each_pose() {
             STATIONS,
             "{name}"
         );
-        // The condition number uses the factors of Newton's method, and the closed form needs no factors.
+        // The condition number uses the matrix factors of Newton's method. The closed form needs no factors.
         assert_eq!(with.factorisations, without.factorisations, "{name}");
         assert_eq!(with.newton_iterations, without.newton_iterations, "{name}");
-        // The evaluation for the condition number also gives the derivatives.
+        // The evaluation for the condition number also computes the derivatives.
         assert_eq!(
             with.closed_form_evaluations, without.closed_form_evaluations,
             "{name}"
@@ -81,7 +81,7 @@ fn camber_gain_takes_one_right_hand_side_more_for_each_pose() {
     }
 }
 
-/// Each order of derivatives adds one right-hand side with the same Jacobian.
+/// For each order of derivatives, the program solves the same Jacobian with one more right-hand side.
 #[test]
 fn orders_are_right_hand_sides_of_one_jacobian() {
     let at = |order: &str| {
@@ -112,7 +112,8 @@ fn orders_are_right_hand_sides_of_one_jacobian() {
     );
 }
 
-/// The cost of an adjoint does not depend on the number of variables. The work after it is proportional to that number.
+/// The cost of the adjoint method does not depend on the number of variables. Only the work after it is proportional to
+/// that number.
 #[test]
 fn sensitivities_to_one_point_do_not_cost_those_of_nine() {
     let by = |points: &str| {
@@ -123,7 +124,7 @@ fn sensitivities_to_one_point_do_not_cost_those_of_nine() {
     let one = by("[\"tie_rod_inner\"]");
     let none = by("false");
     assert_eq!(all.gradient_rows, 2 * 6 * STATIONS);
-    // Only the equation of the tie rod depends on the tie rod's inner end.
+    // Only the equation of the tie rod depends on the position of the tie rod's inner end.
     assert_eq!(one.gradient_rows, 2 * STATIONS);
     assert_eq!(none.gradient_rows, 0);
     // Each output needs one right-hand side, for any number of coordinates.
@@ -134,7 +135,7 @@ fn sensitivities_to_one_point_do_not_cost_those_of_nine() {
     }
 }
 
-/// Sensitivities to a few requested points have the same bits as in a request for all points.
+/// Sensitivities to some requested points have the same bits as if all points are requested.
 #[test]
 fn sensitivities_to_some_points_are_those_among_all() {
     for name in [STRUT, WISHBONE, FIVE_LINK, "semi_trailing_arm_solve.toml"] {
@@ -167,7 +168,7 @@ fn sensitivities_to_some_points_are_those_among_all() {
     }
 }
 
-/// The program runs no code for a rack, spring or steering axis that the requested outputs do not use.
+/// If no requested output uses the rack, the spring or the steering axis, the program does not compute them.
 #[test]
 fn what_nothing_reads_is_not_computed() {
     for name in [STRUT, FIVE_LINK] {
@@ -201,7 +202,7 @@ fn what_nothing_reads_is_not_computed() {
     }
 }
 
-/// An option that is declared but off costs as little as one that is absent.
+/// An option that is present in the study but off costs as little as an absent option.
 #[test]
 fn what_is_declared_but_off_costs_nothing() {
     let declared = study(
@@ -230,7 +231,7 @@ fn what_is_declared_but_off_costs_nothing() {
     assert_eq!(on(&plain), ["position"]);
 }
 
-/// All loads of a pose share one factorisation, and each load adds one right-hand side.
+/// All loads of a pose use one factorisation of the Jacobian. Each load adds one right-hand side.
 #[test]
 fn loads_share_the_factors_of_a_pose() {
     let with = |loads: usize| {
@@ -248,7 +249,7 @@ fn loads_share_the_factors_of_a_pose() {
     assert_eq!(one.closed_form_evaluations, none.closed_form_evaluations);
 }
 
-/// The plan names the line of the study that turns an effect on.
+/// The plan names the line of the study that makes the program compute an effect.
 #[test]
 fn effects_are_on_for_a_reason() {
     let study = study(

@@ -1,5 +1,5 @@
-//! Tests of the Rust interface with impossible requests. Every request returns an error with a message, and no thread
-//! overflows its stack, also in an unoptimised build.
+//! Tests of the Rust interface with impossible requests. Every request returns an error with a message. No thread
+//! overflows its stack, even in an unoptimised build.
 
 use hardpoint::{
     Axis, BuildError, Characteristic, Control, Error, Iteration, Motion, Order, Sampling, Study,
@@ -22,7 +22,7 @@ const POINTS: [(&str, [f64; 3]); 9] = [
     ("wheel_centre", [0.0, 750.0, 300.0]),
 ];
 
-/// Double wishbone with one of its points moved.
+/// Double wishbone with one point moved.
 fn moved(name: &str, to: [f64; 3]) -> SuspensionBuilder {
     let begun = Suspension::builder("double_wishbone").static_angles_deg(-1.0, 0.1);
     POINTS.iter().fold(begun, |builder, (point, at)| {
@@ -80,8 +80,8 @@ fn descend(mib: usize) -> usize {
     }
 }
 
-/// An unoptimised build needs 5 MiB of stack in a sweep and 12 MiB for a certificate. Callbacks on the threads of
-/// sweeps and tunings have more. A default thread of rayon (2 MiB) would abort this process.
+/// An unoptimised build needs 5 MiB of stack in a sweep and 12 MiB for a certificate. The threads of sweeps and tunings,
+/// on which callbacks run, have more. With the default stack of rayon (2 MiB), this test process would abort.
 #[test]
 fn the_threads_of_sweeps_and_tunings_have_large_stacks() {
     let suspension = suspension();
@@ -131,7 +131,8 @@ fn a_curve_has_two_points_and_a_value_stands_at_one_travel() {
     assert!(words(at(3.0, f64::INFINITY, 0.02)).starts_with("a target value is inf"));
     assert!(words(at(3.0, 0.0, 0.0)).starts_with("the tolerance is 0"));
 
-    // One variable meets one target value, that of a point 2 mm higher, at a travel where the motion has no station.
+    // One variable meets one target value. It is the value of a point 2 mm higher, at a travel where the motion has no
+    // station.
     let toe_at = |suspension: &Suspension, travel: f64| {
         let pose = suspension.pose_at(travel, 0.0).unwrap();
         pose.characteristic(Characteristic::Toe).unwrap()
@@ -205,7 +206,7 @@ fn an_axle_has_curves_and_takes_its_outputs_from_its_text() {
     let curves = study.curves().unwrap();
     let both = study.axle().unwrap();
     assert_eq!(curves.stations.len(), both.plan.motion.stations());
-    // A mirrored axle has equal left and right camber in the design position.
+    // On a mirrored axle, left and right camber are equal in the design position.
     let column = |name: &str| curves.columns.iter().position(|c| c.name == name).unwrap();
     let is_design = |s: &&hardpoint::Station| {
         let given = curves.motion.iter().zip(&s.at).filter(|(c, _)| c.is_given);
@@ -241,7 +242,8 @@ fn lists_with_nothing_in_them_are_refused() {
     assert_eq!(words(racks), expected("rack displacement"));
 }
 
-/// A sweep records no rotations, so it refuses a variable that only rotates: its designs would all look the same.
+/// The results of a sweep contain no rotations. So a sweep refuses a variable that only rotates, because all its designs
+/// would look the same.
 #[test]
 fn a_sweep_refuses_a_variable_that_moves_no_coordinate() {
     let suspension = suspension();
@@ -310,8 +312,8 @@ fn the_builder_refuses_figures_that_are_none() {
     }
 }
 
-/// Every design that the builder accepts has a pose. It refuses a tie rod with an end on the steering axis, and a tie
-/// rod in line or in one plane with this axis. Such a rod does not hold the wheel's heading.
+/// Every design that the builder accepts has a pose. The builder refuses a tie rod with an end on the steering axis. It
+/// also refuses a tie rod that lies in one plane with this axis. Such a rod does not hold the wheel's heading.
 #[test]
 fn a_design_position_that_cannot_be_solved_is_none() {
     let between = [-10.0, 680.0, 295.0];
@@ -337,7 +339,7 @@ fn a_design_position_that_cannot_be_solved_is_none() {
             other => panic!("{name}: {other:?}"),
         }
     }
-    // The builder accepts a point that is distinguishable from a singular one.
+    // The builder accepts a point if it is different enough from a singular one.
     let near = moved("tie_rod_outer", [-12.0, 680.0, 295.0])
         .build()
         .unwrap();

@@ -1,5 +1,5 @@
-//! Tests of hard cases from the reference and other sources: states near folds and toggles with bounds from their
-//! condition numbers, the folds themselves, and requests without a solution.
+//! Tests of difficult cases from the reference and other sources: states near folds (ends of travel) and toggles, the
+//! folds themselves, and requests without a solution. Condition numbers give the bounds of the errors.
 
 use crate::support::random::Random;
 use crate::support::{AXES, Case, motion, number, order_to, sensitivity_errors, vector};
@@ -18,13 +18,13 @@ use serde_json::Value;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// Returns true if a state is on the path from the design position with this drive. The reference also lists other
+/// Returns true if a motion with this drive reaches the state from the design position. The reference also lists other
 /// assemblies with the same drive value.
 fn is_connected(case: &Case, state: &Value) -> bool {
     let label = state["label"].as_str().unwrap_or("");
     let other_mode = state["drive"]["kind"] == "arm_delta" && state["drive"]["tierod_mode"] == -1;
-    // The toggle is at w = 0, where w is the distance of the tie rod's end from its plane. It comes before the fold of
-    // travel only if w has changed sign at the fold, which is so downward but not upward.
+    // At the toggle w = 0, where w is the distance of the tie rod's end from its plane. The toggle comes before the fold
+    // of travel only if w has changed its sign at the fold. This is so downward but not upward.
     let toggle_beyond = label.contains("w=0") && {
         let end = if motion(state).1 > 0.0 { "up" } else { "down" };
         let designed = number(&case.json["design"]["p8_distance_from_plane_5_4_3"]);
@@ -33,7 +33,7 @@ fn is_connected(case: &Case, state: &Value) -> bool {
     !label.starts_with("beyond") && !other_mode && !toggle_beyond
 }
 
-/// Failure of a visit to one station, or `None` if it has a pose.
+/// Returns the failure of a visit to one station, or `None` if the station has a pose.
 fn failure(case: &Case, state: &Value) -> Option<Failure> {
     let (drive, value, rack, _) = motion(state);
     let mut failure = None;
@@ -46,11 +46,11 @@ fn failure(case: &Case, state: &Value) -> Option<Failure> {
     failure
 }
 
-/// Checks every existing state against a bound from its condition number k. Positions and angles agree to max(1e-14, 8
-/// e k). Derivatives and sensitivities agree to max(1e-13, 8 e k^2), relative to the largest of their kind (module
-/// `conditioning`). The factor 8 covers rounding of the residuals, which sum up to eight products. The number e is the
-/// epsilon. Far from the origin, where residuals round relative to the coordinates, e and the floors grow by the ratio
-/// of the coordinates to the size of the mechanism.
+/// Checks every existing state against a bound from its condition number k. Positions and angles agree to max(1e-14, 8 e
+/// k). Derivatives and sensitivities agree to max(1e-13, 8 e k^2), relative to the largest of their kind (module
+/// `conditioning`). Here e is the machine epsilon. The factor 8 covers rounding errors of the residuals, which are sums
+/// of up to eight products. Far from the origin, rounding errors of residuals are relative to the coordinates. There e,
+/// 1e-14 and 1e-13 are multiplied by the ratio of the coordinates to the size of the mechanism.
 fn check(name: &str) -> usize {
     check_case(name, &Case::read(name))
 }
@@ -159,7 +159,7 @@ fn angular_velocity_in_the_plane_of_three_points() {
     assert_eq!(check("angular-velocity-in-plane"), 8);
 }
 
-/// Degenerate designs agree with reference values from another formulation (`tests/data/own`).
+/// Results for degenerate designs agree with reference values from another formulation (`tests/data/own`).
 #[test]
 fn own_hard_cases() {
     for (name, states) in [
@@ -188,8 +188,8 @@ fn own_hard_cases() {
             let size = case.solver().size();
             let bound = match drive {
                 Drive::Travel => 4.0 * f64::EPSILON * size,
-                // The squared distance of p8 from its plane falls from 1e-12 m^2 to zero at the toggle. It consists of
-                // squares of lengths, which are rounded.
+                // The squared distance of p8 from its plane falls from 1e-12 m^2 to zero at the toggle. It is computed
+                // from squares of lengths, which have rounding errors.
                 Drive::ArmAngle => 8.0 * f64::EPSILON * size * size * known.abs() / 1e-12,
             };
             match failure(&case, state) {
@@ -231,7 +231,7 @@ fn what_has_no_solution_is_refused_with_the_limit() {
             }
             Failure::RackUnreachable { limit, .. } => {
                 let known = number(&racks[if limit > 0.0 { "rack+1" } else { "rack-1" }]);
-                // The file stores the limit with nine decimals.
+                // The file contains the limit with nine decimals.
                 assert!((limit - known).abs() <= 0.5e-9, "{limit} {known}");
             }
             other => panic!("{:?}: {other}", state["drive"]),
@@ -239,8 +239,8 @@ fn what_has_no_solution_is_refused_with_the_limit() {
     }
 }
 
-/// Condition numbers that the closed form estimates are right within a factor of ten. The designs are scattered by up
-/// to a sixth of the size. The test skips condition numbers above 1000.
+/// The closed form estimates condition numbers correctly within a factor of ten. The designs have random changes of up to
+/// a sixth of the size. The test skips condition numbers above 1000.
 #[test]
 fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
     for (name, reach) in [
@@ -297,8 +297,8 @@ fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
     }
 }
 
-/// The limits of travel agree with folds known to 45 digits, and so do their derivatives with respect to every
-/// hardpoint.
+/// The limits of travel agree with values known to 45 digits. Their derivatives with respect to every hardpoint agree,
+/// too.
 #[test]
 fn limits_of_travel_are_exact() {
     let case = Case::read("travel-limit");
@@ -345,7 +345,7 @@ fn limits_at_the_toggle_of_the_tie_rod_are_exact() {
     let limits = solver.limits().unwrap();
     let json = &case.json;
     let arm = limits.arm_angle.unwrap();
-    // The reference counts the arm angle in the opposite direction.
+    // The reference measures the arm angle in the opposite direction.
     let wanted = [
         (
             &limits.travel.upper,
@@ -372,7 +372,7 @@ fn limits_at_the_toggle_of_the_tie_rod_are_exact() {
             LimitCause::TieRodToggle,
         ),
     ];
-    // The travel passes regularly through the toggle of the tie rod, which is near both ends of the travel.
+    // The toggle of the tie rod is near both ends of the travel. The wheel passes it without losing the pose.
     for (end, known, unit, cause) in wanted {
         let RangeEnd::Fold(limit) = end else {
             panic!("{end:?}")
@@ -385,7 +385,7 @@ fn limits_at_the_toggle_of_the_tie_rod_are_exact() {
     }
 }
 
-/// A target a nanometre (or nanoradian) beyond a fold is refused, and the limit is the fold.
+/// The program refuses a target that is a nanometre (or nanoradian) beyond a fold, and reports the fold as the limit.
 #[test]
 fn a_nanometre_beyond_a_fold_is_refused() {
     for name in ["travel-limit", "tie-rod-toggle"] {
@@ -409,8 +409,8 @@ fn a_nanometre_beyond_a_fold_is_refused() {
     }
 }
 
-/// The result counts stations that the tracker leaves to the continuation, by the check that rejected them. The
-/// continuation solves those within reach.
+/// The result counts the stations that the fast solver (tracker) leaves to the slower continuation, separately for each
+/// check that rejected them. The continuation solves the reachable ones.
 #[test]
 fn what_is_left_to_the_continuation_has_a_reason() {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");

@@ -1,5 +1,5 @@
-//! Tests of instantaneous centres and roll centres at infinity: they have no value, whatever the rounding. Where they
-//! are far but finite they have the value of the closed form.
+//! Tests of instantaneous centres and roll centres at infinity. They have no value, whatever the rounding errors are. If
+//! a centre is far away but finite, it has the value of the closed form.
 
 use hardpoint::ask::NoValue;
 use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity};
@@ -30,7 +30,7 @@ fn values(suspension: Suspension, asked: &[Characteristic]) -> Vec<Vec<Option<f6
     curves.stations.into_iter().map(values).collect()
 }
 
-/// Double wishbone that moves in the plane x = 0: its arms turn about axes along x, and its tie rod is in their plane.
+/// Double wishbone that moves in the plane x = 0: the axes of both arms are along x, and the tie rod is in this plane.
 fn planar_double_wishbone() -> Suspension {
     Suspension::builder("double_wishbone")
         .hardpoint("upper_arm_front", [150.0, 250.0, 330.0])
@@ -48,7 +48,7 @@ fn planar_double_wishbone() -> Suspension {
         .unwrap()
 }
 
-/// Trailing arm about a pivot axis whose outer end is `ahead` farther forward than its inner end.
+/// Trailing arm about a pivot axis. The outer end of the axis is `ahead` farther forward than the inner end.
 fn trailing_arm(ahead: f64, rise: f64) -> Suspension {
     Suspension::builder("semi_trailing_arm")
         .hardpoint("arm_pivot_inner", [400.0, 200.0, 260.0])
@@ -73,7 +73,7 @@ fn a_wheel_that_does_not_turn_in_a_view_has_no_centre_in_it() {
     }
 }
 
-/// Sweeps, which solve their designs in SIMD lanes, report no centre at infinity either.
+/// Sweeps solve their designs in SIMD lanes. They report no centre at infinity either.
 #[test]
 fn sweeps_have_no_centre_there_either() {
     let suspension = trailing_arm(0.0, 20.0);
@@ -98,12 +98,12 @@ fn sweeps_have_no_centre_there_either() {
 
 /// An arm turns about u: C_z' = w (u_x (C_y - P_y) - u_y (C_x - P_x)), with the contact point C and a point P on the
 /// pivot axis. So the swing arm C_z'/w_x is (C_y - P_y) - (u_y/u_x) (C_x - P_x). The component w_x is at least a
-/// ten-millionth of w, which leaves nine of sixteen digits.
+/// ten-millionth of w, so nine of sixteen digits are correct.
 #[test]
 fn far_centres_are_those_of_the_closed_form() {
     for ahead in [1e-3, 1e-4, -1e-4] {
         let found = values(trailing_arm(ahead, 20.0), &IN_FRONT_VIEW)[6][0].unwrap();
-        // The wheel has one degree of camber in the design position, which moves its contact point outboard.
+        // The wheel has one degree of camber in the design position, which moves the contact point outboard.
         let contact = 740.0 + 310.0 * 1.0_f64.to_radians().sin();
         let slope = 350.0 / ((400.0 + ahead) - 400.0);
         let expected = (contact - 200.0) + slope * 400.0;
@@ -111,8 +111,9 @@ fn far_centres_are_those_of_the_closed_form() {
     }
 }
 
-/// With level arms of equal height on both sides, the axle has no roll centre in the design position: both normals to
-/// the contact point velocities are vertical. After a tenth of a micrometre of travel on one side it has one.
+/// If the arms are level and at equal heights on both sides, the axle has no roll centre in the design position: both
+/// normals to the velocities of the contact points are vertical. After a tenth of a micrometre of travel on one side, it
+/// has a roll centre.
 #[test]
 fn upright_normals_have_no_roll_centre() {
     let text = r#"

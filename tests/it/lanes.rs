@@ -1,5 +1,5 @@
-//! Tests of designs that the tracker solves in SIMD lanes, against the continuation: same poses, same refusals, and the
-//! same bits at every lane width.
+//! Tests of designs in SIMD lanes (several designs at once) against the slower continuation: same poses, same failures,
+//! and the same bits at every lane width.
 //!
 //! `DESIGNS=1000000 cargo test --release --test it lanes:: -- --ignored --nocapture` is the long run.
 
@@ -16,7 +16,7 @@ use hardpoint::study::Study;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// Sample study with other travels and racks.
+/// Sample study with other travels and rack displacements.
 fn study(name: &str, travel: &str, rack: &str) -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("studies")
@@ -28,7 +28,8 @@ fn study(name: &str, travel: &str, rack: &str) -> Study {
     Study::read(&path, &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Sample study driven by the angle of the lower arm, where a gain differs from the slope with respect to the drive.
+/// Sample study driven by the angle of the lower arm. There a gain (per travel) differs from the derivative with respect
+/// to the drive.
 fn by_arm_angle(name: &str) -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("studies")
@@ -70,7 +71,7 @@ fn quantities(study: &Study) -> Vec<Quantity> {
     characteristics.chain(points).chain(turns).collect()
 }
 
-/// Quantities of the study that lanes can differentiate: no velocities, no instantaneous steering axis.
+/// Quantities of the study for which lanes can compute derivatives: no velocities, no instantaneous steering axis.
 fn differentiable(study: &Study) -> Vec<Quantity> {
     let is_through = matches!(
         study.wheel().mechanism.steering_axis,
@@ -86,7 +87,7 @@ fn differentiable(study: &Study) -> Vec<Quantity> {
         .collect()
 }
 
-/// Generator of designs scattered about the study's design, block by block.
+/// Generator of random designs about the study's design, block by block.
 struct Scatter {
     random: Random,
     base: Vec<Vector3<f64>>,
@@ -109,15 +110,16 @@ struct Found {
     designs: usize,
     /// Number of designs with an unreachable station.
     unreachable: usize,
-    /// Number of designs that the lanes left to one-by-one evaluation.
+    /// Number of designs that the lanes left to the solver for single designs.
     left: usize,
-    /// Largest deviation of angles (rad), of lengths (divided by the suspension size) and of rates, and its quantity.
+    /// Largest deviation, and the quantity in which it occurs. Angles are in rad, lengths are divided by the suspension
+    /// size; rates are included.
     worst: f64,
     of: Option<(Quantity, f64)>,
-    /// Number of ill-conditioned values: the continuation itself varies as much, or rounding of the design changes them
-    /// as much.
+    /// Number of ill-conditioned values. The result of the continuation itself varies as much, or rounding of the design
+    /// changes the value as much.
     ill: usize,
-    /// Largest error of slopes with respect to travel in the design position.
+    /// Largest error of derivatives with respect to travel in the design position.
     worst_slope: f64,
 }
 
@@ -165,15 +167,15 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
                 for (station, (a, b)) in pairs.enumerate() {
                     assert_eq!(a.is_nan(), b.is_nan(), "{quantity:?} of design {design}");
                     if !a.is_nan() {
-                        // A swing arm has poles where the wheel does not turn; only its inverse is smooth there. The
-                        // height of its centre, h = v/w, is a quotient with the same rotation w: |dh| <= |1/w| (|dv| +
+                        // A swing arm is infinite where the wheel does not turn. Only its inverse is smooth there. The
+                        // height of the centre is a quotient h = v/w with the same rotation rate w: |dh| <= |1/w| (|dv| +
                         // |h dw|), where |1/w| is about the swing arm.
                         let size = suspension.size();
                         let arm = arm.map_or(b, |arm| wanted.value(design, arm, station));
                         let pole = (arm * b / size).abs().max(arm.abs()).max(b * b / size);
                         let deviation = (a - b).abs() / scale.max(b.abs()).max(pole);
-                        // Lanes leave designs very near a fold or toggle to one-by-one evaluation. There the condition
-                        // number limits the accuracy, also that of the continuation.
+                        // Lanes leave designs very near a fold or toggle to the solver for single designs. There the
+                        // condition number limits the accuracy of every solver, including the continuation.
                         if left[design] && deviation < BESIDE_FOLDS {
                             continue;
                         }
@@ -207,8 +209,8 @@ fn compare(study: &Study, quantities: &[Quantity], by: f64, seed: u64, designs: 
     found
 }
 
-/// Variation of each value when the design moves along the vehicle, which should change nothing. It measures the error
-/// of the continuation.
+/// Returns the variation of each value when the whole design moves along the vehicle. The exact values do not change, so
+/// the variation is the error of the continuation.
 fn spread(
     careful: &mut Evaluator<'_>,
     design: &[Vector3<f64>],
@@ -233,8 +235,8 @@ fn spread(
     places.map(spread).collect()
 }
 
-/// First-order change of a value if every coordinate of the design is off by rounding: its exact derivatives times the
-/// error of points of poses (`tests/it/builds` finds half of this error).
+/// First-order change of a value if every coordinate of the design has a rounding error. It is the sum of the exact
+/// derivatives times the error of points of poses (`tests/it/builds` finds half of this error).
 fn rounded(
     study: &Study,
     stations: &Stations,
@@ -256,7 +258,7 @@ fn rounded(
     OFF * suspension.size() * slopes.sum::<f64>()
 }
 
-/// Swing arm to the centre whose height this quantity is.
+/// Returns the swing arm that belongs to the centre whose height this quantity is.
 fn swing_arm(quantity: Quantity) -> Option<Quantity> {
     let arm = match quantity {
         Quantity::Characteristic(Characteristic::FrontViewCentreHeight) => {
@@ -270,7 +272,7 @@ fn swing_arm(quantity: Quantity) -> Option<Quantity> {
     Some(Quantity::Characteristic(arm))
 }
 
-/// Scale of a quantity's error. An angular velocity is a derivative with respect to the drive.
+/// Returns the scale of a quantity's error. An angular velocity is a derivative with respect to the drive.
 fn scale_of(quantity: Quantity, size: f64, unit_of_drive: f64) -> f64 {
     let c = match quantity {
         Quantity::Characteristic(c) => c,
@@ -291,7 +293,7 @@ fn all(designs: usize) -> Vec<(f64, Found)> {
         ("double_wishbone_solve.toml", [10.0, 40.0, 100.0]),
         ("five_link_solve.toml", [10.0, 30.0, 80.0]),
         ("semi_trailing_arm_solve.toml", [10.0, 60.0, 150.0]),
-        // Pushrod with its rocker, which also turns an anti-roll bar.
+        // Pushrod with a rocker that also turns an anti-roll bar.
         ("double_wishbone_rocker.toml", [3.0, 15.0, 40.0]),
     ] {
         for (k, by) in scatters.into_iter().enumerate() {
@@ -326,15 +328,16 @@ fn all(designs: usize) -> Vec<(f64, Found)> {
     found
 }
 
-/// Bound of the difference between lanes and one-by-one evaluation. Lanes leave residuals of rounding size. Lanes
-/// approach folds and toggles up to an angle with sine 1/4, where the knuckle turns four times as fast. That gives a
-/// factor of 4 for a position and of its cube for a rate. The bound covers these factors and the roundings of both
-/// paths. Larger errors remain in quotients of two almost vanishing parts, such as the roll centre of a wheel that
-/// turns about its contact point.
+/// Bound of the difference between lanes and single designs. The residuals in lanes are rounding errors. Lanes approach
+/// folds and toggles up to an angle with sine 1/4, where the knuckle turns four times as fast. This multiplies an error
+/// of a position by 4, and an error of a rate by the cube of 4. The bound covers these factors and the rounding errors of
+/// both methods. Errors are larger in quotients of two values near zero, such as the roll centre of a wheel that turns
+/// about its contact point.
 const BOUND: f64 = 1e-12;
 
-/// Bound for designs that are solved one by one. Rates lose twice the digits of the condition number, which is below
-/// 1e3 at an ordinary station. That leaves ten digits of sixteen, with a factor of ten for the roundings of both paths.
+/// Bound for designs that are solved one by one. Rates lose twice the digits of the condition number, which is below 1e3
+/// at an ordinary station. So ten of sixteen digits remain. The bound allows a factor of ten for the rounding errors of
+/// both methods.
 const BESIDE_FOLDS: f64 = 1e-9;
 
 fn check(all: Vec<(f64, Found)>) {
@@ -358,8 +361,8 @@ fn a_million_designs_tracked_agree_with_the_continuation() {
 }
 
 /// Double wishbones whose wheel centre is at its lowest or highest point within 0.01 mm of the design position. Their
-/// other points are as in `double_wishbone_solve.toml`. So close to a fold, their slopes differ from that of the base
-/// design. At the fold, a second branch continues just as smoothly.
+/// other points are those of `double_wishbone_solve.toml`. So close to a fold (end of travel), the slopes differ from
+/// those of the base design. At the fold a second solution branch starts, which is just as smooth.
 const BESIDE_A_FOLD: [([[f64; 3]; 12], &str, &str); 2] = [
     (
         [
@@ -426,9 +429,10 @@ fn designs_beside_a_fold_stay_on_their_own_side() {
     }
 }
 
-/// Design 3672 of the pushrods with bars, scattered by 40 mm, is very near its toggle in the design position (leverage
-/// 5.9e-5). Poses that differ by one rounding have motion ratios that differ by a relative 1e-7. The expected ratio
-/// comes from the six linear equations of the knuckle's twist, then from those of rocker and bar, in 60 digits.
+/// Design 3672 of the pushrods with bars has random changes of up to 40 mm. In the design position it is very near its
+/// toggle (leverage 5.9e-5). If poses differ by one rounding error, their motion ratios differ by a relative 1e-7. The
+/// expected ratio was computed in 60 digits: from the six linear equations of the knuckle's twist, then from those of
+/// rocker and bar.
 #[test]
 fn the_design_position_is_the_design_itself_beside_a_toggle() {
     const NUMBER: usize = 3672;
@@ -456,8 +460,8 @@ fn the_design_position_is_the_design_itself_beside_a_toggle() {
         let mut found = Block::new(1, stations.count());
         evaluator.evaluate(design, &mut found);
         let ratio = found.value(0, 0, stations.design());
-        // The bound is one rounding of the design, 2e-16, divided by the leverage, with a factor of 25 for further
-        // roundings.
+        // The bound is one rounding error of the design, 2e-16, divided by the leverage, times 25 for further rounding
+        // errors.
         assert!((ratio - RATIO).abs() < 1e-10 * RATIO, "{ratio}");
     }
 }
@@ -467,8 +471,8 @@ fn ordinary_designs_stay_in_the_lanes() {
     if !crate::support::has_lanes() {
         return;
     }
-    // With 30 mm at the rear axle's toe links, some five-link designs steer by ten degrees and would go beyond the
-    // range that lanes can solve.
+    // With 30 mm of random change at the rear axle's toe links, some five-link designs would steer by ten degrees. Lanes
+    // cannot solve such angles.
     for (name, rack) in [
         ("macpherson_solve.toml", "[0.0, 30.0]"),
         ("double_wishbone_solve.toml", "[0.0, 30.0]"),
@@ -494,8 +498,8 @@ fn ordinary_designs_stay_in_the_lanes() {
     }
 }
 
-/// Number of designs out of a thousand that lanes leave to one-by-one evaluation. The function also compares one block
-/// with the continuation.
+/// Returns the number of designs out of a thousand that lanes leave to the solver for single designs. Also compares one
+/// block with the continuation.
 fn left_of_a_thousand(study: &Study, by: f64) -> usize {
     let suspension = study.wheel();
     let stations = Stations::of(study.motion(), &suspension.frame, &[]);
@@ -553,7 +557,7 @@ fn every_width_gives_the_same_bits() {
         let mut expected = None;
         for width in Width::available() {
             let found = bits(width, &designs);
-            // Solves one design alone, without neighbours.
+            // Solves one design alone, without other designs in the lanes.
             let alone = bits(width, &designs[3 * points..4 * points]);
             let size = alone.len();
             assert!(alone == found[3 * size..4 * size]);
@@ -566,7 +570,7 @@ fn every_width_gives_the_same_bits() {
     }
 }
 
-/// Lanes skip a degenerate design with a rod of zero length. Later designs in the same lane are not affected.
+/// Lanes skip a degenerate design with a rod of zero length. This does not affect later designs in the same lane.
 #[test]
 fn a_degenerate_design_leaves_its_lane_as_it_was() {
     for (name, [one, other]) in [
@@ -592,8 +596,8 @@ fn a_degenerate_design_leaves_its_lane_as_it_was() {
     }
 }
 
-/// The gradient evaluator finds the same values in lanes and one by one. For every design that the evaluator cannot
-/// solve, it gives a reason.
+/// The gradient evaluator finds the same values in SIMD lanes and one by one. For every design that it cannot solve, it
+/// gives a reason.
 #[test]
 fn the_evaluator_of_gradients_falls_back_one_by_one() {
     if !crate::support::has_lanes() {
@@ -664,7 +668,7 @@ fn the_evaluator_of_gradients_falls_back_one_by_one() {
     assert!(left_of_all > 0);
 }
 
-/// The values have the same bits whether lanes hold the stations of one design or several designs.
+/// The values have the same bits whether the lanes contain stations of one design or several designs.
 #[test]
 fn one_design_alone_has_the_bits_it_has_among_others() {
     if !crate::support::has_lanes() {
@@ -724,8 +728,8 @@ fn one_design_alone_has_the_bits_it_has_among_others() {
     assert!(alone_in_lanes > 40, "{alone_in_lanes}");
 }
 
-/// Gradients in lanes, from the adjoint of the closed form, equal those of one-by-one evaluation, from the adjoint of
-/// the closure equations.
+/// In lanes, gradients come from the adjoint of the closed form. For single designs, they come from the adjoint of the
+/// closure equations. Both are equal.
 #[test]
 fn gradients_in_lanes_are_those_of_the_closure_equations() {
     for (name, rack, by) in [
@@ -776,7 +780,7 @@ fn gradients_in_lanes_are_those_of_the_closure_equations() {
         };
         let deviations = sums(&mut lanes, designs);
 
-        // The gradients have the same bits without neighbours and in the narrowest lanes.
+        // The gradients have the same bits for a design alone and in the narrowest lanes.
         let mut narrow = in_lanes(Width::available().next().unwrap_or(widest));
         for (number, design) in designs.chunks_exact(points).enumerate() {
             let alone = collected(&mut narrow, design, angles.len(), stations.count(), points);
@@ -832,7 +836,7 @@ fn gradients_in_lanes_are_those_of_the_closure_equations() {
     }
 }
 
-/// Value and gradient of each angle at each station, for each design.
+/// Returns the value and the gradient of each angle at each station, for each design.
 fn collected(
     lanes: &mut Gradients<'_>,
     designs: &[Vector3<f64>],
@@ -864,7 +868,7 @@ fn norm(gradient: &[Vector3<f64>]) -> f64 {
         .sqrt()
 }
 
-/// Value and gradient of each angle at each station, from the closure equations.
+/// Returns the value and the gradient of each angle at each station, from the closure equations.
 fn careful_gradients(
     study: &Study,
     stations: &Stations,

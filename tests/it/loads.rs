@@ -1,5 +1,5 @@
-//! Tests of the loads of a study as a user sees them: the forces of links, joints and spring in `curves.csv` balance
-//! the wheel carrier and do the work of the load.
+//! Tests of the loads of a study as a user sees them in `curves.csv`. The forces of links, joints and spring balance the
+//! wheel carrier, and their work is that of the load.
 
 use crate::support::Worst;
 use hardpoint::curves::{Curves, Status, curves};
@@ -29,8 +29,8 @@ fn run(study: &Study) -> (Curves, CurveTable) {
     (found, CurveTable::read(&csv).unwrap())
 }
 
-/// Sample study for a wheel of this side in these axes, with loads and all outputs for checking their balance. `signs`
-/// convert the sample's axes and side to these.
+/// Sample study for a wheel of this side in these axes. It has loads, and all outputs that the balance needs. `signs`
+/// convert coordinates from the sample's axes and side.
 fn loaded(name: &str, side: &str, frame: &str, signs: [f64; 3]) -> Study {
     let (file, body) = match name {
         "pushrod_on_knuckle" => ("double_wishbone_pushrod.toml", Some("knuckle")),
@@ -209,7 +209,7 @@ fn the_wheel_carrier_is_in_equilibrium_and_the_spring_takes_the_work() {
     }
 }
 
-/// The forces of the legs of an arm without a spring add up to the reported force in its joint.
+/// The forces of the two legs of an arm without a spring add up to the printed force in the arm's joint.
 #[test]
 fn the_legs_of_an_arm_add_up_to_the_force_in_its_joint() {
     let study = loaded("double_wishbone", "left", "iso8855", [1.0; 3]);
@@ -228,11 +228,11 @@ fn the_legs_of_an_arm_add_up_to_the_force_in_its_joint() {
         let force = row.vector(|axis| format!("braking_upper_ball_joint_{axis}_N"));
         assert!((legs - force).norm() < 1e-12 * force.norm());
     }
-    // The spring bends the lower arm, so leg forces do not describe its load, and the program omits them.
+    // The spring bends the lower arm, so forces of its legs do not describe its load. The program omits these forces.
     assert_eq!(table.column("braking_lower_arm_front_N"), None);
 }
 
-/// A spring whose line meets the hinge has no leverage. The station has a status and no values.
+/// A spring whose line meets the hinge of the arm has no leverage. The station has a status and no values.
 #[test]
 fn what_nothing_carries_has_a_status_and_no_values() {
     let overrides = [
@@ -256,12 +256,13 @@ fn what_nothing_carries_has_a_status_and_no_values() {
         assert_eq!(values[1].is_none(), is_force, "{name}");
         assert!(values[0].is_some() && values[2].is_some(), "{name}");
     }
-    // The wheel passes the dead centre: the spring pushes against the load on one side and pulls on the other.
+    // The wheel passes the dead centre: on one side of it the spring pushes against the load, on the other side it pulls.
     let spring = table.column("kerb_spring_N").unwrap();
     assert!(spring[0].unwrap() * spring[2].unwrap() < 0.0);
 }
 
-/// Without a spring, a vertical force at the wheel centre holds the wheel and does the same work.
+/// Without a spring, the program supports the wheel by a vertical force at the wheel centre. This force does the same
+/// work.
 #[test]
 fn without_a_spring_the_wheel_is_held() {
     let text = std::fs::read_to_string(
@@ -275,7 +276,7 @@ fn without_a_spring_the_wheel_is_held() {
     let study = Study::from_text("study.toml", &text, Path::new(".")).unwrap();
     let (found, table) = run(&study);
     assert!(found.are_complete());
-    // The vertical support at the wheel centre opposes the load directly, so the links carry no force.
+    // The vertical support at the wheel centre balances the load directly, so the links carry no force.
     for (name, values) in table.header.iter().zip(&table.columns) {
         let expected = match name.as_str() {
             "kerb_support_N" => -1000.0,

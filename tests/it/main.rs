@@ -1,7 +1,7 @@
 //! Tests of the library and of the program in one binary, so that the engine is linked once.
 //!
-//! Each module covers one subject. `cargo test --test it tuning::` runs one of them. A test here must not change its
-//! process: no signals, limits, environment variables or current directory. Tests that kill, limit or measure child
+//! Each module covers one subject. `cargo test --test it tuning::` runs a single module. A test here must not change its
+//! own process: no signals, limits, environment variables or current directory. Tests that kill, limit or measure child
 //! processes are in `tests/processes`.
 
 mod anti;

@@ -1,5 +1,5 @@
-//! Tests of geometric measures among the outputs: they equal the distances and angles of the reported points, with
-//! their derivatives.
+//! Tests of geometric measures among the outputs: they equal the distances and angles between the reported points. Their
+//! derivatives are correct.
 
 use hardpoint::curves::{Curves, curves};
 use hardpoint::plan::Plan;
@@ -104,7 +104,8 @@ fn they_are_the_distances_and_angles_of_the_points() {
             .acos()
             .to_degrees();
         is("drive_shaft_inner_articulation_deg", inner, 1e-9);
-        // Spin axis from camber and toe: outboard is +y, toe-in turns it forward, and camber tilts its outer end down.
+        // Computes the spin axis from camber and toe: outboard is +y, toe-in turns the axis forward, and camber tilts its
+        // outer end down.
         let (camber, toe) = (camber[station].to_radians(), toe[station].to_radians());
         let axis = [
             toe.sin() * camber.cos(),
@@ -123,7 +124,7 @@ fn they_are_the_distances_and_angles_of_the_points() {
     }
 }
 
-/// The clearance is the smallest distance of points on both centre lines.
+/// The clearance is the smallest distance between the points of two centre lines.
 #[test]
 fn clearances_are_the_smallest_distances() {
     let found = solve(&study(MEASURES, TRAVEL));
@@ -152,7 +153,7 @@ fn clearances_are_the_smallest_distances() {
     }
 }
 
-/// Derivatives with respect to travel equal the slopes of the values, from differences extrapolated to sixth order. The
+/// Derivatives with respect to travel equal difference quotients of the values (extrapolated to sixth order). The
 /// derivative of the spring length is minus the motion ratio.
 #[test]
 fn derivatives_are_slopes() {
@@ -198,7 +199,7 @@ fn derivatives_are_slopes() {
     }
 }
 
-/// Sensitivities equal the slopes of values and rates with respect to a coordinate of the nominal design.
+/// Sensitivities equal difference quotients of values and rates with respect to a coordinate of the nominal design.
 #[test]
 fn sensitivities_are_slopes_by_the_hardpoints() {
     let outputs = format!(

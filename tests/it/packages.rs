@@ -1,6 +1,6 @@
-//! Tests that each crate of the workspace can be packaged: it needs no file outside its folder. A file that two crates
-//! need is stored in one and copied to the other. After a change, `UPDATE_README=1 cargo test --test it packages::`
-//! renews the copies.
+//! Tests that each crate of the workspace can be packaged: it needs no file outside its folder. If two crates need a
+//! file, one crate has the original and the other a copy. After a change, `UPDATE_README=1 cargo test --test it
+//! packages::` renews the copies.
 
 use hardpoint::model::Topology;
 use std::fs;

@@ -5,8 +5,8 @@ use hardpoint::characteristics::Characteristic;
 use std::fs;
 use std::path::Path;
 
-/// The manual's table of characteristics equals the catalogue. After a change of the catalogue, `UPDATE_README=1 cargo
-/// test --test it readme::` renews it.
+/// The manual's table of characteristics equals the program's list. After a change of this list, `UPDATE_README=1 cargo
+/// test --test it readme::` renews the table.
 #[test]
 fn the_table_of_characteristics_is_the_catalogue() {
     let mut table = String::from("\n| name | formula | positive when |\n|---|---|---|\n");
@@ -21,7 +21,7 @@ fn the_table_of_characteristics_is_the_catalogue() {
     renew_or_compare("docs/characteristics.md", "characteristics", &table);
 }
 
-/// The manual's table of a car's results equals the catalogue. The same command renews it.
+/// The manual's table of the results of a car equals the program's list. The same command renews it.
 #[test]
 fn the_table_of_car_results_is_the_catalogue() {
     let wheels = WheelResult::ALL.iter().map(|r| ("front_left_", r.info()));
@@ -90,7 +90,7 @@ fn the_first_command_prints_what_the_readme_shows() {
     };
     let command = between("cargo run --release -- ", "\n");
     let shown = between("```text\n", "```");
-    // The test runs in a temporary directory, where the command finds the study at the same path.
+    // The test runs in a temporary directory with the study at the same relative path.
     let directory = tempfile::tempdir().unwrap();
     let study = command.split(' ').nth(1).unwrap();
     fs::create_dir(directory.path().join("studies")).unwrap();

@@ -37,7 +37,7 @@ fn expected(case: &Case, state: &Value, sign: f64) -> Vec<(String, Quantity, [f6
 
 #[derive(Default)]
 struct Errors {
-    /// Error of positions relative to the size, and of angles.
+    /// Errors of positions relative to the size, and errors of angles.
     value: Worst,
     /// Error relative to the largest value of the same kind and order.
     first: Worst,
@@ -140,7 +140,7 @@ fn turning(
     }
 }
 
-/// Compares derivatives with respect to the rack at a fixed drive value.
+/// Compares derivatives with respect to the rack displacement at a fixed drive value.
 fn by_rack(
     case: &Case,
     state: &Value,
@@ -175,8 +175,9 @@ fn by_rack(
     }
 }
 
-/// Asserts the bounds for an ordinary road-car strut: positions to 1e-13 of the size, first and second derivatives to
-/// 1e-11, and sensitivities of all three to 1e-10 of the largest of their kind.
+/// Asserts the bounds for an ordinary road-car strut. Errors of positions are below 1e-13 of the size, and errors of
+/// first and second derivatives below 1e-11. Errors of sensitivities (of positions and both derivatives) are below 1e-10
+/// of the largest of their kind.
 fn within_bounds(errors: &Errors) {
     assert!(errors.value.0 < 1e-13, "{:e}", errors.value.0);
     for e in [

@@ -1,12 +1,12 @@
-//! Tests of robustness: the program solves any finite hardpoints, or refuses them with a reason.
+//! Tests of robustness: for any finite hardpoints, the program solves the design or refuses it with a reason.
 //!
-//! A number determines each design: a road car's strut with scattered points. Every second design also has something
-//! degenerate: points that coincide, line up or lie in a plane, axes along the coordinate axes, a tie rod at toggle,
-//! other scales, or a position far from the origin.
+//! Each design is a road car's strut with random changes of its points; a number determines the changes. Every second
+//! design also has something degenerate. Examples are points that coincide, line up or lie in a plane, axes along the
+//! coordinate axes, and a tie rod at toggle. Other scales and positions far from the origin occur, too.
 //!
-//! Each design goes through the solver, through the curves of a study with certificates, rates and sensitivities, and
-//! through an independent continuation in small steps. A station with status `ok` has a certificate, and its pose is
-//! the one that the small steps reach.
+//! Three methods solve each design: the solver, the curves of a study (with certificates, rates and sensitivities), and
+//! an independent continuation in small steps. A station with status `ok` has a certificate, and its pose is the one that
+//! the small steps reach.
 
 use crate::support::small_steps::SmallSteps;
 use hardpoint::characteristics::Characteristic;
@@ -153,8 +153,8 @@ impl Trial {
         }
     }
 
-    /// Plan with angles and positions with their rates, sensitivities to the strut's mount, and a certificate of each
-    /// pose.
+    /// Plan of outputs: angles and positions with their rates, sensitivities to the strut's mount, and a certificate of
+    /// each pose.
     fn plan(&self, suspension: &Suspension) -> Plan {
         let point = |name: &str| self.mechanism.point(name).unwrap();
         Plan::of(&WheelStudy {
@@ -246,17 +246,17 @@ struct Tally {
     designs: usize,
     /// Number of refused designs.
     refused: usize,
-    /// Numbers of stations with a pose, of certified ones, and of uncertified ones in ordinary designs.
+    /// Three counts: stations with a pose, certified stations, and uncertified stations in ordinary designs.
     solved: usize,
     proved: usize,
     ordinary_unproved: usize,
-    /// Numbers of stations out of reach, of those without a known fold, and of those without a known fold in ordinary
-    /// designs.
+    /// Three counts: stations out of reach, those without a known fold (end of travel), and those without a known fold in
+    /// ordinary designs.
     unreachable: usize,
     unresolved: usize,
     ordinary_unresolved: usize,
-    /// Numbers of poses that small steps also reach, of certified poses that they do not reach, and of uncertified
-    /// poses where they end elsewhere.
+    /// Three counts: poses that small steps also reach, certified poses that small steps do not reach, and uncertified
+    /// poses for which small steps end in another pose.
     followed: usize,
     lost: usize,
     parted: usize,
@@ -286,8 +286,8 @@ impl Tally {
     }
 }
 
-/// Closure error of a pose, divided by the suspension size: lengths of links, distance of the strut mount from its
-/// line, and orthogonality of the rotation.
+/// Returns the closure error of a pose, divided by the suspension size: lengths of links, distance of the strut mount
+/// from the strut's line, and orthogonality of the rotation.
 fn violation(trial: &Trial, pose: &Pose<f64>, rack: f64) -> f64 {
     let m = &trial.mechanism;
     let d = &trial.design;
@@ -360,7 +360,8 @@ fn examine(number: u64, tally: &mut Tally) {
             Ok(pose) => {
                 tally.solved += 1;
                 let off = violation(&trial, pose, trial.rack);
-                // The residuals are sums of products of coordinates with a few dozen roundings. NaN fails this check.
+                // The residuals are sums of products of coordinates, with a few dozen rounding errors. This check also
+                // fails for NaN.
                 assert!(
                     off <= 64.0 * f64::EPSILON * reach + 1e-9 * size,
                     "{number} {off:e}"
@@ -373,8 +374,8 @@ fn examine(number: u64, tally: &mut Tally) {
                     None => tally.ordinary_unproved += trial.ordinary as usize,
                 }
                 match (small_steps.follow(&point), proof) {
-                    // Both poses are within rounding of a solution, and the certificate allows only one solution so
-                    // close.
+                    // Both poses differ from a solution by rounding only, and the certificate allows only one solution so
+                    // close. So both poses belong to the same solution.
                     (Some(slow), Some(proof)) => {
                         let apart = apart(pose, &slow, size);
                         assert!(apart <= proof.uniqueness, "{number}: {apart:e} {proof:?}");
@@ -417,8 +418,8 @@ fn examine(number: u64, tally: &mut Tally) {
     }
 }
 
-/// Checks a study with `certify = true` at a station with a pose. It must give the values of the pose and a
-/// certificate, or neither and a reason.
+/// Checks a study with `certify = true` at a station with a pose. The program must give the values of this pose and a
+/// certificate. Otherwise it must give no values and a reason.
 fn examine_certified(
     number: u64,
     trial: &Trial,
@@ -436,7 +437,7 @@ fn examine_certified(
             assert!(station.values.iter().flatten().all(|v| v.is_finite()));
             let origin = pose.origin.to_array();
             for (column, value) in curves.columns.iter().zip(&station.values) {
-                // Compares the coordinates of the origin and of other points. The slopes of angles may be undefined.
+                // Compares the coordinates of the lower ball joint with the pose. Derivatives of angles may be undefined.
                 if let Some(k) = ["x", "y", "z"]
                     .iter()
                     .position(|axis| column.name == format!("lower_ball_joint_{axis}_m"))
@@ -446,7 +447,7 @@ fn examine_certified(
                 }
                 assert!(value.is_ok() || !trial.ordinary, "{number} {}", column.name);
             }
-            // Camber is defined for a wheel that lies flat, but its derivative is not.
+            // Camber of a wheel that lies flat is defined, but its derivative is not.
             let mut sensitivities = curves.sensitivities.iter();
             let may_lack =
                 |column: usize| !trial.ordinary && curves.columns[column].name.ends_with("_deg");
@@ -491,7 +492,7 @@ fn any_design_is_solved_or_refused_with_a_reason() {
         .unwrap();
 }
 
-/// Designs that once failed still pass.
+/// Designs that failed in the past pass now.
 #[test]
 fn designs_that_failed_once() {
     for number in [
@@ -502,8 +503,8 @@ fn designs_that_failed_once() {
     }
 }
 
-/// A million designs pass through `solve` with certificates; run with `cargo test --release --test it robustness:: --
-/// --ignored --nocapture`.
+/// A million designs are solved with certificates. Run with `cargo test --release --test it robustness:: -- --ignored
+/// --nocapture`.
 #[test]
 #[ignore = "takes minutes"]
 fn a_million_designs() {

@@ -1,4 +1,4 @@
-//! Tests of studies with rockers as a user runs them: their limits, outputs and refusals.
+//! Tests of studies with rockers as a user runs them: limits, outputs and refusals.
 
 use assert_cmd::Command;
 use hardpoint::curves::{Curves, Status, curves};
@@ -20,7 +20,7 @@ fn read(text: &str) -> Result<Study, StudyErrors> {
     Study::from_text("study.toml", text, Path::new("."))
 }
 
-/// Sample with some of its lines replaced; the start of a line identifies it.
+/// Sample with some lines replaced. The start of a line identifies the line.
 fn with_lines(lines: &[(&str, &str)]) -> String {
     let sample = sample();
     for (start, _) in lines {
@@ -42,7 +42,7 @@ fn run(text: &str) -> (Study, Curves, CurveTable) {
     (study, found, CurveTable::read(&csv).unwrap())
 }
 
-/// Pushrod whose rocker is a quarter of a right angle from its toggle in the design position.
+/// Pushrod whose rocker is 22.5 degrees (a quarter of a right angle) from its toggle in the design position.
 const NEAR_TOGGLE: (&str, &str) = ("pushrod_inner ", "pushrod_inner = [0.0, 185.0, 486.0]");
 const FAR: (&str, &str) = ("travel", "travel = { from = -60.0, to = 60.0, steps = 61 }");
 const OUTPUTS: (&str, &str) = (
@@ -54,9 +54,9 @@ const POINTS: (&str, &str) = (
     "points = [\"pushrod_outer\", \"spring_lower\"]\nsensitivities = [\"pushrod_inner\"]",
 );
 
-/// If the study does not name the body of a drop link, the program attaches it to the clearly nearest body and reports
-/// this. If the study names the body, the program uses it without a message. On the lower arm, the bar of this study
-/// would turn less than half as far.
+/// If the study does not name the body of a drop link, the program uses the nearest body, if this is clear. It reports
+/// this choice. If the study names the body, the program uses it without a message. With the drop link on the lower arm,
+/// the bar of this study would turn less than half as far.
 #[test]
 fn a_drop_link_beside_a_rocker_is_never_assumed_silently() {
     let said = "drop_link_outer = \"rocker\"";
@@ -119,7 +119,8 @@ fn a_drop_link_beside_a_rocker_is_never_assumed_silently() {
         doubts.iter().any(|d| d.contains("Assumed: lower arm")),
         "{doubts:?}"
     );
-    // If points move far enough, the program attaches the drop link to another body. If they stay, the body stays.
+    // If points move far enough, the program attaches the drop link to another body. If the points do not move, the body
+    // stays the same.
     let high = read(&named.replace(said, "")).unwrap();
     let (high, low) = (high.wheel(), study.wheel());
     assert!(high.mechanism.keeps_drop_link(&high.design));
@@ -135,7 +136,7 @@ fn a_drop_link_beside_a_rocker_is_never_assumed_silently() {
     );
 }
 
-/// The program warns of a pushrod without a stated body whose end is far from the usual body and near another one.
+/// The program warns of a pushrod without a stated body if its end is far from the usual body and near another one.
 #[test]
 fn a_rod_far_from_its_assumed_body_is_doubted() {
     let doubts = |text: &str| {
@@ -161,8 +162,9 @@ fn a_rod_far_from_its_assumed_body_is_doubted() {
     assert_eq!(doubts(&named), Vec::<String>::new());
 }
 
-/// The rod fits if its length is between the smallest and the largest distance from its outer end to the circle of its
-/// inner end. Beyond that range the wheel still has a pose, but the outputs of the rocker have no values.
+/// The inner end of the rod moves on a circle. The rod fits if its length is between the smallest and the largest
+/// distance of its outer end from this circle. Beyond this range the wheel still has a pose, but the outputs of the
+/// rocker have no values.
 #[test]
 fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
     let (study, found, table) = run(&with_lines(&[NEAR_TOGGLE, FAR, OUTPUTS, POINTS]));
@@ -215,7 +217,7 @@ fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
     ] {
         assert!(said.contains(phrase), "{said}");
     }
-    // Beyond the toggle, sensitivities are empty cells, never NaN.
+    // Beyond the toggle, sensitivities are empty cells and not NaN.
     let csv = sensitivities_csv(&study, &found);
     let csv = String::from_utf8(csv).unwrap();
     assert!(!csv.contains("NaN") && !csv.contains("inf"));
@@ -227,7 +229,7 @@ fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
     }
     assert!(last.len() > 10);
 
-    // Without an output that uses it, the rocker does not limit the motion.
+    // If no output uses the rocker, the rocker does not limit the motion.
     let blind = ("characteristics", "characteristics = [\"camber\"]");
     let none = ("loads", "");
     let (_, found, _) = run(&with_lines(&[
@@ -240,15 +242,15 @@ fn beyond_a_toggle_there_are_no_values_of_the_rocker() {
     assert!(found.are_complete());
 }
 
-/// The rocker has no values beyond a toggle, even where the rod fits again. In this planar example the distance from
-/// the rod's outer end to the rocker's pivot exceeds rod plus lever and then falls again. The rocker could reach that
-/// zone only through the toggle.
+/// Beyond a toggle the rocker has no values, even where the rod fits again. In this planar example, the distance from the
+/// rod's outer end to the rocker's pivot first exceeds rod plus lever and then falls again. The rocker could reach the
+/// positions beyond only through the toggle.
 #[test]
 fn beyond_a_toggle_the_rocker_stays_where_it_is() {
     let (hinge, pivot, outer) = ([0.0, 0.0], [253.7, 124.9], [-300.0, 20.0]);
     let apart = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
     let (rod, lever, distance) = (502.2, 72.8, apart(outer, pivot));
-    // The inner end follows from the three sides of the triangle.
+    // The inner end is computed from the three sides of the triangle.
     let along = (distance * distance + rod * rod - lever * lever) / (2.0 * distance);
     let height = (rod * rod - along * along).sqrt();
     let unit = [0, 1].map(|k| (pivot[k] - outer[k]) / distance);
@@ -286,7 +288,7 @@ characteristics = ["rocker_angle", "camber"]
     order.sort_by(|a, b| angle(b).total_cmp(&angle(a)));
     let mut fits_again = 0;
     for i in order {
-        // In bump the arm, which points rearward from its hinge, turns from -x towards +z.
+        // In bump the arm turns from -x towards +z. It points rearward from its hinge.
         let (sine, cosine) = angle(&i).to_radians().sin_cos();
         let moved = [
             cosine * outer[0] + sine * outer[1],
@@ -307,8 +309,8 @@ characteristics = ["rocker_angle", "camber"]
     assert!(fits_again >= 2);
 }
 
-/// The plan turns each rocker on if a requested output uses it, and names the output and the line. Otherwise the rocker
-/// is off.
+/// The plan computes a rocker if a requested output uses this rocker, and names the output and the line. Otherwise the
+/// rocker is off.
 #[test]
 fn rockers_are_computed_where_they_are_asked_for() {
     let states = |characteristics: &str, more: &str| {
@@ -341,7 +343,7 @@ fn rockers_are_computed_where_they_are_asked_for() {
     assert_eq!(states("[\"camber\"]", load), [true, false, false]);
 }
 
-/// A sweep finds the same values as `solve`, and names the toggles that stop designs.
+/// A sweep finds the same values as `solve`. If designs fail at a toggle, the sweep names the toggle.
 #[test]
 fn sweeps_and_solves_agree() {
     let directory = tempfile::tempdir().unwrap();
@@ -353,7 +355,7 @@ fn sweeps_and_solves_agree() {
         ("order", ""),
         ("points", ""),
     ]) + sweep;
-    // The first design is near its toggle; the second is that of the sample.
+    // The first design is near its toggle. The second design is that of the sample.
     let text = text.replace("265.0,  455.0]", "265.0,  486.0]");
     fs::write(directory.path().join("study.toml"), &text).unwrap();
     let mut command = Command::cargo_bin("hardpoint").unwrap();
@@ -397,7 +399,7 @@ fn sweeps_and_solves_agree() {
             (stem, unit @ ("mm" | "deg")) => (stem, format!("_{unit}")),
             _ => (name, String::new()),
         };
-        // The sweep uses SIMD lanes, and `solve` the one-by-one path.
+        // The sweep uses SIMD lanes. `solve` uses the solver for single designs.
         let swept: f64 = cell(1, &format!("{stem}_max{unit}")).parse().unwrap();
         assert!((swept - largest).abs() <= 1e-12 * largest.abs(), "{name}");
     }
@@ -424,7 +426,7 @@ fn a_rocker_is_tuned_to_a_rising_rate() {
     }
 }
 
-/// Each case is an edit of the sample, the line that the message names, and the text of the message.
+/// Each case has an edit of the sample, the line that the message names, and the text of the message.
 #[test]
 fn mistakes_are_named() {
     let line = |start: &str| {
@@ -496,7 +498,7 @@ fn mistakes_are_named() {
                 "pushrod_inner lies on the line through rocker_pivot_front and rocker_pivot_rear, so it has no lever arm to turn the rocker",
             ],
         ),
-        // The lever points from the pivot straight towards the outer end.
+        // The lever points from the rocker's pivot straight towards the outer end of the rod.
         (
             "pushrod_inner",
             "pushrod_inner = [0.0, 270.0, 367.0]",
@@ -581,8 +583,8 @@ fn mistakes_are_named() {
     }
 }
 
-/// Every topology accepts an anti-roll bar with its drop link on the wheel carrier or an arm. The lever turns, and
-/// `check` names the body that turns it.
+/// For every topology, an anti-roll bar can have its drop link on the wheel carrier or an arm. The lever turns, and
+/// `check` names the body to which the drop link is attached.
 #[test]
 fn every_topology_takes_an_anti_roll_bar() {
     let bar = [
@@ -610,10 +612,10 @@ fn every_topology_takes_an_anti_roll_bar() {
         let found = curves(study.wheel(), &plan).unwrap();
         assert!(found.are_complete(), "{name}");
         let [below, design, above] = [0, 1, 2].map(|i| found.stations[i].values[0].unwrap());
-        // The link is below the lever and pushes it up in jounce.
+        // The drop link is below the lever and pushes it up in jounce.
         let angles = [below, design, above];
         assert!(below < -1.0 && above > 1.0, "{name}: {angles:?}");
-        // In the design position the bar angle is 0 degrees, except for rounding of the points of an arm.
+        // In the design position the bar angle is 0 degrees, except for rounding errors of the points of an arm.
         assert!(design.abs() < 1e-12, "{name}: {angles:?}");
         let effects = plan.effects(&study);
         let effect = effects.iter().find(|e| e.name == "anti-roll bar").unwrap();
@@ -625,8 +627,8 @@ fn every_topology_takes_an_anti_roll_bar() {
     }
 }
 
-/// `limits` names the travels at which rods reach their toggle. Just inside them the rocker has an angle; just beyond
-/// it has none.
+/// `limits` names the travels at which rods reach their toggles. Just inside these travels the rocker has an angle; just
+/// beyond them it has none.
 #[test]
 fn limits_name_the_toggles() {
     let study = read(&with_lines(&[NEAR_TOGGLE])).unwrap();
@@ -639,7 +641,7 @@ fn limits_name_the_toggles() {
     let toggle = rocker.upper.unwrap();
     assert_eq!(toggle.rod, Rod::Pushrod);
     assert!((0.0..limits.travel.upper.value()).contains(&toggle.travel));
-    // The bar's drop link is on the rocker, so it ends no later than the rocker.
+    // The bar's drop link is on the rocker, so the bar's range ends at the latest where the rocker's range ends.
     assert!(bar.upper.unwrap().travel <= toggle.travel);
     for (travel, status) in [
         (toggle.travel - 1e-5, Status::Ok),
@@ -671,7 +673,7 @@ fn limits_name_the_toggles() {
     );
 }
 
-/// Points whose arm passes its lowest point and whose pushrod passes a toggle.
+/// Hardpoints of a design in which the arm passes its lowest point and the pushrod passes a toggle.
 const BEYOND_ITS_TOP: &[(&str, [f64; 3])] = &[
     ("upper_arm_front", [115.6, 227.6, 316.0]),
     ("upper_arm_rear", [-185.8, 263.8, 314.0]),
@@ -689,7 +691,7 @@ const BEYOND_ITS_TOP: &[(&str, [f64; 3])] = &[
     ("spring_lower", [-38.9, 173.0, 518.8]),
     ("spring_upper", [-36.0, 25.6, 451.0]),
 ];
-/// Points whose pushrod reaches a toggle when the rack moves.
+/// Hardpoints of a design in which the pushrod reaches a toggle when the rack moves.
 const TOGGLE_BY_RACK: &[(&str, [f64; 3])] = &[
     ("upper_arm_front", [106.7, 245.1, 330.3]),
     ("upper_arm_rear", [-149.6, 271.0, 283.7]),
@@ -719,7 +721,7 @@ fn with_points(points: &[(&str, [f64; 3])]) -> String {
     with_lines(&lines)
 }
 
-/// Statuses of the stations of a motion, in the order of the racks, with the rocker angle as output.
+/// Returns the statuses of the stations of a motion, ordered by rack displacement. The output is the rocker angle.
 fn statuses(points: &[(&str, [f64; 3])], motion: &str) -> Vec<Status> {
     let text = with_points(points);
     let (before, after) = (
@@ -741,9 +743,9 @@ fn statuses(points: &[(&str, [f64; 3])], motion: &str) -> Vec<Status> {
         .collect()
 }
 
-/// If an arm passes its lowest point, the wheel returns to earlier heights. If the rack moves the rocker, it may reach
-/// its toggle before the wheel has travelled. In neither case does the rocker get values again, whatever the stations
-/// are.
+/// If an arm passes its lowest point, the wheel returns to earlier heights. If the rack moves the rocker, the rocker may
+/// reach its toggle before the wheel travels. In both cases, the rocker has no values beyond the toggle, whatever the
+/// stations are.
 #[test]
 fn nothing_comes_back_from_beyond_a_toggle() {
     let toggle = Status::Toggle([Some(Rod::Pushrod), None]);
@@ -775,9 +777,9 @@ fn nothing_comes_back_from_beyond_a_toggle() {
     assert!(by_rack > 10 && by_rack < 81);
 }
 
-/// Sample with a short rocker whose rod is too short over a part of the travel. The rod's outer end moves along an arc,
-/// and the rocker's pivot is beyond the centre of that arc. So their distance is largest at the travel `at`, where it
-/// exceeds rod plus lever by `by`. In the design position and at twice that travel the rod fits.
+/// Sample with a short rocker whose rod is too short in a part of the travel. The rod's outer end moves along an arc. The
+/// rocker's pivot is beyond the centre of this arc, so the distance between pivot and outer end is largest at the travel
+/// `at`. There the distance exceeds rod plus lever by `by`. In the design position and at twice that travel the rod fits.
 fn rod_short_at(at: f64, by: f64) -> String {
     let sample = read(&sample()).unwrap().into_wheel();
     let outer = |travel: f64| {
@@ -789,7 +791,7 @@ fn rod_short_at(at: f64, by: f64) -> String {
         nalgebra::Vector2::new(y, z)
     };
     let [before, there, after] = [at - 10.0, at, at + 10.0].map(outer);
-    // The centre of the arc through three positions has equal distances from them.
+    // The centre of the arc has equal distances from three positions of the outer end.
     let chords =
         nalgebra::Matrix2::from_rows(&[(there - before).transpose(), (after - there).transpose()]);
     let halves = nalgebra::Vector2::new(
@@ -801,7 +803,8 @@ fn rod_short_at(at: f64, by: f64) -> String {
     let farthest = (there - pivot).norm();
     let lever = 12.0;
     let rod = farthest - lever - by;
-    // The inner end is where the circles of both lengths meet in the design position.
+    // In the design position, the inner end is at the intersection of two circles, with the lengths of rod and lever as
+    // radii.
     let to = outer(0.0) - pivot;
     let (d, along) = (to.norm(), to.normalize());
     assert!(d < lever + rod, "{d}");
@@ -833,8 +836,8 @@ fn rod_short_at(at: f64, by: f64) -> String {
     with_lines(&[&lines[..], &[OUTPUTS]].concat())
 }
 
-/// Curves and sweeps detect a toggle that begins and ends between two stations. Stations beyond it have no values,
-/// however coarse the stations are.
+/// Curves and sweeps detect a toggle that begins and ends between two stations. Stations beyond the toggle have no
+/// values, even with few stations.
 #[test]
 fn a_toggle_between_two_stations_is_seen() {
     for (at, by) in [(28.0, 0.02), (28.0, 0.1), (-25.0, 0.1)] {
@@ -881,7 +884,7 @@ fn a_toggle_between_two_stations_is_seen() {
             })
             .unwrap();
         assert_eq!(failing, 3, "{at} {by}");
-        // With a rod that is long enough, the same stations have values.
+        // If the rod is long enough, the same stations have values.
         let text = rod_short_at(at, -0.2);
         let set = [format!("motion.travel=[0.0, {far:?}]")];
         let study = read(&text)

@@ -1,5 +1,5 @@
-//! Tests of side effects of tunings against the curves of both designs, of their rules, and of their reports in all
-//! formats.
+//! Tests of side effects of tunings. The side effects are compared with the curves of both designs. Other tests check the
+//! rules and the reports in all formats.
 
 use hardpoint::characteristics::Characteristic;
 use hardpoint::side_effects::side_effects;
@@ -18,7 +18,7 @@ fn study(name: &str, overrides: &[&str]) -> Study {
     Study::read(&path(name), &overrides).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Study, tuned study, and side effects between both.
+/// Returns the study, the tuned study, and the side effects of the tuning.
 fn tuned(name: &str, overrides: &[&str]) -> (Study, Study, Vec<SideEffect>) {
     let study = study(name, overrides);
     let best = study.tune(Control::default()).unwrap().best.unwrap();
@@ -32,7 +32,7 @@ fn named<'e>(effects: &'e [SideEffect], output: &str) -> &'e SideEffect {
     found.unwrap_or_else(|| panic!("{output} is not among {effects:?}"))
 }
 
-/// Values of a characteristic over `[motion]`, with the travel.
+/// Returns the values of a characteristic over `[motion]`, each with its travel.
 fn values(study: &Study, characteristic: Characteristic) -> Vec<(f64, f64)> {
     let mut alone = study.clone();
     alone.one_wheel_mut().unwrap().outputs = Outputs::of(vec![characteristic]);
@@ -48,14 +48,14 @@ fn changes(before: &Study, after: &Study, of: Characteristic) -> Vec<(f64, f64)>
     pairs.map(|((at, b), (_, a))| (at, a - b)).collect()
 }
 
-/// Largest change, with its travel.
+/// Returns the largest change, with its travel.
 fn largest(changes: &[(f64, f64)]) -> (f64, f64) {
     let all = changes.iter().copied();
     all.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs())).unwrap()
 }
 
-/// If only camber and kingpin curves of a strut are targets, toe becomes much worse. The reported change equals the
-/// difference of the curves of both designs, and toe is listed first. Outputs with a target are not listed.
+/// If only camber and kingpin curves of a strut are targets, toe becomes much worse. The reported change of toe equals
+/// the difference between the curves of both designs, and toe is listed first. Outputs with a target are not listed.
 #[test]
 fn an_output_without_a_target_is_compared_with_the_curves_of_both_designs() {
     let targets = "optimise.targets=[\
@@ -99,7 +99,7 @@ fn an_output_without_a_target_is_compared_with_the_curves_of_both_designs() {
     assert_eq!(effects[0].output, "toe");
 }
 
-/// The first study of the README keeps its toe to 0.1 degrees at every station, and the program flags no angle.
+/// The first study of the README keeps toe to 0.1 degrees at every station. The program flags no angle as a side effect.
 #[test]
 fn the_first_study_keeps_its_toe() {
     let (before, after, effects) = tuned("macpherson_front", &[]);
@@ -110,13 +110,13 @@ fn the_first_study_keeps_its_toe() {
     assert!(angles.clone().all(|e| !e.flagged), "{effects:?}");
 }
 
-/// Part of a change that is outside the range between zero and the target change of the nearest station.
+/// Returns the part of a change that is outside the range from zero to the target change of the nearest station.
 fn beyond(change: f64, wanted: f64) -> f64 {
     change - change.clamp(wanted.min(0.0), wanted.max(0.0))
 }
 
-/// If caster has a target in the design position, it may change by the same amount everywhere; only the rest is a side
-/// effect. The same applies to the inclination with a limit of a constraint.
+/// If caster has a target in the design position, caster may change by the same amount at every station. Only the rest of
+/// the change is a side effect. A constraint on the inclination has the same effect.
 #[test]
 fn a_change_that_a_target_asks_for_at_one_place_is_taken_off_elsewhere() {
     let targets = "optimise.targets=[{ characteristic = \"caster\", at = 0.0, value = 5.0, tolerance = 0.01 }]";
@@ -148,7 +148,7 @@ fn a_change_that_a_target_asks_for_at_one_place_is_taken_off_elsewhere() {
 }
 
 /// A target of bump steer over the whole travel counts as a target of toe. If the target covers only a part of the
-/// travel, the toe beyond this part may change as much as at its end. Only a larger change is a side effect.
+/// travel, toe beyond this part may change as much as at its end. Only a larger change is a side effect.
 #[test]
 fn a_target_of_a_gain_is_one_of_the_curve() {
     let of = |ends: &str| {
@@ -171,8 +171,8 @@ fn a_target_of_a_gain_is_one_of_the_curve() {
     assert_eq!(toe.at[0].value, at);
 }
 
-/// A tuned rocker does not affect the wheel: camber, toe and steering axis stay exactly equal. The spring length has a
-/// target in the design position and, through the motion ratio, everywhere.
+/// A tuned rocker does not affect the wheel: camber, toe and steering axis do not change at all. The spring length has a
+/// target in the design position. At other travels the target of the motion ratio applies to it.
 #[test]
 fn a_rocker_leaves_the_wheel_alone() {
     let (_, _, effects) = tuned("double_wishbone_rocker", &[]);
@@ -187,7 +187,7 @@ fn a_rocker_leaves_the_wheel_alone() {
     assert!(effects.iter().all(|e| e.output != "scrub_radius"));
 }
 
-/// Units do not change the flags: in inches every length and its tolerance is 1/25.4 of the value in millimetres.
+/// Flags do not depend on units: in inches every length and its tolerance is 1/25.4 of the value in millimetres.
 #[test]
 fn inches_flag_what_millimetres_flag() {
     let text = std::fs::read_to_string(path("double_wishbone_front")).unwrap();
@@ -234,7 +234,7 @@ fn inches_flag_what_millimetres_flag() {
     }
 }
 
-/// Named motions have separate rows. With the rack at a stop, toe is a steer angle, which has no tolerance.
+/// Named motions have separate rows in the list. If the rack is at a stop, toe is a steer angle, which has no tolerance.
 #[test]
 fn named_motions_are_compared_too() {
     let (study, after, effects) = tuned("formula_student_front", &["optimise.starts=1"]);
@@ -256,7 +256,7 @@ fn named_motions_are_compared_too() {
     );
 }
 
-/// A quantity that both wheels of an axle have appears in one row, with the worse wheel. Toe is compared at zero steer.
+/// If both wheels of an axle have a quantity, it has one row, for the worse wheel. Toe is compared at zero steer.
 #[test]
 fn an_axle_has_one_row_for_both_wheels() {
     let few = [
@@ -302,18 +302,18 @@ fn an_axle_has_one_row_for_both_wheels() {
     ] {
         named(&effects, output);
     }
-    // The target applies at 9 of 27 stations. At the other stations, a change larger than at the nearest of the 9 is a
-    // side effect.
+    // The target applies at 9 of 27 stations. At another station, only a change larger than at the nearest of these 9
+    // stations is a side effect.
     named(&effects, "ackermann_error");
-    // In roll the kinematic roll centre moves without bounds; the force-based one does not.
+    // In roll the kinematic roll centre can move without bounds; the force-based roll centre cannot.
     let kinematic = named(&effects, "roll_centre_height");
     assert!(kinematic.tolerance.is_none() && !kinematic.flagged);
     let by_forces = named(&effects, "force_roll_centre_height");
     assert_eq!(by_forces.tolerance, Some(1.0));
 }
 
-/// The comparison of a motion with many stations takes linear time: it finds the nearest station of a target without
-/// comparing all pairs.
+/// The time to compare a motion with many stations is proportional to the number of stations. The program finds the
+/// nearest station of a target without comparing all pairs.
 #[test]
 fn many_stations_are_compared_in_linear_time() {
     let motion = "motion.travel={ from = -40.0, to = 40.0, steps = 20001 }";
@@ -335,8 +335,8 @@ fn run(arguments: &[&str]) -> std::process::Output {
         .unwrap()
 }
 
-/// Terminal, CSV, JSON, summary and page show the same side effects. If side effects are off, none shows them, and
-/// `check` reports this.
+/// Terminal, CSV, JSON, summary and page show the same side effects. If side effects are off, they show none, and `check`
+/// reports that they are off.
 #[test]
 fn every_reader_gets_the_same_side_effects_or_none() {
     let directory = tempfile::tempdir().unwrap();
@@ -404,8 +404,8 @@ fn every_reader_gets_the_same_side_effects_or_none() {
     assert_eq!(wrong.status.code(), Some(2));
 }
 
-/// A report compares a robust tuning with the optimum without scatter. That optimum equals the tuning of the study
-/// without `scatter`, and builds and yields equal those of `hardpoint tolerance`.
+/// A report compares a robust tuning with the optimum without scatter. This optimum equals the tuning of the study
+/// without `scatter`. Builds and yields equal those of `hardpoint tolerance`.
 #[test]
 fn a_robust_tuning_stands_beside_the_plain_optimum() {
     let directory = tempfile::tempdir().unwrap();
@@ -453,9 +453,9 @@ fn axle_values(study: &Study, column: &str) -> Vec<Option<f64>> {
     curves.stations.iter().map(|s| s.value(number)).collect()
 }
 
-/// The tolerance of a turning circle is 1 % of its value, at the station with the largest relative change. A target of
-/// an Ackermann quantity demands other steer angles, and the lateral roll centre moves without bounds in roll, so
-/// neither is flagged then.
+/// The tolerance of a turning circle is 1 % of its value, at the station with the largest relative change. If an
+/// Ackermann quantity has a target, the steer angles must change, so the turning circle is not flagged. The lateral roll
+/// centre is not flagged, because it moves without bounds in roll.
 #[test]
 fn turning_circles_are_judged_relative_to_their_size() {
     let with = |target: &str| {
@@ -501,8 +501,8 @@ fn turning_circles_are_judged_relative_to_their_size() {
     assert!(circle.tolerance.is_none() && !circle.flagged, "{circle:?}");
 }
 
-/// The terminal lists a change that a target demands in a separate line, not as unchanged: here caster in the design
-/// position.
+/// The terminal lists a change that a target demands in a separate line, not as unchanged. Here it is caster in the
+/// design position.
 #[test]
 fn changes_as_asked_have_their_own_line() {
     let directory = tempfile::tempdir().unwrap();

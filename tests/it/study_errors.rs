@@ -1,5 +1,5 @@
-//! Tests that the program names every mistake in a study with its file, line and key, the found value and the expected
-//! one. A table holds the mistakes; each is one edit of a good study.
+//! Tests that the program reports every mistake in a study with file, line, key, the found value and the expected value.
+//! The mistakes are in a table. Each mistake is one edit of a good study.
 
 use hardpoint::study::{Study, StudyErrors};
 use std::fs;
@@ -64,13 +64,14 @@ fn read(text: &str) -> Result<Study, StudyErrors> {
     Study::from_text("study.toml", text, Path::new("."))
 }
 
-/// Good study with `from`, which it contains once, replaced by `to`.
+/// Good study in which `to` replaces `from`. The study contains `from` once.
 fn edited(from: &str, to: &str) -> String {
     assert_eq!(GOOD.matches(from).count(), 1, "{from:?}");
     GOOD.replace(from, to)
 }
 
-/// Asserts that the study has exactly this mistake, on the line that contains `on`, with these phrases in its message.
+/// Asserts that the study has exactly this mistake: on the line that contains `on`, and with these phrases in the
+/// message.
 fn assert_mistake(text: &str, on: &str, key: &str, phrases: &[&str]) {
     let errors = match read(text) {
         Ok(_) => panic!("accepted: {on}"),
@@ -120,7 +121,7 @@ fn assert_mistake(text: &str, on: &str, key: &str, phrases: &[&str]) {
     }
 }
 
-/// Columns: from, to, a part of the faulty line, its key, phrases.
+/// Columns: `from`, `to`, a part of the faulty line, the key of the message, phrases of the message.
 type Case = (
     &'static str,
     &'static str,
@@ -336,14 +337,14 @@ fn motions_that_go_nowhere() {
         } else {
             text
         };
-        // The mistake does not concern the targets, so the study here has no targets.
+        // The mistake does not concern the targets, so the test removes the targets.
         let text = &text[..text.find("[optimise]").unwrap()];
         let on = key.rsplit('.').next().unwrap();
         assert_mistake(text, on, key, phrases);
     }
     let text = edited(travel, "");
     assert_mistake(&text, "[motion]", "motion", &["expected travel or time"]);
-    // Each station has a derivative with respect to each hardpoint.
+    // With sensitivities, each station has a derivative with respect to each hardpoint.
     let text = edited(travel, "travel = { from = 0.0, to = 80.0, steps = 50001 }");
     let text = &text[..text.find("[optimise]").unwrap()];
     let text = text.replace("\nsensitivities", "\n# sensitivities");
@@ -449,7 +450,8 @@ fn files_that_cannot_be_read() {
         message("absent.toml").contains("absent.toml: cannot be read: the file does not exist")
     );
     assert!(message(".").contains("it is a directory"));
-    // The message names the studies in a directory of results, and the command for a table of points.
+    // If the path is a directory of results, the message names the studies in it. If the path is a table of points, the
+    // message names the command for tables.
     fs::create_dir(at("run")).unwrap();
     fs::write(at("run/optimised.toml"), "").unwrap();
     assert!(message("run").contains("run/optimised.toml"));
@@ -492,7 +494,7 @@ fn curve_files() {
     }
 
     let study = read(&format!("{header}-80, 0.25\n80,-0.1\n")).unwrap_or_else(|e| panic!("{e}"));
-    // The text is complete without the file.
+    // The text of the study is complete without the file.
     let again = Study::from_text("study.toml", &study.text, Path::new("elsewhere"));
     let again = again.unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(study.inputs, [directory.path().join("curve.csv")]);
@@ -500,8 +502,8 @@ fn curve_files() {
     assert_eq!(again, Study { inputs, ..study });
 }
 
-/// The program refuses the key that meant wheel travel until 0.1, and explains it with its present equivalent, for both
-/// signs.
+/// Until version 0.1, this key meant wheel travel. The program refuses it now and gives the equivalent with the same
+/// value, for both signs.
 #[test]
 fn the_old_ride_height_is_explained_with_its_own_value() {
     for (written, said) in [

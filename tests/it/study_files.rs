@@ -1,8 +1,8 @@
-//! Tests of faulty study files: the program solves them, or refuses them with a reason that names file and line.
+//! Tests of faulty study files: the program solves a file, or refuses it with a reason that names file and line.
 //!
-//! `corpus/` contains difficult studies with the expected result of each. In addition, a generator damages the sample
-//! studies: it deletes, duplicates and swaps lines, replaces numbers by awkward ones, truncates files and inserts
-//! foreign characters. `CASES=5000 cargo test --test it study_files::` tries more.
+//! `corpus/` contains difficult studies, each with the expected result. In addition, a generator damages the sample
+//! studies: it deletes, duplicates and swaps lines, replaces numbers by unusual ones, truncates files and inserts foreign
+//! characters. `CASES=5000 cargo test --test it study_files::` tries more cases.
 
 use crate::support::mutants::mutilated;
 use crate::support::random::Random;
@@ -21,7 +21,7 @@ fn directory(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
 }
 
-/// File, line of the first mistake and a phrase of its message.
+/// File, line of the first mistake, and a phrase of the message.
 const CORPUS: &[(&str, usize, &str)] = &[
     ("ball_joint_on_arm_axis", 10, "the arm cannot move it"),
     (
@@ -147,7 +147,7 @@ fn the_whole_corpus_is_tested() {
     assert_eq!(files, listed);
 }
 
-/// Solves an axle in its design position. Returns true if there was something to solve.
+/// Solves an axle in its design position. Returns true if the study has a design position to solve.
 fn judge_axle(both: &AxleStudy) -> bool {
     match axle_curves(&both.axle, &both.plan.at_design()) {
         Ok(found) => found.curves.stations[0].status.word() == "ok",
@@ -158,7 +158,7 @@ fn judge_axle(both: &AxleStudy) -> bool {
     }
 }
 
-/// Solves a study with a few of its stations, and checks all results. Returns true if there was something to solve.
+/// Solves a study with a few of its stations, and checks all results. Returns true if the study has something to solve.
 fn judge(study: &Study) -> bool {
     let own = match &study.vehicle {
         Vehicle::Wheel(own) => own,
@@ -173,7 +173,7 @@ fn judge(study: &Study) -> bool {
     let plan = Plan {
         station_order: StationOrder::through(&thinned(whole.station_order.values())),
         racks: thinned(&whole.racks),
-        // Removes the times of the stations, because the motion has fewer stations now.
+        // The motion has fewer stations now, so the times of the stations are removed.
         time: None,
         ..whole
     };
@@ -249,7 +249,7 @@ fn mutilate(cases: u64) {
                                 said.starts_with("error: ") && said.contains("study.toml"),
                                 "{said}"
                             );
-                            // For an empty file, or one that ends before a required section, the message names no line.
+                            // The message names no line if the file is empty or ends before a required section.
                             let whole = ["is empty", "is missing", "missing"];
                             let lineless = whole.iter().any(|phrase| said.contains(phrase));
                             assert!(error.position().is_some() || lineless, "{said}");
@@ -263,6 +263,6 @@ fn mutilate(cases: u64) {
         }
     }
     println!("{solved} solved, {refused} refused, {faulty} without a solved station");
-    // The share of refused studies shows that the generator is neither too harsh nor too mild.
+    // The share of refused studies shows that the generator causes neither too much nor too little damage.
     assert!(solved > refused / 20 && refused > solved / 20);
 }

@@ -1,6 +1,6 @@
-//! Tests that `docs/study.md` lists exactly the keys that the reader knows.
+//! Tests that `docs/study.md` lists exactly the keys that the reader of studies accepts.
 //!
-//! The reader lists its known keys when it finds an unknown key.
+//! If the reader finds an unknown key, it lists all known keys. The test reads this list.
 
 use hardpoint::study::{CarStudy, Study};
 use std::collections::{BTreeMap, BTreeSet};
@@ -8,8 +8,8 @@ use std::path::Path;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// Tables of a study: the name in the manual, and the part of [`STUDY`] with its replacement that adds the key `bogus`
-/// to the table.
+/// Tables of a study. Each entry has the name of the table in the manual, and a part of [`STUDY`] with a replacement. The
+/// replacement adds the key `bogus` to the table.
 const TABLES: &[(&str, &str, &str)] = &[
     ("suspension", "topology =", "bogus = 1\ntopology ="),
     (
@@ -151,7 +151,7 @@ const TABLES: &[(&str, &str, &str)] = &[
     ),
 ];
 
-/// Study with every table; only its keys matter.
+/// Study with every table. Only the keys matter, not the values.
 const STUDY: &str = r#"
 [suspension]
 topology = "macpherson"
@@ -201,13 +201,13 @@ adjust = []
 scatter = []
 "#;
 
-/// Keys that the reader knows in the table of `text` that has the key `bogus`.
+/// Keys that the reader accepts in that table of `text` that contains the key `bogus`.
 fn known_keys(text: &str) -> BTreeSet<String> {
     let refused = Study::from_text("keys.toml", text, Path::new("")).unwrap_err();
     keys_in(&refused.render(false), text)
 }
 
-/// Keys that the reader of cars knows in the table of `text` that has the key `bogus`.
+/// Keys that the reader of cars accepts in that table of `text` that contains the key `bogus`.
 fn known_keys_of_car(text: &str) -> BTreeSet<String> {
     let directory = tempfile::tempdir().unwrap();
     let path = directory.path().join("car.toml");
@@ -262,8 +262,8 @@ fn the_manual_lists_the_keys_that_the_reader_knows() {
     assert_eq!(sections, tables);
 }
 
-/// Tables of the study of a car: the name in the manual, and the text of a study in which the table has the key
-/// `bogus`.
+/// Tables of the study of a car. Each entry has the name of the table in the manual, and the text of a study in which
+/// this table has the key `bogus`.
 const TABLES_OF_CAR: &[(&str, &str)] = &[
     ("car", "[car]\nbogus = 1"),
     ("car.aero", "[car]\naero = { bogus = 1 }"),

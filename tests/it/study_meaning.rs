@@ -58,7 +58,7 @@ fn the_sample_studies_mean_what_they_say() {
     read(BUMP_STEER);
 }
 
-/// The optional keys that the template shows in comments are valid as they are.
+/// The optional keys that the template shows in comments are valid if the comment signs are removed.
 #[test]
 fn the_templates_optional_keys_are_good() {
     let optional = |line: &str| {
@@ -187,7 +187,7 @@ fn static_angles_are_those_of_the_catalogue() {
     assert!((a.x.atan2(a.y).to_degrees() - 0.1).abs() < 1e-14);
 }
 
-/// The reader accepts the geometry of the 2003 paper, whose wheel has an unusual position but is on the correct side.
+/// The reader accepts the geometry of the 2003 paper. Its wheel has an unusual position, but is on the correct side.
 #[test]
 fn the_papers_example_is_accepted() {
     let study = read(
@@ -216,7 +216,7 @@ time = { polynomial = [0.0, 1.0, 1.0], from = 0.0, to = 0.5, steps = 11 }
 }
 
 /// Drive values of targets have the unit of the motion, so the same targets in degrees and in radians are equal. A file
-/// has degrees, as the name of its column states.
+/// of target points has degrees, as its column name states.
 #[test]
 fn drive_values_of_targets_are_in_the_unit_of_the_motion() {
     let directory = tempfile::tempdir().unwrap();
@@ -253,12 +253,12 @@ fn drive_values_of_targets_are_in_the_unit_of_the_motion() {
     assert!(
         matches!(targets(&radians)[0].wanted, Wanted::At { drive, .. } if drive == 2.0_f64.to_radians())
     );
-    // The study with the curve in its text has the same targets.
+    // The study that contains the curve in its text has the same targets.
     let inside = Study::from_text("inside.toml", &radians.text, Path::new(".")).unwrap();
     assert_eq!(targets(&inside), targets(&radians));
 }
 
-/// The program refuses a drive value beyond a motion in radians, and states it in radians.
+/// The program refuses a drive value beyond a motion in radians. The message gives the range in radians.
 #[test]
 fn the_range_of_a_motion_in_radians_is_told_in_radians() {
     let (head, _) = SOLVE.split_once("[motion]").unwrap();
@@ -334,7 +334,7 @@ variables = [
     assert_eq!(factors, [1.0, -1.0]);
 }
 
-/// Only a sweep reads the rows of the file: a study whose file of designs is missing can still be solved.
+/// Only a sweep reads the file of designs. So a study whose file of designs is missing can still be solved.
 #[test]
 fn designs_from_a_file_do_not_stand_in_the_way() {
     let study = read(&format!("{SOLVE}\n[sweep]\ndesigns = \"absent.csv\"\n"));
@@ -366,7 +366,7 @@ fn only_moved_coordinates_are_rewritten() {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// A written design reads back to the last bit, in every frame.
+    /// A written design is bit-identical after reading it again, in every frame.
     #[test]
     fn designs_survive_being_written(
         offsets in prop::collection::vec(-10.0..10.0f64, 30),
@@ -392,7 +392,7 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(400))]
 
-    /// A study with any damage is read as a study or refused with a printable error.
+    /// A randomly damaged study is read as a study or refused with a printable error.
     #[test]
     fn mutilated_studies_are_refused_without_panic(
         cuts in prop::collection::vec((any::<prop::sample::Index>(), 0..12usize, any::<prop::sample::Index>()), 1..4),
@@ -419,7 +419,7 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Overrides of any path are accepted or refused with a printable error.
+    /// Overrides (`--set`) of any key path are accepted or refused with a printable error.
     #[test]
     fn overrides_are_taken_or_refused_without_panic(
         path in prop::collection::vec(any::<prop::sample::Index>(), 1..5),

@@ -28,8 +28,8 @@ fn close(found: f64, expected: f64, size: f64) {
     );
 }
 
-/// The edges of the rim at the height of the wheel centre follow from two points of the spin axis. At either wheel, the
-/// rear edge is farther outboard by the toe at the rim.
+/// The test computes the edges of the rim at the height of the wheel centre from two points of the spin axis. At either
+/// wheel, the toe at the rim is the distance by which the rear edge is farther outboard than the front edge.
 #[test]
 fn it_is_the_difference_of_two_rim_edges() {
     for side in ["left", "right"] {
@@ -82,7 +82,7 @@ fn it_is_the_difference_of_two_rim_edges() {
     }
 }
 
-/// In the design position the toe at the rim is D sin(static_toe) in the study's unit, whatever the camber.
+/// In the design position the toe at the rim is D sin(static_toe), in the length unit of the study, whatever the camber.
 #[test]
 fn static_toe_gives_its_sine() {
     let given = |more: &[&str]| {
@@ -108,7 +108,7 @@ fn static_toe_gives_its_sine() {
     }
 }
 
-/// The derivative of the toe at the rim with respect to travel is D cos(toe) times that of toe.
+/// The derivative of the toe at the rim with respect to travel is D cos(toe) times the derivative of toe.
 #[test]
 fn its_slope_is_that_of_the_angle() {
     let study = study(
@@ -130,8 +130,8 @@ fn its_slope_is_that_of_the_angle() {
     }
 }
 
-/// The toe at the rim of an axle is the sum over both wheels. Steering does not change the sum of parallel wheels to
-/// first order.
+/// The toe at the rim of an axle is the sum over both wheels. If both wheels are parallel, steering does not change this
+/// sum to first order.
 #[test]
 fn an_axle_has_the_sum() {
     let study = study(
@@ -154,7 +154,7 @@ fn an_axle_has_the_sum() {
     }
 }
 
-/// A tuning meets a toe at the rim.
+/// A tuning meets a target of toe at the rim.
 #[test]
 fn a_tuning_meets_it() {
     let study = study(

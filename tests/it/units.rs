@@ -1,4 +1,4 @@
-//! Conversion factors between inches and pounds, and millimetres, newtons and kilograms.
+//! Conversion factors from pounds-force, pounds and inches to newtons, kilograms and millimetres.
 
 /// Newtons per pound-force.
 pub const POUND_FORCE: f64 = 4.448_221_615_260_5;
@@ -7,7 +7,7 @@ pub const POUND: f64 = 0.453_592_37;
 /// Millimetres per inch.
 pub const INCH: f64 = 25.4;
 
-/// Name in inches and pounds of a column in millimetres and newtons, and the factor of its values.
+/// Returns the name in inches and pounds of a column in millimetres and newtons, and the factor for the values.
 pub fn in_inches_and_pounds(column: &str) -> (String, f64) {
     let endings = [
         ("_N_per_mm", "_lbf_per_in", INCH / POUND_FORCE),

@@ -1,15 +1,15 @@
 //! Toe and camber, set again after assembly.
 //!
-//! Adjustments a keep values w of the static position at their targets. M is the pseudo-inverse of dw/da of the
-//! nominal design. The iteration
+//! Adjustments a keep values w of the static position (toe and camber) at their nominal values. M is the pseudo-inverse
+//! of the derivative dw/da at the nominal design. The iteration
 //!
 //! ```text
 //! a <- a - M (w(parts + a) - wanted)
 //! ```
 //!
-//! converges faster if the parts are closer to nominal. With derivative numbers it corrects the derivatives order by
-//! order. Pose and adjustments settle together (module `settle`), with the derivative of the pose with respect to
-//! each adjustment.
+//! converges faster, the closer the parts are to nominal. If the numbers carry derivatives, each correction makes one
+//! more order of the derivatives exact. The carrier's pose is corrected together with the adjustments (module `settle`).
+//! For this, the code uses the derivative of the pose with respect to each adjustment.
 
 use super::assembler::Assembler;
 use super::assembly_error::AssemblyError;
@@ -25,11 +25,11 @@ use crate::number::{Real, Vector3};
 use crate::study::Adjustment;
 use nalgebra::DMatrix;
 
-/// Largest number of held characteristics: toe and camber.
+/// Largest number of characteristics that adjustments keep: toe and camber.
 pub(super) const MOST_HELD: usize = 2;
 /// Maximum number of corrections of a build.
 const MOST_ROUNDS: usize = 30;
-/// Size of corrections, as a share of the suspension's size, that counts as rounding.
+/// Corrections below this size count as rounding errors. Relative to the suspension's size.
 pub(super) const ROUNDING: f64 = 1e-14;
 
 /// Adjustments that keep toe and camber at their nominal values.
@@ -46,8 +46,9 @@ pub(crate) struct Alignment {
 }
 
 impl Alignment {
-    /// Makes an alignment that keeps toe and camber at nominal with the adjustments of the set-up that act on the wheel
-    /// of this side, or on a single wheel. A single adjustment keeps only toe. Other targets of the set-up are ignored.
+    /// Makes an alignment that keeps toe and camber at their nominal values. It uses the adjustments of the set-up that
+    /// act on the wheel of this side. `side` is `None` for a single wheel. A single adjustment keeps only toe. Other
+    /// targets of the set-up are ignored.
     pub(crate) fn of(
         adjust: &[Adjustment],
         side: Option<Side>,
@@ -82,7 +83,7 @@ impl Alignment {
         }
     }
 
-    /// Computes the matrix dw/da of a build, with a row for each held characteristic and a column for each
+    /// Computes the matrix dw/da of a build, with a row for each characteristic in `held` and a column for each
     /// adjustment.
     fn by(&self, assembler: &Assembler, built: &Built) -> DMatrix<f64> {
         let mut by = DMatrix::zeros(self.held.len(), self.adjust.len());
@@ -95,8 +96,8 @@ impl Alignment {
         by
     }
 
-    /// Returns the alignment with the matrix M of a build. One correction for each order then makes derivatives about
-    /// that build exact.
+    /// Returns the same alignment with the matrix M of this build instead of the nominal design. With this matrix, one
+    /// correction for each order makes the derivatives at this build exact.
     pub(crate) fn about(&self, assembler: &Assembler, built: &Built) -> Option<Self> {
         Some(Alignment {
             inverse: inverse(&self.by(assembler, built))?,
@@ -104,7 +105,7 @@ impl Alignment {
         })
     }
 
-    /// Corrects the adjustments of the parts once, and returns the corrections.
+    /// Corrects the adjustments of the parts once. Returns the corrections.
     fn adjust<T: Real>(
         &self,
         mechanism: &Mechanism,
@@ -128,7 +129,7 @@ impl Alignment {
         corrections
     }
 
-    /// Aligns a build and writes its design.
+    /// Assembles parts, adjusts them until toe and camber are nominal, and writes the built design.
     pub(crate) fn assemble(
         &self,
         assembler: &Assembler,
@@ -158,7 +159,7 @@ impl Alignment {
         Err(AssemblyError::Unaligned)
     }
 
-    /// Nominal values of the held characteristics.
+    /// Nominal values of the characteristics in `held`.
     #[inline(always)]
     pub(super) fn wanted<T: Real>(
         &self,
@@ -173,8 +174,8 @@ impl Alignment {
         wanted
     }
 
-    /// Corrects the adjustments, and the pose by their effect. `apply` receives every correction and returns the
-    /// correction to apply.
+    /// Corrects the adjustments, and moves the pose by the effect of these corrections. `apply` receives each computed
+    /// correction and returns the correction to use.
     #[inline(always)]
     pub(super) fn correct<T: Real>(
         &self,
@@ -207,7 +208,8 @@ impl Alignment {
         *pose = pose.moved(shift, turn * zero.constant(0.5));
     }
 
-    /// Returns the built design of parts that are derivative numbers with `orders` orders, aligned to all orders.
+    /// Returns the built design of parts whose dimensions are derivative numbers with `orders` orders. Toe and camber
+    /// stay nominal in all orders.
     pub(crate) fn design<T: Real>(
         &self,
         assembler: &Assembler,
@@ -223,7 +225,7 @@ impl Alignment {
         design
     }
 
-    /// Returns the direction, extended by the changes of the adjustments that keep the held characteristics.
+    /// Returns the direction, extended by the changes of the adjustments that keep the characteristics in `held`.
     pub(crate) fn aligned_direction(
         &self,
         assembler: &Assembler,
@@ -244,12 +246,12 @@ impl Alignment {
     }
 }
 
-/// Value of a characteristic of a built design in its static position.
+/// Returns the value of a characteristic of a built design in its static position.
 fn value<T: Real>(mechanism: &Mechanism, design: &[Vector3<T>], c: Characteristic) -> T {
     c.of_spin_axis(DesignedSpinAxis::of(mechanism, design).direction)
 }
 
-/// Pseudo-inverse of a matrix.
+/// Returns the pseudo-inverse of a matrix.
 fn inverse(by: &DMatrix<f64>) -> Option<DMatrix<f64>> {
     by.clone().pseudo_inverse(1e-9 * by.amax()).ok()
 }

@@ -7,21 +7,21 @@
 //! q <- q - A F(q, parts)
 //! ```
 //!
-//! reduces the error in proportion to the deviation of the parts, to about a thousandth per correction (module
-//! `settle`). The same code serves plain numbers, SIMD lanes and derivative numbers. For derivative numbers, it
-//! corrects the derivatives order by order. If a correction does not halve the error, the assembler changes the nominal
-//! parts to the built ones step by step, with the Jacobian of each step. The determinant keeps its sign. So a build is
-//! always the assembly that a continuous change of the parts connects to the nominal assembly.
+//! multiplies the error by a factor that is proportional to the deviation of the parts, usually about a thousandth
+//! (module `settle`). The same code is used for plain numbers, for SIMD lanes (several builds at once) and for derivative
+//! numbers. For derivative numbers, each correction makes one more order exact. If a correction does not halve the error,
+//! the assembler changes the nominal parts to the built parts in several steps. Each step has its own Jacobian. The
+//! determinant of the Jacobian keeps its sign. So the result is always the assembly that a continuous change of the parts
+//! reaches from the nominal assembly.
 //!
-//! Other carriers then follow:
+//! Then the positions of the other parts are computed:
 //!
 //! - A point of an arm keeps its position in the frame of arm axis and outer joint. The origin of this frame is the joint. One
 //!   direction is along the arm's axis, another from the axis to the joint.
-//! - A point of a rocker keeps its position along and about the rocker's axis. The rod, with its own length, rotates the
-//!   rocker.
+//! - A point of a rocker rotates with the rocker about the rocker's axis. The length of the rod determines the angle.
 //! - The upper part of a strut rotates with the knuckle about its mount.
 //!
-//! A solid axle on five links takes the pose of least energy instead (module `least_energy`).
+//! A solid axle on five links is assembled in the pose of least energy instead (module `least_energy`).
 
 use super::alignment::Alignment;
 use super::assembly_error::AssemblyError;
@@ -39,7 +39,7 @@ use crate::solve::Solver;
 /// Shortest step from the nominal to the built parts.
 const SHORTEST_STEP: f64 = 1.0 / 1024.0;
 
-/// Assembles the parts of one suspension, build after build.
+/// Assembles builds of one suspension, one after another.
 #[derive(Clone, Debug)]
 pub struct Assembler {
     suspension: Suspension,
@@ -57,7 +57,8 @@ pub(crate) struct Linearised {
     pub(crate) pose: Pose<f64>,
     pub(crate) inverse: Matrix6<f64>,
     determinant: f64,
-    /// Number of corrections after which the pose of a relaxed axle had settled (module `least_energy`). 0 for other suspensions.
+    /// Number of corrections after which the pose of an axle on five links had converged (module `least_energy`). 0 for
+    /// other suspensions.
     pub(super) rounds: usize,
 }
 
@@ -83,7 +84,7 @@ impl Linearised {
 }
 
 impl Assembler {
-    /// Prepares to assemble builds of a suspension. Fails if its nominal design cannot move.
+    /// Prepares to assemble builds of a suspension. Fails if the nominal design cannot move.
     pub fn new(suspension: &Suspension) -> Result<Self, DesignFault> {
         let suspension = with_eye(with_spindle(suspension));
         let (mechanism, design) = (&suspension.mechanism, &suspension.design);
@@ -130,7 +131,7 @@ impl Assembler {
     }
 
     /// Nominal suspension. Its spin axis always runs through a point of the carrier. If the study gives static camber and
-    /// toe instead, the assembler adds `spindle_inner`.
+    /// toe instead of such a point, the assembler adds the point `spindle_inner`.
     pub fn suspension(&self) -> &Suspension {
         &self.suspension
     }
@@ -158,8 +159,8 @@ impl Assembler {
         self.rounding
     }
 
-    /// Assembles parts with the wheel centre `height` above its nominal height, and writes the built design. Returns the tensions
-    /// that the parts cause in the links of a relaxed axle.
+    /// Assembles parts with the wheel centre `height` above its nominal height, and writes the built design. Returns the
+    /// tensions that the parts cause in the links of an axle on five links.
     pub fn assemble(
         &self,
         parts: &Parts<f64>,
@@ -178,7 +179,7 @@ impl Assembler {
         Ok(self.tensions(parts, height, &at))
     }
 
-    /// Writes the built design of parts in their pose. Fails if a rod is too short or too long.
+    /// Writes the built design of parts whose pose is known. Fails if a rod is too short or too long.
     pub(super) fn place_checked(
         &self,
         parts: &Parts<f64>,
@@ -190,8 +191,8 @@ impl Assembler {
         self.check_rods(into)
     }
 
-    /// Checks that every member has a positive length, and names the first member that does not. The equations
-    /// contain squares of lengths, so they would accept a negative length.
+    /// Checks that every member has a positive length. The error names the first member that does not. The closure
+    /// equations contain squares of lengths, so they would accept a negative length.
     fn check_lengths(&self, parts: &Parts<f64>) -> Result<(), AssemblyError> {
         let mut pairs = parts.lengths.iter().zip(&self.drawn.lengths);
         // Only rods have a length; other constraints store 0.
@@ -223,8 +224,8 @@ impl Assembler {
         correction.each(|c| c.partials[0])
     }
 
-    /// Returns the pose of the carrier, starting from the nominal pose. For a solid axle, this function and those
-    /// below take the parts that [`Assembler::turned`] returns.
+    /// Returns the pose of the carrier, starting from the nominal pose. For a solid axle, `parts` must be the parts that
+    /// [`Assembler::turned`] returns, here and in the functions below.
     pub(crate) fn pose(&self, parts: &Parts<f64>, height: f64) -> Result<Pose<f64>, AssemblyError> {
         if self.suspension.mechanism.has_extra_links() {
             return Ok(self.position(parts, height)?.pose);
@@ -235,7 +236,7 @@ impl Assembler {
         }
     }
 
-    /// Returns the pose of the carrier with the inverse of its Jacobian, starting from the nominal pose.
+    /// Returns the pose of the carrier and the inverse of the Jacobian there, starting from the nominal pose.
     pub(super) fn position(
         &self,
         parts: &Parts<f64>,
@@ -252,7 +253,7 @@ impl Assembler {
         }
     }
 
-    /// Pose of parts near a known one, with the inverse of its Jacobian.
+    /// Returns the pose of parts, starting from a nearby known pose, and the inverse of the Jacobian there.
     fn next(&self, parts: &Parts<f64>, height: f64, from: &Linearised) -> Option<Linearised> {
         if self.suspension.mechanism.has_extra_links() {
             return self.relax(parts, height, from);
@@ -261,7 +262,7 @@ impl Assembler {
         self.linearise(parts, &pose)
     }
 
-    /// Changes the nominal parts to the given parts step by step, and follows the pose.
+    /// Changes the nominal parts to the given parts step by step, and computes the pose after each step.
     fn approach(&self, parts: &Parts<f64>, height: f64) -> Result<Linearised, AssemblyError> {
         let (mut reached, mut step) = (0.0, 0.25_f64);
         let mut place = self.home;
@@ -306,8 +307,8 @@ impl Assembler {
         }
     }
 
-    /// Finds the pose of parts by corrections from a known pose. If there is an alignment, the parts receive its
-    /// adjustments.
+    /// Finds the pose of parts by corrections from a known pose. If there is an alignment, its adjustments are added to
+    /// the parts.
     pub(super) fn settle(
         &self,
         parts: &mut Parts<f64>,
@@ -361,8 +362,8 @@ impl Assembler {
         )
     }
 
-    /// Equation that holds the wheel centre at a height above its nominal height. The position of the wheel centre in
-    /// the carrier is that of the parts. Both wheel centres of a solid axle have this height.
+    /// Equation that keeps the wheel centre at `height` above its nominal height. `parts` gives the position of the wheel
+    /// centre in the carrier. On a solid axle, both wheel centres have this height.
     #[inline(always)]
     fn driver<T: Real>(&self, parts: &Parts<T>, height: T) -> Driver<T> {
         if self.suspension.mechanism.rigid_axle.is_some() {
@@ -387,13 +388,12 @@ impl Assembler {
         )
     }
 
-    /// Closure equations of parts.
+    /// Returns the closure equations of parts.
     pub(crate) fn closure<T: Real>(&self, parts: &Parts<T>) -> Closure<T> {
         self.closure_in(parts, &mut Vec::new())
     }
 
-    /// Position of a point in the undisplaced carrier. For a point of the body it is the nominal position of its
-    /// counterpart.
+    /// Returns the position of a point in the undisplaced carrier. For a point of the body, it is the nominal position.
     #[inline(always)]
     pub(super) fn in_carrier<T: Real>(&self, parts: &Parts<T>, number: usize) -> Vector3<T> {
         let mechanism = &self.suspension.mechanism;
@@ -409,14 +409,14 @@ impl Assembler {
         }
     }
 
-    /// Returns a pose with the inverse of its Jacobian. `None` if the Jacobian is singular.
+    /// Returns a pose with the inverse of the Jacobian there. `None` if the Jacobian is singular.
     pub(crate) fn linearise(&self, parts: &Parts<f64>, pose: &Pose<f64>) -> Option<Linearised> {
         let at = self.configuration(parts, pose);
         let jacobian = self.closure(parts).jacobian(&at, Driver::Travel(0.0));
         Linearised::of(*pose, jacobian, self.size)
     }
 
-    /// Returns the pose in another number type. One correction per order makes its derivatives exact.
+    /// Returns the pose in another number type. One correction per order makes the derivatives exact.
     pub(crate) fn pose_series<T: Real>(
         &self,
         parts: &Parts<T>,

@@ -6,14 +6,14 @@ use crate::model::Rod;
 /// Reason why parts cannot be assembled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum AssemblyError {
-    /// Between the nominal parts and the built parts, the mechanism reaches a singular position. Beyond this
-    /// position, the links are too short or too long.
+    /// The mechanism reaches a singular position when its dimensions are changed from the nominal to the built parts.
+    /// Beyond this position, the links are too short or too long.
     #[error(
         "the links cannot reach: the mechanism can be assembled with up to {:.0} % of these deviations",
         100.0 * share
     )]
     OutOfReach {
-        /// Share of the deviations up to which the mechanism can be assembled, from 0 to 1.
+        /// Largest fraction of the deviations with which the mechanism can be assembled, from 0 to 1.
         share: f64,
     },
     /// The rod of a rocker is too short or too long, or at a toggle.
@@ -22,7 +22,7 @@ pub enum AssemblyError {
     /// The named member would have a length of zero or less.
     #[error("{0} would have no length")]
     NoLength(String),
-    /// The spring does not have its length at any height near the nominal height.
+    /// At no height near the nominal height does the spring have its required length.
     #[error("the spring does not have its required length at any height near the design height")]
     Spring,
     /// Toe and camber cannot be set to their nominal values.

@@ -1,14 +1,15 @@
 //! Points in a build that are not on the knuckle: points of arms, rockers, struts and axles.
 //!
-//! A rocker of an independent wheel does not hold the knuckle, so its angle is computed after the knuckle's pose. A
-//! rocker of a solid axle (Watt linkage, steered knuckles) holds the axle. The closure equations of such an axle use
-//! positions in which every rod has its own length. These positions are the points of the parts with the axle in its
-//! nominal pose ([`Assembler::turned`]). From them, the equations of designs turn the rockers in any pose of the axle.
+//! A rocker of an independent wheel does not locate the knuckle, so its angle is computed after the knuckle's pose.
+//! Rockers of a solid axle (Watt linkage, steered knuckles) locate the axle. The closure equations of such an axle use
+//! positions in which every rod has its own length. [`Assembler::turned`] computes these positions, with the axle in its
+//! nominal pose. From these positions, the same equations as for designs give the angles of the rockers in any pose of
+//! the axle.
 //!
-//! The far half of a twist beam is such a rocker. Its axis is the hinge at the shear centre, which both halves share.
-//! In a build the mounts are points of the body. A point of the near arm ([`TwistBeam::eye`]) coincides with its
-//! mount in the design. The rubber lets both arms move sideways until their displacements against the mounts are
-//! equal and opposite. Let y_n and y_f be the sideways positions of the arms at the mounts Y_n and Y_f:
+//! The far half of a twist beam is such a rocker. Its axis is the hinge at the shear centre, which connects both halves.
+//! In a build the mounts are points of the body. In the design, a point of the near arm ([`TwistBeam::eye`]) coincides
+//! with the mount of this arm. The rubber lets both arms move sideways, by equal and opposite displacements relative to
+//! the mounts. Let y_n and y_f be the sideways positions of the arms at the mounts Y_n and Y_f:
 //!
 //! ```text
 //! y_n - Y_n = -(y_f - Y_f),   so y_n + y_f = Y_n + Y_f                                         (1)
@@ -28,8 +29,8 @@ use crate::number::{Each, Matrix3, Real, Vector3};
 use std::borrow::Cow;
 
 impl Assembler {
-    /// Parts of a solid axle with every rocker turned in the axle's nominal pose until its rod has its length. Parts
-    /// of other suspensions stay as they are.
+    /// Returns the parts of a solid axle after rotating its rockers: with the axle in its nominal pose, every rod has its
+    /// own length. Parts of other suspensions are returned unchanged.
     pub(super) fn turned<'p, T: Real>(&self, parts: &'p Parts<T>) -> Cow<'p, Parts<T>> {
         let mut turned = Cow::Borrowed(parts);
         if self.suspension().mechanism.rigid_axle.is_some() {
@@ -38,7 +39,7 @@ impl Assembler {
         turned
     }
 
-    /// Turns the rockers in place, as [`Assembler::turned`] does for a copy.
+    /// Rotates the rockers in place, as [`Assembler::turned`] does for a copy.
     #[inline(always)]
     pub(super) fn turn_rockers<T: Real>(&self, parts: &mut Parts<T>) {
         let mechanism = &self.suspension().mechanism;
@@ -63,9 +64,9 @@ impl Assembler {
         }
     }
 
-    /// Turns the far half of a twist beam about the hinge, with the near half in its nominal pose. The far mount is then as
-    /// near to its position on the body as the hinge allows. The far half keeps its shape, including the distances of
-    /// its mount from the points of the hinge.
+    /// Rotates the far half of a twist beam about the hinge, with the near half in its nominal pose. Then the mount of
+    /// the far half is as near to its position on the body as the hinge allows. The far half keeps its shape, so the
+    /// distances between this mount and the points of the hinge stay the same.
     #[inline(always)]
     fn turn_far_half<T: Real>(&self, beam: &TwistBeam, parts: &mut Parts<T>) {
         let mechanism = &self.suspension().mechanism;
@@ -85,7 +86,8 @@ impl Assembler {
         }
     }
 
-    /// Names a rod of a solid axle that is too short or too long. [`Assembler::turned`] gives `parts`.
+    /// Returns an error that names a rod of a solid axle if this rod is too short or too long. `parts` must come from
+    /// [`Assembler::turned`].
     pub(super) fn check_turned(&self, parts: &Parts<f64>) -> Result<(), AssemblyError> {
         let mechanism = &self.suspension().mechanism;
         if mechanism.rigid_axle.is_none() {
@@ -98,8 +100,8 @@ impl Assembler {
         }
     }
 
-    /// Writes the built design: positions of all points of parts, assembled in a pose of the carrier. For a solid axle,
-    /// [`Assembler::turned`] gives the parts.
+    /// Writes the built design: positions of all points of parts that are assembled in a pose of the carrier. For a solid
+    /// axle, `parts` must come from [`Assembler::turned`].
     #[inline(always)]
     pub(crate) fn place<T: Real>(&self, parts: &Parts<T>, pose: &Pose<T>, into: &mut [Vector3<T>]) {
         let mechanism = &self.suspension().mechanism;
@@ -129,7 +131,7 @@ impl Assembler {
             if let Some(steering) = &rigid.steering {
                 steering.displace(into[0].x.zero(), into);
             }
-            // The rubber of a twist beam's mount follows the arm sideways.
+            // The rubber at the mount of a twist beam moves sideways with the arm.
             if let Some((beam, eye)) = rigid.twist_beam.and_then(|beam| Some((beam, beam.eye?))) {
                 into[beam.mount.0] = into[eye.0];
             }
@@ -146,7 +148,7 @@ impl Assembler {
         }
     }
 
-    /// Names a rod that is too short or too long.
+    /// Returns an error that names a rod if this rod is too short or too long.
     pub(super) fn check_rods(&self, built: &[Vector3<f64>]) -> Result<(), AssemblyError> {
         for rocker in &self.suspension().mechanism.rockers {
             let inner = built[rocker.inner.0];
@@ -158,7 +160,7 @@ impl Assembler {
     }
 }
 
-/// A rocker of a build, turned by its rod.
+/// A rocker of a build, at the angle that the length of its rod requires.
 struct BuiltRocker<T> {
     first: Vector3<T>,
     drawn_first: Vector3<T>,
@@ -167,7 +169,7 @@ struct BuiltRocker<T> {
 }
 
 impl<T: Real> BuiltRocker<T> {
-    /// A rocker whose rod has this length, with the other end of the rod at `outer_now`.
+    /// Makes a rocker whose rod has this length. `outer_now` is the other end of the rod.
     #[inline(always)]
     fn of(rocker: &Rocker, parts: &Parts<T>, length: T, outer_now: Vector3<T>) -> Self {
         let drawn = |id: PointId| parts.drawn[id.0];
@@ -187,7 +189,7 @@ impl<T: Real> BuiltRocker<T> {
         }
     }
 
-    /// Position of a point of the rocker, from its position in the undisplaced part.
+    /// Returns the position of a point of the rocker after the rotation. `point` is its position in the undisplaced part.
     #[inline(always)]
     fn place(&self, point: Vector3<T>) -> Vector3<T> {
         self.turn
@@ -195,7 +197,8 @@ impl<T: Real> BuiltRocker<T> {
     }
 }
 
-/// Frame of an arm: its outer joint, the direction of its axis, and the direction from the axis to the joint.
+/// Frame of an arm. The origin is the outer joint. The axes are the direction of the arm's axis and the direction from
+/// this axis to the joint.
 struct ArmFrame<T> {
     origin: Vector3<T>,
     axes: Matrix3<T>,
@@ -215,21 +218,21 @@ impl<T: Real> ArmFrame<T> {
         }
     }
 
-    /// Coordinates of a point in the frame.
+    /// Returns the coordinates of a point in the frame.
     #[inline(always)]
     fn read(&self, point: Vector3<T>) -> Vector3<T> {
         self.axes.apply_transposed(point - self.origin)
     }
 
-    /// Point with these coordinates.
+    /// Returns the point with these coordinates.
     #[inline(always)]
     fn place(&self, coordinates: Vector3<T>) -> Vector3<T> {
         self.origin + self.axes.apply(coordinates)
     }
 }
 
-/// Smallest rotation from one direction to another. With k = a x b and c = a.b of the unit vectors a and b, it takes v to
-/// v + k x v + k x (k x v)/(1 + c).
+/// Smallest rotation that turns one direction (unit vector a) into another one (unit vector b). With k = a x b and c =
+/// a.b, a vector v becomes v + k x v + k x (k x v)/(1 + c).
 struct Tilt<T> {
     across: Vector3<T>,
     factor: T,
@@ -253,8 +256,9 @@ impl<T: Real> Tilt<T> {
     }
 }
 
-/// The suspension with a point of the carrier on its spin axis. In a built carrier the point keeps its position relative to the
-/// wheel centre, so its distance from the centre has no effect. A solid axle has such a point at both wheels.
+/// Returns the suspension with an additional point of the carrier on the spin axis. In a built carrier the point keeps
+/// its position relative to the wheel centre. The distance between both points has no effect. A solid axle gets such a
+/// point at each wheel.
 pub(super) fn with_spindle(suspension: &Suspension) -> Suspension {
     let mut suspension = suspension.clone();
     if let SpinAxis::Along(direction) = suspension.mechanism.spin_axis {
@@ -287,8 +291,9 @@ pub(super) fn with_spindle(suspension: &Suspension) -> Suspension {
     suspension
 }
 
-/// The suspension of a twist beam with a point of the near arm at its mount. The mount is then a point of the body
-/// alone. The points of the hinge move together. Other suspensions stay as they are.
+/// Returns the suspension of a twist beam with an additional point: the point of the near arm at the mount of this arm.
+/// The mount is then a point of the body only. The points of the hinge move together. Other suspensions are returned
+/// unchanged.
 pub(super) fn with_eye(mut suspension: Suspension) -> Suspension {
     let mechanism = &mut suspension.mechanism;
     let beam = mechanism

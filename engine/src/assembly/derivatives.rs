@@ -61,8 +61,8 @@ pub fn built_curves(
         for s in &sensitivities {
             let along = moves[s.point.0][s.axis];
             let sign = suspension.frame.sign(s.axis);
-            // A point that does not move contributes nothing, even if the sensitivity with respect to this point has no
-            // value.
+            // If a point does not move, it contributes nothing, even if the sensitivity with respect to this point is not
+            // defined.
             if along != 0.0 {
                 of_direction[s.station * columns + s.column] += s.value * sign * along;
             }

@@ -1,7 +1,7 @@
 //! Assembly of a solid axle with five links, one more than rigid links allow.
 //!
 //! Five lengths and the heights of both wheel centres are seven conditions on the six unknowns of the axle's pose q.
-//! Parts with deviations therefore meet only if their links stretch. Link i has the distance l_i between its ends,
+//! Parts with deviations therefore fit together only if the links stretch. Link i has the distance l_i between its ends,
 //! the length L_i without force, the softness c_i (inverse stiffness) and the tension t_i. The wheel centres have
 //! heights z_k, and vertical forces f_k act there:
 //! ```text
@@ -9,9 +9,9 @@
 //! sum t_i dl_i/dq + sum f_k dz_k/dq = 0                                                        (2)
 //! ```
 //!
-//! The solution is the pose with the least energy of the links, sum c_i t_i^2/2, while a jig holds both heights. The
-//! link without constraint is number 5. J has the gradients of the first four distances and of both heights as its
-//! rows. Equation (2) then leaves one free number t_5, and
+//! The solution is the pose with the least energy of the links, sum c_i t_i^2/2, while a jig holds both heights. Link
+//! number 5 has no constraint in the mechanism. The rows of J are the gradients of the first four distances and of both
+//! heights. Equation (2) then leaves one free number t_5, and
 //!
 //! ```text
 //! t_i = s_i t_5,   J's = -dl_5/dq,   s_5 = 1                                                   (3)
@@ -19,15 +19,16 @@
 //! q <- q - J^-1 (l_i - L_i - c_i t_i, z_k - h_k)                                               (5)
 //! ```
 //!
-//! By (3), sum s_i l_i changes only to second order with q. So an error of q changes (4) by its square. Each
-//! correction (5) reduces the error to a share of about c_i t_i/l_i: one thousandth for usual parts. For derivative
-//! numbers, s follows from the corrections
+//! Because of (3), the sum of s_i l_i has no first derivative with respect to q. So an error of q changes t_5 in (4) only
+//! by the square of that error. Each correction (5) multiplies the error by about c_i t_i/l_i: one thousandth for usual
+//! parts. For derivative numbers, s is found by the corrections
 //!
 //! ```text
 //! s <- s - J0'^-1 (J's + dl_5/dq)                                                              (6)
 //! ```
 //!
-//! with J0 of the assembled parts. The corrections (5) and (6) settle together, as fast as (5) did for plain numbers.
+//! with J0, the matrix J of the assembled parts. The corrections (5) and (6) converge together, as fast as (5) alone for
+//! plain numbers.
 
 use super::assembler::{Assembler, Linearised};
 use super::parts::{Member, Parts};
@@ -44,14 +45,14 @@ const LINKS: usize = 5;
 const EXTRA: usize = LINKS - 1;
 /// Largest number of corrections (5).
 const MOST_ROUNDS: usize = 40;
-/// Largest move of the axle in the first correction, relative to its size.
+/// Largest move of the axle in the first correction, relative to the axle's size.
 const FARTHEST: f64 = 0.2;
 
 /// Tensions of the five links of an assembled axle: first the links with constraints, in their order, then the link
-/// without constraint. `None` if rigid links fit.
+/// without constraint. `None` for a mechanism without an extra link.
 pub type Tensions<T = f64> = Option<[T; LINKS]>;
 
-/// Deviations from (1) in a pose, with the gradients with respect to the pose.
+/// Deviations from (1) in a pose, and the gradients of these deviations with respect to the pose.
 struct Rows<T> {
     /// Differences l_i - L_i.
     stretches: [T; LINKS],
@@ -70,7 +71,7 @@ impl<T: Real> Rows<T> {
         })
     }
 
-    /// Tensions of equations (3) and (4), from the shares s of the six rows of J.
+    /// Returns the tensions of equations (3) and (4). `shares` holds the six numbers s, one for each row of J.
     fn tensions(&self, shares: &Vector6<T>, softness: &[f64; LINKS]) -> [T; LINKS] {
         let one = self.stretches[0].one();
         let shares: [T; LINKS] = array_of(|i| if i == EXTRA { one } else { shares[i] });
@@ -121,8 +122,8 @@ fn moved<T: Real>(pose: &Pose<T>, correction: Vector6<T>) -> Pose<T> {
 }
 
 impl Assembler {
-    /// Makes the assembler of an axle, in the mechanism of the wheel on `side`. On an axle on five links, the links
-    /// share the misfit of the parts according to their stiffness.
+    /// Makes the assembler of an axle. `side` selects the wheel whose mechanism is assembled. On an axle on five links,
+    /// deviations of the parts stretch the links according to the stiffness of each link.
     pub fn of_axle(axle: &Axle, side: Side) -> Result<Self, DesignFault> {
         let suspension = axle.suspension(side);
         let mut assembler = Assembler::new(suspension)?;
@@ -134,7 +135,7 @@ impl Assembler {
         Ok(assembler)
     }
 
-    /// Softnesses of the links.
+    /// Softnesses of the links: length by which a unit tension stretches the link.
     fn softness<T>(&self, parts: &Parts<T>) -> [f64; LINKS] {
         let mechanism = &self.suspension().mechanism;
         let mut softness = [1.0; LINKS];
@@ -200,7 +201,8 @@ impl Assembler {
             let size = Vector3::new(x, y, z).norm().max(turn);
             let ahead = size * (size / before).min(1.0);
             if ahead < self.rounding() && size <= before {
-                // The last correction is below rounding, so the inverse from the pose before it is accurate enough.
+                // The last correction is smaller than rounding errors, so the inverse from the pose before it is accurate
+                // enough.
                 at.pose = moved(&pose, correction);
                 at.rounds = round + 1;
                 return Some(at);
@@ -215,7 +217,7 @@ impl Assembler {
         None
     }
 
-    /// Returns the assembled pose in another number type, with the tensions of the links. Its values are those of
+    /// Returns the assembled pose in another number type, with the tensions of the links. The pose has the values of
     /// `at`.
     pub(super) fn relaxed_series<T: Real>(
         &self,
@@ -240,15 +242,15 @@ impl Assembler {
         }
     }
 
-    /// Tensions of the links of assembled parts. `None` if rigid links fit.
+    /// Returns the tensions of the links of assembled parts. `None` for a mechanism without an extra link.
     pub(crate) fn tensions(&self, parts: &Parts<f64>, height: f64, at: &Linearised) -> Tensions {
         let is_relaxed = self.suspension().mechanism.has_extra_links();
         is_relaxed.then(|| self.relaxed_series(parts, height, at, 0).1)
     }
 }
 
-/// Links of the elastic parts of an axle, in the mechanism as seen from the wheel of a side: the tension as an input,
-/// and the ends of the link.
+/// Returns the links among the elastic parts of an axle, in the mechanism as seen from the wheel of one side. Each link
+/// has its tension as an input, and its two ends.
 fn links(
     parts: &AxleCompliance,
     mechanism: &Mechanism,
@@ -274,7 +276,8 @@ fn links(
     found
 }
 
-/// Softnesses of all members of an axle as seen from the wheel of a side, in the order of [`Parts::lengths`]. 0 for rigid ones.
+/// Returns the softnesses of all members of an axle as seen from the wheel of one side, in the order of
+/// [`Parts::lengths`]. 0 for rigid members.
 fn softness(parts: &AxleCompliance, suspension: &Suspension, view: Side) -> Vec<f64> {
     let mechanism = &suspension.mechanism;
     let design = &suspension.design;
@@ -305,7 +308,7 @@ pub(crate) struct TensionInput {
     pub(crate) nominal: f64,
 }
 
-/// Tensions of the elastic links of an axle as inputs. Empty if rigid links fit.
+/// Returns the tensions of the elastic links of an axle as inputs. Empty if the axle has no extra link.
 pub(crate) fn tension_inputs(axle: &Axle) -> Vec<TensionInput> {
     let mechanism = &axle.left.mechanism;
     let Some(elastic) = axle

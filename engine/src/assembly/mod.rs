@@ -1,10 +1,11 @@
 //! Mechanisms as built: a suspension of actual parts, not of the nominal design.
 //!
-//! The nominal design gives points, and these define lengths and shapes. The actual parts deviate a little: points of the
-//! body, lengths of members, shapes of carriers ([`Parts`]). The [`Assembler`] assembles the parts with the wheel centre at
-//! its height. Their points then lie near the nominal ones. These positions are a design, too, the *built design*: the
-//! nominal design of a mechanism with exactly these parts in this static position. So all methods for designs (poses, lanes,
-//! derivatives, limits, certificates) apply to built mechanisms without further formulas.
+//! The nominal design consists of points. They define the lengths and shapes of the parts. The actual parts deviate a
+//! little: points of the body, lengths of members, shapes of carriers ([`Parts`]). The [`Assembler`] assembles the actual
+//! parts with the wheel centre at a given height. The points of the assembled parts lie near the nominal points. Their
+//! positions are a design, too: the *built design*. It is the nominal design of a mechanism with exactly these parts in
+//! this static position. So all methods for designs (poses, SIMD lanes, derivatives, limits, certificates) also work for
+//! built mechanisms, without further formulas.
 //!
 //! With x the parts and p(x) the built design, every output y of the mechanism has
 //!
@@ -12,15 +13,16 @@
 //! dy/dx = dy/dp dp/dx
 //! ```
 //!
-//! dy/dp is the adjoint of designs ([`mod@crate::derive`]), dp/dx the derivative of the assembly. In every build,
+//! dy/dp comes from the adjoint method for designs ([`mod@crate::derive`]), dp/dx is the derivative of the assembly. In
+//! every build,
 //!
 //! - the wheel centre is at its nominal height at travel 0,
 //! - the rack is at 0,
 //! - points of the body do not move,
 //! - the spindle is fixed in its carrier.
 //!
-//! Changes "since the design position" (half-track change, angles of arms and rockers) count from the static position of the
-//! built mechanism.
+//! Changes "since the design position" (half-track change, angles of arms and rockers) are measured from the static
+//! position of the built mechanism.
 
 mod alignment;
 mod assembler;

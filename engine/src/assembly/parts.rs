@@ -6,7 +6,7 @@ use crate::number::{Each, Real, SimdReal, Vector3};
 /// A member with its own length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Member {
-    /// A rod or a leg of an arm, by the index of its constraint in [`Mechanism::constraints`].
+    /// A rod or a leg of an arm. The number is the index of its constraint in [`Mechanism::constraints`].
     Link(usize),
     /// The rod of a rocker.
     Rod(RockerId),
@@ -17,7 +17,8 @@ pub enum Member {
 }
 
 impl Member {
-    /// Members of a mechanism with their names: those in the columns of loads, and `pushrod`, `pullrod`, `drop_link`.
+    /// Returns the members of a mechanism with their names. Links are named as in the columns of loads. Rods are named
+    /// `pushrod`, `pullrod` or `drop_link`.
     pub fn all(mechanism: &Mechanism) -> Vec<(String, Member)> {
         let links = Member::links(mechanism).map(|(link, [inner, _])| {
             let name = mechanism.link_name(inner);
@@ -31,7 +32,7 @@ impl Member {
         links.chain(rods).collect()
     }
 
-    /// Links with their ends. The links without constraint come last.
+    /// Returns all links with their ends. The links without constraint come last.
     pub(crate) fn links(
         mechanism: &Mechanism,
     ) -> impl Iterator<Item = (Member, [PointId; 2])> + '_ {
@@ -44,7 +45,7 @@ impl Member {
         held.chain(extra.map(|(number, ends)| (Member::Extra(number), *ends)))
     }
 
-    /// Both ends of the member. The end nearer to the body comes first.
+    /// Returns the two ends of the member. The end nearer to the body comes first.
     pub fn ends(self, mechanism: &Mechanism) -> Option<(PointId, PointId)> {
         match self {
             Member::Link(number) => match mechanism.constraints[number] {
@@ -62,14 +63,14 @@ impl Member {
         }
     }
 
-    /// Writes the length of the member in a design.
+    /// Writes the length that the member has in `design` to `lengths`.
     fn cut<T: Real>(self, mechanism: &Mechanism, design: &[Vector3<T>], lengths: &mut [T]) {
         if let Some((inner, outer)) = self.ends(mechanism) {
             lengths[self.place(mechanism)] = (design[outer.0] - design[inner.0]).norm();
         }
     }
 
-    /// Index in [`Parts::lengths`].
+    /// Returns the index of the member in [`Parts::lengths`].
     #[inline(always)]
     pub(crate) fn place(self, mechanism: &Mechanism) -> usize {
         match self {
@@ -83,8 +84,8 @@ impl Member {
 /// A dimension of the parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BuildParameter {
-    /// A coordinate of a point in its part, in the kernel's frame. The part is the body, or a carrier in its nominal
-    /// position. The end of a member is a point of the part that it is fixed to.
+    /// A coordinate of a point of a part, in the kernel's frame. The part is the body, or a carrier in its nominal
+    /// position. The end of a member is a point of the part to which the member is fixed.
     Coordinate(PointId, Axis),
     /// The length of a member.
     Length(Member),
@@ -109,8 +110,8 @@ impl BuildParameter {
         }
     }
 
-    /// The same dimension of a solid axle in the mechanism of its other wheel, and the factor from a change here to a change
-    /// there. `None` if that wheel's mechanism does not have the part.
+    /// Returns the same dimension of a solid axle in the mechanism of the other wheel. The factor converts a change here
+    /// to a change there. `None` if that wheel's mechanism does not have the part.
     pub(crate) fn seen_from_other(self, mechanism: &Mechanism) -> Option<(BuildParameter, f64)> {
         let rigid = mechanism.rigid_axle.as_ref()?;
         match self {
@@ -126,7 +127,7 @@ impl BuildParameter {
                 let (other, _) = Member::links(mechanism).find(|(_, own)| *own == ends)?;
                 Some((BuildParameter::Length(other), 1.0))
             }
-            // The mechanism of each wheel contains only its own lever of the anti-roll bar.
+            // The mechanism of each wheel contains only the lever of the anti-roll bar on its own side.
             BuildParameter::Length(_) => self.is_single(mechanism).then_some((self, 1.0)),
         }
     }
@@ -135,13 +136,13 @@ impl BuildParameter {
 /// Dimensions of all parts, over any number type.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parts<T> {
-    /// Position of every point in its part: the body, or its carrier in its nominal position.
+    /// Position of every point in its part. The part is the body, or a carrier in its nominal position.
     pub points: Vec<Vector3<T>>,
     /// Lengths of members: first by the index of the constraint, then rods of rockers, then links without constraint.
     /// 0 for a constraint that is not a rod.
     pub lengths: Vec<T>,
-    /// Length by which a unit tension stretches each member, in the order of the lengths. Empty unless an axle has
-    /// more links than rigid links allow.
+    /// Length by which a unit tension stretches each member, in the order of `lengths`. Empty unless an axle has more
+    /// links than rigid links allow.
     pub softness: Vec<f64>,
     /// Nominal position of every point. Carriers are defined in their nominal position.
     pub drawn: Vec<Vector3<T>>,
@@ -165,7 +166,7 @@ impl Parts<f64> {
 }
 
 impl Parts<f64> {
-    /// The same parts in every lane.
+    /// Copies the parts to every SIMD lane.
     #[inline(always)]
     pub(crate) fn in_lanes<B: SimdReal>(&self, like: B) -> Parts<B> {
         let shape = Vector3::new(like, like, like);
@@ -207,8 +208,8 @@ impl<T: Real> Parts<T> {
         }
     }
 
-    /// Changes a dimension. If the study gives the spin axis by angles, the axis moves parallel with the wheel
-    /// centre. A sideways change of a twist beam's mount acts at the far mount, by (1) of module `carriers`.
+    /// Changes a dimension. If the study defines the spin axis by angles, this axis moves with the wheel centre and does
+    /// not rotate. A sideways change of a twist beam's mount is applied at the far mount, by (1) of module `carriers`.
     #[inline(always)]
     pub fn change(&mut self, mechanism: &Mechanism, parameter: BuildParameter, by: T) {
         match parameter {
@@ -243,7 +244,7 @@ impl<T: Real> Parts<T> {
 }
 
 impl<B: SimdReal> Parts<B> {
-    /// Sets these parts to the nominal parts `drawn` plus scatter, one build per lane. Each tolerance source lists
+    /// Sets these parts to the nominal parts `drawn` plus scatter, one build per SIMD lane. Each tolerance source lists
     /// the dimensions that change with one random number, with the change per unit. `draws` holds the random numbers,
     /// `[source][build]`. `first` is the index of the first build, and `stride` the distance from source to source.
     #[inline(always)]

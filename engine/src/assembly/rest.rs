@@ -13,8 +13,8 @@ use crate::number::{Dual, Each, Jet, Matrix3, Real, Vector3};
 pub enum Rest {
     /// The workshop sets the height. The value is the difference from the nominal height, positive upwards.
     Height(f64),
-    /// The spring's length sets the height. The value is the difference from the nominal length, seat to seat. The
-    /// value is 0 if only parts between spring and arm change, such as a pushrod.
+    /// The spring's length sets the height. The value is the difference from the nominal length between the spring's
+    /// ends. The value is 0 if only parts between spring and arm change, such as a pushrod.
     Spring(f64),
 }
 
@@ -29,7 +29,7 @@ pub struct Built {
     pub rest: Rest,
     /// Height of the wheel centre above its nominal height.
     pub height: f64,
-    /// Tensions that the parts cause in the links of a relaxed axle.
+    /// Tensions that the parts cause in the links of an axle on five links.
     pub tensions: Tensions,
     at: Linearised,
 }
@@ -78,7 +78,8 @@ impl Assembler {
         Ok(())
     }
 
-    /// Applies Newton's method to the height. The function shortens steps that the mechanism cannot follow.
+    /// Finds the height at which the spring has the length `wanted`, by Newton's method. Halves a step if the parts
+    /// cannot be assembled after it.
     fn settle_on_spring(&self, built: &mut Built, wanted: f64) -> Result<(), AssemblyError> {
         self.rebuild(built, 0.0)?;
         let size = self.suspension().size();
@@ -91,7 +92,7 @@ impl Assembler {
             if step.is_nan() || step.abs() > size {
                 return Err(AssemblyError::Spring);
             }
-            // Accepts the last step if steps no longer halve, because the rest is rounding error.
+            // If steps no longer halve, the remaining error is rounding, and the last step is accepted.
             if step.abs() <= 1e-13 * size || (step.abs() <= 1e-10 * size && step.abs() >= before) {
                 return Ok(());
             }
@@ -107,15 +108,16 @@ impl Assembler {
         Err(AssemblyError::Spring)
     }
 
-    /// Length of the spring, and its derivative along a direction of the parts with `rise` as the derivative of the height.
+    /// Returns the length of the spring, and the derivative of this length along a direction of the parts. `rise` is the
+    /// derivative of the height along this direction.
     fn spring_by(&self, built: &Built, direction: &Direction, rise: f64) -> Option<[f64; 2]> {
         let (_, design) = self.design_along(built, dual, 1, direction, rise);
         let length = self.suspension().spring_length(&design)?;
         Some([length.value, length.partials[0]])
     }
 
-    /// Pose of the carrier and built design along a direction, in another number type. `number` makes a number from a
-    /// value and its slope.
+    /// Returns the pose of the carrier and the built design in another number type, with their derivatives along a
+    /// direction. `number` makes a number from a value and a derivative.
     fn design_along<T: Real>(
         &self,
         built: &Built,
@@ -158,7 +160,8 @@ impl Assembler {
         self.placed_series(built, parts, height, orders).1
     }
 
-    /// Derivatives of the static height and of every point of the built design along a direction of the parts.
+    /// Returns the derivatives of every point of the built design and of the static height along a direction of the
+    /// parts.
     pub fn design_by(&self, built: &Built, direction: &Direction) -> (Vec<Vector3<f64>>, f64) {
         let rise = match built.rest {
             Rest::Height(_) => 0.0,
@@ -177,13 +180,15 @@ impl Assembler {
         (slopes.collect(), rise)
     }
 
-    /// Derivatives of every point of the built design as the wheel centre rises, with the same parts.
+    /// Returns the derivatives of every point of the built design with respect to the height of the wheel centre. The
+    /// parts do not change.
     pub(super) fn design_by_height(&self, built: &Built) -> Vec<Vector3<f64>> {
         let (_, design) = self.design_along(built, dual, 1, &[], 1.0);
         design.iter().map(|p| p.map(|c| c.partials[0])).collect()
     }
 
-    /// Derivatives of the tensions in the links of a relaxed axle along a direction of the parts, at constant height.
+    /// Returns the derivatives of the tensions in the links of an axle on five links along a direction of the parts, at
+    /// constant height.
     pub(crate) fn tensions_by(&self, built: &Built, direction: &Direction) -> Tensions {
         built.tensions?;
         let mut parts = built.parts.map(|value| dual(value, 0.0));
@@ -202,9 +207,9 @@ impl Assembler {
         self.design_along(built, number, 2, direction, 0.0).1
     }
 
-    /// Rotation of a solid axle from the nominal design, and displacement of the midpoint between both wheel centres.
-    /// Rotation and displacement have their derivatives along a direction of the parts, at constant height. `None` for
-    /// another suspension.
+    /// Returns the rotation of a solid axle from the nominal design, and the displacement of the midpoint between both
+    /// wheel centres. Both results contain their derivatives along a direction of the parts, at constant height. `None`
+    /// for another suspension.
     pub(super) fn axle_by(
         &self,
         built: &Built,
@@ -222,7 +227,7 @@ impl Assembler {
     }
 }
 
-/// A value and its slope.
+/// Makes a number from a value and its derivative.
 fn dual(value: f64, by: f64) -> Slope {
     Dual {
         value,

@@ -1,4 +1,5 @@
-//! Corrections with one inverse, for one build or for one build per lane.
+//! Corrections of a pose with a constant inverse Jacobian, for one build or for several builds at once (one per SIMD
+//! lane).
 //!
 //! With A the inverse of the Jacobian in a known position, q the pose and F the closure equations of the parts,
 //!
@@ -6,17 +7,18 @@
 //! q <- q - A F(q, parts)                                                                       (1)
 //! ```
 //!
-//! converges faster if the parts are closer to the parts in that position. If toe and camber are set again, adjustments
-//! a of the parts are further unknowns ([`Alignment`]). Then (2) follows (1), with M and T of the nominal design:
+//! converges faster, the closer the parts are to the parts in that position. If toe and camber are set again, adjustments
+//! a of the parts are further unknowns ([`Alignment`]). Then each correction (1) is followed by (2), with the matrices M
+//! and T of the nominal design:
 //!
 //! ```text
 //! da = -M (w(q, parts) - wanted),   parts <- parts + da,   q <- q + T da                       (2)
 //! ```
 //!
 //! T is the derivative of the pose with respect to an adjustment. So (1) and (2) together are Newton's method in all
-//! unknowns, with one inverse. The method continues as long as each correction is at most half of the previous one.
-//! With adjustments, it also continues if a correction is at most a quarter of the one before the previous one. A
-//! settled lane no longer changes, so it depends on its own build alone.
+//! unknowns, with one inverse. The method continues as long as each correction is at most half of the previous one. With
+//! adjustments, it also continues if a correction is at most a quarter of the one before the previous one. A lane that
+//! has settled no longer changes, so its result depends on its own build alone.
 
 use super::alignment::{Alignment, ROUNDING};
 use super::assembler::{Assembler, Linearised};
@@ -30,10 +32,10 @@ use crate::number::{Each, Jet, Matrix3, Outlined, Real, SimdReal, Vector3};
 const MOST_ROUNDS: usize = 40;
 /// Largest move of the carrier in one correction, relative to the mechanism's size, and largest rotation in rad.
 const FARTHEST: f64 = 0.2;
-/// Smallest squared leverage of a rocker of a build in lanes. A rocker with more leverage is far from its toggle.
+/// Smallest squared leverage of a rocker for a build in SIMD lanes. A rocker with more leverage is far from its toggle.
 const LEAST_LEVERAGE: f64 = 0.0625;
 
-/// Settles a pose.
+/// Corrects a pose until the corrections are rounding errors.
 pub(super) struct Settling<'s, B> {
     pub(super) assembler: &'s Assembler,
     /// The parts. If they are aligned, they receive the adjustments.
@@ -63,7 +65,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
         let like = parts.points[0].x;
         let (one, height) = (like.one(), like.constant(height));
         let size = like.constant(assembler.size());
-        // The rounding error of an adjustment comes from the angles that it sets.
+        // The rounding error of an adjustment comes from the angles that the adjustment sets.
         let rounding = like.constant(match alignment {
             None => assembler.rounding(),
             Some(_) => assembler.rounding().max(ROUNDING * assembler.size()),
@@ -99,7 +101,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
                 );
             }
             pose = selected(open, &next, &pose);
-            // Size of the next correction, if it shrinks by the same ratio again.
+            // Size of the next correction, if it is smaller by the same ratio again.
             let ratio = moved / before;
             let ahead = moved * B::select(ratio.less(one), ratio, one);
             let ends = open & ahead.less(rounding) & !before.less(moved);
@@ -123,7 +125,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
     }
 }
 
-/// Work piece that writes the built designs of settled parts.
+/// Task that writes the built designs of settled parts.
 struct Placing<'s, B> {
     assembler: &'s Assembler,
     parts: &'s Parts<B>,
@@ -248,7 +250,7 @@ pub(super) fn larger<B: SimdReal>(a: B, b: B) -> B {
     B::select(a.less(b), b, a)
 }
 
-/// This pose in every lane.
+/// Copies this pose to every SIMD lane.
 #[inline(always)]
 fn constant<B: SimdReal>(like: B, pose: &Pose<f64>) -> Pose<B> {
     let shape = Vector3::new(like, like, like);

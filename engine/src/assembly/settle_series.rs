@@ -1,8 +1,9 @@
-//! Derivatives of built designs with respect to the nominal design, one build per lane.
+//! Derivatives of built designs with respect to the nominal design, one build per SIMD lane.
 //!
-//! The parts are first-order Taylor series p + p' e in one variable of the nominal design. They settle like plain
-//! parts (module `settle`). Each correction uses the inverse of the nominal design. The closer the parts are to
-//! nominal, the more a correction reduces the error of the pose's derivative. The values are already settled.
+//! The parts are first-order Taylor series p + p' e in one variable e of the nominal design. Their poses are corrected
+//! like those of plain parts (module `settle`), but here the values are already settled. Each correction uses the inverse
+//! of the nominal design. The closer the parts are to nominal, the more a correction reduces the error of the pose's
+//! derivative.
 
 use super::alignment::Alignment;
 use super::assembler::Assembler;
@@ -60,7 +61,7 @@ impl<B: SimdReal> Outlined for SettlingSeries<'_, B> {
         let mut settled = like.one().less(like.zero());
         let mut rejected = settled;
         let (mut before, mut earlier) = (like.zero(), like.zero());
-        // If the pose hardly moves, the rates of the parts determine the rounding.
+        // If the pose hardly moves, the derivatives of the parts determine the rounding error.
         let mut largest = like.zero();
         for point in &parts.drawn {
             let rate = Vector3::new(point.x.0[1], point.y.0[1], point.z.0[1]).norm();
@@ -134,7 +135,8 @@ fn constant<B: SimdReal>(pose: &Pose<B>) -> Pose<Series<B>> {
     }
 }
 
-/// Selects per lane: values of `no`; derivatives of `yes` where the mask is set, else of `no`.
+/// Returns the values of `no`. The derivatives are those of `yes` in lanes where the mask is set, and those of `no` in
+/// other lanes.
 #[inline(always)]
 fn selected<B: SimdReal>(
     mask: B::Mask,

@@ -1,25 +1,26 @@
 //! Main effects: how much each variable influences each output.
 //!
-//! The computation uses only designs with a value for every output. It gives two measures. The *change* follows the
-//! least-squares plane through all designs, from the low end of a variable's range to its high end. It has a sign and a unit.
-//! `r2` is the share of the variance that the plane explains. The *share* is the first-order Sobol index S = Var(E[y|x]) /
-//! Var(y): the part of the output's variance that vanishes when this variable is known. It includes curved responses. Shares
-//! need variables that are sampled independently, so designs from a file have no shares.
+//! The computation uses only designs with a value for every output. It gives two measures. The *change* is the change of
+//! the least-squares plane through all designs from the low end of a variable's range to its high end. It has a sign and
+//! a unit. `r2` is the share of the variance that the plane explains. The *share* is the first-order Sobol index S =
+//! Var(E[y|x]) / Var(y): the part of the output's variance that vanishes when this variable is known. It includes curved
+//! responses. Shares need variables that are sampled independently, so designs from a file have no shares.
 //!
 //! For a grid, a share is the exact ratio of sums of squares over the grid (levels beyond 32 are combined). For other
-//! samples, the plane gives its part of the share exactly. Only the part of r, the residual of the output from the plane,
-//! must be distinguished from random variation:
+//! samples, the part of the share that the plane explains is exact. The other part comes from r, the difference between
+//! output and plane. Only this other part must be distinguished from random variation:
 //!
 //! ```text
 //! n Var(E[y|x_j]) = n b_j^2 Var(u_j) + (between levels of x_j, of r),   y = mean + sum b_i u_i + r
 //! ```
 //!
 //! The code subtracts from each of the two terms the value that random variation alone would give. The second term is the
-//! correlation ratio over levels of equal width (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935). About
-//! 1/levels^2 of this term is lost within the levels. The random part becomes smaller if the plane fits better. If designs
-//! fail, or have no value for an output, the variables of the remaining designs are no longer independent. Then the plane's
-//! part cannot be divided among the variables, and the share is the second term for y instead of r. This share is still the
-//! part of the variance that vanishes when this variable is known, but shares may sum up to more than one.
+//! correlation ratio over levels of equal width (T. L. Kelley, An unbiased correlation ratio measure, PNAS 21, 1935).
+//! This term misses the variation within a level: about 1/levels^2 of the term. The better the plane fits, the smaller is
+//! the random part. If designs fail, or have no value for an output, the variables of the remaining designs are no longer
+//! independent. Then the plane's part cannot be divided among the variables, and the share is the second term for y
+//! instead of r. This share is still the part of the variance that vanishes when this variable is known. But the sum of
+//! all shares may exceed one.
 //!
 //! For Saltelli's samples, the share is the mean of (y_B - mean) (y_C - y_A) (A. Saltelli et al., Computer Physics
 //! Communications 181, 2010). The total index is half the mean of (y_A - y_C)^2 (M. J. W. Jansen, Computer Physics
@@ -128,8 +129,8 @@ impl Effects {
     }
 }
 
-/// Sum of squares of an output between the levels of a variable, and number of levels that contain designs. A given plane is
-/// first subtracted from the output.
+/// Returns the sum of squares of an output between the levels of a variable, and the number of levels that contain
+/// designs. A given plane is first subtracted from the output.
 fn between_levels(
     statistics: &SweepStatistics,
     variable: usize,
@@ -154,8 +155,8 @@ fn between_levels(
     (between, met)
 }
 
-/// Sum of squares due to a variable: its part of the plane, and the variation of the plane's residual between the levels of
-/// the variable.
+/// Returns the sum of squares due to a variable. The sum has two terms: the variable's part of the plane, and the
+/// variation of the plane's residual between the levels of the variable.
 fn share((between, met): (f64, f64), left: f64, linear: f64, n: f64) -> Option<f64> {
     // With few designs per level, the effect cannot be distinguished from random variation.
     if n < 4.0 * met {
@@ -165,7 +166,7 @@ fn share((between, met): (f64, f64), left: f64, linear: f64, n: f64) -> Option<f
     Some((linear - chance).max(0.0) + (between - (met - 1.0) * chance).max(0.0))
 }
 
-/// First-order and total index for Saltelli's samples.
+/// Returns the first-order and the total index for Saltelli's samples.
 fn exchanged(
     statistics: &SweepStatistics,
     variable: usize,
@@ -195,8 +196,8 @@ struct Plane {
 }
 
 impl Plane {
-    /// Plane through the designs of some statistics. `None` if the designs do not determine a plane: there are too few
-    /// designs, or variables depend on each other.
+    /// Fits the plane through the designs of some statistics. `None` if the designs do not determine a plane: there are
+    /// too few designs, or variables depend on each other.
     fn of(statistics: &SweepStatistics) -> Option<Self> {
         let moments = &statistics.moments;
         let (n, d) = (moments.count as f64, moments.u.len());
@@ -221,7 +222,7 @@ impl Plane {
         })
     }
 
-    /// Slopes with respect to the scaled variables, and the variance that they explain.
+    /// Returns the slopes with respect to the scaled variables, and the variance that they explain.
     fn slopes(&self, statistics: &SweepStatistics, k: usize) -> (Vec<f64>, f64) {
         let moments = &statistics.moments;
         let n = moments.count as f64;

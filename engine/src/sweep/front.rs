@@ -1,10 +1,10 @@
-//! Pareto front: every other design that is better in one target is worse in another target.
+//! Pareto front: a set of designs. If another design is better in one target, it is worse in another target.
 
 use super::Failing;
 use crate::sorting::sort_by_key;
 use serde::{Deserialize, Serialize};
 
-/// A stored design with its row.
+/// A design that is kept, with its row of results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Candidate {
     /// Number of the design.
@@ -40,9 +40,9 @@ impl From<Vec<Candidate>> for Front {
 }
 
 impl Front {
-    /// Adds a design with its outputs, unless a design on the front has no larger deviation for any target. `deviations` are
-    /// the indices of the outputs to minimise. Removes designs that are then no longer on the front. If the caller offers
-    /// designs in the order of their numbers, the first of several equal designs stays.
+    /// Adds a design with its outputs. Does not add it if a design on the front is at least as good for every target.
+    /// `deviations` are the indices of the outputs to minimise. Removes designs that are then no longer on the front. If
+    /// the caller offers designs in the order of their numbers, the first of several equal designs stays.
     pub fn offer(
         &mut self,
         deviations: &[usize],
@@ -52,8 +52,8 @@ impl Front {
         let at_least_as_good = |a: &[f64], b: &[f64]| deviations.iter().all(|k| a[*k] <= b[*k]);
         let known = |c: &Candidate| at_least_as_good(&c.outputs, outputs);
         if let Some(better) = self.designs.iter().position(known) {
-            // A design that was better than one candidate is often better than the next candidate, so it is compared with the
-            // next candidate first.
+            // A design that was better than one candidate is often better than the next candidate, too. So it is compared
+            // with the next candidate first.
             self.designs.swap(0, better);
             return;
         }
@@ -75,10 +75,10 @@ mod tests {
     use super::*;
     use crate::sweep::uniform;
 
-    /// The front satisfies its definition, for points in any order and for any division into parts.
+    /// For points in any order and for any division into parts, the result satisfies the definition of a Pareto front.
     #[test]
     fn the_front_is_what_no_other_design_betters() {
-        // Points near a plane on which every improvement in one target is a loss in another, and some points are repeated.
+        // Points near a plane on which every improvement in one target worsens another target. Some points are repeated.
         let point = |i: u64| {
             let whole = |k: usize, most: f64| (uniform(i, k, 9) * most).floor();
             let (a, b) = (whole(0, 12.0), whole(1, 12.0));

@@ -1,10 +1,10 @@
-//! Runs work on all threads. Passes the results on in order while the work runs.
+//! Runs work on all threads and passes the results on in order, while the work continues.
 
 use std::collections::VecDeque;
 use std::ops::Range;
 use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 
-/// Largest number of pieces of work per thread that have been started but whose results have not been passed on.
+/// Limit for each thread: number of pieces of work that have been started but not yet passed on.
 const AHEAD: u64 = 8;
 
 /// Processes the pieces of work with the numbers in `range` on the threads of the current rayon pool. Each thread has its own
@@ -53,9 +53,9 @@ pub fn in_order<W, T: Send, E: Send>(
     failed.map_or(Ok(()), Err)
 }
 
-/// Finished, running and open pieces of work.
+/// Queue of the pieces of work: finished, running and not yet started ones.
 struct Queue<T, F, E> {
-    /// Largest number of pieces that have been started but whose results have not been passed on.
+    /// Largest number of pieces that have been started but not yet passed on.
     most: u64,
     state: Mutex<QueueState<T, F, E>>,
     changed: Condvar,
@@ -65,7 +65,8 @@ struct QueueState<T, F, E> {
     /// Number of the next piece to start, and the end of the range.
     next: u64,
     end: u64,
-    /// Number of the first piece whose result has not been passed on, and the finished results from this piece on.
+    /// Number of the first piece whose result has not been passed on. `waiting` holds the finished results from this
+    /// piece on.
     first: u64,
     waiting: VecDeque<Option<Option<T>>>,
     /// Callback that takes results. `None` while a thread is using it.
@@ -142,7 +143,7 @@ impl<T, F, E> QueueState<T, F, E> {
     }
 }
 
-/// Guard that ends the queue if its thread panics.
+/// Ends the queue if the thread that owns this value panics.
 struct EndsOnPanic<'q, T, F, E>(&'q Queue<T, F, E>);
 
 impl<T, F, E> Drop for EndsOnPanic<'_, T, F, E> {

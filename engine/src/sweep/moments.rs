@@ -4,7 +4,7 @@ use super::SweepRecord;
 use crate::number::Each;
 use serde::{Deserialize, Serialize};
 
-/// Largest number of levels of a variable.
+/// Largest number of levels (intervals of the range) of a variable.
 const MOST_LEVELS: u64 = 32;
 
 /// Scaling of a variable: -1 at the low end of its range, 1 at the high end.
@@ -15,9 +15,10 @@ pub(super) struct Span {
 }
 
 impl Span {
-    /// Spans of a sweep's variables. For a grid, the levels are those of the grid. If there are more than [`MOST_LEVELS`],
-    /// neighbouring levels form groups. For other samples the number of levels is the cube root of the number of designs.
-    /// With more designs, the error from the width of a level then decreases as fast as the noise.
+    /// Returns the spans of a sweep's variables. Each range is divided into levels. For a grid, the levels are those of
+    /// the grid. If there are more than [`MOST_LEVELS`], neighbouring levels form groups. For other samples the number of
+    /// levels is the cube root of the number of designs. Then, with more designs, the error from the width of a level
+    /// decreases as fast as the random error.
     pub(super) fn all(record: &SweepRecord) -> Vec<Span> {
         let levels = (record.designs as f64).cbrt().floor() as u64;
         let span = |v: &super::VariableRecord| Span {
@@ -47,7 +48,7 @@ fn add_to(sums: &mut [f64], others: &[f64]) {
     }
 }
 
-/// Sums, products and squares of scaled variables u and shifted outputs y.
+/// Sums, sums of squares and sums of products of scaled variables u and shifted outputs y.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Moments {
     /// Number of designs.

@@ -36,10 +36,10 @@ pub struct SweepPlan<'s> {
     pub record: SweepRecord,
     /// Quantities to read in each pose, including quantities of targets, and the stations of each design.
     request: Request<'s>,
-    /// Derivative of each quantity with respect to the drive, unless the quantity is itself a derivative. For an axle, the
-    /// derivatives that the study requests.
+    /// Derivatives of each quantity with respect to the drive. Empty if the quantity is itself a derivative. For an axle,
+    /// the derivatives that the study requests.
     gains: Vec<Vec<Gain>>,
-    /// Number of quantities over the motion. The other quantities apply only to the design position.
+    /// Number of quantities that are read over the whole motion. The other quantities apply only to the design position.
     over_motion: usize,
     targets: Vec<SweptTarget>,
     samples: Samples,
@@ -255,7 +255,7 @@ impl<'s> SweepPlan<'s> {
         moved
     }
 
-    /// Study with the hardpoints and rates of the design with this number.
+    /// Returns the study with the hardpoints and rates of the design with this number.
     pub fn moved(&self, number: u64) -> Study {
         let mut moved = self.study.at_design(self.design(number));
         let mut values = vec![0.0; self.samples.variables().len()];
@@ -338,8 +338,8 @@ impl<'s> SweepPlan<'s> {
             let (mut min, mut max) = (f64::INFINITY, f64::NEG_INFINITY);
             for station in self.stations().of_motion() {
                 let value = value_at(station) * factor;
-                // If values are missing, the user could mistake the range over the remaining stations for the range over the
-                // whole motion.
+                // If some stations have no value, the user could mistake the range over the other stations for the range
+                // over the whole motion. So the range is NaN.
                 (min, max) = if value.is_nan() {
                     (f64::NAN, f64::NAN)
                 } else {
@@ -377,7 +377,7 @@ impl<'s> SweepPlan<'s> {
         }
     }
 
-    /// Writes the reason of the failure for each design of a block that failed at some station.
+    /// Writes the reason of the failure for each design of the block that failed at a station.
     fn failing(&self, block: &Block, into: &mut Vec<Option<Failing>>) {
         into.clear();
         into.resize(block.designs(), None);

@@ -12,8 +12,8 @@ use std::ops::Range;
 pub const FORM: u32 = 2;
 
 /// Number of blocks in a part of a sweep of wheels or axles. With 128 designs per block, one core needs some tenths of a
-/// second for a part, and a part is a Parquet row group of usual size. The number must not depend on the machine, because
-/// parts must be identical on all machines.
+/// second for a part. A part is also a Parquet row group of usual size. The number must not depend on the machine,
+/// because parts must be identical on all machines.
 pub const BLOCKS_OF_PART: u64 = 1024;
 
 /// Number of blocks in a part of a sweep of cars. With 16 designs per block and some milliseconds per design, one core needs a
@@ -29,8 +29,8 @@ pub struct SweepRecord {
     pub form: u32,
     /// Version of the program.
     pub version: String,
-    /// SHA-256 digest of everything that determines the results. For points of a sequence, the digest does not cover the
-    /// number of designs, because a longer sequence begins with the points of a shorter one.
+    /// SHA-256 digest of everything that determines the results. A longer sequence begins with the points of a shorter
+    /// one. So for points of a sequence, the digest does not cover the number of designs.
     pub digest: String,
     /// Name of the study.
     pub study: String,
@@ -107,9 +107,9 @@ pub enum Kind {
     Gain,
     /// Value in a load case of a car.
     Case,
-    /// Root mean square deviation from a target, in tolerances.
+    /// Root mean square deviation from a target, divided by the tolerance.
     Rms,
-    /// Misfit: root of the weighted mean, over all targets, of the squared [`Rms`](Kind::Rms).
+    /// Misfit: root of the weighted mean of the squared [`Rms`](Kind::Rms) of all targets.
     Misfit,
 }
 
@@ -137,8 +137,8 @@ pub struct TargetColumn {
     pub tolerance: f64,
     /// Weight relative to the other targets.
     pub weight: f64,
-    /// Drive values with the target values. For an axle they are values of the coordinate that the target varies. Empty for
-    /// a band.
+    /// Pairs of drive value and target value. On an axle, the first number is a value of the coordinate that the target
+    /// varies. Empty for a band.
     pub points: Vec<[f64; 2]>,
 }
 
@@ -191,7 +191,7 @@ impl SweepRecord {
         part * size..self.blocks().min((part + 1) * size)
     }
 
-    /// Numbers of the parts of a shard, from its number (from 1) and the number of shards. May be empty.
+    /// Numbers of the parts of a shard. `shard` counts from 1; `shards` is the number of shards. The range may be empty.
     pub fn parts_of(&self, [shard, shards]: [u64; 2]) -> Range<u64> {
         let parts = u128::from(self.parts());
         let up_to = |shard: u64| (parts * u128::from(shard) / u128::from(shards)) as u64;

@@ -83,7 +83,7 @@ impl Failing {
         }
     }
 
-    /// Describes a design that cannot be solved at all, with the reason in words. All its `stations` fail.
+    /// Describes a design that cannot be solved at all, with the reason in words. All `stations` of the design fail.
     pub(super) fn of_design(reason: String, stations: usize) -> Self {
         Failing {
             status: "degenerate".to_owned(),
@@ -93,13 +93,13 @@ impl Failing {
         }
     }
 
-    /// Describes a design that cannot be solved at all. All its `stations` fail.
+    /// Describes a design that cannot be solved at all. All `stations` of the design fail.
     pub(super) fn degenerate(fault: &DesignFault, mechanism: &Mechanism, stations: usize) -> Self {
         Failing::of_design(fault.describe(mechanism), stations)
     }
 }
 
-/// Returns the reason why a station has no pose. Names the wheel, but not the value at which the mechanism folds.
+/// Returns the reason why a station has no pose. The reason names the wheel, but not the value at which the motion ends.
 fn no_pose(failure: &NoPose) -> String {
     match failure {
         NoPose::Corner(failure) => reason(failure),
@@ -110,7 +110,7 @@ fn no_pose(failure: &NoPose) -> String {
     }
 }
 
-/// Reason why a station has no pose, without the value at which the mechanism folds.
+/// Returns the reason why a station has no pose, without the value at which the motion ends.
 fn reason(failure: &Failure) -> String {
     match failure {
         Failure::Unreachable {
@@ -118,8 +118,8 @@ fn reason(failure: &Failure) -> String {
             cause,
             ..
         } => format!("the wheel travel ends: {cause}"),
-        Failure::Unreachable { cause, .. } => format!("the arm turns no further: {cause}"),
-        Failure::RackUnreachable { cause, .. } => format!("the rack moves no further: {cause}"),
+        Failure::Unreachable { cause, .. } => format!("the arm cannot turn further: {cause}"),
+        Failure::RackUnreachable { cause, .. } => format!("the rack cannot move further: {cause}"),
         other => other.to_string(),
     }
 }

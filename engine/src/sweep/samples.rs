@@ -31,7 +31,7 @@ impl Samples {
         }
     }
 
-    /// Writes the values of the variables in a design. They depend only on its number.
+    /// Writes the values of the variables in a design. The values depend only on the number of the design.
     pub fn values(&self, design: u64, into: &mut [f64]) {
         match self {
             Samples::Table(table) => into.copy_from_slice(table.row(design)),
@@ -55,8 +55,8 @@ impl Samples {
         }
     }
 
-    /// Writes the points of a design, given the values of its variables. `from` is the study's design. Both are in the
-    /// kernel's frame.
+    /// Writes the points of a design, given the values of its variables. `from` are the points of the study's design. All
+    /// points are in the kernel's frame.
     pub fn place(
         &self,
         values: &[f64],
@@ -90,7 +90,7 @@ impl Samples {
     }
 }
 
-/// Position of variable `k` of a sampled design in its range, from 0 to 1.
+/// Returns the position of the value of variable `k` within its range, from 0 to 1, in a sampled design.
 fn fraction(sampled: &Sampled, design: u64, k: usize) -> f64 {
     let (seed, count) = (sampled.seed, sampled.variables.len());
     match sampled.method {

@@ -1,12 +1,12 @@
-//! Random and low-discrepancy numbers in [0, 1). Each number depends only on seed, index and dimension, so that a sweep can
+//! Random and low-discrepancy numbers in [0, 1). Each number depends only on seed, index and dimension, so a sweep can
 //! start at any design.
 
 /// Number of points of one scrambled Sobol sequence of `sobol_burley`.
 const SOBOL_POINTS: u64 = 1 << 16;
 
-/// Coordinate `dimension` of point `index` of an Owen-scrambled Sobol sequence with this number of `dimensions`, in steps of
-/// 2^-24. A sequence has 2^16 points with 256 dimensions. For more points or dimensions, the function continues with an
-/// independent sequence of another seed.
+/// Returns coordinate `dimension` of point `index` of an Owen-scrambled Sobol sequence with this number of `dimensions`.
+/// The coordinate is a multiple of 2^-24. A sequence has 2^16 points with 256 dimensions. For more points or dimensions,
+/// the function continues with an independent sequence of another seed.
 pub fn sobol(index: u64, dimension: usize, dimensions: usize, seed: u32) -> f64 {
     let most = sobol_burley::NUM_DIMENSIONS as usize;
     let across = dimensions.div_ceil(most) as u64;
@@ -21,14 +21,15 @@ pub fn sobol(index: u64, dimension: usize, dimensions: usize, seed: u32) -> f64 
     f64::from(fraction)
 }
 
-/// Uniformly distributed number, independent for every index, dimension and seed.
+/// Returns a uniformly distributed number that is independent for every index, dimension and seed.
 pub fn uniform(index: u64, dimension: usize, seed: u32) -> f64 {
     let bits = mixed(mixed(index.wrapping_add(STRIDE)) ^ key(dimension, seed));
     (bits >> 11) as f64 / (1_u64 << 53) as f64
 }
 
-/// Coordinate `dimension` of point `index` of a Latin hypercube of `count` points: a uniform number in a stratum of width `1
-/// / count` that contains no other point (M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics 21, 1979).
+/// Returns coordinate `dimension` of point `index` of a Latin hypercube of `count` points: a uniform number in an
+/// interval of width 1 / `count` that contains no other point (M. D. McKay, R. J. Beckman, W. J. Conover, Technometrics
+/// 21, 1979).
 pub fn latin_hypercube(index: u64, count: u64, dimension: usize, seed: u32) -> f64 {
     let stratum = permuted(index, count, key(dimension, seed));
     let within = uniform(index, dimension, !seed);
@@ -51,8 +52,8 @@ fn key(dimension: usize, seed: u32) -> u64 {
     mixed((dimension as u64 + 1).wrapping_mul(STRIDE) ^ (u64::from(seed) << 32))
 }
 
-/// Image of `index` under a permutation of `0..count`: a Feistel network over the next even power of two, repeated until the
-/// result is in the range (J. Black, P. Rogaway, Ciphers with arbitrary finite domains, CT-RSA 2002).
+/// Returns the image of `index` under a permutation of `0..count`: a Feistel network over the next even power of two,
+/// repeated until the result is in the range (J. Black, P. Rogaway, Ciphers with arbitrary finite domains, CT-RSA 2002).
 fn permuted(index: u64, count: u64, key: u64) -> u64 {
     let bits = (u64::BITS - (count - 1).leading_zeros()).max(2).div_ceil(2);
     let mask = (1_u64 << bits) - 1;

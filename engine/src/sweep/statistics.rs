@@ -1,17 +1,18 @@
-//! Statistics of a block, of a run or of all shards. Statistics can be added.
+//! Statistics of a block, of a part, of a run or of all shards. Statistics can be added.
 //!
-//! The rows of one block give the statistics of this block. A part adds the statistics of its blocks in order, and the sweep
-//! adds the statistics of its parts in order. So the order of additions is the same for any number of threads, shards and
-//! machines. Statistics keep their bits when they are written as JSON and read again.
+//! Each block has statistics of its rows. A part adds the statistics of its blocks in order, and the sweep adds the
+//! statistics of its parts in order. So the order of additions is the same for any number of threads, shards and
+//! machines. Statistics are bit-identical after they are written as JSON and read again.
 
 use super::front::{Candidate, Front};
 use super::moments::{BinnedSums, Moments, SaltelliSums, Span};
 use super::{Rows, SweepRecord};
 use serde::{Deserialize, Serialize};
 
-/// Number of best designs in the statistics, and number of the smallest misfits of designs that are not ranked.
+/// Number of best designs in the statistics. Also the number of smallest misfits that are kept for designs without a
+/// rank.
 pub const KEPT: usize = 10;
-/// Number of examples for each failure.
+/// Largest number of examples for each failure.
 const EXAMPLES: usize = 5;
 
 /// Statistics of some designs.
@@ -55,7 +56,7 @@ pub struct FailureCount {
     pub designs: u64,
     /// Number of stations without a pose in these designs.
     pub stations: u64,
-    /// Drive value nearest to the design position at which a station failed.
+    /// Drive value of the failed station that is nearest to the design position.
     pub nearest: Option<f64>,
     /// Numbers of the first few of these designs.
     pub examples: Vec<u64>,
@@ -99,7 +100,7 @@ impl SweepStatistics {
             .iter()
             .map(|o| o.at_design.unwrap_or(0.0))
             .collect();
-        // Outputs minus the outputs of the study's own design, so that sums of squares do not lose digits.
+        // Outputs minus those of the study's own design. The difference is small, so sums of squares do not lose digits.
         let mut shifted = vec![0.0; reference.len()];
         let spans = Span::all(record);
         let mut scaled = vec![0.0; spans.len()];
@@ -163,7 +164,7 @@ impl SweepStatistics {
         statistics
     }
 
-    /// Returns true if these statistics have the size of this sweep, for example its number of outputs.
+    /// Returns true if these statistics have the dimensions of this sweep, for example the same number of outputs.
     pub fn are_of(&self, record: &SweepRecord) -> bool {
         let empty = SweepStatistics::empty(record);
         let [variables, outputs] = [record.variables.len(), record.outputs.len()];

@@ -34,8 +34,8 @@ impl<'s> Swept<'s> {
         }
     }
 
-    /// Solves blocks of the sweep on the threads of the current rayon pool and passes their rows to `take`, in order, while
-    /// it runs. Ends early if `go_on` or `take` requests a stop. All earlier rows have then been passed on.
+    /// Solves blocks of the sweep on the threads of the current rayon pool. Passes their rows to `take`, in order, while
+    /// the sweep runs. Ends early if `go_on` or `take` requests a stop. All earlier rows have then been passed to `take`.
     pub fn run(
         self,
         blocks: Range<u64>,

@@ -55,8 +55,8 @@ impl Targets<'_> {
         })
     }
 
-    /// Moves single coordinates and pairs of coordinates to their other neighbours while that improves the rounding. It ends
-    /// without an improvement, or after [`MOST_TRIALS`] roundings.
+    /// Moves single coordinates and pairs of coordinates to their other neighbours while this improves the rounding. Ends
+    /// if no move is an improvement, or after [`MOST_TRIALS`] roundings.
     pub(super) fn improved(&self, problem: &Problem<'_>, mut best: Candidate) -> Candidate {
         let ends = |coordinate: usize| problem.neighbours(coordinate);
         let movable: Vec<usize> = (0..problem.before.len())

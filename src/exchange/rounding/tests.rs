@@ -54,9 +54,9 @@ fn front() -> Study {
     study.at_design(design.collect())
 }
 
-/// The sample's targets are met to a tenth of a tolerance, and rounding to a millimetre raises the misfit by several
-/// tolerances. The best rounding must be no worse than ordinary rounding, must be on the grid, and must be within one step.
-/// This holds in any unit of the grid.
+/// The sample meets its targets with a misfit of a tenth of a tolerance. Rounding to a millimetre raises the misfit by
+/// several tolerances. The best rounding must be no worse than ordinary rounding, must be on the grid, and must be within
+/// one step. This holds in any unit of the grid.
 #[test]
 fn nearest_plane_loses_no_more_than_ordinary_rounding() {
     let study = front();
@@ -117,7 +117,8 @@ fn coordinates_that_are_not_free_keep_their_bits() {
     }
 }
 
-/// A tuned semi-trailing arm: x of its outer pivot came from 380 to 347.696. Its box and its range reach from `least` on.
+/// A tuned semi-trailing arm: the tuning moved x of the outer pivot from 380 to 347.696. The box constraint and the range
+/// of this coordinate begin at `least`.
 fn arm(range: f64, least: f64) -> (Study, Vec<Vector3<f64>>) {
     let text = |x: f64| {
         format!(
@@ -137,8 +138,8 @@ fn arm(range: f64, least: f64) -> (Study, Vec<Vector3<f64>>) {
     (study(347.696), origin)
 }
 
-/// The nearest multiples of 1 mm and 5 mm are 348 and 350, and the target prefers smaller x. Constraints and ranges decide
-/// first. If no multiple keeps the box, the rounding says by how much it misses the box.
+/// The nearest multiples of 1 mm and 5 mm are 348 and 350, and the target prefers smaller x. Constraints and ranges have
+/// priority. If no multiple satisfies the box constraint, the result states by how much the rounding misses it.
 #[test]
 fn rounding_keeps_constraints_and_ranges() {
     let millimetres = |step: f64, range: f64, least: f64| {
@@ -153,14 +154,15 @@ fn rounding_keeps_constraints_and_ranges() {
     assert_eq!(millimetres(1.0, 60.0, 300.0), (347.0, vec![]));
     assert_eq!(millimetres(1.0, 60.0, 347.6), (348.0, vec![]));
     assert_eq!(millimetres(1.0, 32.5, 300.0), (348.0, vec![]));
-    // 345 misses the lower limit by 1 mm, 350 the upper one by 1 mm; with a lower limit of 344 there is a multiple inside.
+    // 345 is 1 mm below the lower limit, and 350 is 1 mm above the upper limit. With a lower limit of 344 there is a
+    // multiple inside.
     let (at, broken) = millimetres(5.0, 60.0, 346.5);
     assert_eq!(at, 350.0);
     assert!((broken[0] - 1.0).abs() < 1e-9, "{broken:?}");
     assert_eq!(millimetres(5.0, 60.0, 344.0), (345.0, vec![]));
 }
 
-/// A coordinate whose range has no multiple is named with its distance from the range.
+/// If the range of a coordinate contains no multiple, the result names the coordinate and its distance from the range.
 #[test]
 fn a_range_without_a_multiple_is_named() {
     let (study, _) = arm(60.0, 300.0);
@@ -180,8 +182,8 @@ fn a_range_without_a_multiple_is_named() {
     assert!((broken.missed - 1.0).abs() < 1e-9, "{}", broken.missed);
 }
 
-/// No rounding of one or two other coordinates is better than the chosen one, also if bands are inactive at the design and
-/// nearest plane sees no slope.
+/// No rounding of one or two other coordinates is better than the chosen one. This also holds if bands are inactive at
+/// the design, where the method nearest plane sees no derivative.
 #[test]
 fn no_flip_of_one_or_two_coordinates_is_better() {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");

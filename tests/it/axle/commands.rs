@@ -517,7 +517,7 @@ fn what_an_axle_lacks_is_said_with_the_wheel() {
     };
     let found = swept(&[few, "motion={ heave = 0.0, rack = [0.0, 300.0] }"]);
     assert!(
-        found.contains("right wheel: the rack moves no further:"),
+        found.contains("right wheel: the rack cannot move further:"),
         "{found}"
     );
     let found = swept(&[few, "motion={ roll = [0.0, 60.0] }"]);

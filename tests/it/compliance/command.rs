@@ -38,7 +38,7 @@ fn kc_writes_figures_levels_and_the_matrix() {
     );
     assert!(said.contains("toe_by_lateral_force") && said.contains("design load: 4682 N"));
     let figures = rows(&directory.path().join("kc/kc.csv"));
-    // Reads values of the reference corner at its design height: tests/data/reference/elasto.
+    // Values of the reference suspension at its design height: tests/data/reference/elasto.
     let value = |load: &str, trail: &str, quantity: &str| -> f64 {
         let row = figures
             .iter()
@@ -116,7 +116,7 @@ fn a_rigid_study_has_its_kinematics_and_jacking() {
     assert!(!said.contains("toe_by_lateral_force"));
 }
 
-/// All commands that support elastic parts run with them, including pages, pictures and costs.
+/// All commands that support elastic parts run with them. This includes pages, pictures and costs.
 #[test]
 fn commands_take_elastic_parts() {
     let directory = tempfile::tempdir().unwrap();
@@ -205,8 +205,8 @@ fn other_commands_refuse_elastic_parts() {
     assert!(said.contains("Elastic parts") && said.contains("lower_arm_rear"));
 }
 
-/// If a load is too large for the wheel, `kc` still writes all other results. It states the share of the load that has
-/// an equilibrium, and exits with code 1.
+/// If a load is too large for the wheel, `kc` still writes all other results. It states the largest fraction of the load
+/// that has an equilibrium, and exits with code 1.
 #[test]
 fn a_load_that_is_not_held_is_said() {
     let directory = tempfile::tempdir().unwrap();
@@ -251,7 +251,8 @@ fn figure(path: &Path, quantity: &str) -> f64 {
     figures.iter().find(is_wanted).unwrap()[10].parse().unwrap()
 }
 
-/// For a hardpoint and a rate, the file of sensitivities contains the changes of test results between two runs.
+/// For a hardpoint and a rate, the file of sensitivities contains the differences of test results between two runs, per
+/// change.
 #[test]
 fn sensitivities_are_changes_of_figures() {
     let directory = tempfile::tempdir().unwrap();
@@ -350,8 +351,7 @@ targets = [
     assert!((found - 0.04).abs() < 1e-9, "{found}");
 }
 
-/// The page of the tests draws the toe over the lateral force with the slope of the test result, and has charts for
-/// each load.
+/// The page of the tests shows toe against lateral force, with the slope of the test result. It has charts for each load.
 #[test]
 fn the_page_draws_the_figures() {
     let directory = tempfile::tempdir().unwrap();
@@ -394,11 +394,11 @@ fn the_page_draws_the_figures() {
         .map(|point| point.split(' ').nth(1).unwrap().parse().unwrap())
         .collect();
     let drawn = (places[places.len() - 1] - places[0]) * per_place / 2.0;
-    // The tolerance is a tenth of a drawing unit at both ends.
+    // The allowed error is a tenth of a drawing unit at both ends.
     assert!((drawn - toe).abs() < 0.1 * per_place.abs(), "{drawn} {toe}");
 }
 
-/// `kc` refuses topologies whose arm holds the carrier at two points, because its tests do not support them.
+/// `kc` refuses topologies whose arm is connected to the carrier at two points, because its tests do not support them.
 #[test]
 fn kc_refuses_arms_that_hold_the_carrier_twice() {
     let directory = tempfile::tempdir().unwrap();
@@ -458,7 +458,7 @@ fn two_runs_of_kc_are_compared() {
     assert!(said.contains("runs of `hardpoint kc` only"), "{said}");
 }
 
-/// Curves of a swept design contain its test results at every station, as the curves of `solve` do.
+/// Curves of a swept design contain its test results at every station, like the curves of `solve`.
 #[test]
 fn curves_of_a_sweep_have_figures_at_every_station() {
     let directory = tempfile::tempdir().unwrap();
@@ -507,7 +507,7 @@ fn curves_of_a_sweep_have_figures_at_every_station() {
     }
 }
 
-/// Exit code and messages of a refused command.
+/// Runs a command that must be refused. Checks the exit code and returns the messages.
 fn refused(arguments: &[&str], directory: &Path) -> String {
     let ran = hardpoint(arguments, directory);
     let said = String::from_utf8_lossy(&ran.stderr).into_owned();
@@ -515,8 +515,8 @@ fn refused(arguments: &[&str], directory: &Path) -> String {
     said
 }
 
-/// The program names a measured sheet that does not exist. It does not ask for the keys of a curve, which a sheet does
-/// not need.
+/// The program names a measured sheet that does not exist. It does not ask for the keys of a curve, because a sheet does
+/// not need them.
 #[test]
 fn a_missing_sheet_is_named() {
     let directory = tempfile::tempdir().unwrap();
@@ -534,8 +534,8 @@ fn a_missing_sheet_is_named() {
     );
 }
 
-/// `kc` names a spring without force, because it cannot carry the wheel although it has leverage. The study runs with a
-/// small force, or without force if the parts are free in the design position.
+/// `kc` names a spring without force: it cannot carry the wheel, although it has leverage. The study runs with a small
+/// force. It also runs without force if the parts are free of force in the design position.
 #[test]
 fn a_spring_without_force_is_named() {
     let directory = tempfile::tempdir().unwrap();
@@ -566,7 +566,7 @@ fn a_spring_without_force_is_named() {
     }
 }
 
-/// `kc` does not ask for elastic parts that a study cannot have.
+/// `kc` does not ask for elastic parts that the study cannot have.
 #[test]
 fn kc_does_not_ask_for_impossible_parts() {
     let directory = tempfile::tempdir().unwrap();
@@ -584,12 +584,12 @@ fn kc_does_not_ask_for_impossible_parts() {
         assert!(said.contains(reason), "{name}: {said}");
         assert!(!said.contains("expected [compliance]"), "{name}: {said}");
     }
-    // A solid axle on links can have elastic parts, so the message names them.
+    // A solid axle on links can have elastic parts, so the message asks for them.
     let said = refused(&["kc", &study("solid_axle_rear.toml")], directory.path());
     assert!(said.contains("expected [compliance]"), "{said}");
 }
 
-/// `kc` explains the signs of derivatives only if a station is solved.
+/// `kc` explains the signs of derivatives only if it has solved a station.
 #[test]
 fn signs_are_explained_only_if_there_are_values() {
     let directory = tempfile::tempdir().unwrap();

@@ -26,7 +26,7 @@ fn column(curves: &Curves, name: &str) -> Vec<f64> {
         .collect()
 }
 
-/// Curves at five closely spaced travels about one travel.
+/// Returns curves at five closely spaced travels around one travel.
 fn near(study: &Study, travel: f64, step: f64) -> Curves {
     let mut moved = study.clone();
     let own = moved.one_wheel_mut().unwrap();
@@ -58,7 +58,7 @@ fn curves_are_read_off_equilibria() {
         assert_eq!(curves.stations[k].status, Status::Ok);
         assert!((toe[k] - found.toe.to_degrees()).abs() < 1e-13);
         assert!((camber[k] - found.camber.to_degrees()).abs() < 1e-13);
-        // At the design load the design position is an equilibrium, and the track change is relative to it.
+        // At the design load the design position is an equilibrium, and the track change is measured from this position.
         assert!((track[k] - (found.contact.y - design.contact.y)).abs() < 1e-9);
         assert!((spring[k] - wheel.spring(&at).unwrap().length).abs() < 1e-10);
     }
@@ -117,7 +117,8 @@ fn derivatives_by_travel_are_slopes_of_the_curves() {
     }
 }
 
-/// With rates times 10^k the curves approach those of the rigid mechanism, in proportion to 10^-k.
+/// If all rates are multiplied by 10^k, the curves approach those of the rigid mechanism. The difference is proportional
+/// to 10^-k.
 #[test]
 fn stiff_parts_give_the_curves_of_the_rigid_mechanism() {
     for (name, asked) in [
@@ -162,7 +163,8 @@ fn stiff_parts_give_the_curves_of_the_rigid_mechanism() {
     }
 }
 
-/// Parts with stiffer translations. The torsion of bushings keeps its stiffness, because it is part of the wheel rate.
+/// Returns parts with stiffer translations. The torsion of bushings keeps its stiffness, because it is part of the wheel
+/// rate.
 fn stiffened(
     parts: &hardpoint::compliance::Compliance,
     factor: f64,
@@ -186,7 +188,7 @@ fn stiffened(
     stiff
 }
 
-/// The `sensitivities` of `solve` equal the changes of the curves when hardpoints move.
+/// The `sensitivities` of `solve` equal the changes of the curves when a hardpoint moves.
 #[test]
 fn sensitivities_are_changes_of_the_curves() {
     let more = "\n[outputs]\ncharacteristics = [\"toe\", \"bump_steer\", \"toe_by_lateral_force\"]\nsensitivities = [\"tie_rod_inner\", \"lower_arm_rear\"]\n";
@@ -205,8 +207,8 @@ fn sensitivities_are_changes_of_the_curves() {
         };
         let values = [-2.0, -1.0, 0.0, 1.0, 2.0].map(|k| at(k * step));
         let expected = slope(&values, step);
-        // At the design load the wheel height determines toe in the design position, so all its slopes are 0 there. The
-        // scale is therefore the largest slope of the column.
+        // At the design load the wheel height determines toe in the design position, so all slopes of toe are 0 there.
+        // The scale is therefore the largest slope of the column.
         let size = curves
             .sensitivities
             .iter()
@@ -223,7 +225,7 @@ fn sensitivities_are_changes_of_the_curves() {
     assert_eq!(curves.sensitivities.len(), 5 * 3 * 6);
 }
 
-/// A station beyond the capacity of the wheel has a status and no values; the others keep theirs.
+/// A station beyond the capacity of the wheel has a status and no values. The other stations keep their values.
 #[test]
 fn a_station_without_equilibrium_is_said() {
     let mut study = elastic(&with(
@@ -238,7 +240,7 @@ fn a_station_without_equilibrium_is_said() {
     assert_eq!(curves.stations[1].value(0), None);
 }
 
-/// For a wheel with elastic parts, the program refuses quantities of the rigid mechanism by name and lists the
+/// For a wheel with elastic parts, the program refuses quantities of the rigid mechanism, names them, and lists the
 /// alternatives.
 #[test]
 fn quantities_of_the_rigid_mechanism_are_refused_by_name() {

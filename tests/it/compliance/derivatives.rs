@@ -44,7 +44,8 @@ fn parameter(name: &str, suspension: &Suspension, parts: &Compliance) -> Paramet
     Parameter::Point(mechanism.point(point).unwrap(), axis)
 }
 
-/// Kind of an input: derivatives with respect to inputs of one kind have one unit, and are compared with the largest of them.
+/// Returns the kind of an input. Derivatives with respect to inputs of one kind have the same unit, and the test compares
+/// them with the largest of them.
 fn kind(name: &str) -> &str {
     match name.split_once(' ') {
         None => "hardpoint",
@@ -54,8 +55,8 @@ fn kind(name: &str) -> &str {
     }
 }
 
-/// Returns true for the rate of an axis that has a curve. The reference gives the derivative with respect to the rate,
-/// which is 0; the input here is the factor of the curve.
+/// Returns true for the rate of an axis with a force curve. The reference gives the derivative with respect to the rate,
+/// which is 0 for a curve. The input of the program is a factor on the curve instead.
 fn is_of_curve(parameter: Parameter, parts: &Compliance) -> bool {
     match parameter {
         Parameter::Stiffness(bushing, axis) => {
@@ -185,15 +186,16 @@ fn derivatives_are_those_of_the_reference() {
                     if is_of_curve(parameters[number_of], &parts) {
                         continue;
                     }
-                    // If no input of the kind has an effect, the other inputs set the scale. If no input has an effect,
-                    // as for angles in a held design position, the scale is 1 mm at a distance of 1 m.
+                    // The scale is the largest derivative for inputs of this kind. If no input of this kind has an
+                    // effect, the other inputs set the scale. If no input has an effect, as for angles in a held design
+                    // position, the scale is 1 mm at a distance of 1 m.
                     let largest = match largest_of(&|other| kind(other) == kind(input)) {
                         0.0 => largest_of(&|_| true).max(1e-3),
                         largest => largest,
                     };
                     compared += 1;
-                    // The bound is relative to the largest derivative of the output. Where terms cancel, the error may
-                    // be larger relative to the largest derivative of the same kind.
+                    // The bound is relative to the largest derivative of the output. Where terms cancel, the error may be
+                    // larger relative to the largest derivative for the same kind of input.
                     let whole = largest_of(&|_| true).max(largest);
                     let error = (slope - expected).abs() / whole;
                     let of_kind = (slope - expected).abs() / largest;

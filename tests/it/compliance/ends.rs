@@ -1,5 +1,5 @@
-//! Tests of ends of equilibrium: closed forms, the rigid limit, the law of a fold, continuations in small steps, and
-//! the command.
+//! Tests of the ends of equilibrium (the largest load or travel with an equilibrium). They are compared with closed
+//! forms, the rigid limit, the square-root law near a fold, and continuations in small steps. Also tests the command.
 
 use super::command::{hardpoint, study};
 use super::random::varied;
@@ -17,8 +17,8 @@ use serde_json::Value;
 const HEIGHT: HeldQuantity = HeldQuantity::WheelHeight;
 const SAMPLE: &str = "double_wishbone_compliance.toml";
 
-/// Wheel that turns about a vertical axis on rigid horizontal arms. Its centre is 30 mm behind the axis, and a tie rod
-/// of this stiffness, 100 mm behind the axis, holds it.
+/// Wheel that turns about a vertical axis on rigid horizontal arms. The wheel centre is 30 mm behind the axis. A tie rod
+/// with this stiffness, 100 mm behind the axis, holds the wheel.
 fn castor(stiffness: f64) -> String {
     format!(
         "[suspension]\ntopology = \"double_wishbone\"\n[suspension.hardpoints]\n\
@@ -38,8 +38,8 @@ fn test_of(load: TestLoad) -> KcTest {
     KcTest::new(load, LengthUnit::Millimetre)
 }
 
-/// A forward force F at the centre of a castored wheel makes it unstable at F n = k a^2. The trail is n, the steering
-/// arm a, and the stiffness of the tie rod k. A rearward force stabilises the wheel.
+/// A castored wheel has the trail n, the steering arm a, and a tie rod with stiffness k. A forward force F at the wheel
+/// centre makes the wheel unstable at F n = k a^2. A rearward force stabilises the wheel.
 #[test]
 fn a_castored_wheel_turns_over_at_its_closed_form() {
     for stiffness in [40.0, 280.0, 2000.0] {
@@ -66,7 +66,8 @@ fn a_castored_wheel_turns_over_at_its_closed_form() {
     }
 }
 
-/// With stiffer bushings, the travel and rack limits at which parts align approach those of the rigid mechanism.
+/// With stiffer bushings, the limits of travel and rack come closer to those of the rigid mechanism. At such a limit,
+/// parts are in line.
 #[test]
 fn travel_ends_come_to_those_of_the_rigid_mechanism() {
     let study = elastic(&with(SAMPLE, ""));
@@ -95,8 +96,9 @@ fn travel_ends_come_to_those_of_the_rigid_mechanism() {
     );
 }
 
-/// Near a fold the slope of camber grows with the inverse square root of the distance to the end load. Under forces
-/// that follow the wheel, stability ends just before the fold, so the law fails at the very end.
+/// At a fold, an increasing load reaches its maximum. Near a fold the slope of camber grows with the inverse square root
+/// of the distance to the end load. Under forces that follow the wheel, stability ends just before the fold, so this law
+/// fails at the very end.
 #[test]
 fn rates_at_the_end_follow_the_law_of_a_fold() {
     let study = elastic(&with(SAMPLE, ""));
@@ -121,7 +123,7 @@ fn rates_at_the_end_follow_the_law_of_a_fold() {
             let by = wheel.figures_along(&tangent, &Change::Load(loads(1.0)));
             rates.push(by.unwrap().camber);
         }
-        // The next term of the law is smaller by the square root of the remaining load.
+        // The next term of the law is smaller by a factor: the square root of the remaining load.
         let off = |k: usize| (rates[k + 1] / rates[k] - 10.0_f64.sqrt()).abs();
         assert!(off(6) < 0.03 && off(6) < 0.4 * off(5), "{rates:?} {end:?}");
         let beyond = loads(end.value * (1.0 + 1e-8));
@@ -131,7 +133,7 @@ fn rates_at_the_end_follow_the_law_of_a_fold() {
     }
 }
 
-/// End load of a continuation with steps of `step`, refined by bisection.
+/// Returns the end load of a continuation with steps of `step`. Bisection refines it.
 fn fine(wheel: &ElasticWheel, unit: &WheelLoads, held: HeldQuantity, step: f64, most: f64) -> f64 {
     let station = wheel.at(0.0, 0.0).unwrap();
     let (mut at, mut reached, mut size) = (station, 0.0_f64, step);
@@ -146,7 +148,7 @@ fn fine(wheel: &ElasticWheel, unit: &WheelLoads, held: HeldQuantity, step: f64, 
     reached
 }
 
-/// Ends of random designs equal those of continuations in small steps.
+/// For random designs, the ends of equilibrium equal those of continuations in small steps.
 #[test]
 fn ends_are_those_of_fine_continuations() {
     let studies = [
@@ -214,7 +216,7 @@ fn close(a: &[EquilibriumEnd; 2], b: &[EquilibriumEnd; 2]) {
     }
 }
 
-/// A symmetric axle in heave, or under mirrored loads, has the same end as one wheel.
+/// A symmetric axle in heave, or under mirrored loads, has the same end of equilibrium as one wheel.
 #[test]
 fn a_symmetric_axle_ends_where_its_wheel_does() {
     let study = elastic(&with(SAMPLE, ""));
@@ -242,8 +244,8 @@ fn a_symmetric_axle_ends_where_its_wheel_does() {
     }
 }
 
-/// With the wheel load held, the wheel lifts where the vertical load is minus the design load, within rounding of 1e-6
-/// N.
+/// With the wheel load held, the wheel lifts when the vertical test load is minus the design load, within rounding of
+/// 1e-6 N.
 #[test]
 fn a_wheel_lifts_where_its_load_is_gone() {
     for name in [SAMPLE, "five_link_compliance.toml"] {
@@ -265,8 +267,8 @@ fn a_wheel_lifts_where_its_load_is_gone() {
     }
 }
 
-/// `limits` prints ends of equilibrium with the part that gives way. A softer tie rod lowers the end load of the
-/// castored wheel in proportion.
+/// `limits` prints each end of equilibrium with the part that gives way. If the tie rod of the castored wheel is softer,
+/// the end load falls in proportion.
 #[test]
 fn limits_prints_ends_with_the_part_that_gives_way() {
     let directory = tempfile::tempdir().unwrap();
@@ -304,7 +306,7 @@ fn limits_prints_ends_with_the_part_that_gives_way() {
             .contains("turns about z")
     );
     assert!(traction["from"].is_null(), "{text}");
-    // The command reports no wheel lift if no spring defines a wheel load.
+    // The command reports no wheel lift, because no spring defines a wheel load.
     assert!(!text.contains("wheel lifts"), "{text}");
     assert!(
         traction["because"]
@@ -328,7 +330,7 @@ fn find_rows(value: &Value) -> Option<&Vec<Value>> {
     }
 }
 
-/// `limits` runs on the sample studies, and names motions that it cannot use.
+/// `limits` runs on the sample studies. It names motions for which it cannot find limits.
 #[test]
 fn samples_have_limits() {
     let directory = tempfile::tempdir().unwrap();
@@ -350,8 +352,8 @@ fn samples_have_limits() {
     );
 }
 
-/// The limit that all builds reach is the nearest of the limits of each build as `tolerance` prints it. This holds for
-/// a wheel and for an axle whose rates scatter.
+/// For builds with scatter, `limits` gives the limit that all builds reach. It equals the nearest limit of the single
+/// builds that `tolerance` prints. This holds for a wheel and for an axle whose rates scatter.
 #[test]
 fn limits_of_elastic_builds_are_the_nearest_of_each() {
     let directory = tempfile::tempdir().unwrap();

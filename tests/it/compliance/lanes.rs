@@ -1,4 +1,4 @@
-//! Tests of equilibria in SIMD lanes against single wheels: same values, same refusals, and the same bits at every lane
+//! Tests of equilibria in SIMD lanes against single wheels: same values, same failures, and the same bits at every lane
 //! width.
 
 use super::support::{elastic, with};
@@ -7,7 +7,7 @@ use hardpoint::number::Width;
 use hardpoint::study::Study;
 use hardpoint::sweep::{SweepPlan, Worker};
 
-/// Number of designs: more than the widest registers have lanes, and no multiple of any lane width.
+/// Number of designs: more than the lanes of the widest registers, and not a multiple of any lane width.
 const DESIGNS: usize = 37;
 
 /// Study whose points move by up to `by` mm, and whose rates change by up to a factor of 2.
@@ -75,9 +75,9 @@ fn bits(values: &[Vec<f64>]) -> Vec<u64> {
         .collect()
 }
 
-/// Lanes have the values of designs one by one, with the same failures, and the same bits at every width. Both stop at
-/// corrections of 1e-13 rad, which is 1e-11 of the largest angles here. Test results are as accurate as the tangents
-/// that give them.
+/// SIMD lanes and single designs have the same values and the same failures. The bits are the same at every lane width.
+/// Lanes and single designs stop at corrections of 1e-13 rad, which is 1e-11 of the largest angles here. Test results are
+/// as accurate as the stiffness matrices from which they are computed.
 #[test]
 fn lanes_have_the_values_of_designs_one_by_one() {
     for (name, rates) in [ARMS, LINKS] {
@@ -116,7 +116,8 @@ fn lanes_have_the_values_of_designs_one_by_one() {
     }
 }
 
-/// Lanes also solve travels beyond the largest first correction, 60 mm, by several increments.
+/// The solver for SIMD lanes also reaches travels of more than 60 mm, the largest first correction, by several
+/// increments.
 #[test]
 fn long_travels_stay_in_lanes() {
     if !crate::support::has_lanes() {
@@ -138,8 +139,8 @@ fn long_travels_stay_in_lanes() {
     }
 }
 
-/// If only some designs reach a travel, lanes refuse the others with the same status as alone. The values of a design
-/// do not depend on its neighbours.
+/// If only some designs reach a travel, the other designs fail in lanes with the same status as alone. The values of a
+/// design do not depend on the other designs in the lanes.
 #[test]
 fn a_design_without_equilibrium_does_not_disturb_its_neighbours() {
     let far = MOTION.replace("[-40.0, 0.0, 25.0]", "[-40.0, 0.0, 260.0]");
@@ -163,7 +164,7 @@ fn a_design_without_equilibrium_does_not_disturb_its_neighbours() {
     assert_eq!(failed, failures(&lanes));
     let refused = lanes.one_by_one().to_vec();
     assert!(failed.iter().all(|(design, _)| refused.contains(design)));
-    // At another lane width, designs have other neighbours.
+    // At another lane width, a design has other designs in the neighbouring lanes.
     let columns = plan.values().len();
     for width in Width::available() {
         let mut others = worker(&plan, Some(width));
@@ -175,7 +176,7 @@ fn a_design_without_equilibrium_does_not_disturb_its_neighbours() {
     }
 }
 
-/// Lanes do not support the elastic mount of a strut, and the worker reports this.
+/// SIMD lanes do not support the elastic mount of a strut. The worker reports this.
 #[test]
 fn a_strut_on_an_elastic_mount_goes_one_by_one() {
     if !crate::support::has_lanes() {

@@ -1,4 +1,4 @@
-//! Tests of the mechanics of elastic wheels: limits, identities, and two descriptions of one mechanism.
+//! Tests of the mechanics of elastic wheels: limits, identities, and two descriptions of the same mechanism.
 
 use super::reference::unit;
 use super::{case, compliance, suspension};
@@ -17,7 +17,7 @@ fn wheel(case: &Value) -> ElasticWheel {
     ElasticWheel::new(&suspension, &compliance(case, &suspension)).unwrap()
 }
 
-/// Toe, camber and spin in rad, and the wheel centre divided by 300 mm.
+/// Returns toe, camber and spin in rad, and the wheel centre divided by 300 mm.
 fn numbers(f: &WheelFigures) -> [f64; 6] {
     let [x, y, z] = f.centre.to_array().map(|c| c / 300.0);
     [f.toe, f.camber, f.spin, x, y, z]
@@ -28,7 +28,7 @@ fn largest_difference(a: &WheelFigures, b: &WheelFigures) -> f64 {
     pairs.fold(0.0, |m, (a, b)| (a - b).abs().max(m))
 }
 
-/// A lateral force behind the contact point equals a lateral force at it plus a moment about the vertical.
+/// A lateral force behind the contact point equals a lateral force at the contact point plus a moment about the vertical.
 #[test]
 fn a_trail_is_a_lateral_force_and_an_aligning_moment() {
     for name in ["double_wishbone", "macpherson", "semi_trailing_arm"] {
@@ -46,8 +46,8 @@ fn a_trail_is_a_lateral_force_and_an_aligning_moment() {
         let found = by(&trail);
         // x component of the heading of a toed wheel.
         let heading = wheel.figures(&at).toe.cos();
-        // Rounding of a solution is relative to its largest component, here of rotations and of displacements divided
-        // by 300 mm.
+        // The rounding error of a solution is relative to its largest component, here of rotations and of displacements
+        // divided by 300 mm.
         let parts = numbers(&lateral).into_iter().zip(numbers(&aligning));
         let scale = parts.fold(0.0_f64, |m, (a, b)| m.max(a.abs() + 45.0 * b.abs()));
         for (k, found) in numbers(&found).into_iter().enumerate() {
@@ -58,8 +58,8 @@ fn a_trail_is_a_lateral_force_and_an_aligning_moment() {
     }
 }
 
-/// Elastic parts under a vertical force have an energy, so the forces and displacements of the wheel centre are
-/// reciprocal.
+/// Elastic parts under a vertical force have an energy, so forces and displacements of the wheel centre are reciprocal
+/// (symmetric compliance matrix).
 #[test]
 fn the_compliance_of_the_wheel_centre_is_symmetric() {
     for name in [
@@ -95,8 +95,8 @@ fn the_compliance_of_the_wheel_centre_is_symmetric() {
     }
 }
 
-/// As the stiffness rises, the motion of the wheel approaches that of the rigid mechanism. The difference is
-/// proportional to one over the stiffness.
+/// If the stiffness rises, the motion of the wheel approaches that of the rigid mechanism. The difference is proportional
+/// to one over the stiffness.
 #[test]
 fn stiff_parts_move_as_the_rigid_mechanism() {
     for name in ["double_wishbone", "macpherson", "formula_student_links"] {
@@ -114,7 +114,7 @@ fn stiff_parts_move_as_the_rigid_mechanism() {
                         *rate *= factor;
                     }
                 }
-                // A strut's bushing cannot be torsionally free, because tilt would displace the strut.
+                // A strut's bushing needs a torsional stiffness, because otherwise the strut could tilt and be displaced.
                 part.shapes[3..].iter_mut().for_each(|shape| {
                     *shape = Shape::Cubic {
                         rate: 1.0,
@@ -183,8 +183,9 @@ fn uniform(rate: f64, torsion: f64) -> [Shape; 6] {
     [k.clone(), k.clone(), k, t, none.clone(), none]
 }
 
-/// A link between bushings with equal stiffness in all directions acts as an elastic two-force member with half their
-/// stiffness, or with that of its single bushing. So every kind of link has a second description to compare.
+/// A link between bushings with equal stiffness in all directions acts as an elastic two-force member. This member has
+/// half the stiffness of the bushings. With a single bushing it has the stiffness of this bushing. So every kind of link
+/// has a second description for the comparison.
 #[test]
 fn links_on_uniform_bushings_are_stretching_links() {
     let suspension = five_link();
@@ -195,7 +196,7 @@ fn links_on_uniform_bushings_are_stretching_links() {
     );
     let spring = elastic.unwrap().compliance().unwrap().parts.spring.clone();
     let rate = 8000.0;
-    // The torsional stiffness about the link's line is at one end only, so the link follows that end and carries no
+    // Only one end has a torsional stiffness about the link's line, so the link rotates with that end and carries no
     // torque.
     let with_torsion = |name: &str, torsion: f64| BushingPart {
         point: mechanism.point(name).unwrap(),
@@ -238,8 +239,8 @@ fn links_on_uniform_bushings_are_stretching_links() {
             spring: spring.clone(),
         };
         let [a, b] = [bushed, stretched].map(|c| ElasticWheel::new(&suspension, &c).unwrap());
-        // In the design position both descriptions have the same statics. Elsewhere they may differ: the preload of a
-        // bushing keeps its direction in the body, and that of a link follows the link.
+        // In the design position both descriptions have the same forces. Elsewhere they may differ: the preload of a
+        // bushing keeps its direction in the body, but the preload of a link stays along the link.
         if let (Some(a), Some(b)) = (a.design_load(), b.design_load()) {
             assert!((a - b).abs() < 1e-11 * b, "{a} {b}");
             continue;
@@ -270,7 +271,7 @@ fn links_on_uniform_bushings_are_stretching_links() {
     }
 }
 
-/// An arm with one bushing and one ball joint is the limit of an arm with two bushings when the stiffness of one grows.
+/// If the stiffness of one bushing grows, an arm with two bushings approaches an arm with one bushing and one ball joint.
 #[test]
 fn a_ball_joint_is_the_limit_of_a_stiff_bushing() {
     let case = case("double_wishbone");
@@ -316,7 +317,7 @@ fn a_ball_joint_is_the_limit_of_a_stiff_bushing() {
     }
 }
 
-/// With the wheel load held, the lateral force on a wheel ends at a fold, whose value comes from an independent
+/// With the wheel load held, the lateral force on a wheel has a maximum (a fold). Its value comes from an independent
 /// calculation.
 #[test]
 fn a_side_force_ends_at_the_fold() {
@@ -335,10 +336,10 @@ fn a_side_force_ends_at_the_fold() {
     let found = wheel.loaded(&at, &side(wanted), HeldQuantity::WheelLoad);
     let why = found.unwrap_err();
     let reached = why.share * wanted;
-    // The program finds the share of the load to 1e-6.
+    // The program finds the reachable fraction of the load to 1e-6.
     assert!((reached - 18_129.16).abs() < 2e-6 * wanted, "{reached}");
     assert!(why.softest.is_some() && !why.is_unstable);
-    // If the wheel height is held instead, there is no fold up to this force.
+    // If the wheel height is held instead, the force has no maximum up to this value.
     wheel
         .loaded(&start, &side(wanted), HeldQuantity::WheelHeight)
         .unwrap();
@@ -368,8 +369,8 @@ fn a_loose_link_is_refused() {
     assert_eq!(part, "toe_link");
 }
 
-/// Constant forces of bushings add to those that hold the design position. With linear laws the result equals a free
-/// suspension whose constant forces are the sum of both.
+/// Constant forces of bushings are added to those that hold the design position. With linear laws, the result equals that
+/// of a suspension without design load whose constant forces are the sum of both.
 #[test]
 fn constant_forces_and_those_at_the_design_load_add() {
     let case = case("double_wishbone");

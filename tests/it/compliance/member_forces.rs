@@ -1,5 +1,5 @@
-//! Tests of loads on elastic suspensions: the forces of all members balance the bodies, and approach those of the rigid
-//! mechanism.
+//! Tests of loads on elastic suspensions: the forces of all members balance the bodies. With stiff parts they approach
+//! those of the rigid mechanism.
 
 use super::support::{elastic, with};
 use hardpoint::compliance::{ElasticAxle, ElasticWheel, Equilibrium, HeldQuantity, WheelLoads};
@@ -9,7 +9,8 @@ use hardpoint::number::Vector3;
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// Loads of a study: complete loads at the contact point and at the wheel centre, and one with the height held.
+/// Loads of a study: two complete loads at the contact point and at the wheel centre, and one load with the wheel height
+/// held.
 #[derive(Clone, Copy)]
 struct Given {
     braking: [f64; 3],
@@ -19,7 +20,7 @@ struct Given {
 }
 
 impl Given {
-    /// Loads for a wheel that carries approximately this force.
+    /// Returns loads for a wheel that carries approximately this force.
     fn about(wheel_load: f64) -> Self {
         let of = |shares: [f64; 3]| shares.map(|share| share * wheel_load);
         Given {
@@ -75,7 +76,7 @@ fn turned(v: Vector3<f64>, by: Vector3<f64>) -> Vector3<f64> {
     v * angle.cos() + axis.cross(v) * angle.sin() + axis * (axis.dot(v) * (1.0 - angle.cos()))
 }
 
-/// Equilibrium under a load, solved separately, with the total force and its point of application.
+/// Equilibrium under a load. The test solves it separately and stores the total force and its point of application.
 struct Loaded {
     wheel: ElasticWheel,
     at: Equilibrium,
@@ -139,8 +140,7 @@ impl Loaded {
 /// Name of a rod, its inner and its outer end.
 type Rod = (&'static str, &'static str, &'static str);
 
-/// Samples with a typical wheel load, and the parts that hold the carrier: joints, and rods with their inner and outer
-/// ends.
+/// Samples with a typical wheel load, and the parts that hold the carrier: joints, and rods with both ends.
 const CASES: [(&str, f64, &[&str], &[Rod]); 3] = [
     (
         "double_wishbone_compliance.toml",
@@ -237,8 +237,8 @@ fn printed_forces_balance_the_wheel_carrier() {
     }
 }
 
-/// An arm without a spring transmits the forces of its bushings to the carrier. The forces of bushings, spring and
-/// links equal those of `kc`.
+/// An arm without a spring transmits the forces of its bushings to the carrier. The forces of bushings, spring and links
+/// equal those that `kc` prints.
 #[test]
 fn an_arm_passes_the_forces_of_its_bushings() {
     let given = Given::about(4000.0);
@@ -277,8 +277,8 @@ fn an_arm_passes_the_forces_of_its_bushings() {
     }
 }
 
-/// With very stiff bushings without torsion, members carry the same forces as in the rigid mechanism under the same
-/// load. The difference is proportional to one over the stiffness.
+/// With very stiff bushings without torsion, members carry the same forces as in the rigid mechanism under the same load.
+/// The difference is proportional to one over the stiffness.
 #[test]
 fn stiff_bushings_carry_the_forces_of_the_rigid_mechanism() {
     let base = with("double_wishbone_compliance.toml", "");
@@ -315,7 +315,7 @@ fn stiff_bushings_carry_the_forces_of_the_rigid_mechanism() {
     let off = |rate: f64| {
         let curves = stiff(rate);
         let up = value(&curves, 0, "both_vertical_force_N");
-        // A rigid wheel is at its given travel whatever its spring, so its study has no spring rate.
+        // A rigid wheel is at its given travel whatever its spring, so its study needs no spring rate.
         let (points, motion) = rigid.split_once("[spring]").unwrap();
         let (_, motion) = motion.split_once("[motion]").unwrap();
         let text = format!(
@@ -342,8 +342,8 @@ loads = [
 ]
 "#;
 
-/// At each wheel on a rotating subframe, the tie rod tension balances the joint forces. The forces of bar, rack and
-/// bushings equal those of the equilibrium.
+/// At each wheel of an axle on a subframe that rotates, the tie rod tension balances the joint forces. The printed forces
+/// of bar, rack and bushings equal those of the equilibrium.
 #[test]
 fn forces_of_an_axle_balance_both_carriers() {
     let study = elastic(&with("subframe_axle_compliance.toml", AXLE_LOADS));
@@ -412,8 +412,8 @@ fn forces_of_an_axle_balance_both_carriers() {
     }
 }
 
-/// A load beyond the capacity of the wheel has no member forces, and the station reports this. The program refuses
-/// invalid loads at their key.
+/// If the wheel cannot carry a load, the members have no forces, and the station reports this. The program refuses
+/// invalid loads and names their key.
 #[test]
 fn loads_that_cannot_be_held_have_no_values() {
     let one = |load: &str| {

@@ -1,5 +1,5 @@
-//! Tests of random loads on random designs with bushings: every reported equilibrium is true, and refused loads have no
-//! equilibrium.
+//! Tests of random loads on random designs with bushings: every reported equilibrium is correct, and loads that the
+//! program refuses have no equilibrium.
 
 use super::support::{elastic, with};
 use crate::support::random::Random;
@@ -23,13 +23,15 @@ const BISECTIONS: usize = 12;
 struct Seen {
     loads: usize,
     ok: usize,
-    /// Number of loads below half of the end of a fine continuation, and number of solved ones among them.
+    /// Number of loads below half of the load at which a continuation in fine steps ends, and number of solved loads
+    /// among them.
     below_half: [usize; 2],
-    /// Number of loads below 0.9 of the end of a fine continuation, and number of solved ones among them.
+    /// Number of loads below 0.9 of the load at which a continuation in fine steps ends, and number of solved loads among
+    /// them.
     below_end: [usize; 2],
     worst_balance: f64,
     worst_difference: f64,
-    /// Largest change by a second solution that starts from the first.
+    /// Largest change by a second solution that starts from the first one.
     worst_correction: f64,
 }
 
@@ -95,8 +97,8 @@ fn difference(a: &WheelFigures, b: &WheelFigures) -> f64 {
         .fold(centre, |m, d| m.max(d.abs()))
 }
 
-/// Share of a load that a continuation in fine steps with bisection reaches, and the equilibrium of the whole load if
-/// it is reached.
+/// Follows the equilibrium in fine steps of the load, with bisection at the end. Returns the fraction of the load that it
+/// reaches, and the equilibrium if this is the whole load.
 fn fine(
     wheel: &ElasticWheel,
     station: &Equilibrium,
@@ -136,7 +138,7 @@ fn stiffest(parts: &Compliance) -> f64 {
     rates.chain(links).fold(0.0, f64::max)
 }
 
-/// Checks this many loads on each of this many designs.
+/// Checks `loads_of_each` loads on each of `designs` designs.
 fn check(seed: u64, designs: usize, loads_of_each: usize) -> Seen {
     let studies = [
         "double_wishbone_compliance.toml",
@@ -176,18 +178,18 @@ fn check(seed: u64, designs: usize, loads_of_each: usize) -> Seen {
                 let left = wheel.out_of_balance(at);
                 seen.worst_balance = seen.worst_balance.max(left / bound);
                 assert!(left <= bound, "{left} {bound}: {loads:?} {held:?}");
-                // The solver skips corrections that it predicts to be small; this second solution shows that they are
+                // The solver leaves out corrections that it predicts to be small. A second solution shows that they are
                 // small.
                 let again = wheel.loaded_about(&station, at, &loads, held).unwrap();
                 let off = difference(&wheel.figures(at), &wheel.figures(&again));
                 seen.worst_correction = seen.worst_correction.max(off);
-                // The solution does not jump between branches: a continuation in fine steps ends in the same state.
+                // The solution does not jump to another equilibrium: a continuation in fine steps ends in the same state.
                 let whole = whole.unwrap_or_else(|| panic!("fine steps end at {end}: {loads:?}"));
                 let off = difference(&wheel.figures(at), &wheel.figures(&whole));
                 seen.worst_difference = seen.worst_difference.max(off);
                 assert!(off < 1e-9, "{off}: {loads:?} {held:?}");
             } else {
-                // The refusal is correct: fine steps do not reach the load either.
+                // The refusal is correct: a continuation in fine steps does not reach the load either.
                 assert!(
                     whole.is_none(),
                     "refused, but held in fine steps: {loads:?} {held:?}"
@@ -201,7 +203,7 @@ fn check(seed: u64, designs: usize, loads_of_each: usize) -> Seen {
                     counts[1] += usize::from(found.is_ok());
                 }
             } else if is_ok {
-                // Counts loads up to half of the solvable load, and up to 0.9 of it.
+                // Counts loads up to half of the largest load with an equilibrium, and up to 0.9 of it.
                 for counts in [&mut seen.below_half, &mut seen.below_end] {
                     counts[0] += 1;
                     counts[1] += 1;

@@ -18,7 +18,7 @@ pub const CASES: [&str; 6] = [
     "formula_student_links",
 ];
 
-/// Equilibrium of a state, with its held quantity.
+/// Returns the equilibrium of a state of the reference, with the quantity that is held there.
 pub fn solved(wheel: &ElasticWheel, state: &Value, design_load: f64) -> Equilibrium {
     let load = &state["load"];
     let rack = load["rack"].as_f64().unwrap_or(0.0);
@@ -89,8 +89,8 @@ fn values(case: &Value, wheel: &ElasticWheel, at: &Equilibrium) -> BTreeMap<Stri
     values
 }
 
-/// Bound of a value: for lengths 1e-11 mm, because positions are sums of several hundred millimetres, and for angles
-/// 1e-13 rad. Bounds of forces and torques follow from those of deflections and rotations times the rates.
+/// Bound of the error of a value. For lengths it is 1e-11 mm, because positions are sums of several hundred millimetres.
+/// For angles it is 1e-13 rad. Bounds of forces and torques are those of deflections and rotations times the rates.
 fn bound(name: &str) -> f64 {
     const LENGTHS: [&str; 5] = [
         "wheel_centre",
@@ -189,7 +189,7 @@ fn metrics_are_those_of_the_reference() {
                     let change = Change::Load(unit(load));
                     let by = wheel.figures_by(&at, &change, held).unwrap();
                     let found = figures(&by, by.vertical);
-                    // Test results of the same kind in one test are compared with their largest value.
+                    // The test compares the results of one kind in one test with the largest of them.
                     let scale = |value: &str| {
                         let is_angle = |n: &str| {
                             !n.contains("wheel_centre")
@@ -227,7 +227,7 @@ fn metrics_are_those_of_the_reference() {
     assert!(worst.0 < 1e-10, "{worst:?}");
 }
 
-/// Secants over +-1000 N and +-100 N m with the height held equal those of the reference.
+/// Secants over +-1000 N and +-100 N m with the wheel height held equal those of the reference.
 #[test]
 fn secants_are_those_of_the_reference() {
     for name in CASES {
@@ -255,7 +255,7 @@ fn secants_are_those_of_the_reference() {
             for (value, expected) in names.iter().zip(expected.as_array().unwrap()) {
                 let value = value.as_str().unwrap();
                 let error = (found[value] - number(expected)).abs();
-                // The bound follows from differences of states that are accurate to 1e-11 mm, 1e-13 rad and 1e-7 N.
+                // The value is a difference of states that are accurate to 1e-11 mm, 1e-13 rad and 1e-7 N.
                 let bound = if value == "vertical_contact_force" {
                     1e-7
                 } else if value.contains("wheel_centre") || value.contains("contact") {

@@ -43,7 +43,7 @@ scatter = [
 ]
 "#;
 
-/// Derivatives of the builds with respect to hardpoints and rates equal differences, where a rate is a variable and
+/// Derivatives of the builds with respect to hardpoints and rates equal difference quotients. One rate is a variable and
 /// also scatters.
 #[test]
 fn derivatives_of_elastic_builds_are_exact() {
@@ -68,7 +68,7 @@ fn derivatives_of_elastic_builds_are_exact() {
             );
         }
     }
-    // Scatter makes the builds differ.
+    // Scatter gives the builds different values.
     let apart = (here.residuals[0] - here.residuals[3]).abs();
     assert!(apart > 0.01, "{apart}");
 }
@@ -109,7 +109,7 @@ fn builds_of_exact_parts_are_the_nominal_design() {
     }
 }
 
-/// The target is near an end of the band, so the nominal optimum has a low yield.
+/// The target is near an end of the band. So builds of the nominal optimum often miss the band.
 const YIELD: &str = r#"
 [optimise]
 scatter = 32
@@ -131,8 +131,8 @@ bands = [
 ]
 "#;
 
-/// Builds of `tolerance` that the tuning did not use meet the bands more often after the robust tuning. Their share
-/// agrees with the expected one within five standard errors of both samples.
+/// After a robust tuning, more builds meet the bands. The test counts this with builds of `tolerance` that the tuning did
+/// not use. Their share agrees with the expected share within five standard errors of both samples.
 #[test]
 fn the_robust_design_has_the_larger_yield() {
     let study = elastic(&with(NAME, YIELD));
@@ -159,8 +159,8 @@ fn the_robust_design_has_the_larger_yield() {
     }
 }
 
-/// A tuned rate that scatters does so about its tuned value. So the yield after the tuning is that of the tuned study, read again
-/// from its text.
+/// A tuned rate scatters about its tuned value. So the yield after the tuning equals the yield of the tuned study after
+/// reading it from its text.
 #[test]
 fn yields_of_a_tuned_rate_are_those_of_the_tuned_study() {
     const SECTIONS: &str = r#"

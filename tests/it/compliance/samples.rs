@@ -30,12 +30,13 @@ variables = [
 ]
 "#;
 
-/// Returns true if two numbers differ by at most the last corrections of an equilibrium.
+/// Returns true if two numbers differ by at most the size of the last correction of an equilibrium.
 fn is_same(a: f64, b: f64) -> bool {
     (a - b).abs() < 1e-11 * b.abs().max(1e-2)
 }
 
-/// Rows of a sweep, which the program computes in lanes, equal the results of each design alone up to rounding errors.
+/// The program computes the rows of a sweep in SIMD lanes. They equal the results of each design alone, up to rounding
+/// errors.
 #[test]
 fn rows_of_a_sweep_are_those_of_single_designs() {
     let study = elastic(&with(NAME, SWEEP));
@@ -98,7 +99,7 @@ fn rows_of_a_sweep_are_those_of_single_designs() {
             let expected = values(&format!("{name}{unit}"))[2];
             assert!(is_same(found, expected), "{name}: {found} {expected}");
         }
-        // The gain of toe equals the bump steer.
+        // The gain of toe (derivative in the design position) equals the bump steer.
         let (gain, steer) = (
             row[column("toe_gain_deg_per_mm")],
             row[column("bump_steer_design_deg_per_mm")],
@@ -150,8 +151,8 @@ bands = [
 ]
 "#;
 
-/// For small scatter the standard deviation of builds equals the first-order result, and the gradients equal
-/// differences.
+/// For small scatter, the standard deviation of builds equals the first-order result. The gradients equal difference
+/// quotients.
 #[test]
 fn builds_scatter_as_first_order_says() {
     let study = elastic(&with(NAME, BUILDS));
@@ -188,7 +189,7 @@ fn builds_scatter_as_first_order_says() {
         }
     }
     assert_eq!(checked, 2 * problem.stations().count() + 1);
-    // Changing a rate changes the test result as in a study with that rate.
+    // The derivative with respect to a rate equals the change of the test result in a study with another rate.
     let (cell, rate) = (
         problem.cell(2, design),
         expansion.gradient(problem.cell(2, design))[4],
@@ -234,7 +235,7 @@ constraints = [
 ]
 "#;
 
-/// A limit on a test result is active if the target demands more, and its rows have exact slopes.
+/// A limit on a test result is active if the target demands more. The rows of the limit have exact slopes.
 #[test]
 fn a_figure_keeps_its_limit() {
     let study = elastic(&with(NAME, LIMITED));
@@ -281,7 +282,7 @@ fn figure(study: &Study, moved: &Study, name: &str) -> f64 {
     curves.stations[middle].value(0).unwrap()
 }
 
-/// The program refuses constraints on poses of the rigid mechanism, and accepts constraints on the design.
+/// The program refuses constraints on poses of the rigid mechanism. It accepts constraints on the design.
 #[test]
 fn constraints_of_poses_are_refused() {
     let fails =

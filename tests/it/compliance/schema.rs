@@ -34,8 +34,8 @@ fn matches(pattern: &str, text: &str) -> bool {
     left.contains("")
 }
 
-/// The schema accepts the names that studies accept: with trail, hold, mode, bar, steering, secant and load. It rejects
-/// other names.
+/// The schema accepts the names of test results that studies accept: with suffixes for trail, held quantity, mode, bar,
+/// steering, secant and load. It rejects other names.
 #[test]
 fn the_schema_accepts_figures_with_suffixes() {
     let schema = hardpoint::study::schema();

@@ -16,7 +16,7 @@ pub const RUBBER: &str = "double_wishbone_compliance.toml";
 const TUBES: &str = "formula_student_compliance.toml";
 pub const LINKS: &str = "five_link_compliance.toml";
 
-/// Study of the repository with this set-up, with parts relaxed in the design position without load.
+/// Study of the repository with this set-up. Its elastic parts are free of force in the design position.
 pub fn free(name: &str, setup: &str) -> Study {
     let text = with(
         name,
@@ -39,7 +39,7 @@ pub fn one(found: &FoundSetUp) -> &SetUpSummary {
     summary
 }
 
-/// Value after the set-up of a column.
+/// Returns the value of a column after the set-up.
 pub fn set(summary: &SetUpSummary, column: &str) -> f64 {
     let own = summary.statics.iter().find(|s| s.column == column);
     own.unwrap_or_else(|| panic!("no {column}")).set.unwrap()
@@ -66,7 +66,7 @@ fn spring(suspension: &Suspension) -> f64 {
     suspension.spring_length(&suspension.design).unwrap()
 }
 
-/// Spring force of a study at this length between its hardpoints.
+/// Returns the spring force of a study when the spring has this length between its hardpoints.
 fn force_at(study: &Study, length: f64) -> f64 {
     let law = match &study.vehicle {
         Vehicle::Wheel(own) => own
@@ -85,7 +85,7 @@ fn force_at(study: &Study, length: f64) -> f64 {
     force + rate * (spring(study.wheel()) - length)
 }
 
-/// Study of the adjusted hardpoints, written as text and read again. Its springs are the same parts.
+/// Study of the adjusted hardpoints, written as text and read again. The springs have the same laws as before.
 pub fn read_again(study: &Study, found: &FoundSetUp) -> Study {
     let adjusted = &found.adjusted;
     let text = match &adjusted.vehicle {
@@ -145,7 +145,7 @@ fn rigid(text: &str, more: &str) -> Study {
     read.unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// The equilibrium of the adjusted hardpoints has the target values. The rigid mechanism of these hardpoints has other
+/// The equilibrium of the adjusted hardpoints has the target values. The rigid mechanism with these hardpoints has other
 /// values.
 #[test]
 fn wanted_values_are_those_of_the_adjusted_equilibrium() {
@@ -186,8 +186,8 @@ fn wanted_values_are_those_of_the_adjusted_equilibrium() {
     }
 }
 
-/// With `at_design_load` and without preload the design position is the equilibrium. So amounts, values and ride height
-/// equal those of the rigid mechanism, and so do the effects on camber, toe and height.
+/// With `at_design_load` and without preload, the design position is the equilibrium. So adjustments, values and ride
+/// height equal those of the rigid mechanism. The effects on camber, toe and height are equal, too.
 #[test]
 fn at_the_design_load_the_set_up_is_that_of_the_rigid_mechanism() {
     for (name, setup) in [
@@ -238,8 +238,8 @@ fn at_the_design_load_the_set_up_is_that_of_the_rigid_mechanism() {
     }
 }
 
-/// A pushrod sets the height: the spring keeps the length of the nominal equilibrium, and so the force that carries the
-/// car.
+/// A pushrod sets the height: the spring keeps its length in the nominal equilibrium, and so it keeps the force that
+/// carries the car.
 #[test]
 fn the_spring_keeps_the_length_of_the_nominal_equilibrium() {
     let setup = "adjust = [{ length = \"pushrod\", per_turn = 2.0 }, { length = \"tie_rod\" }]\nwant = { toe = 0.2 }\nride_height_change = -7.0";
@@ -256,7 +256,8 @@ fn the_spring_keeps_the_length_of_the_nominal_equilibrium() {
         (values[0] - 0.2).abs() < 1e-9 && (values[1] - nominal).abs() < 1e-9,
         "{values:?}"
     );
-    // The tubes deflect under the spring force, so the spring has another length between the nominal hardpoints.
+    // The elastic tubes deflect under the spring force, so the length of the spring in equilibrium differs from
+    // its length between the nominal hardpoints.
     assert!((spring(study.wheel()) - nominal).abs() > 1e-3);
     let wheel = study.wheel();
     let [before, after] =
@@ -275,7 +276,7 @@ fn built(study: &Study, name: &str, by: f64, height: f64) -> [f64; 4] {
     let built = assembler.build(&parts, Rest::Height(height)).unwrap();
     let elastic = study.compliance().unwrap();
     let mut parts = elastic.parts.clone();
-    // The spring is the same part: its force at the new length is the nominal force of the build.
+    // The spring is unchanged: at the new length, its force is the nominal force of the build.
     let Some(Law::Linear { force, .. }) = parts.spring.as_mut().map(|law| &mut law.spring) else {
         panic!("a linear spring");
     };
@@ -295,7 +296,7 @@ fn built(study: &Study, name: &str, by: f64, height: f64) -> [f64; 4] {
     })
 }
 
-/// Effects equal slopes of builds at the same height, also with a preloaded bushing and at another height.
+/// Effects equal the slopes of builds at the same height, also with a preloaded bushing and at another height.
 #[test]
 fn effects_are_slopes_of_elastic_builds() {
     let setup = "adjust = [{ length = \"tie_rod\" }, { shim = \"upper_ball_joint\", axis = \"y\" }, { shim = \"lower_arm_front\", axis = \"z\" }]\n\
@@ -326,7 +327,7 @@ fn effects_are_slopes_of_elastic_builds() {
     }
 }
 
-/// Effects of a pushrod equal slopes of builds that settle to the height that the spring gives.
+/// Effects of a pushrod equal the slopes of builds at the height that the spring determines.
 #[test]
 fn effects_of_a_pushrod_are_slopes_of_settled_builds() {
     let setup =
@@ -369,7 +370,7 @@ fn effects_of_a_pushrod_are_slopes_of_settled_builds() {
     }
 }
 
-/// With increasing stiffness the amounts approach those of the rigid mechanism. The difference is proportional to one
+/// If the stiffness rises, the adjustments approach those of the rigid mechanism. The difference is proportional to one
 /// over the stiffness.
 #[test]
 fn stiff_parts_have_the_amounts_of_the_rigid_mechanism() {
@@ -391,8 +392,8 @@ fn stiff_parts_have_the_amounts_of_the_rigid_mechanism() {
     }
 }
 
-/// Text in which the numbers of each list are multiplied by factors. `factors` returns the factors of a line, or
-/// `None`.
+/// Returns a text in which the numbers of each list are multiplied by factors. `factors` returns the factors of a line,
+/// or `None`.
 fn rescaled(text: &str, factors: impl Fn(&str) -> Option<Vec<f64>>) -> String {
     let line = |line: &str| -> String {
         let Some((name, list)) = line.split_once(" = ") else {
@@ -458,7 +459,7 @@ fn set_ups_do_not_depend_on_side_and_units() {
     }
 }
 
-/// If the wheel has no equilibrium at the requested height, the set-up gives the reason and no numbers.
+/// If the wheel has no equilibrium at the requested height, the set-up states the reason and gives no numbers.
 #[test]
 fn a_rest_without_equilibrium_is_named() {
     let setup =

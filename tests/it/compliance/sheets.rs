@@ -17,7 +17,8 @@ fn variables(names: &[(&str, &str)]) -> String {
     list.collect::<Vec<_>>().join(",\n")
 }
 
-/// Sheet of the study with its rates multiplied by these factors, with random noise and a column of tolerances.
+/// Makes a measured sheet of the study: its rates are multiplied by these factors, and results have random noise and a
+/// column of tolerances.
 fn sheet(study: &Study, factors: &[f64], seed: u64) -> String {
     let variables = &study.optimise.as_ref().unwrap().variables;
     let mut planted = study.clone();
@@ -54,7 +55,8 @@ fn fitted(names: &[(&str, &str)], factors: &[f64], seed: u64) -> (Study, Tuning)
     (study, tuning)
 }
 
-/// A fit recovers planted rates within their standard errors, and estimates the scatter of the noise.
+/// A fit finds the rates from which the sheet was computed, within their standard errors. It also estimates the standard
+/// deviation of the noise.
 #[test]
 fn rates_are_identified_from_a_sheet_with_noise() {
     let names = [
@@ -84,13 +86,14 @@ fn rates_are_identified_from_a_sheet_with_noise() {
             squares += off * off;
         }
     }
-    // `squares` is the sum of twelve squared errors, each in standard errors. Their mean is about 1.
+    // `squares` is the sum of twelve squared errors, each divided by its standard error. The mean of the twelve is about
+    // 1.
     let mean = squares / 12.0;
     assert!((0.15..3.0).contains(&mean), "{mean}");
 }
 
-/// The stiffness of an arm along its axis is the sum of the stiffnesses of both bushings. A sheet cannot separate the
-/// two stiffnesses, and the program reports this.
+/// The stiffness of an arm along its axis is the sum of the stiffnesses of its two bushings. A sheet cannot separate
+/// these two stiffnesses, and the program reports this.
 #[test]
 fn rates_that_a_sheet_cannot_separate_are_named() {
     let names = [
@@ -119,8 +122,8 @@ fn rates_that_a_sheet_cannot_separate_are_named() {
     );
 }
 
-/// A fit of an exact sheet ends at zero misfit from every start. Its residuals are rounding errors of equilibria, and
-/// so is their slope.
+/// A fit of a sheet without noise ends at zero misfit from every start. There, residuals and slopes are rounding errors
+/// of equilibria.
 #[test]
 fn a_fit_of_an_exact_sheet_converges() {
     let names = [("lower_arm_rear", "y"), ("lower_arm_front", "x")];
@@ -148,7 +151,7 @@ fn a_fit_of_an_exact_sheet_converges() {
     }
 }
 
-/// The written study contains the targets of its sheet, and reads back as the same targets.
+/// The written study contains the targets of its sheet. Read again, it has the same targets.
 #[test]
 fn a_sheet_is_written_out_in_the_study() {
     let (study, _) = fitted(&[("lower_arm_rear", "y")], &[1.1], 2);
@@ -188,7 +191,7 @@ fn mistakes_in_a_sheet_are_named_with_their_line() {
             2,
             "a number in the column tolerance",
         ),
-        // Two tests have this result, with trail 0 and trail 30.
+        // Two tests have this result: with trail 0 and with trail 30 mm.
         ("trail_mm", "reason", 2, "several tests"),
         (
             "lateral,0.0",
@@ -208,7 +211,7 @@ fn mistakes_in_a_sheet_are_named_with_their_line() {
             1,
             "several columns have the name value",
         ),
-        // An empty travel does not mean travel 0.
+        // A row with an empty travel does not mean travel 0.
         (
             "tolerance\nlateral,0.0,camber_by_lateral_force,0.02,deg_per_kN,0.001\n",
             "tolerance,travel_mm\nlateral,0.0,camber_by_lateral_force,0.02,deg_per_kN,0.001,\n",
@@ -245,7 +248,7 @@ fn bus(fy: &str) -> String {
     text + &format!("[FY_CURVE]\n{fy}\n")
 }
 
-/// A property file with straight curves defines a bushing with their stiffness.
+/// A property file with straight curves defines a bushing whose stiffnesses are the slopes of the curves.
 #[test]
 fn a_property_file_with_straight_curves_is_a_linear_bushing() {
     let directory = tempfile::tempdir().unwrap();
@@ -274,7 +277,7 @@ fn a_property_file_with_straight_curves_is_a_linear_bushing() {
     for (a, b) in found.iter().zip(expected) {
         assert!((a - b).abs() < 1e-9 * b.abs().max(1e-9), "{a} {b}");
     }
-    // The text needs no separate file.
+    // The text of the study needs no separate file.
     assert!(!study.text.contains("rear.bus"));
     assert_eq!(elastic(&study.text).compliance(), study.compliance());
     // Mistakes: a falling law, a missing block, a law in addition to the file, a missing file.
@@ -308,8 +311,8 @@ fn a_property_file_with_straight_curves_is_a_linear_bushing() {
     assert!(matches!(law, Shape::Curve { .. }) && (law.initial_rate() - 8.0e4).abs() < 1e-6);
 }
 
-/// Values by the definitions of other programs equal rotations and displacements under loads at levers straight down,
-/// on either side.
+/// Values under the definitions of other programs equal rotations and displacements of the wheel under given loads. These
+/// loads act straight below the wheel centre, on either side.
 #[test]
 fn values_of_other_programs_follow_their_definitions() {
     for side in ["left", "right"] {
@@ -355,7 +358,7 @@ fn values_of_other_programs_follow_their_definitions() {
             let own: f64 = cell(row, "value").parse().unwrap();
             Some((cell(row, "other_value").parse::<f64>().unwrap(), own))
         };
-        // Toe-in of a left wheel is a rotation to the right; positive camber tilts the top outboard.
+        // Toe-in of a left wheel is a rotation to the right. Positive camber tilts the top outboard.
         let expected = [
             (
                 OtherProgram::Altair,
@@ -435,7 +438,7 @@ fn mirror(line: &str) -> String {
     )
 }
 
-/// The program names a sheet without the required columns, and the missing columns.
+/// If a sheet lacks required columns, the program names the sheet and the missing columns.
 #[test]
 fn a_sheet_without_its_columns_is_named() {
     let directory = tempfile::tempdir().unwrap();

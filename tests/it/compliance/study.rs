@@ -1,5 +1,5 @@
-//! Tests of studies with elastic parts: mistakes are named by line and key, and commands that would ignore the elastic
-//! parts refuse them.
+//! Tests of studies with elastic parts: messages name the line and key of a mistake, and commands that would ignore the
+//! elastic parts refuse them.
 
 use crate::support::mutants::mutilated;
 use crate::support::random::Random;
@@ -19,8 +19,8 @@ fn text(name: &str) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
-/// Asserts that the good study, with its only `from` replaced by `to`, has exactly one mistake, on the line that
-/// contains `on`.
+/// Replaces the only `from` of the good study by `to`. Asserts that the study then has exactly one mistake, on the line
+/// that contains `on`.
 fn assert_mistake(from: &str, to: &str, on: &str, phrase: &str) {
     let good = text(STUDIES[0]);
     assert_eq!(good.matches(from).count(), 1, "{from:?}");
@@ -168,14 +168,14 @@ fn mistakes_are_named_by_line() {
     }
 }
 
-/// If no test of the study gives a requested result, the message names the test to add. The message does not call the
+/// If no test of the study gives a requested result, the message names the test to add. It does not call the result's
 /// name unknown, and does not suggest another spelling.
 #[test]
 fn figures_without_their_test_are_named_with_it() {
     let refusal = |study: &str, tests: &str, outputs: &str| {
         let text = text(study);
         let kept = text.lines().scan(false, |is_list, line| {
-            // A list of tests ends with the first line that ends with a bracket.
+            // The list of tests ends with the first line that ends with a bracket.
             let begins = line.starts_with("tests = [");
             let skips = begins || *is_list;
             *is_list = skips && !line.trim_end().ends_with(']');
@@ -241,8 +241,8 @@ fn figures_without_their_test_are_named_with_it() {
     }
 }
 
-/// The strut turns freely about its line, so the program refuses stiffness, constant torque and a property file's
-/// torque about it.
+/// A strut turns freely about its line. So the program refuses stiffness, constant torque and a property file's torque
+/// about this line.
 #[test]
 fn nothing_acts_about_the_line_of_a_strut() {
     let good = text("macpherson_compliance.toml");

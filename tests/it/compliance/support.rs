@@ -45,7 +45,7 @@ pub fn fourth_order([a, b, c, d]: [f64; 4], step: f64) -> f64 {
     (8.0 * (c - b) - (d - a)) / (12.0 * step)
 }
 
-/// Standard deviation of a measurement relative to its value.
+/// Standard deviation of a measurement, divided by its value.
 const NOISE: f64 = 0.01;
 
 /// Measured sheet: `kc.csv` without secants, with a column of tolerances and random noise times `share`.

@@ -67,7 +67,7 @@ fn planted(study: &Study, seed: u64) -> DVector<f64> {
     DVector::from_vec(offsets.collect())
 }
 
-/// Study whose targets have the values of a planted design.
+/// Study whose targets are the values of a known design.
 fn with_planted_targets(mut study: Study, at: &DVector<f64>) -> Study {
     let optimise = study.optimise.as_ref().unwrap();
     let layout = TargetLayout::of(optimise, &study.vehicle);
@@ -98,8 +98,8 @@ fn with_planted_targets(mut study: Study, at: &DVector<f64>) -> Study {
     study
 }
 
-/// A tuning meets ten targets of kinematics and compliance that were planted at a known design up to 5 mm and 20 %
-/// away.
+/// A tuning meets ten targets of kinematics and compliance. The targets are values of a known design that is up to 5 mm
+/// and 20 % away.
 #[test]
 fn planted_targets_of_kinematics_and_compliance_come_back() {
     let asked = study(ASKED);
@@ -128,7 +128,7 @@ fn planted_targets_of_kinematics_and_compliance_come_back() {
     );
 }
 
-/// The Jacobian of targets with respect to hardpoints and rates equals differences of fourth order.
+/// The Jacobian of targets with respect to hardpoints and rates equals difference quotients of fourth order.
 #[test]
 fn slopes_along_variables_are_those_of_differences() {
     let study = study(ASKED);
@@ -168,7 +168,7 @@ fn slopes_along_variables_are_those_of_differences() {
     }
 }
 
-/// The tuned text contains the tuned rates and hardpoints, and reads as the tuned study.
+/// The tuned text contains the tuned rates and hardpoints. Read again, it is the tuned study.
 #[test]
 fn the_tuned_text_is_the_tuned_study() {
     let asked = study(ASKED);
@@ -181,7 +181,7 @@ fn the_tuned_text_is_the_tuned_study() {
     assert_eq!(read.parts, moved.parts);
 }
 
-/// Tuning names and refuses outputs that it cannot compute for elastic parts.
+/// A tuning refuses outputs that it cannot compute for elastic parts, and names them.
 #[test]
 fn what_is_of_the_rigid_mechanism_is_refused() {
     let path =

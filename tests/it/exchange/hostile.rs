@@ -196,7 +196,7 @@ fn sheets_are_chosen_by_name_or_by_their_points() {
     let two = file(&directory, "two.xlsx", &two);
     let refused = imported(&two, "macpherson", &Said::default()).unwrap_err();
     assert!(
-        refused.ends_with("has points in 2 sheets: say --sheet front or --sheet rear"),
+        refused.ends_with("has points in 2 sheets: give --sheet front or --sheet rear"),
         "{refused}"
     );
     let mut broken = cells();
@@ -207,7 +207,7 @@ fn sheets_are_chosen_by_name_or_by_their_points() {
     // An invalid coordinate does not exclude a sheet: only the import finds it, so both sheets remain candidates.
     let refused = read.unwrap_err();
     assert!(
-        refused.contains("say --sheet 'it'\\''s front' or --sheet old"),
+        refused.contains("give --sheet 'it'\\''s front' or --sheet old"),
         "{refused}"
     );
     let said = |sheet| Said {

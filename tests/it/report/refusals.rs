@@ -91,7 +91,7 @@ fn a_sweep_whose_files_do_not_belong_together_is_refused() {
         ),
         (
             text.replacen("camber", "camper", 1),
-            "the columns are not those",
+            "the columns differ from those",
         ),
         (text.replacen("\n0,", "\n7,", 1), "the row of design 0"),
     ] {

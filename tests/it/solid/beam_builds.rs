@@ -17,7 +17,7 @@ fn axle_of(vehicle: Vehicle) -> Axle {
     }
 }
 
-/// Largest differences of wheel centres and of spin axes from the other formulation.
+/// Returns the largest differences of wheel centres and of spin axes between the program and the other formulation.
 fn apart(axle: &Axle, parts: &Parts, travels: [f64; 2]) -> [f64; 2] {
     let wanted = [Quantity::Axle(A::BeamTwist), Quantity::Axle(A::MeanSteer)];
     let mut solver = AxleSolver::<2>::new(axle, &wanted, false).unwrap();
@@ -52,8 +52,8 @@ fn problem(study: &Study) -> Problem<'_> {
 const ALL: &str = "[tolerance]\nscatter = [{ hardpoints = [\"mount\", \"wheel_centre\", \"spindle_inner\"], sigma = 1.5 }, \
                    { hardpoint = \"shear_centre\", sigma = 1.5 }]\n";
 
-/// In forty builds with deviations of millimetres, at rest and at two positions, the wheels have the positions of the
-/// other formulation.
+/// In forty builds with deviations of millimetres, the wheels have the same positions as in the other formulation. The
+/// test compares them at rest and at two other positions.
 #[test]
 fn builds_are_two_rigid_bodies_on_their_mounts() {
     let study = study(HEAVE, ALL);
@@ -71,13 +71,13 @@ fn builds_are_two_rigid_bodies_on_their_mounts() {
         }
     }
     println!("{worst:?}");
-    // Residuals are a few roundings of coordinates of 700 mm, with a condition number below 1e3. Axes follow from
-    // points 100 mm apart.
+    // Residuals are a few rounding errors of coordinates of 700 mm, with a condition number below 1e3. Axes are computed
+    // from points 100 mm apart.
     assert!(worst[0] < 1e-9, "{:e} mm", worst[0]);
     assert!(worst[1] < 1e-10, "{:e}", worst[1]);
 }
 
-/// Both wheels describe the same build.
+/// The mechanisms of the left and the right wheel describe the same build.
 #[test]
 fn both_wheels_see_the_same_build() {
     let study = study(HEAVE, ALL);
@@ -104,8 +104,8 @@ fn both_wheels_see_the_same_build() {
     }
 }
 
-/// A build printed as a study equals the build: the study has both points of its hinge, and its curves are those of the
-/// build.
+/// A build that is printed as a study equals the build. The study has both points of the hinge, and its curves are those
+/// of the build.
 #[test]
 fn printed_builds_are_the_builds() {
     let study = study(ROLL, ALL);
@@ -140,7 +140,7 @@ fn printed_builds_are_the_builds() {
     }
 }
 
-/// Half the width of the scatter range; it is so narrow that the deviation of a part is known.
+/// Half the width of the scatter range. The range is so narrow that the deviation of a part is known.
 const NARROW: f64 = 1e-13;
 
 /// Values of a beam whose parts deviate by these amounts, by output and station.
@@ -183,7 +183,7 @@ const ENTRIES: [&str; 8] = [
     r#"hardpoint = "spindle_inner", axis = "x", side = "right""#,
 ];
 
-/// Gradients with respect to every part equal slopes of builds solved one by one, from differences of fourth order.
+/// Gradients with respect to every part equal difference quotients (fourth order) of builds that are solved one by one.
 #[test]
 fn gradients_are_slopes_of_builds() {
     let scatter: Vec<String> = ENTRIES
@@ -219,8 +219,8 @@ fn gradients_are_slopes_of_builds() {
     assert!(looked_at > 15 * ENTRIES.len(), "{looked_at}");
 }
 
-/// The second-order contribution equals that from differences of builds, on rolled ground, at given travels on a plane,
-/// and on pads. It is unknown for quantities made of velocities.
+/// The second-order contribution equals the one from differences of builds. The test covers rolled ground, given travels
+/// on a plane, and pads. The contribution is unknown for quantities made of velocities.
 #[test]
 fn second_order_is_that_of_builds() {
     let motions = [
@@ -272,7 +272,7 @@ fn second_order_is_that_of_builds() {
                 let mixed = 0.5 * (together[output] - one - two);
                 let mean = 0.5 * (one + two);
                 let growth = 0.5 * (one * one + two * two) + mixed * mixed;
-                // Rounding of differences of positions in millimetres.
+                // Rounding error of differences of positions in millimetres.
                 let rounding = if column.name.ends_with("_deg") {
                     1e-12
                 } else {
@@ -297,8 +297,8 @@ fn second_order_is_that_of_builds() {
     assert!(all >= 16, "{all}");
 }
 
-/// Builds have the same values in lanes and one by one, and the same bits with any number of threads. For small
-/// scatter, their standard deviation is the first-order result.
+/// SIMD lanes and single builds give the same values. The bits do not depend on the number of threads. For small scatter,
+/// the standard deviation of the builds is the first-order result.
 #[test]
 fn builds_are_the_same_in_lanes_and_one_by_one() {
     if !crate::support::has_lanes() {
@@ -309,7 +309,7 @@ fn builds_are_the_same_in_lanes_and_one_by_one() {
     let narrow = ALL
         .replace("1.5", "0.1")
         .replace("[tolerance]\n", "[tolerance]\nbuilds = 200\n");
-    // Lanes support these outputs.
+    // SIMD lanes support these outputs.
     let outputs = r#""camber", "toe", "mean_steer", "track""#;
     let study = study_of(ROLL, outputs, &narrow);
     let problem = problem(&study);

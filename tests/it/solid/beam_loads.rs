@@ -1,5 +1,5 @@
-//! Tests of the forces of twist beams under loads: the balances of each half as a free body, from the columns of the
-//! curves alone.
+//! Tests of the forces of twist beams under loads: each half is in balance as a free body. The test reads only the
+//! columns of the curves.
 
 use super::axle;
 use super::own::{Point, minus};
@@ -52,7 +52,8 @@ impl Read<'_> {
     }
 }
 
-/// Sum of the forces on a half, and of their moments about the origin plus couples.
+/// Sum of the forces on one half of the axle. Then the sum of the moments on this half: moments of the forces about the
+/// origin, plus the couples.
 fn sums(forces: &[(Point, Point)], couples: &[Point]) -> [Point; 2] {
     let (mut sum, mut about) = ([0.0; 3], [0.0; 3]);
     for (place, force) in forces {
@@ -68,9 +69,9 @@ fn sums(forces: &[(Point, Point)], couples: &[Point]) -> [Point; 2] {
     [sum, about]
 }
 
-/// Forces and moments on each half are in balance: those of its mount, its spring, the load, and the other half at the
-/// shear centre. The beam's moment has no component along the hinge, and both mounts carry the same lateral force. The
-/// test covers heave and roll, loads on either wheel, and different halves.
+/// Forces and moments on each half are in balance. They come from the mount, the spring, the load, and from the other
+/// half at the shear centre. The beam's moment has no component along the hinge. Both mounts carry the same lateral
+/// force. The test covers heave and roll, loads on either wheel, and different halves.
 #[test]
 fn each_half_is_in_balance() {
     let mut generator = Random(91);

@@ -11,7 +11,7 @@ fn found(study: &Study) -> FoundSetUp {
     found.unwrap_or_else(|why| panic!("{}", why.reason()))
 }
 
-/// With the amounts of shims at the mounts and at the wheel flanges, the other formulation has the target values.
+/// With the amounts of shims at the mounts and at the wheel flanges, the other formulation also gives the target values.
 #[test]
 fn set_ups_are_met_in_the_other_formulation() {
     let adjust = "adjust = [{ shim = \"mount\", axis = \"x\" }, { shim = \"spindle_inner\", axis = \"x\" }, { shim = \"spindle_inner\", axis = \"z\" }, \
@@ -58,7 +58,7 @@ fn set_ups_are_met_in_the_other_formulation() {
     assert!((curves.stations[0].value(camber).unwrap() + 1.6).abs() < 1e-9);
 }
 
-/// Effects equal slopes of the set values, from central differences of the other formulation.
+/// Effects of the adjustments equal central difference quotients of the other formulation.
 #[test]
 fn effects_are_slopes_in_the_other_formulation() {
     let adjust = "adjust = [{ shim = \"mount\", axis = \"x\" }, { shim = \"mount\", axis = \"z\" }, { shim = \"spindle_inner\", axis = \"z\" }]";
@@ -101,7 +101,8 @@ fn effects_are_slopes_in_the_other_formulation() {
     }
 }
 
-/// The program refuses links and spring seats as adjustments of a twist beam: it has no links, and its seats are fixed.
+/// The program refuses links and spring seats as adjustments of a twist beam: a twist beam has no links, and its spring
+/// seats are fixed.
 #[test]
 fn parts_that_a_beam_does_not_have_are_refused() {
     let refusal = |further: &str| {

@@ -36,8 +36,8 @@ fn problem(study: &Study) -> Problem<'_> {
     Problem::of(study, study.tolerance.as_ref().unwrap()).unwrap()
 }
 
-/// Parts of a build from its random numbers, without the assembler: nominal points of both halves plus scatter, and
-/// changes of lengths.
+/// Parts of a build, computed from the build's random numbers without the assembler: nominal points of both halves plus
+/// scatter, and changes of lengths.
 struct Expected {
     nominal: BTreeMap<String, Point>,
     points: BTreeMap<String, Point>,
@@ -59,7 +59,7 @@ impl Expected {
         let (mut points, mut longer) = (nominal.clone(), BTreeMap::new());
         let sources = tolerance.scatter.iter().flat_map(|c| &c.sources);
         for (source, draw) in sources.zip(draws) {
-            // Names are such as "left lower_link_axle x" or "panhard length".
+            // Names look like "left lower_link_axle x" or "panhard length".
             let (side, rest) = match source.name.split_once(' ') {
                 Some(("left", rest)) => ("", rest),
                 Some(("right", rest)) => ("right_", rest),
@@ -93,7 +93,7 @@ impl Expected {
     }
 }
 
-/// All points of a build; those of the right half are in the frame of the right wheel.
+/// Returns all points of a build. Points of the right half are in the frame of the right wheel.
 fn places(kind: &Kind, [left, right]: [&Suspension; 2]) -> BTreeMap<String, Point> {
     let mut places = BTreeMap::new();
     for (name, _) in kind.points {
@@ -107,7 +107,7 @@ fn places(kind: &Kind, [left, right]: [&Suspension; 2]) -> BTreeMap<String, Poin
     places
 }
 
-/// Asserts that the distances between these points equal those of their parts.
+/// Asserts that the distances between these points equal the distances in the part.
 fn rigid(names: &[String], found: &BTreeMap<String, Point>, expected: &Expected) {
     for (k, a) in names.iter().enumerate() {
         for b in &names[..k] {
@@ -135,8 +135,8 @@ fn hinged(axis: [&str; 2], names: &[String], found: &BTreeMap<String, Point>, pa
     }
 }
 
-/// Every build has the lengths, the rigid bodies and the body points that follow from its random numbers. Its wheel
-/// centres are at their nominal heights, and both wheels describe the same axle.
+/// Every build has the lengths, the shapes of rigid bodies and the body points that its random numbers define. Both wheel
+/// centres are at their nominal heights, and the mechanisms of both wheels describe the same axle.
 #[test]
 fn builds_have_the_dimensions_of_their_parts() {
     for kind in KINDS {
@@ -173,7 +173,7 @@ fn builds_have_the_dimensions_of_their_parts() {
                     kind.name
                 );
             }
-            // The left wheel's description lacks the bar lever of the right half, so the test skips it.
+            // The left wheel's mechanism does not contain the bar lever of the right half, so the test skips this lever.
             for (number, point) in left.mechanism.points.iter().enumerate() {
                 let Some(near) = point.name.strip_prefix("right_") else {
                     continue;
@@ -189,7 +189,8 @@ fn builds_have_the_dimensions_of_their_parts() {
     }
 }
 
-/// A build printed as a study equals the build: its curves are the values of the Monte Carlo analysis.
+/// A build that is printed as a study equals the build: the curves of the study are the values of the Monte Carlo
+/// analysis.
 #[test]
 fn printed_builds_are_the_builds() {
     for kind in KINDS {
@@ -225,7 +226,7 @@ fn printed_builds_are_the_builds() {
     }
 }
 
-/// Builds have the same values in lanes and one by one, and the same bits with any number of threads.
+/// SIMD lanes and single builds give the same values. The bits do not depend on the number of threads.
 #[test]
 fn results_are_the_same_however_they_are_found() {
     if !crate::support::has_lanes() {

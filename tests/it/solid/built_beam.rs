@@ -1,5 +1,5 @@
-//! Independent formulation of built twist beams: two rigid bodies, each with a position and a quaternion, with separate
-//! mounts on the body and on the arms.
+//! Independent formulation of built twist beams: two rigid bodies, each with a position and a quaternion. The mounts on
+//! the body and on the arms are separate points.
 
 use super::own::{Point, minus, mirror, solve, turned};
 use super::twist_beam::{AT_REST, Unknowns, carried, half};
@@ -79,7 +79,7 @@ impl Parts {
         place[axis] += if side == 1 && axis == 1 { -by } else { by };
     }
 
-    /// Parts of a build, from its random numbers.
+    /// Returns the parts of a build, from the build's random numbers.
     pub(super) fn of_build(study: &Study, build: u64) -> Self {
         let tolerance = study.tolerance.as_ref().unwrap();
         let mut draws = vec![0.0; tolerance.sources()];
@@ -92,8 +92,8 @@ impl Parts {
         parts
     }
 
-    /// Residuals: hinge and mounts hold both halves, and the wheel centres are at their nominal heights plus the
-    /// travels. The arms may move sideways relative to the body's mounts, by equal and opposite distances.
+    /// Returns the residuals. Hinge and mounts hold both halves, and the wheel centres are at their nominal heights plus
+    /// the travels. The arms may move sideways relative to the body's mounts, by equal and opposite distances.
     fn residuals(&self, x: &Unknowns, travels: [f64; 2]) -> Unknowns {
         let centre = self.shear_centre;
         let [left, right] = [0, 1].map(|side| carried(x, side, centre));

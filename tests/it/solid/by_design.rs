@@ -49,9 +49,9 @@ const PLACES: [Placement; 3] = [
     },
 ];
 
-/// Gradients equal difference quotients of complete designs, where a point of the left half moves with its mirror
-/// image. The quotient's error falls with the square of the step, so two steps allow extrapolation. Rounding leaves
-/// 1e-9 of the size of the values.
+/// Gradients equal difference quotients of complete designs, in which a point of the left half moves together with its
+/// mirror image. The error of the quotient falls with the square of the step, so the test extrapolates from two steps.
+/// Rounding leaves an error of 1e-9 of the size of the values.
 #[test]
 fn gradients_are_those_of_whole_designs() {
     for name in ["solid_four_link", "solid_three_link_panhard"] {
@@ -114,7 +114,7 @@ fn gradients_are_those_of_whole_designs() {
     }
 }
 
-/// A symmetric axle at the opposite roll angle is its own mirror image.
+/// A symmetric axle at a roll angle is the mirror image of itself at the opposite roll angle.
 #[test]
 fn a_symmetric_axle_is_its_mirror_image() {
     let study = axle(&study_of(&case("solid_four_link"), SPRINGS));

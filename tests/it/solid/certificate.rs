@@ -1,5 +1,5 @@
-//! Tests of certificates of solid axles: they contain reference values of 90 digits, and the certifier never certifies
-//! a false pose.
+//! Tests of certificates of solid axles: certified bounds contain reference values of 90 digits, and the certifier never
+//! certifies a false pose.
 
 use super::{STILL, axle, case, study_of};
 use hardpoint::axle::{AxleCertifier, AxleSolver, Placement, axle_curves};
@@ -11,7 +11,7 @@ fn number(value: &Value) -> f64 {
     value.as_str().and_then(|text| text.parse().ok()).unwrap()
 }
 
-/// The certified bounds contain the midpoint of both wheel centres of every reference state, and are close to the
+/// The certified bounds contain the midpoint of both wheel centres of every reference state. The bounds are close to the
 /// rounding error.
 #[test]
 fn the_answers_at_ninety_digits_lie_within_the_proof() {
@@ -53,7 +53,7 @@ fn the_answers_at_ninety_digits_lie_within_the_proof() {
     assert!(proved > 4, "{proved}");
 }
 
-/// A position that is slightly off has a certificate whose bound covers the deviation, or has none.
+/// If a position is slightly wrong, the certificate has a bound that covers the deviation, or there is no certificate.
 #[test]
 fn positions_that_are_off_have_bounds_that_say_so() {
     for name in CASES {
@@ -67,7 +67,7 @@ fn positions_that_are_off_have_bounds_that_say_so() {
         };
         let placed = solver.place(&at(10.0, 0.03)).unwrap();
         assert!(certifier.prove(&at(10.0, 0.03), &placed).is_ok(), "{name}");
-        // Half the difference of travels changes by half the track, about 750 mm, per radian.
+        // Per radian of roll, half the difference of the travels changes by half the track, about 750 mm.
         for (other, least) in [(at(10.0, 0.030_000_1), 7e-5), (at(10.000_01, 0.03), 0.9e-5)] {
             let Ok(proof) = certifier.prove(&other, &placed) else {
                 continue;
@@ -76,7 +76,7 @@ fn positions_that_are_off_have_bounds_that_say_so() {
             let bound = proof.travel_error.max(left).max(right);
             assert!(bound > least, "{name} {other}: {proof:?}");
         }
-        // A position far off has no certificate.
+        // A position with a large error has no certificate.
         assert!(certifier.prove(&at(10.0, 0.2), &placed).is_err(), "{name}");
     }
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 
 type Point = [f64; 3];
 
-/// Hinged bodies: two points of the axis, and the points of the body.
+/// Hinged bodies: two points of the hinge axis, and the points of the body.
 type Rockers = &'static [([&'static str; 2], &'static [&'static str])];
 
 /// Solid axle.
@@ -14,11 +14,11 @@ pub struct Kind {
     /// Hardpoints of the left half, and those that the axle has only once.
     pub points: &'static [(&'static str, Point)],
     has_single_upper_link: bool,
-    /// Hinged bodies of both halves, as the left wheel names them.
+    /// Hinged bodies of both halves, with the names that the left wheel's mechanism uses.
     pub rockers: Rockers,
 }
 
-/// Axles of every kind whose rigid links fit.
+/// One solid axle of each kind without a surplus link: with rigid links, these axles can move.
 pub const KINDS: &[Kind] = &[
     Kind {
         name: "four links and an anti-roll bar",
@@ -114,7 +114,7 @@ pub const KINDS: &[Kind] = &[
     },
 ];
 
-/// Outputs that lanes can compute.
+/// Outputs that SIMD lanes can compute.
 const OUTPUTS: &str =
     r#""camber", "toe", "mean_steer", "roll_steer", "force_roll_centre_height", "track""#;
 
@@ -127,14 +127,14 @@ impl Kind {
         self.points.iter().any(|(own, _)| *own == name)
     }
 
-    /// Returns true for a point that the axle has only once.
+    /// Returns true for a point that exists only once on the axle.
     pub fn is_single(&self, name: &str) -> bool {
         let of_once = ["panhard_", "watt_", "drag_link_"];
         of_once.iter().any(|of| name.starts_with(of))
             || self.has_single_upper_link && name.starts_with("upper_link_")
     }
 
-    /// Names of a point in both halves, or its single name.
+    /// Returns the names of a point in both halves. For a point that exists once, returns this name.
     pub fn both(&self, name: &str) -> Vec<String> {
         if self.is_single(name) {
             vec![name.to_owned()]
@@ -220,7 +220,8 @@ impl Kind {
         entries
     }
 
-    /// Study with this scatter and these further keys of `[tolerance]`, at a position with roll, heave and steer.
+    /// Makes a study with this scatter and these further keys of `[tolerance]`. The motion is a position with roll, heave
+    /// and steer.
     pub fn study(&self, scatter: &str, further: &str) -> Study {
         self.study_of(
             (scatter, further),
@@ -229,7 +230,7 @@ impl Kind {
         )
     }
 
-    /// Same study with this motion and these outputs.
+    /// Makes the same study with this motion and these outputs.
     pub fn study_of(&self, (scatter, further): (&str, &str), motion: &str, outputs: &str) -> Study {
         let mut text = String::from("[suspension]\ntopology = \"solid_axle\"\n");
         if self.has_single_upper_link {

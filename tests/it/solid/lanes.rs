@@ -24,7 +24,7 @@ const WATT: [(&str, [f64; 3]); 11] = [
     ("watt_lower_rocker", [-150.0, 0.0, 270.0]),
 ];
 
-/// Study of a case with every quantity that lanes can evaluate, and with some points scattered.
+/// Study of a case, with every quantity that SIMD lanes can compute, and with some points scattered.
 fn study(name: &str, motion: &str, right: &str) -> Study {
     let points: &[(&str, &str)] = match name {
         "solid_four_link" => &[("upper_link_axle", "y"), ("upper_link_chassis", "z")],
@@ -71,8 +71,8 @@ const ROLL: &str = "roll = { from = -4.0, to = 4.0, steps = 5 }\nheave = [-20.0,
 const HEAVE: &str = "heave = { from = -50.0, to = 50.0, steps = 5 }";
 const OWN: &str = "[axle.right.hardpoints]\nlower_link_axle = [4.0, -538.0, 251.0]\n";
 
-/// Every quantity of every design has the same value in lanes as one by one. Almost no design falls back to one-by-one
-/// evaluation.
+/// Every quantity of every design has the same value in SIMD lanes and one by one. Almost no design in lanes needs the
+/// solver for single designs.
 #[test]
 fn lanes_have_the_values_of_designs_one_by_one() {
     for (name, motion, right) in [

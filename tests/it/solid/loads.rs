@@ -1,4 +1,5 @@
-//! Tests of forces in the members of solid axles: the six balances of the axle, from the points of the study alone.
+//! Tests of forces in the members of solid axles: the axle is in balance (three forces, three moments). The test uses
+//! only the points of the study.
 
 use super::{axle, case, points_of, study_of};
 use crate::support::random::Random;
@@ -35,7 +36,7 @@ fn value(curves: &Curves, name: &str) -> f64 {
 }
 
 /// Forces on the axle in the design position, each with its point of application. `supports` are the names of the
-/// springs, or of the vertical forces at both wheel centres.
+/// springs. Without springs they name the vertical forces at both wheel centres.
 fn forces(curves: &Curves, case: &Value, load: &str, has_spring: bool) -> Vec<(Point, Point)> {
     let named = points_of(case);
     let at = |name: &str| -> Option<Point> {

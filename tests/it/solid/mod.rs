@@ -58,8 +58,8 @@ pub fn axle(text: &str) -> AxleStudy {
     study.axle().expect("a solid axle is an axle").clone()
 }
 
-/// Derivatives of quantities with respect to a coordinate of a point, from differences of fourth order between complete
-/// designs.
+/// Returns derivatives of quantities with respect to a coordinate of a point, from difference quotients (fourth order) of
+/// complete designs.
 pub fn slopes_of_designs<const N: usize>(
     solver: &mut AxleSolver<'_, N>,
     (base, placement, wanted): (&[Vector3<f64>], &Placement, &[Quantity]),

@@ -1,8 +1,8 @@
 //! Independent formulation with position and quaternion. Seven equations hold the lengths of the rods, the unit length
 //! of the quaternion and both heights. Newton's method uses a Jacobian that is derived by hand.
 //!
-//! Both programs solve equations whose residuals are a few roundings of coordinates of 1,000 mm, 1e-12 mm. The
-//! condition number of the random axles is below 1e3, which gives an error of 1e-9 mm.
+//! In both programs, the residuals of the solution are a few rounding errors of coordinates of 1,000 mm: 1e-12 mm. The
+//! condition number of the random axles is below 1e3, so positions have an error of up to 1e-9 mm.
 
 use super::{STILL, axle, text};
 use crate::support::random::Random;
@@ -18,7 +18,7 @@ pub(super) fn mirror([x, y, z]: Point) -> Point {
     [x, -y, z]
 }
 
-/// Vector rotated by a quaternion (scalar first), not divided by the quaternion's squared norm.
+/// Rotates a vector by a quaternion (scalar first), without division by the quaternion's squared norm.
 pub(super) fn turned(q: [f64; 4], v: Point) -> Point {
     let [w, x, y, z] = q;
     [
@@ -95,7 +95,7 @@ pub(super) struct Axle {
 }
 
 impl Axle {
-    /// Both wheel centres at these travels, reached from the design position in small steps.
+    /// Returns both wheel centres at these travels. They are reached from the design position in small steps.
     pub(super) fn at(&self, travels: [f64; 2]) -> [Point; 2] {
         let (mut at, mut q) = ([0.0; 3], [1.0, 0.0, 0.0, 0.0]);
         const STEPS: u32 = 20;
@@ -197,7 +197,7 @@ fn positions_of_ten_thousand_axles_are_those_of_another_formulation() {
     compare_positions(10_000);
 }
 
-/// Compares positions of this number of axles of each kind, at random travels.
+/// Compares the positions of axles of each kind at random travels. `axles` is the number of axles of each kind.
 fn compare_positions(axles: usize) {
     use hardpoint::axle::WheelParts as _;
     let mut generator = Random(46);
@@ -229,7 +229,7 @@ fn compare_positions(axles: usize) {
             }
         }
         println!("single {single}: {worst:e} mm");
-        // If an error is NaN, this assertion fails.
+        // This assertion also fails for a NaN error.
         assert!(worst < 1e-9, "single {single}: {worst:e} mm");
     }
 }

@@ -1,10 +1,10 @@
-//! Tests of limits at planted folds.
+//! Tests of the end of travel of axles for which the test constructs this end.
 //!
-//! In heave a symmetric axle moves in the side view. It folds where the lines of the lower and the upper link meet
-//! straight above or below the wheel centre, so that the wheel centre moves horizontally. The test places a random axle
-//! in such a position and rotates it away: the change of height is the limit of heave. At the fold the forces of both
-//! kinds of links and a vertical force at the wheel are in balance. So the horizontal components of the link forces are
-//! equal and opposite.
+//! In heave, a symmetric axle moves in the side view. Its travel reverses (a fold) where the lines of the lower and the
+//! upper link meet straight above or below the wheel centre: there the wheel centre moves horizontally. The test
+//! constructs a random axle in such a position and rotates it away: the change of height is the limit of heave. At the
+//! fold the forces of both kinds of links and a vertical force at the wheel are in balance. So the horizontal components
+//! of the link forces are equal and opposite.
 
 use super::{STILL, axle, text};
 use crate::support::random::Random;
@@ -24,7 +24,8 @@ fn turned(p: Flat, angle: f64) -> Flat {
     [cosine * p[0] + sine * p[1], cosine * p[1] - sine * p[0]]
 }
 
-/// Translation with which the axle, rotated by an angle, fits both links again: Newton's method on both lengths.
+/// Finds the translation at which the axle, rotated by an angle, fits both links again. Newton's method solves for both
+/// lengths.
 fn fitting(links: [[Flat; 2]; 2], angle: f64, near: Flat) -> Option<Flat> {
     let mut shift = near;
     for _ in 0..30 {
@@ -62,7 +63,7 @@ fn find_planted(folds: usize) {
     let mut planted = 0;
     while planted < folds {
         let mut near = |centre: f64, by: f64| centre + by * random.signed();
-        // At the fold, the lines of both links meet at a point above or below the wheel centre.
+        // At the fold, the lines of both links meet at a point straight above or below the wheel centre.
         let centre = [near(0.0, 20.0), near(335.0, 20.0)];
         let (lower, upper) = (
             [near(-60.0, 30.0), near(230.0, 30.0)],
@@ -97,8 +98,8 @@ fn find_planted(folds: usize) {
         if turn.abs() < 0.02 || steep {
             continue;
         }
-        // Rotates the axle away from the fold in ten steps. The wheel centre must move away from its extreme height in
-        // every step.
+        // Rotates the axle away from the fold in ten steps. In every step, the wheel centre must move away from its
+        // extreme height.
         let (mut shift, mut heights) = ([0.0; 2], vec![centre[1]]);
         for step in 1..=10 {
             let angle = turn * f64::from(step) / 10.0;
@@ -164,7 +165,8 @@ fn find_planted(folds: usize) {
     }
 }
 
-/// An axle has positions inside its limits of roll. Beyond them it has none, and the message names the end of roll.
+/// An axle has positions inside its limits of roll and none beyond. The message for a position beyond names the end of
+/// roll.
 #[test]
 fn roll_ends_where_the_links_fold() {
     use hardpoint::axle::{AxleSolver, Placement};
@@ -227,14 +229,14 @@ fn wide_axles_have_limits_of_roll() {
                 roll: sign * degrees.to_radians(),
                 rack: 0.0,
             });
-            // Half the difference of travels grows up to its limit.
+            // Half the difference of travels grows up to the limit.
             let [left, right] = placed.unwrap().travels;
             assert!((left + right).abs() < 1e-9, "{left} {right}");
             let half = 0.5 * sign * (right - left);
             assert!((before..most).contains(&half), "{degrees}: {half} {most}");
             before = half;
         }
-        // At 85 degrees, half a per cent of the range is left.
+        // At 85 degrees, half a per cent of the range remains.
         assert!(before > 0.99 * most, "{before} {most}");
     }
     // The axle is almost upright at that limit.

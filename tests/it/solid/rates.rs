@@ -21,8 +21,8 @@ fn at(solver: &mut AxleSolver<3>, travels: [f64; 2]) -> [[f64; 2]; 2] {
     [[load(Left), load(Right)], [height(Left), height(Right)]]
 }
 
-/// Wheel rates equal the change of load per height of one pad while the other pad stays fixed. Both travels follow from
-/// differences of the contact point heights.
+/// Wheel rates equal the change of load per change of height of one pad, while the other pad stays fixed. The test
+/// computes both travels from differences of the contact point heights.
 #[test]
 fn wheel_rates_are_loads_by_heights_of_one_pad() {
     for name in ["solid_four_link", "solid_three_link_panhard"] {
@@ -38,7 +38,7 @@ fn wheel_rates_are_loads_by_heights_of_one_pad() {
             let placed = solver.place(&placement).unwrap();
             let read = solver.read(&placed).unwrap();
             let found = wanted.map(|q| q.evaluate(&read.state));
-            // Derivatives of loads and heights with respect to each travel, extrapolated from two steps.
+            // Derivatives of loads and heights with respect to each travel. Two step sizes are extrapolated.
             let slopes = [0, 1].map(|wheel| {
                 let mut slope = |h: f64| {
                     let mut moved = |by: f64| {
@@ -69,7 +69,8 @@ fn wheel_rates_are_loads_by_heights_of_one_pad() {
     }
 }
 
-/// For the hop frequency of both wheels together, the ride rate without tyres and the tyre rate act in parallel.
+/// The hop frequency of both wheels together comes from two parallel rates: the ride rate without tyres, and the tyre
+/// rate.
 #[test]
 fn wheels_hop_together() {
     let share = "drive_share_front = 0.0\n";

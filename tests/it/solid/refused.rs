@@ -1,4 +1,4 @@
-//! Tests of studies of solid axles that the program refuses, with the reason.
+//! Tests of studies of solid axles that the program refuses. The message states the reason.
 
 use super::{STILL, case, study_of, text};
 use hardpoint::study::Study;
@@ -74,7 +74,7 @@ fn motions_and_parts_of_other_axles_are_refused() {
     }
 }
 
-/// Points of both kinds of Watt linkage, with a single upper link.
+/// Points for both kinds of Watt linkage, on an axle with a single upper link.
 const WATT: &str = "watt_pivot = [-150.0, 0.0, 340.0]\nwatt_axis = [-100.0, 0.0, 340.0]\n\
     watt_upper_chassis = [-150.0, 480.0, 400.0]\nwatt_upper_rocker = [-150.0, 0.0, 410.0]\n\
     watt_lower_chassis = [-150.0, -480.0, 280.0]\nwatt_lower_rocker = [-150.0, 0.0, 270.0]\n";
@@ -106,7 +106,7 @@ fn watt_linkages_are_refused_where_they_do_not_fit() {
     assert!(found.contains("watt_axis"), "{found}");
 }
 
-/// The program refuses quantities of solid axles for other axles.
+/// The program refuses quantities of solid axles for axles of other kinds.
 #[test]
 fn quantities_of_solid_axles_need_one() {
     let text = include_str!("../../../studies/macpherson_axle.toml");

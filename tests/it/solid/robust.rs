@@ -1,5 +1,5 @@
-//! Tests of robust tuning of solid axles: the program assembles the whole axle, with the scatter of both halves and of
-//! the parts that it has once.
+//! Tests of robust tuning of solid axles. The program assembles the whole axle. The parts of both halves scatter, and so
+//! do the parts that exist once.
 
 use super::kinds::{KINDS, Kind};
 use super::{STILL, case, study_of};

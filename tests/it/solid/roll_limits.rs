@@ -1,4 +1,4 @@
-//! Tests of limits of roll: an axle can roll up to its limit and no farther. The part that limits the roll angle also
+//! Tests of limits of roll: an axle can roll up to its limit and not beyond. The part that limits the roll angle also
 //! limits the difference of the travels.
 
 use crate::support::random::Random;
@@ -7,7 +7,7 @@ use hardpoint::axle::{Axle, AxleLimits, AxleSolver, Placement, TravelRanges};
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// Topologies of `new` with their options: solid axles, and the twist beam.
+/// Topologies of the command `new` with their options: solid axles, and the twist beam.
 const AXLES: [(&str, &str); 6] = [
     ("solid_axle", ""),
     ("solid_axle", "panhard"),
@@ -29,7 +29,7 @@ fn templates() -> impl Iterator<Item = (String, Axle)> {
     })
 }
 
-/// Axle with all points of its left half moved by up to this distance along each axis. The right half follows.
+/// Moves all points of the left half by up to this distance along each axis. The right half follows.
 fn scattered(axle: &Axle, most: f64, random: &mut Random) -> Axle {
     let mut moved = axle.clone();
     let rigid = axle.left.mechanism.rigid_axle.as_ref().unwrap();
@@ -53,7 +53,7 @@ fn rolled(axle: &Axle, roll: f64) -> bool {
     solver.place(&placement).is_ok()
 }
 
-/// Limits of the roll angle, and of the travel difference in the same direction.
+/// Returns the limits of the roll angle, and of the travel difference in the same direction.
 fn ends(limits: &AxleLimits) -> [Option<(f64, &RangeEnd, &RangeEnd)>; 2] {
     let TravelRanges::OfAxle {
         half_difference, ..
@@ -61,7 +61,7 @@ fn ends(limits: &AxleLimits) -> [Option<(f64, &RangeEnd, &RangeEnd)>; 2] {
     else {
         panic!("an axle of one body");
     };
-    // In positive roll, to the left, the left wheel is in droop.
+    // In positive roll (to the left), the left wheel is in droop.
     let of_travel = [&half_difference.upper, &half_difference.lower];
     let mut of_roll = limits.roll.iter();
     of_travel.map(|travel| {

@@ -1,4 +1,4 @@
-//! Tests of set-ups of solid axles: geometry of the adjusted axle, first-order effects, halves and single parts.
+//! Tests of set-ups of solid axles: geometry of the adjusted axle, first-order effects, halves and parts that exist once.
 
 use super::kinds::{KINDS, Kind};
 use hardpoint::axle::{Placement, axle_curves};
@@ -38,7 +38,7 @@ fn adjust(kind: &Kind) -> String {
     format!("adjust = [{lateral} {{ length = \"lower_link\" }}, {{ length = \"upper_link\" }}]")
 }
 
-/// Target values, scaled.
+/// Returns the target values. Their changes are multiplied by `scale`.
 fn want(kind: &Kind, scale: f64) -> Vec<(&'static str, f64)> {
     let mut want = vec![
         ("axle_steer", 0.15),
@@ -50,7 +50,7 @@ fn want(kind: &Kind, scale: f64) -> Vec<(&'static str, f64)> {
         *value *= scale;
     }
     if kind.is_steered() {
-        // Without a set-up the toe is 0.1 deg, so only the part 0.2 scales.
+        // Without a set-up the toe is 0.1 deg, so `scale` multiplies only the change of 0.2 deg.
         want.extend([
             ("left_toe", 0.1 + 0.2 * scale),
             ("right_toe", 0.1 + 0.2 * scale),
@@ -103,9 +103,9 @@ fn amount(summary: &SetUpSummary, kind: &Kind, member: &str) -> f64 {
     own.map_or(0.0, |a| a.amount)
 }
 
-/// With as many threads as targets, the adjusted axle has all target values. Pitch, direction and position of the axle
-/// follow from its points, toe from its curves. Only the adjusted lengths have changed, by their amounts: points of the
-/// body and the shape of the axle are the same.
+/// With as many threads as targets, the adjusted axle has all target values. The test computes pitch, direction and
+/// position of the axle from its points, and reads toe from the curves. Only the adjusted lengths have changed, by their
+/// amounts. The points of the body and the shape of the axle are unchanged.
 #[test]
 fn the_adjusted_axle_has_the_wanted_values() {
     for kind in KINDS {
@@ -136,8 +136,8 @@ fn the_adjusted_axle_has_the_wanted_values() {
             let moved = (place(adjusted, &name) - place(&nominal, &name)).norm();
             assert!(moved < 1e-12, "{}: {name} {moved:e}", kind.name);
         }
-        // The left wheel's mechanism contains only its own lever of the anti-roll bar, so the right drop link is
-        // skipped.
+        // The left wheel's mechanism contains only its own lever of the anti-roll bar, so the test skips the right drop
+        // link.
         let members = kind.members().into_iter();
         for (member, [inner, outer]) in members.filter(|(name, _)| name != "right_drop_link") {
             let [before, after] =
@@ -153,7 +153,7 @@ fn the_adjusted_axle_has_the_wanted_values() {
                 assert!((before - after).abs() < 1e-9, "{}: {a} {b}", kind.name);
             }
         }
-        // Columns of the axle's rotation, from three of its points.
+        // Columns of the axle's rotation matrix, from three points of the axle.
         let frame = |own: &Suspension| {
             let [a, b, c] = [
                 "lower_link_axle",
@@ -209,7 +209,7 @@ fn the_adjusted_axle_has_the_wanted_values() {
     }
 }
 
-/// Part of each static value's change that the effects of the design do not predict.
+/// Returns the part of each static value's change that the effects at the design do not predict.
 pub(super) fn linear_remainders(summary: &SetUpSummary) -> Vec<f64> {
     let remainder = |i: usize| {
         let own = &summary.statics[i];
@@ -220,8 +220,8 @@ pub(super) fn linear_remainders(summary: &SetUpSummary) -> Vec<f64> {
     (0..summary.statics.len()).map(remainder).collect()
 }
 
-/// Asserts that for changes half as large the remainders are a quarter, or an eighth if the second order vanishes.
-/// Remainders below `least` are rounding. Returns the number of larger ones.
+/// Asserts that the remainders are a quarter if the changes are halved, or an eighth if the second order vanishes.
+/// Remainders below `least` are rounding errors. Returns the number of larger ones.
 pub(super) fn quarters([whole, half]: [&[f64]; 2], least: f64, name: &str) -> usize {
     let mut looked_at = 0;
     for (i, (whole, half)) in whole.iter().zip(half).enumerate() {
@@ -239,8 +239,8 @@ pub(super) fn quarters([whole, half]: [&[f64]; 2], least: f64, name: &str) -> us
     looked_at
 }
 
-/// The effects of the design predict every static value to first order: if the target changes are half as large, the
-/// remainder is a quarter.
+/// The effects at the design predict every static value to first order. If the target changes are halved, the prediction
+/// error is a quarter.
 #[test]
 fn effects_predict_to_first_order() {
     for kind in KINDS {
@@ -258,8 +258,8 @@ fn effects_predict_to_first_order() {
     }
 }
 
-/// Adjusting parts of one half turns a symmetric axle to one side. Adjusting the same parts of the other half turns it
-/// in mirror image.
+/// If parts of one half are adjusted, a symmetric axle turns to one side. If the same parts of the other half are
+/// adjusted, the axle turns to the other side by the same angle.
 #[test]
 fn halves_are_mirror_images() {
     let kind = &KINDS[0];
@@ -293,8 +293,8 @@ fn halves_are_mirror_images() {
     }
 }
 
-/// A Panhard rod alone moves the axle sideways. Drag link and tie rod keep the toe of both wheels when other parts are
-/// adjusted, and shims are whole.
+/// A Panhard rod alone moves the axle sideways. If other parts are adjusted, drag link and tie rod keep the toe of both
+/// wheels. Shims are whole numbers.
 #[test]
 fn single_parts_and_kept_toe() {
     let steered = KINDS.iter().find(|kind| kind.is_steered()).unwrap();
@@ -337,7 +337,7 @@ fn single_parts_and_kept_toe() {
     assert!(shim.shims.unwrap().abs() > 1.0 && shim.instruction.contains("shims"));
 }
 
-/// Refusals name the entry and the reason. If no adjustment changes a target, the message states its value.
+/// Refusals name the entry and the reason. If no adjustment changes a target, the message states the value of the target.
 #[test]
 fn refusals_have_reasons() {
     let steered = KINDS.iter().find(|kind| kind.is_steered()).unwrap();

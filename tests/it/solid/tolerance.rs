@@ -1,5 +1,5 @@
-//! Tests of tolerances of solid axles: first and second order against builds one by one and against Monte Carlo
-//! analyses.
+//! Tests of tolerances of solid axles. First-order and second-order results are compared with builds that are solved one
+//! by one and with Monte Carlo analyses.
 
 use super::kinds::{KINDS, Kind};
 use hardpoint::axle::axle_curves;
@@ -10,7 +10,7 @@ use std::path::Path;
 
 const OUTPUTS: &str = r#""camber", "toe", "mean_steer", "track", "axle_steer", "pinion_angle", "axle_lateral", "roll_steer", "force_roll_centre_height", "anti_squat""#;
 const ROLL: &str = "roll = [-2.0, 0.0, 1.5]\nheave = [-20.0]\n";
-/// Half the width of the scatter range; it is so narrow that the deviation of a part is known.
+/// Half the width of the scatter range. The range is so narrow that the deviation of a part is known.
 const NARROW: f64 = 1e-13;
 
 fn problem(study: &Study) -> Problem<'_> {
@@ -50,8 +50,8 @@ fn entries(kind: &Kind) -> Vec<&'static str> {
     entries
 }
 
-/// Values of an axle whose parts deviate by these amounts, in the order of outputs and stations. The axle is a printed
-/// build.
+/// Returns the values of an axle whose parts deviate by these amounts, in the order of outputs and stations. The axle is
+/// a build that is printed as a study.
 fn built(kind: &Kind, motion: &str, steps: &[(&str, f64)]) -> Vec<Vec<f64>> {
     let entry = |(part, step): &(&str, f64)| {
         let [low, high] = [step - NARROW, step + NARROW];
@@ -78,7 +78,7 @@ fn built(kind: &Kind, motion: &str, steps: &[(&str, f64)]) -> Vec<Vec<f64>> {
     values.collect()
 }
 
-/// Gradients with respect to every part equal slopes of builds solved one by one, from differences of fourth order.
+/// Gradients with respect to every part equal difference quotients (fourth order) of builds that are solved one by one.
 #[test]
 fn gradients_are_slopes_of_builds() {
     for kind in KINDS {
@@ -115,8 +115,8 @@ fn gradients_are_slopes_of_builds() {
     }
 }
 
-/// The second-order contribution equals that from differences of builds, on rolled ground, at given travels on a plane,
-/// and on pads. It is unknown for quantities made of velocities.
+/// The second-order contribution equals the one from differences of builds. The test covers rolled ground, given travels
+/// on a plane, and pads. The contribution is unknown for quantities made of velocities.
 #[test]
 fn second_order_is_that_of_builds() {
     let motions = [
@@ -168,7 +168,7 @@ fn second_order_is_that_of_builds() {
                 let mixed = 0.5 * (together[output] - one - two);
                 let mean = 0.5 * (one + two);
                 let growth = 0.5 * (one * one + two * two) + mixed * mixed;
-                // Rounding of differences of positions in millimetres.
+                // Rounding error of differences of positions in millimetres.
                 let rounding = if column.name.ends_with("_deg") {
                     1e-12
                 } else {
@@ -192,7 +192,7 @@ fn second_order_is_that_of_builds() {
     }
 }
 
-/// For small scatter, the standard deviations of the first order agree with those of the Monte Carlo analysis.
+/// For small scatter, the first-order standard deviations agree with those of the Monte Carlo analysis.
 #[test]
 fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     for kind in KINDS {
@@ -205,7 +205,7 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
         for (cell, spread) in found.spreads.iter().enumerate() {
             let column = &problem.outputs()[cell / problem.stations().count()].name;
             let linear = expansion.variance[cell].sqrt();
-            // At rest, positions relative to the rest position vary only by the second order of the ground.
+            // At rest, positions relative to the rest position vary only by the second-order effect of the ground.
             if linear < 1e-9 {
                 assert!(spread.sigma < 1e-6, "{}, {column}: {spread:?}", kind.name);
                 continue;
@@ -222,8 +222,8 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     }
 }
 
-/// Left and right parts scatter independently: a part of one half gives half the variance of both. A part that exists
-/// once scatters once, and the program refuses a side for it.
+/// Left and right parts scatter independently: scatter of one half gives half the variance of scatter in both halves. A
+/// part that exists once has one random number, and the program refuses a side for it.
 #[test]
 fn halves_scatter_by_themselves_and_single_parts_once() {
     let steered = KINDS.iter().find(|kind| kind.is_steered()).unwrap();

@@ -4,7 +4,7 @@ use assert_cmd::Command;
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// Axles of both kinds, each with a tuning: mirrored halves, a part in one half only, and steering.
+/// Axles of both kinds, each with a tuning: mirrored halves, a part that only one half has, and steering.
 const AXLES: [(&str, &str); 5] = [
     ("solid_axle", "optimise"),
     ("solid_axle", "panhard,optimise"),
@@ -20,8 +20,8 @@ fn new(topology: &str, with: &str) -> String {
     String::from_utf8(output).unwrap()
 }
 
-/// The tuning moves the points of the left half. All points of both halves, in the frames of both wheels, equal those
-/// of the written study.
+/// The tuning moves points of the left half. Afterwards all points of both halves, in the frames of both wheels, equal
+/// those of the written study.
 #[test]
 fn both_halves_of_a_moved_axle_are_those_of_its_text() {
     for (topology, with) in AXLES {
@@ -51,7 +51,7 @@ fn both_halves_of_a_moved_axle_are_those_of_its_text() {
 }
 
 /// A Panhard rod does not make the right half different. The summary mentions hardpoints of the right half only if the
-/// study gives some.
+/// study gives some of them.
 #[test]
 fn only_own_points_are_called_own() {
     let text = new("solid_axle", "panhard");

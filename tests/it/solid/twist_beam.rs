@@ -1,6 +1,6 @@
-//! Tests of twist beams against an independent formulation: two rigid bodies, each with a position and a quaternion.
-//! The conditions are five of the hinge, five of the mounts, two unit lengths and two heights. Newton's method
-//! continues until the residuals are rounding, so the accuracy of its Jacobian from differences does not matter.
+//! Tests of twist beams against an independent formulation: two rigid bodies, each with a position and a quaternion. The
+//! equations are five of the hinge, five of the mounts, two for unit quaternions and two for heights. Newton's method
+//! continues until the residuals are rounding errors. So its Jacobian from differences need not be accurate.
 
 use super::own::{Point, minus, mirror, solve, turned};
 use super::{STILL, axle, slopes_of_designs};
@@ -190,7 +190,7 @@ fn read_at<'a>(solver: &mut AxleSolver<'a, 2>, travels: [f64; 2]) -> Read<'a> {
 
 const WANTED: [Quantity; 2] = [Quantity::Axle(A::BeamTwist), Quantity::Axle(A::MeanSteer)];
 
-/// For 1,000 beams at random travels, wheel centres, spin axes and twist agree with the two rigid bodies.
+/// For 1,000 beams at random travels, wheel centres, spin axes and twist agree with the formulation of two rigid bodies.
 #[test]
 fn positions_are_those_of_two_rigid_bodies() {
     let mut generator = Random(71);
@@ -219,13 +219,13 @@ fn positions_are_those_of_two_rigid_bodies() {
     }
     println!("{worst:e} mm, {worst_turn:e}, twists up to {most_twist}");
     assert!(most_twist > 0.2, "{most_twist}");
-    // Residuals are a few roundings of coordinates of 700 mm, with a condition number below 1e3.
+    // Residuals are a few rounding errors of coordinates of 700 mm, with a condition number below 1e3.
     assert!(worst < 1e-9, "{worst:e} mm");
     assert!(worst_turn < 1e-11, "{worst_turn:e}");
 }
 
-/// In parallel travel the beam turns about the line through both mounts. In opposed travel from the design position each arm
-/// turns about the line from its mount to the shear centre.
+/// In parallel travel the beam turns about the line through both mounts. In opposite travel from the design position,
+/// each arm turns about the line from its mount to the shear centre.
 #[test]
 fn arms_turn_about_the_axes_of_the_mode() {
     let mut generator = Random(72);
@@ -251,7 +251,7 @@ fn arms_turn_about_the_axes_of_the_mode() {
 
         let read = read_at(&mut solver, [0.0; 2]);
         let wheel = read.state.wheel(Side::Left);
-        // The opposite wheel falls when the near one rises.
+        // When the near wheel rises, the opposite wheel falls.
         let [velocity, turn] = wheel.reading.twist([1, 0]);
         let axis = minus(beam.shear_centre, beam.mount);
         let turn = turn.to_array();
@@ -277,7 +277,8 @@ fn arms_turn_about_the_axes_of_the_mode() {
     }
 }
 
-/// The mounts of the sample move sideways by about 0.05 mm at 2 deg of roll. Two ball joints would lock the beam.
+/// The mounts of the sample move sideways by about 0.05 mm at 2 deg of roll. With two ball joints as mounts, the beam
+/// could not roll.
 #[test]
 fn mounts_move_sideways_a_little() {
     let beam = random(&mut Random(73));
@@ -286,7 +287,7 @@ fn mounts_move_sideways_a_little() {
     assert!((0.005..0.5).contains(&aside.abs()), "{aside}");
 }
 
-/// Wheel loads equal the slopes of the energy of springs and beam in the other formulation.
+/// Wheel loads equal the derivatives of the energy of springs and beam in the other formulation.
 #[test]
 fn loads_are_slopes_of_the_energy() {
     let mut generator = Random(74);
@@ -314,7 +315,7 @@ fn loads_are_slopes_of_the_energy() {
             });
             2.5e5 * twist * twist + springs[0] + springs[1]
         };
-        // Heights of the contact points for both travels: the wheels are round, so their lowest points carry the load.
+        // Heights of the contact points at both travels. Wheels are round, so their lowest points carry the load.
         let heights = |travels: [f64; 2]| {
             let x = beam.solved(travels);
             [0, 1].map(|side| {
@@ -344,7 +345,7 @@ fn loads_are_slopes_of_the_energy() {
     }
 }
 
-/// Gradients with respect to every point equal differences between complete designs.
+/// Gradients with respect to every point equal difference quotients of complete designs.
 #[test]
 fn gradients_are_those_of_whole_designs() {
     let beam = random(&mut Random(75));
@@ -398,7 +399,7 @@ fn gradients_are_those_of_whole_designs() {
     }
 }
 
-/// Derivatives along heave and roll equal differences.
+/// Derivatives along heave and roll equal difference quotients.
 #[test]
 fn derivatives_by_motions_are_slopes() {
     let beam = random(&mut Random(76));
@@ -440,7 +441,7 @@ fn derivatives_by_motions_are_slopes() {
     }
 }
 
-/// The program refuses entries that have no meaning for a twist beam, with the reason.
+/// The program refuses entries that have no meaning for a twist beam, and states the reason.
 #[test]
 fn what_a_twist_beam_lacks_is_refused() {
     let beam = random(&mut Random(77));
@@ -476,9 +477,9 @@ fn what_a_twist_beam_lacks_is_refused() {
     }
 }
 
-/// Below the sample's range the arms are vertical. Above the range, 3 degrees before the arms are vertical, the path
-/// of equal halves meets that of twisted halves. Every station beyond an end of the range has the same reason,
-/// whatever stopped the solver. No reason names links, because the beam has none.
+/// Below the sample's range the arms are vertical. Above the range, 3 degrees before the arms are vertical, the motion
+/// with equal halves meets a motion with twisted halves. Every station beyond an end of the range has the same reason,
+/// whatever stopped the solver. No reason names links, because a twist beam has none.
 #[test]
 fn heaves_beyond_the_range_have_one_reason_at_each_end() {
     let text = include_str!("../../../studies/twist_beam_solve.toml");

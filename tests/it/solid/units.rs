@@ -39,8 +39,8 @@ fn curves(text: &str) -> Vec<(String, Vec<Option<f64>>)> {
         .collect()
 }
 
-/// A file in inches and pounds gives the same axle as one in millimetres and newtons: each column converts to the other
-/// file's column.
+/// A file in inches and pounds gives the same axle as a file in millimetres and newtons: after conversion of units, all
+/// columns are equal.
 #[test]
 fn inches_and_pounds_give_the_same_axle() {
     let case = case("solid_four_link");

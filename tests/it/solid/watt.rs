@@ -1,7 +1,7 @@
 //! Tests of Watt linkages against an independent formulation. It has eight unknowns: position, quaternion and the
 //! rocker's angle. The equations are the lengths of five rods, the unit length of the quaternion and both heights.
-//! Newton's method with a Jacobian from central differences continues until the residuals are rounding, so the accuracy
-//! of the differences does not matter.
+//! Newton's method continues until the residuals are rounding errors. So its Jacobian, from central differences, need not
+//! be accurate.
 
 use super::own::{self, Point, minus, mirror, solve, turned};
 use super::{STILL, axle, slopes_of_designs, text};
@@ -12,7 +12,7 @@ use hardpoint::axle::{
 };
 use hardpoint::model::Rod;
 
-/// Part that carries the pivot of the rocker.
+/// Part to which the pivot of the rocker is fixed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Base {
     Axle,
@@ -37,7 +37,7 @@ fn cross(a: Point, b: Point) -> Point {
     ]
 }
 
-/// Point rotated about the line from `first` to `second`, by Rodrigues' formula.
+/// Rotates a point about the line from `first` to `second`, by Rodrigues' formula.
 fn about([first, second]: [Point; 2], angle: f64, point: Point) -> Point {
     let way = minus(second, first);
     let length = dot(way, way).sqrt();
@@ -101,7 +101,7 @@ impl Linkage {
         ]
     }
 
-    /// Sine of the angle between the upper link and the plane of its lever and the rocker's axis.
+    /// Returns the sine of the angle between the upper link and the plane of its lever and the rocker's axis.
     fn leverage(&self, x: &[f64; 8]) -> f64 {
         let (shift, q, angle) = ([x[0], x[1], x[2]], [x[3], x[4], x[5], x[6]], x[7]);
         let on_axle = |p: Point| plus(turned(q, p), shift);
@@ -123,7 +123,7 @@ impl Linkage {
         dot(plane, rod).abs() / (length(plane) * length(rod))
     }
 
-    /// Both wheel centres at these travels, and the unknowns; `None` if a step of the path is not small.
+    /// Returns both wheel centres at these travels, and the unknowns. `None` if a step of the path is not small.
     fn solved(&self, travels: [f64; 2]) -> Option<([Point; 2], [f64; 8])> {
         let mut x = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0];
         const STEPS: u32 = 20;
@@ -204,7 +204,7 @@ fn positions_and_rates_of_a_thousand_axles_are_those_of_another_formulation() {
 }
 
 /// Compares positions of `each` axles of each kind at random travels. Also compares derivatives of two quantities with
-/// respect to heave and roll with differences of the other formulation.
+/// respect to heave and roll with difference quotients of the other formulation.
 fn compare(each: usize) {
     let mut generator = Random(64);
     for base in BASES {
@@ -256,14 +256,14 @@ fn compare(each: usize) {
         }
         println!("{base:?}: {solved} solved, {worst:e} mm, rates {worst_rate:e}");
         assert!(25 * solved > 24 * each, "{base:?}: {solved}");
-        // The bound covers rounding of 1e-12 mm at a condition number below 1e3. Differences with step 1 leave an error
-        // of the fifth derivative.
+        // The bound covers rounding errors of 1e-12 mm at a condition number below 1e3. Difference quotients with step 1
+        // have an error proportional to the fifth derivative.
         assert!(worst < 1e-9, "{base:?}: {worst:e} mm");
         assert!(worst_rate < 1e-8, "{base:?}: {worst_rate:e}");
     }
 }
 
-/// Gradients with respect to the points of the linkage equal differences between complete designs.
+/// Gradients with respect to the points of the linkage equal difference quotients of complete designs.
 #[test]
 fn gradients_are_those_of_whole_designs() {
     let mut generator = Random(65);
@@ -316,8 +316,8 @@ fn gradients_are_those_of_whole_designs() {
     }
 }
 
-/// With short levers, the Watt linkage reaches its toggle before the axle's links fold. The limit names the upper link,
-/// and in the other formulation the link, its lever and the axis lie in one plane there.
+/// With short levers, the Watt linkage reaches its toggle before the axle's links end the motion. The limit names the
+/// upper link. In the other formulation, the link, its lever and the rocker's axis lie in one plane there.
 #[test]
 fn toggles_of_the_upper_link_are_named() {
     let mut generator = Random(66);

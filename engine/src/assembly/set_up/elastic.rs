@@ -1,33 +1,33 @@
 //! Suspensions with elastic parts: static values of the equilibrium at rest, and their derivatives with respect to
 //! each adjustment.
 //!
-//! The adjusted parts are assembled without load, like builds ([`crate::assembly`]). The assembled position is the
-//! design of the elastic suspension. In this position its parts are relaxed, or have the forces of the design load.
-//! Both wheels of an axle are in equilibrium together. The wheel centres stay at the height h of the assembled parts.
-//! With p the built designs, x the amount of an adjustment and y a value in equilibrium,
+//! The adjusted parts are assembled without load, like builds ([`crate::assembly`]). The assembled position is the design
+//! of the elastic suspension. In this position the elastic parts are free of force, or have the forces of the design
+//! load. Both wheels of an axle are in equilibrium together. The wheel centres stay at the height h of the assembled
+//! parts. With p the built designs, x the amount of an adjustment and y a value in equilibrium,
 //!
 //! ```text
 //! dy/dx = dy/dp (dp/dx + dp/dh dh/dx)                                                        (9)
 //! ```
 //!
-//! The springs stay the same parts ([`SpringLaw::kept_from`]), so their force depends on their length l alone. The study
-//! gives h. If an adjustment lifts the car instead, the spring keeps the length of the nominal equilibrium, and with it
-//! its force:
+//! Adjustments do not change the springs ([`SpringLaw::kept_from`]), so the force of a spring depends only on its length
+//! l. Usually the study gives h. If an adjustment lifts the car instead, the spring keeps the length and the force of the
+//! nominal equilibrium:
 //!
 //! ```text
 //! dh/dx = -(dl/dp dp/dx)/(dl/dp dp/dh)                                                       (10)
 //! ```
 //!
-//! A solid axle is assembled as a whole, once as seen from each of its wheels. Its position and direction count from
-//! the nominal design. The assembled axle is rotated by R and displaced by d from the nominal design. In equilibrium
-//! it is rotated by Q and displaced by u from the assembled position. Both displacements together are
-//!
+//! A solid axle is assembled as a whole, once as seen from each of its wheels. The position and direction of the axle are
+//! measured from the nominal design. Relative to the nominal design, the assembled axle is rotated by R and displaced by
+//! d. In equilibrium the axle is rotated by Q and displaced by u from the assembled position. Together, rotation and
+//! displacement are
 //! ```text
 //! Q R,   d + u                                                                               (11)
 //! ```
 //!
-//! The parts of an axle on five links cause tensions T in its links, which are further inputs: dy/dx gets the term
-//! (dy/dT) (dT/dx).
+//! The parts of an axle on five links cause tensions T in the links. These tensions are further inputs, so dy/dx contains
+//! the additional term (dy/dT) (dT/dx).
 //!
 //! [`SpringLaw::kept_from`]: crate::axle::SpringLaw::kept_from
 
@@ -86,7 +86,7 @@ struct Found {
     rotation: Option<Matrix3<f64>>,
 }
 
-/// Rates of all points of each wheel, and of the tensions of links.
+/// Derivatives of the positions of all points of each wheel, and of the tensions of links.
 struct Moves {
     points: Vec<Vec<Vector3<f64>>>,
     tensions: Vec<f64>,
@@ -101,7 +101,7 @@ impl Found {
         }
     }
 
-    /// Derivative of a value as the points of all wheels move. NaN if the derivative has no value.
+    /// Returns the derivative of a value for these derivatives of points and tensions. NaN if it is not defined.
     fn along(&self, number: usize, moves: &Moves) -> f64 {
         if self.by[number].is_empty() {
             return f64::NAN;
@@ -123,7 +123,8 @@ impl From<NoEquilibrium> for SetUpError {
 }
 
 impl<'a> Elastic<'a> {
-    /// Set-up of one wheel with elastic parts, for these static values. `lifts` is true if an adjustment lifts the car.
+    /// Makes the set-up of one wheel with elastic parts, for these static values. `lifts` is true if an adjustment lifts
+    /// the car.
     pub(super) fn wheel(
         assembler: &'a Assembler,
         elastic: &ComplianceStudy,
@@ -158,8 +159,8 @@ impl<'a> Elastic<'a> {
         .keeping(keeps)
     }
 
-    /// Set-up of an axle with independent wheels and elastic parts, for these static values. Adjustments without a side
-    /// act on both wheels.
+    /// Makes the set-up of an axle with independent wheels and elastic parts, for these static values. Adjustments
+    /// without a side act on both wheels.
     pub(super) fn axle(
         assemblers: [&'a Assembler; 2],
         nominal: &Axle,
@@ -206,7 +207,7 @@ impl<'a> Elastic<'a> {
         .keeping(keeps)
     }
 
-    /// Keeps the length that the spring has in the nominal equilibrium.
+    /// If `keeps` is true, stores the spring's length in the nominal equilibrium as the length to keep.
     fn keeping(mut self, keeps: bool) -> Result<Self, SetUpError> {
         if keeps {
             let none = vec![0.0; self.wheels[0].changes.len()];
@@ -268,7 +269,7 @@ impl<'a> Elastic<'a> {
         })
     }
 
-    /// Assembled parts, and their values in equilibrium.
+    /// Assembles parts, and computes their values in equilibrium.
     fn at(&self, amounts: &[f64], rest: Rest) -> Result<(Vec<Built>, Found), SetUpError> {
         let built = self.wheels.iter();
         let built = built.map(|half| build(half.assembler, &half.changes, amounts, rest));
@@ -277,8 +278,8 @@ impl<'a> Elastic<'a> {
         Ok((built, found))
     }
 
-    /// Applies Newton's method to the height at which the spring has a given length in equilibrium (10). It starts
-    /// from the height of the rigid mechanism and shortens steps that the parts cannot follow.
+    /// Finds the height at which the spring has a given length in equilibrium, by Newton's method with (10). Starts from
+    /// the height of the rigid mechanism. Halves a step if the parts cannot be assembled after it.
     fn settle(&self, amounts: &[f64], length: f64) -> Result<(Vec<Built>, Found), SetUpError> {
         let Half { assembler, changes } = &self.wheels[0];
         let size = assembler.suspension().size();
@@ -292,7 +293,7 @@ impl<'a> Elastic<'a> {
             if step.is_nan() || step.abs() > size {
                 break;
             }
-            // If steps no longer halve, the last step is at rounding level and is accepted.
+            // If steps no longer halve, the remaining error is rounding, and the last step is accepted.
             if step.abs() <= 1e-13 * size || (step.abs() <= 1e-10 * size && step.abs() >= before) {
                 return Ok((built, found));
             }
@@ -310,7 +311,8 @@ impl<'a> Elastic<'a> {
         Err(AssemblyError::Spring.into())
     }
 
-    /// Rates of all points as the wheel centres rise with the same parts. No adjustment lifts an axle whose links have tensions.
+    /// Returns the derivatives of all points with respect to the height of the wheel centres, for unchanged parts.
+    /// Tensions have zero derivatives, because no adjustment lifts an axle whose links have tensions.
     fn by_height(&self, built: &[Built]) -> Moves {
         let wheels = self.wheels.iter().zip(built);
         let rates = wheels.map(|(half, built)| half.assembler.design_by_height(built));
@@ -320,7 +322,7 @@ impl<'a> Elastic<'a> {
         }
     }
 
-    /// Rates of all points, and of the height, with respect to an adjustment.
+    /// Returns the derivatives of all points, of tensions and of the height with respect to an adjustment.
     fn by_adjustment(&self, built: &[Built], k: usize) -> (Moves, f64) {
         let wheels = self.wheels.iter().zip(built);
         let rates = wheels.map(|(half, built)| half.assembler.design_by(built, &half.changes[k]));
@@ -333,9 +335,9 @@ impl<'a> Elastic<'a> {
         (Moves { points, tensions }, rises[0])
     }
 
-    /// Contribution to each value from the position of the assembled axle (11), or its derivative with respect to an
-    /// adjustment. The direction of the assembled axle is already part of the values, but not of their derivatives. 0
-    /// for all values that [`FROM_DESIGN`] does not list.
+    /// Returns the contribution of the position of the assembled axle (11) to each value. With `adjustment`, returns the
+    /// derivative of this contribution. The values already include the direction of the assembled axle, but their
+    /// derivatives do not. The contribution is 0 for all values that [`FROM_DESIGN`] does not list.
     fn placed(&self, built: &[Built], found: &Found, adjustment: Option<usize>) -> Vec<f64> {
         let mut placed = vec![0.0; self.factors.len() + 1];
         let Reads::Axle(_, reads) = &self.reads else {
@@ -365,7 +367,7 @@ impl<'a> Elastic<'a> {
         placed
     }
 
-    /// Values of assembled parts in equilibrium, with their derivatives.
+    /// Computes the values of assembled parts in equilibrium, with their derivatives.
     fn evaluate(&self, built: &[Built]) -> Result<Found, SetUpError> {
         let points = (0..built[0].suspension.design.len()).map(PointId);
         let coordinates = points.flat_map(|point| Axis::ALL.each(|axis| (point, axis)));

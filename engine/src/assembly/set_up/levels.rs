@@ -6,12 +6,12 @@ use nalgebra::{DMatrix, DVector};
 
 /// Largest number of steps of Newton's method.
 const MOST_STEPS: usize = 40;
-/// Share of the largest effect below which effects count as zero. Directions with such effects count as having no
-/// influence on any aim.
+/// Effects below this share of the largest effect count as zero. A direction with only such effects has no influence on
+/// any aim.
 const FLAT: f64 = 1e-8;
-/// Size of steps, as a share of the suspension's size, that do not change the parts.
+/// The iteration ends if a step is not larger than this. Relative to the suspension's size.
 const STILL: f64 = 1e-14;
-/// Size of steps without improvement that count as rounding.
+/// If no fraction of a step up to this size improves the state, the cause is rounding. Relative to the suspension's size.
 const ROUNDING: f64 = 1e-7;
 /// Smallest fraction of a step that the solver tries.
 const SHORTEST: f64 = 1e-3;
@@ -21,7 +21,7 @@ const SHORTEST: f64 = 1e-3;
 pub(super) struct Levels {
     /// Indices of values that threads meet exactly: `S`.
     pub(super) exact: Vec<usize>,
-    /// Indices of values that shims serve: `R`.
+    /// Indices of values whose errors shims minimise: `R`.
     pub(super) rest: Vec<usize>,
     /// Indices of the continuous adjustments.
     pub(super) threads: Vec<usize>,
@@ -57,15 +57,15 @@ pub(super) fn felt(mut rows: DMatrix<f64>) -> Vec<usize> {
 
 /// Result of an iteration, with its last state.
 pub(super) enum End<S = AdjustedSuspension> {
-    /// The values meet their aims, or are as close as least squares can bring them.
+    /// The values meet their aims, or are as close to them as least squares allows.
     Settled(S),
     /// No step brings the values closer to their aims.
     Stuck(S),
 }
 
-/// Takes steps until they no longer change the parts. `size` is the size of the suspension. `errors` returns the
-/// weighted errors of a state, and `step` the step from it. `trial` returns the state after a displacement: minus the
-/// step, or a fraction of that.
+/// Repeats steps until a step no longer changes the parts. `size` is the size of the suspension. `errors` returns the
+/// weighted errors of a state, and `step` the next step from this state. `trial` returns the state after the displacement
+/// `-step`, or after a fraction of it.
 fn iterate<S>(
     mut state: S,
     size: f64,
@@ -115,7 +115,7 @@ impl Problem<'_> {
         })
     }
 
-    /// Runs an iteration for some aims. If it does not meet them, it drops the aim with the largest error and tries
+    /// Runs an iteration for some aims. If the iteration misses them, it drops the aim with the largest error and tries
     /// again, until it meets the remaining aims. The error then names the missed aims.
     pub(super) fn settle(
         &self,
@@ -146,8 +146,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Runs Newton's method (2) with the smallest steps that meet the aims. It halves a step if the parts cannot be
-    /// assembled or the errors grow.
+    /// Runs Newton's method (2). Each step is the shortest one that meets the linearised aims. A step is halved if the
+    /// parts cannot be assembled or the errors grow.
     pub(super) fn newton(
         &self,
         state: AdjustedSuspension,
@@ -165,7 +165,8 @@ impl Problem<'_> {
         })
     }
 
-    /// Takes steps of some adjustments until they no longer change the parts. `trial` gives the state for changed amounts.
+    /// Repeats steps in some of the adjustments until a step no longer changes the parts. `trial` returns the state for
+    /// new amounts of the adjustments.
     pub(super) fn iterate(
         &self,
         state: AdjustedSuspension,
@@ -185,7 +186,7 @@ impl Problem<'_> {
     }
 }
 
-/// Least-squares step of smallest norm. `None` if an error or an effect is not finite.
+/// Returns the least-squares step of smallest norm. `None` if an error or an effect is not finite.
 pub(super) fn least_step(effects: DMatrix<f64>, errors: &DVector<f64>) -> Option<DVector<f64>> {
     if errors.iter().chain(effects.iter()).any(|v| !v.is_finite()) {
         return None;
@@ -242,8 +243,8 @@ mod tests {
         }
     }
 
-    /// Newton's method for x^3 = 8 ends at 2 from both sides. From 0.5 the full step would make the error larger. From
-    /// 0.01 even a thousandth of the step would make it larger. Without a step the iteration ends at once.
+    /// Newton's method for x^3 = 8 ends at 2 from both sides. From 0.5 the full step would make the error larger, and
+    /// from 0.01 even a thousandth of the step would. If there is no step, the iteration ends at once.
     #[test]
     fn the_iteration_finds_a_root_by_shorter_steps() {
         let errors = |x: &f64| DVector::from_element(1, x.powi(3) - 8.0);

@@ -1,7 +1,7 @@
 //! Set-ups: adjustments that give target static values.
 //!
-//! Threads are continuous, but shims come in whole steps. So threads meet their aims exactly, for any choice of shims. Shims
-//! serve the remaining aims. The error of a shim never affects a value that a thread can meet.
+//! Threads are continuous, but shims come in whole steps. So threads meet their aims exactly, for any choice of shims.
+//! Shims minimise the errors of the remaining aims. The error of a shim never affects a value that a thread can meet.
 //!
 //! Notation: `x` are the amounts of threads and other continuous adjustments. `z` are those of shims (`z_k = s_k m_k`,
 //! with the step `s_k` and the whole number `m_k`). `w(x, z)` are the static values of the mechanism after assembly,
@@ -47,8 +47,8 @@
 //! |r(z0) + G (z - z0)|^2                                                                (6)
 //! ```
 //!
-//! The program assembles the eight best neighbours and the neighbour nearest to `z0`, with threads that meet (2). It
-//! prefers first the neighbours with errors of at most half a step,
+//! The program assembles the eight best neighbours and the neighbour nearest to `z0`. Equation (2) sets the threads. The
+//! program prefers first the neighbours with errors of at most half a step,
 //!
 //! ```text
 //! |r_i| <= sum over shims of s_k |G_ik| / 2                                             (7)
@@ -59,9 +59,9 @@
 //! If (2) or (5) misses its aims, the solver gives up the aim with the largest error and meets the others from that
 //! state. So the solver never reports an aim as out of reach only because another aim prevented it.
 //!
-//! A mechanic fits shims first, then turns the threads by sixteenths of a turn. The thread that changes toe most comes last.
-//! The solver also assembles the rounded state. It bounds the errors as in (7), plus half a sixteenth of a turn of each
-//! thread.
+//! A mechanic fits shims first, then turns the threads by sixteenths of a turn. The thread that changes toe most comes
+//! last. The solver also assembles the rounded state. The allowed errors of this state are those of (7), plus the effect
+//! of half a sixteenth of a turn of each thread.
 
 mod elastic;
 mod levels;
@@ -82,18 +82,18 @@ use problem::Problem;
 
 /// Largest adjustment, relative to the size of the suspension.
 const FARTHEST: f64 = 0.1;
-/// Rounding of a static value, in degrees or length units.
+/// Errors of a static value up to this size count as rounding errors, in degrees or length units.
 const MET: f64 = 1e-9;
-/// Steps per turn of a thread: a mechanic turns it by sixteenths of a turn.
+/// Number of steps per turn of a thread. A mechanic turns a thread by sixteenths of a turn.
 pub const PARTS_OF_A_TURN: f64 = 16.0;
 
 /// A quantity of the static position.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Static {
-    /// A characteristic of one wheel at travel 0, or of both wheels alike.
+    /// A characteristic of one wheel at travel 0, or of each wheel if both wheels are alike.
     Characteristic(Characteristic),
-    /// A quantity of an axle at rest that is adjusted as a whole. Position and direction of a solid axle count from
-    /// the nominal design.
+    /// A quantity of an axle at rest that is adjusted as a whole. Position and direction of a solid axle are measured
+    /// from the nominal design.
     Axle(Quantity),
     /// Change of the ride height from the design. Positive if the car is higher. The change is the negative of the
     /// wheel travel of the static position.
@@ -134,8 +134,8 @@ pub struct AdjustedSuspension {
     pub amounts: Vec<f64>,
     /// Assembled parts. For a solid axle, in the frame of its left wheel.
     pub built: Built,
-    /// Solid axle in the frame of its right wheel, or the right wheel of an axle that is adjusted as a whole. `None`
-    /// for one wheel, and if both wheels are alike.
+    /// Solid axle in the frame of the right wheel. For an axle that is adjusted as a whole, the right wheel. `None` for
+    /// one wheel, and if both wheels are alike.
     pub seen_from_right: Option<Built>,
     /// Static values, in printed units. With elastic parts, these are the values in equilibrium.
     pub values: Vec<f64>,
@@ -175,17 +175,19 @@ pub struct SetUp {
     pub aims: Vec<Aim>,
     /// State of the nominal design. This state is at the target ride height if no adjustment sets that height.
     pub drawn: AdjustedSuspension,
-    /// Indices of the adjustments in the order of a mechanic: shims, then threads, with the thread of toe last.
+    /// Indices of the adjustments in the order in which a mechanic makes them: shims, then threads. The thread that
+    /// changes toe most comes last.
     pub order: Vec<usize>,
-    /// State after each adjustment, in this order. Only shims are rounded.
+    /// State after each adjustment, in the order of `order`. Only shims are rounded.
     pub steps: Vec<AdjustedSuspension>,
     /// State with amounts that a mechanic can set: whole shims, sixteenths of turns, hundredths of a millimetre.
     pub rounded: AdjustedSuspension,
-    /// State after each adjustment with these amounts, in the same order. The last one is [`SetUp::rounded`].
+    /// State after each adjustment with the amounts of `rounded`, in the same order. The last one is [`SetUp::rounded`].
     pub rounded_steps: Vec<AdjustedSuspension>,
     /// Allowed error of each value: the effect of half a step of each shim.
     pub allowed: Vec<f64>,
-    /// Allowed error of each value after rounding: it also includes half a sixteenth of a turn of each thread.
+    /// Allowed error of each value after rounding. It also includes the effect of half a sixteenth of a turn of each
+    /// thread.
     pub allowed_rounded: Vec<f64>,
 }
 
@@ -209,7 +211,7 @@ pub enum SetUpError {
     Fault(DesignFault),
     /// The elastic parts have no equilibrium at rest.
     NoEquilibrium(NoPose),
-    /// No adjustment changes a value that must be kept.
+    /// No adjustment changes a value that must stay constant.
     Unsettled,
     /// The adjustments cannot meet these aims.
     OutOfReach(Vec<MissedTarget>),
@@ -235,14 +237,14 @@ impl From<DesignFault> for SetUpError {
 }
 
 impl SetUp {
-    /// Finds the adjustments that give the target values of one wheel, or of both wheels of an axle with elastic
-    /// parts whose wheels are alike.
+    /// Finds the adjustments that give the target values. They apply to one wheel, or to both wheels of an axle with
+    /// elastic parts and equal wheels.
     pub fn solve(study: &Study, setup: &Setup, assembler: &Assembler) -> Result<SetUp, SetUpError> {
         SetUp::solve_problem(Problem::of(study, setup, assembler)?, setup)
     }
 
-    /// Finds the adjustments of an axle as a whole, from the assemblers of its left and its right wheel. Each
-    /// assembler of a solid axle assembles the whole axle, as seen from its wheel.
+    /// Finds the adjustments of an axle as a whole, from the assemblers of its left and its right wheel. For a solid
+    /// axle, each assembler assembles the whole axle, as seen from one wheel.
     pub fn solve_axle(
         both: &AxleStudy,
         setup: &Setup,
@@ -342,14 +344,14 @@ impl SetUp {
             .collect()
     }
 
-    /// Returns true for each aim that the unrounded amounts meet, within the effect of half a step of each shim. A value without
-    /// an aim counts as met.
+    /// Returns true for each aim that the unrounded amounts meet. The allowed error is the effect of half a step of each
+    /// shim. A value without an aim counts as met.
     pub fn met(&self) -> Vec<bool> {
         within(&self.misses(), &self.allowed)
     }
 
-    /// Returns true for each aim that the rounded amounts meet, within the effect of half a step of each shim and half a
-    /// sixteenth of a turn of each thread.
+    /// Returns true for each aim that the rounded amounts meet. The allowed error is the effect of half a step of each
+    /// shim and half a sixteenth of a turn of each thread.
     pub fn met_rounded(&self) -> Vec<bool> {
         within(&self.misses_rounded(), &self.allowed_rounded)
     }

@@ -17,8 +17,7 @@ use crate::number::Each;
 use crate::study::{AxleStudy, Increment, Setup, Study, Vehicle};
 use nalgebra::{DMatrix, DVector};
 
-/// Factor on the linear estimate of the error that rounding by half a step causes. The factor covers the error's
-/// nonlinear terms.
+/// Factor on the linear estimate of the error from rounding by half a step. It covers the nonlinear terms of the error.
 const CURVED: f64 = 1.01;
 
 /// A set-up to solve.
@@ -35,8 +34,8 @@ pub(super) struct Problem<'a> {
 }
 
 impl<'a> Problem<'a> {
-    /// Makes the set-up of one wheel, or of both wheels of an axle with elastic parts whose wheels are alike, and the
-    /// state of its design.
+    /// Makes the set-up and the state of its design. The set-up is for one wheel, or for both wheels of an axle with
+    /// elastic parts and equal wheels.
     pub(super) fn of(
         study: &Study,
         setup: &Setup,
@@ -93,7 +92,7 @@ impl<'a> Problem<'a> {
         Ok((problem, drawn))
     }
 
-    /// Set-up with the aims of the study. `lifts` is true if an adjustment sets the ride height.
+    /// Makes a set-up with the aims of the study. `lifts` is true if an adjustment sets the ride height.
     fn with(subject: Subject<'a>, setup: &Setup, mut statics: Vec<Static>, lifts: bool) -> Self {
         let length = subject.suspension().length_unit;
         let millimetre = 1e-3 * length.per_metre();
@@ -110,7 +109,7 @@ impl<'a> Problem<'a> {
                 _ => 1.0,
             });
         }
-        // A single adjustment cannot both keep the height and meet another target.
+        // A single adjustment cannot keep the height and also meet another target.
         *aims.last_mut().expect("the ride height is the last value") =
             match setup.ride_height_change {
                 Some(change) if lifts => Aim::Wanted(change),
@@ -138,9 +137,9 @@ impl<'a> Problem<'a> {
         self.subject.suspension().size()
     }
 
-    /// Keeps the toe of the design if the study gives no target for it and one of several threads of the wheel is for
-    /// toe. A thread is for toe if it changes toe more than camber, caster and ride height. A single thread adjusts
-    /// only the values for which the study has targets.
+    /// Keeps the toe of the design under two conditions: the study gives no target for toe, and one of several threads of
+    /// the wheel is for toe. A thread is for toe if it changes toe more than camber, caster and ride height. A single
+    /// thread adjusts only the values for which the study has targets.
     fn keep_toe(&mut self, drawn: &AdjustedSuspension, setup: &Setup) {
         let toes: Vec<usize> = self.toes().collect();
         for toe in toes {
@@ -214,7 +213,8 @@ impl<'a> Problem<'a> {
         targets.collect()
     }
 
-    /// Order of a mechanic: shims, then threads. The thread that changes toe most comes last.
+    /// Returns the order in which a mechanic makes the adjustments: shims, then threads. The thread that changes toe most
+    /// comes last.
     pub(super) fn order(&self, drawn: &AdjustedSuspension) -> Vec<usize> {
         let mut order: Vec<usize> = self.shims().map(|(k, _)| k).collect();
         order.extend(self.threads());
@@ -237,7 +237,7 @@ impl<'a> Problem<'a> {
         self.subject.state(amounts, self.rest)
     }
 
-    /// Weighted derivatives `W`, with a row for each of these values and a column for each of these adjustments.
+    /// Returns the weighted derivatives `W`, with a row for each of `values` and a column for each of `adjustments`.
     pub(super) fn effects(
         &self,
         state: &AdjustedSuspension,
@@ -258,7 +258,7 @@ impl<'a> Problem<'a> {
         DVector::from_iterator(values.len(), values.iter().map(error))
     }
 
-    /// Names the values among these that miss their aims. A value that does not exist misses its aim.
+    /// Returns an error that lists those of the values that miss their aims. A value that is not defined misses its aim.
     pub(super) fn out_of_reach(&self, state: &AdjustedSuspension, values: &[usize]) -> SetUpError {
         let missed = values.iter().filter_map(|i| {
             let (value, wanted) = (state.values[*i], self.aims[*i].value()?);
@@ -272,7 +272,7 @@ impl<'a> Problem<'a> {
         SetUpError::OutOfReach(missed.collect())
     }
 
-    /// Smallest change of an adjustment that a mechanic makes.
+    /// Returns the smallest change that a mechanic can make to an adjustment.
     fn grid(&self, increment: Increment) -> f64 {
         match increment {
             Increment::Shims { step } => step,
@@ -282,7 +282,7 @@ impl<'a> Problem<'a> {
         }
     }
 
-    /// Nearest amount that a mechanic can set.
+    /// Returns the nearest amount that a mechanic can set.
     pub(super) fn rounded(&self, increment: Increment, amount: f64) -> f64 {
         let grid = self.grid(increment);
         (amount / grid).round() * grid

@@ -1,4 +1,4 @@
-//! Second level of a set-up: whole shims serve the target values that threads cannot reach.
+//! Second level of a set-up: whole shims minimise the errors of the target values that threads cannot reach.
 
 use super::levels::{End, Levels, least_step};
 use super::problem::Problem;
@@ -11,7 +11,8 @@ use nalgebra::{DMatrix, DVector};
 const MOST_ENUMERATED: usize = 10;
 /// Number of neighbours that are assembled.
 const MOST_ASSEMBLED: usize = 8;
-/// Difference of weighted errors that counts as none: 0.005 degrees or 0.05 mm, as in the effects of the instructions.
+/// If weighted errors differ by less than this, they count as equal: 0.005 degrees or 0.05 mm, as for the effects in the
+/// instructions.
 const INVISIBLE: f64 = 0.05;
 /// Shims within this distance of a whole number count as whole, in steps.
 const WHOLE: f64 = 1e-9;
@@ -37,7 +38,8 @@ impl Problem<'_> {
         Ok((whole, levels))
     }
 
-    /// Weighted effects of shims on the aims that they serve, while threads meet the others: `G` of equation (4).
+    /// Returns the weighted effects of shims on the aims in `R`, while the threads keep the other aims met: `G` of
+    /// equation (4).
     pub(super) fn reduced_effects(
         &self,
         levels: &Levels,
@@ -88,7 +90,7 @@ impl Problem<'_> {
         Ok(self.newton(self.state(amounts)?, &levels.exact, &levels.threads))
     }
 
-    /// Best state with whole numbers of shims near a state with fractions of shims.
+    /// Returns the best state with whole numbers of shims near a state with fractions of shims.
     fn whole(
         &self,
         real: &AdjustedSuspension,
@@ -121,8 +123,8 @@ impl Problem<'_> {
             .iter()
             .map(|(beyond, errors, ..)| (*beyond, *errors));
         let least = least.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        // Errors whose difference nobody can measure count as equal. Of such states, the one with the smallest
-        // adjustment is best.
+        // Errors whose difference nobody can measure count as equal. Among such states, the one with the smallest
+        // adjustment is the best.
         let as_good = settled.into_iter().filter(|(beyond, errors, ..)| {
             least.is_some_and(|least| *beyond == least.0 && *errors <= least.1 + INVISIBLE)
         });
@@ -134,8 +136,8 @@ impl Problem<'_> {
         }
     }
 
-    /// Amounts with whole shims near the amounts of a state, in the order of the linear model (6). The nearest
-    /// amounts are always included.
+    /// Returns combinations of whole shims near the amounts of a state. The linear model (6) ranks them. The nearest
+    /// combination is always included.
     pub(super) fn neighbours(&self, real: &AdjustedSuspension, levels: &Levels) -> Vec<Vec<f64>> {
         let mut nearest = real.amounts.clone();
         let mut open = Vec::new();

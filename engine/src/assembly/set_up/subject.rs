@@ -9,8 +9,8 @@
 //! dy/dx = (dy/dp_l) (dp_l/dx) + (dy/dp_r) (dp_r/dx)                                          (8)
 //! ```
 //!
-//! Position and direction of the axle itself count from the nominal design, not from the built one. They follow from
-//! the pose in which the parts were assembled, with its exact derivative.
+//! Position and direction of the axle itself are measured from the nominal design, not from the built one. They follow
+//! from the pose in which the parts were assembled. The derivative of this pose is exact.
 
 use super::elastic::Elastic;
 use super::{AdjustedSuspension, SetUpError};
@@ -107,7 +107,7 @@ impl<'a> Subject<'a> {
         }
     }
 
-    /// Assembles the parts with these amounts of the adjustments.
+    /// Returns the state of the parts assembled with these amounts of the adjustments.
     pub(super) fn state(
         &self,
         amounts: &[f64],
@@ -125,13 +125,13 @@ impl<'a> Subject<'a> {
     }
 }
 
-/// Index in [`FROM_DESIGN`] of a quantity that counts from the nominal design.
+/// Index in [`FROM_DESIGN`] of a quantity that is measured from the nominal design.
 pub(super) fn from_design(quantity: Quantity) -> Option<usize> {
     let mut all = FROM_DESIGN.into_iter();
     all.position(|own| Quantity::Axle(own) == quantity)
 }
 
-/// Assembles parts that the adjustments have changed by these amounts.
+/// Changes the parts by these amounts of the adjustments, and assembles them.
 pub(super) fn build(
     assembler: &Assembler,
     changes: &[Change],
@@ -207,7 +207,7 @@ impl WholeAxle<'_> {
         })
     }
 
-    /// Printed values, or their derivatives with respect to an adjustment.
+    /// Returns the printed values, or their derivatives with respect to an adjustment.
     fn values<'s>(
         &'s self,
         built: &[Built; 2],

@@ -76,7 +76,7 @@ impl<'r> RowsReader<'r> {
         let mut line = String::new();
         lines.read_line(&mut line)?;
         if line.as_bytes() != rows_header(record) {
-            return Err(wrong("the columns are not those of sweep.json"));
+            return Err(wrong("the columns differ from those of sweep.json"));
         }
         Ok(RowsReader {
             record,
@@ -99,7 +99,7 @@ impl<'r> RowsReader<'r> {
                 return Ok(None);
             };
             if read_row(self.record, design, line, &mut rows).is_none() {
-                let message = format!("the row of design {design} is not as it was written");
+                let message = format!("the row of design {design} was changed or is incomplete");
                 return Err(wrong(&message));
             }
         }

@@ -3,7 +3,7 @@
 use super::*;
 use crate::sorting::sort_by_key;
 
-/// Request of a sweep, the derivatives of each column in the design position, and the target values of each target.
+/// Request of a sweep, then the derivatives of each column in the design position, then the target values of each target.
 pub(super) type Planned<'s> = (Request<'s>, Vec<Vec<Gain>>, Vec<Vec<SweptWish>>);
 
 /// Plans the sweep of one wheel with the target values.
@@ -102,8 +102,8 @@ pub(super) fn of_elastic<'s>(
     )
 }
 
-/// Lists the additional values that a sweep must read, as pairs of value and station. Targets need their values at their
-/// stations; with `curves`, every value at every station is needed. The last argument holds the number of values and the
+/// Lists the additional values that a sweep must read, as pairs of value and station. Each target needs its value at its
+/// stations. With `curves`, every value is needed at every station. The last argument holds the number of values and the
 /// number of stations.
 fn read_further(
     wishes: &[Vec<SweptWish>],
@@ -164,7 +164,7 @@ pub(super) fn of_axle<'s>(
     (Request::of_axle(stations), gains, wishes)
 }
 
-/// Outputs of a study and its targets, each with its first derivative with respect to the drive.
+/// Plans the outputs of a study and its targets. Each output has its first derivative with respect to the drive.
 pub(super) fn with_gains(own: &WheelStudy, optimise: Option<&Optimise>) -> Plan {
     let plan = Plan::with_targets(own, optimise);
     let is_swept = |quantity: Quantity| !quantity.is_rate();

@@ -11,7 +11,7 @@ fn study() -> String {
     command::study(STUDY)
 }
 
-/// Rows of a table by column.
+/// Reads the rows of a table, each with its values by column name.
 fn rows(path: &Path) -> Vec<BTreeMap<String, String>> {
     rows_by_column(&std::fs::read(path).unwrap())
 }
@@ -42,7 +42,7 @@ fn kc_tests_both_wheels_of_an_axle() {
     let value = |load: &str, mode: &str, wheel: &str, quantity: &str| {
         values(load, mode, wheel, quantity)[0]
     };
-    // A symmetric axle has equal values at both wheels, and the values of the axle follow from them.
+    // On a symmetric axle both wheels have equal values, and the values of the axle follow from those of one wheel.
     for (load, mode, quantity) in [
         ("heave", "", "toe_by_heave"),
         ("roll", "", "camber_by_roll"),
@@ -56,7 +56,7 @@ fn kc_tests_both_wheels_of_an_axle() {
         ("vertical", "opposed", "compliant_wheel_rate"),
     ] {
         let [left, right] = ["left", "right"].map(|wheel| value(load, mode, wheel, quantity));
-        // With roll or rack the wheels move in opposite directions, so these values have opposite signs. Steer is
+        // In roll or with the rack, the wheels move in opposite directions, so these values have opposite signs. Steer is
         // positive to the left at both wheels, so it has the same sign.
         let is_opposite = ["camber_by_roll", "caster_by_rack"].contains(&quantity);
         let sign = if is_opposite { -1.0 } else { 1.0 };
@@ -83,7 +83,7 @@ fn kc_tests_both_wheels_of_an_axle() {
         .collect();
     assert!(states.contains(&"connected") && states.contains(&"disconnected"));
 
-    // The window of the secant is centred on the load at which the derivative applies, so both slopes are nearly
+    // The range of loads of the secant is centred on the load at which the derivative applies, so both slopes are nearly
     // equal.
     let secants = figures
         .iter()
@@ -152,8 +152,8 @@ fn check_lists_mounts_and_commands_of_rigid_mechanisms_refuse() {
     assert_eq!(named.status.code(), Some(2));
 }
 
-/// If all mounts are on one line, only their torsion holds the subframe against rotation about it. Torsion carries no
-/// force at the design load, so the program refuses such mounts.
+/// If all mounts of a subframe are on one line, only their torsional stiffness holds the subframe against rotation about
+/// this line. At the design load, this rotation carries no torque, so the program refuses such mounts.
 #[test]
 fn mounts_on_one_line_do_not_hold_the_subframe() {
     let directory = tempfile::tempdir().unwrap();
@@ -177,11 +177,11 @@ fn mounts_on_one_line_do_not_hold_the_subframe() {
         errors.contains("only the torsional stiffness of bushings holds the subframe"),
         "{errors}"
     );
-    // A lever of one millimetre is accepted.
+    // The program accepts a mount one millimetre away from the line.
     assert_eq!(with_front_at("1.0").status.code(), Some(0));
 }
 
-/// `kc` tests the rigid mechanism of an axle without elastic parts, and its results agree with the curves.
+/// For an axle without elastic parts, `kc` tests the rigid mechanism. The results agree with the curves.
 #[test]
 fn kc_tests_the_rigid_mechanism_of_an_axle() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! Tests that results of an axle do not depend on the axes of the study, and that the heave test raises both wheels by
-//! the same travel.
+//! Tests that results of an axle do not depend on the axes of the study. Also tests that the heave test raises both
+//! wheels by the same travel.
 
 use super::super::command::{hardpoint, study};
 use super::super::support::{elastic, fourth_order};
@@ -43,8 +43,8 @@ fn results(here: &Path, name: &str) -> [Rows; 3] {
     })
 }
 
-/// Tests, loads and results of the same axle agree in three kinds of axes. Displacements and forces along the rack
-/// change their sign if +y points to the right.
+/// Tests, loads and results of the same axle agree in three axis conventions. If +y points to the right, displacements
+/// and forces along the rack change their sign.
 #[test]
 fn results_do_not_depend_on_the_axes() {
     let directory = tempfile::tempdir().unwrap();
@@ -103,8 +103,9 @@ fn results_do_not_depend_on_the_axes() {
     }
 }
 
-/// The ride rate of `heave` is the change of wheel load per rise of the contact point when both wheels rise together,
-/// in series with the tyre. The wheels have different springs, so equal loads would not raise them equally.
+/// In the test `heave` both wheels rise by the same travel. The ride rate is the change of wheel load per rise of the
+/// contact point, in series with the tyre. The wheels have different springs, so equal loads would not raise them
+/// equally.
 #[test]
 fn ride_rates_of_heave_are_those_of_equal_travels() {
     let motion = |heave: f64| format!("heave = [{heave:?}]");

@@ -1,4 +1,4 @@
-//! Tests of elastic axles against mechanics: one wheel, the design position, rigid limits, reciprocity, derivatives.
+//! Tests of elastic axles against mechanics: single wheels, the design position, rigid limits, reciprocity, derivatives.
 
 use super::{Case, HELD, LINKS, LOWER, WISHBONES, random_loads, sample};
 use crate::support::random::Random;
@@ -10,7 +10,7 @@ use hardpoint::compliance::{
 use hardpoint::model::{Axis, Side};
 use hardpoint::number::{Real, Tape};
 
-/// Largest difference of angles (rad), and of positions divided by 100 mm.
+/// Returns the largest difference of angles (rad) and of positions divided by 100 mm.
 fn difference(a: &WheelFigures, b: &WheelFigures) -> f64 {
     let moved = [(a.centre - b.centre).norm(), (a.contact - b.contact).norm()];
     let angles = [a.toe - b.toe, a.camber - b.camber, a.spin - b.spin];
@@ -18,7 +18,7 @@ fn difference(a: &WheelFigures, b: &WheelFigures) -> f64 {
     angles.chain(moved.map(|m| m / 100.0)).fold(0.0, f64::max)
 }
 
-/// If the wheels share no elastic part, each wheel equals a single wheel.
+/// If the wheels have no common elastic part, each wheel moves like a single wheel.
 #[test]
 fn wheels_that_share_nothing_are_single_wheels() {
     let mut random = Random(21);
@@ -45,8 +45,8 @@ fn wheels_that_share_nothing_are_single_wheels() {
     }
 }
 
-/// With `at_design_load` the nominal design is the equilibrium. Its bushing forces are those of a small motion of all
-/// bodies without torsion: the set of forces with the least energy.
+/// With `at_design_load` the nominal design is the equilibrium. Among all possible sets of bushing forces, the actual one
+/// has the least energy. Divided by the stiffnesses, these forces equal a small motion of all bodies without torsion.
 #[test]
 fn the_drawing_is_the_equilibrium_at_the_design_load() {
     let mut random = Random(22);
@@ -62,8 +62,8 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
         }
         let [left, right] = axle.design_loads().unwrap();
         assert!((left - right).abs() < 1e-9 && left > 1000.0);
-        // Deflections of the left mounts without other loads: the values f/k form a motion of one rigid body. On a
-        // symmetric axle this motion is along x and z and about y.
+        // Deflections of the left mounts without other loads. Force divided by stiffness is the displacement in a motion
+        // of one rigid body. On a symmetric axle this body moves along x and z and rotates about y.
         let mounts = &case.parts.subframe.as_ref().unwrap().mounts;
         let first = case.parts.wheels[0].bushings.len();
         let readings = axle.bushings(&at, Side::Left);
@@ -89,7 +89,7 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
     }
 }
 
-/// As the stiffness of mounts, rack and bar rises, an axle approaches the axle without them. The difference is
+/// If the stiffness of mounts, rack and bar rises, the axle approaches one with rigid parts instead. The difference is
 /// proportional to one over the stiffness.
 #[test]
 fn stiff_shared_parts_are_rigid_ones() {
@@ -132,8 +132,8 @@ fn stiff_shared_parts_are_rigid_ones() {
     }
 }
 
-/// The anti-roll bar carries no torque at equal travels. Its torque is its rate times the difference of the lever
-/// angles.
+/// At equal travels, the anti-roll bar has no torque. At other travels its torque is its rate times the difference of the
+/// lever angles.
 #[test]
 fn equal_travels_leave_the_bar_alone() {
     let mut random = Random(24);
@@ -157,7 +157,7 @@ fn equal_travels_leave_the_bar_alone() {
     assert!(transfer(&axle, &rolled) > 1.05 * transfer(&alone, &without));
 }
 
-/// Forces and displacements of both wheel centres are reciprocal.
+/// Forces and displacements of both wheel centres are reciprocal (symmetric compliance matrix).
 #[test]
 fn the_compliance_of_both_wheel_centres_is_symmetric() {
     let mut random = Random(25);
@@ -195,7 +195,7 @@ fn the_compliance_of_both_wheel_centres_is_symmetric() {
     }
 }
 
-/// Derivatives along loads, travels and the rack equal the limits of differences.
+/// Derivatives along loads, travels and the rack equal the limits of difference quotients.
 #[test]
 fn derivatives_are_limits_of_differences() {
     let mut random = Random(26);
@@ -283,7 +283,7 @@ fn inputs(case: &Case) -> Vec<Parameter> {
     ]
 }
 
-/// Case with a hardpoint moved by a length, or a rate changed by a fraction of it.
+/// Returns the case with a hardpoint moved by a length, or with a rate changed by a fraction.
 fn varied(case: &Case, parameter: Parameter, by: f64) -> Case {
     let mut changed = Case {
         suspension: case.suspension.clone(),
@@ -346,7 +346,7 @@ fn rate_of(case: &Case, parameter: Parameter) -> f64 {
 }
 
 /// Derivatives with respect to hardpoints, rates, mounts, rack and bar equal differences of eighth order. The test
-/// compares states and their derivatives with respect to loads.
+/// compares states, and their derivatives with respect to loads.
 #[test]
 fn derivatives_by_the_design_agree_with_differences() {
     let mut random = Random(27);

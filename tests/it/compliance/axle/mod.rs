@@ -54,7 +54,7 @@ fn mount(name: &str, at: [f64; 3], rates: [f64; 6], bent: f64) -> SubframeMount 
     }
 }
 
-/// Sample axle with a subframe that carries these points, an elastic rack and an anti-roll bar.
+/// Sample axle with an elastic rack, an anti-roll bar, and a subframe to which these points belong.
 fn sample(topology: &str, carries: &[&str], relaxed: Relaxed, random: &mut Random) -> Case {
     let (suspension, mut wheel) = elastic_axle(topology);
     let mut suspension = suspension;
@@ -121,7 +121,7 @@ fn mirrored(v: Vector3<f64>) -> Vector3<f64> {
     Vector3::new(v.x, -v.y, v.z)
 }
 
-/// Indices of bodies in the second formulation.
+/// Second formulation of a case, with the indices of its bodies.
 struct Built {
     world: World,
     carriers: [usize; 2],
@@ -130,7 +130,7 @@ struct Built {
     levers: [usize; 2],
 }
 
-/// Builder of one side of the second formulation.
+/// Adds the parts of one side to the second formulation.
 struct Builder<'c> {
     case: &'c Case,
     world: World,
@@ -285,7 +285,7 @@ impl Builder<'_> {
     fn lever(&mut self, bodies: &HashMap<usize, usize>) -> usize {
         let mechanism = &self.case.suspension.mechanism;
         let rocker = mechanism.rocker(mechanism.anti_roll_bar().unwrap());
-        // A mirror image reverses the sense of a rotation about the mirrored axis.
+        // Mirroring reverses the sense of a rotation about the mirrored axis.
         let sign = if self.side == 0 { 1.0 } else { -1.0 };
         let axis = (self.at(rocker.second) - self.at(rocker.first)) * sign;
         let holder = self.holder(rocker.first);
@@ -300,7 +300,7 @@ impl Builder<'_> {
     }
 }
 
-/// The second formulation of a case.
+/// Makes the second formulation of a case.
 fn build(case: &Case, command: f64) -> Built {
     let mut world = World::new();
     let mut subframe = GROUND;
@@ -342,8 +342,8 @@ fn build(case: &Case, command: f64) -> Built {
         let rack = world.body(Freedom::Along(holder, along), reference);
         match case.parts.rack_rate {
             Some(rate) => {
-                // The twist of the steering column, times the rack travel per angle, adds to the deflection of the
-                // rack.
+                // The deflection of the rack also contains the twist of the steering column, times the rack travel per
+                // angle.
                 let column = case
                     .parts
                     .column
@@ -399,14 +399,14 @@ fn axis(case: &Case, built: &Built, side: usize) -> Vector3<f64> {
     built.world.direction(built.carriers[side], designed)
 }
 
-/// Contact point from wheel centre and axis.
+/// Returns the contact point of a wheel from its centre and its axis.
 fn contact(case: &Case, centre: Vector3<f64>, axis: Vector3<f64>) -> Vector3<f64> {
     let up = Vector3::new(0.0, 0.0, 1.0);
     let across = (up - axis * axis.dot(up)).normalised();
     centre - across * case.suspension.wheel_radius.unwrap()
 }
 
-/// Loads in a state of the second formulation.
+/// Returns the loads in a state of the second formulation.
 fn loads(case: &Case, built: &Built, world: &World, given: &[WheelLoads; 2]) -> Vec<Load> {
     let mut found = Vec::new();
     for (side, given) in given.iter().enumerate() {
@@ -422,7 +422,7 @@ fn loads(case: &Case, built: &Built, world: &World, given: &[WheelLoads; 2]) -> 
         let heading = if side == 0 { heading } else { -heading };
         let side_at = contact - heading * load.trail;
         let m = load.moment;
-        // A mirror image reverses the sense of a moment.
+        // Mirroring reverses the sense of a moment.
         let moment = if side == 0 {
             m
         } else {
@@ -441,8 +441,8 @@ fn loads(case: &Case, built: &Built, world: &World, given: &[WheelLoads; 2]) -> 
         push(centre, flip(load.centre), none);
         push(side_at, flip(Vector3::new(0.0, -load.side, 0.0)), none);
         push(centre, none, moment);
-        // The force that holds the height acts at the contact point; that of the constraint acts at the wheel centre.
-        // Height constraints are the last ones.
+        // The force that holds the height acts at the contact point, but the force of the constraint acts at the wheel
+        // centre. The height constraints are the last ones.
         let count = world.multipliers.len();
         let held = Vector3::new(0.0, 0.0, -world.multipliers[count - 2 + side]);
         push(centre, none, (contact - centre).cross(held));
@@ -462,7 +462,8 @@ fn random_loads(random: &mut Random, size: f64) -> [WheelLoads; 2] {
     })
 }
 
-/// Largest difference between a state and the second formulation: positions divided by 100 mm, and angles in rad.
+/// Returns the largest difference between a state and the second formulation: positions divided by 100 mm, and angles in
+/// rad.
 fn difference(case: &Case, built: &Built, axle: &ElasticAxle, at: &AxleEquilibrium) -> f64 {
     let mut worst = 0.0_f64;
     let centre_id = case.suspension.mechanism.wheel_centre;

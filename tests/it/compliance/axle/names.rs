@@ -1,4 +1,4 @@
-//! Tests of the names that other programs give to the results of axle tests.
+//! Tests of results of axle tests under the names and definitions of other programs.
 
 use super::super::support::{elastic, fourth_order, with};
 use crate::support::rows_by_column;
@@ -61,7 +61,7 @@ fn rearward(text: &str) -> String {
     turned
 }
 
-/// Changes of both wheels per newton, or per newton times length, under loads in the frame of each side.
+/// Returns the changes of both wheels per newton, or per newton times length. Loads are in the frame of each side.
 fn response(study: &Study, loads: [WheelLoads; 2], step: f64) -> [WheelFigures; 2] {
     let both = study.axle().unwrap();
     let elastic = both.axle.elastic.as_ref().unwrap();
@@ -98,7 +98,7 @@ fn response(study: &Study, loads: [WheelLoads; 2], step: f64) -> [WheelFigures; 
     })
 }
 
-/// Displacements of the vehicle's wheels, each for unit loads on both wheels, in degrees and mm.
+/// Displacements of both wheels in vehicle axes, in degrees and mm. Unit loads act on both wheels.
 struct Vehicle {
     by: [WheelFigures; 2],
 }
@@ -109,7 +109,7 @@ impl Vehicle {
         (to_left * self.by[side].toe).to_degrees()
     }
 
-    /// Rotation about a rearward axis: the top of the wheel moves to the left.
+    /// Rotation about a rearward axis, positive if the top of the wheel moves to the left.
     fn lean_to_left(&self, side: usize) -> f64 {
         let outboard = [1.0, -1.0][side];
         (outboard * self.by[side].camber).to_degrees()
@@ -149,7 +149,7 @@ fn about_z(moment: f64) -> WheelLoads {
     }
 }
 
-/// Responses of both wheels to the loads of all definitions.
+/// Responses of both wheels to the loads of all definitions of other programs.
 struct Responses {
     to_right: Vehicle,
     inboard: Vehicle,
@@ -299,7 +299,8 @@ fn named(study: &Study, program: OtherProgram) -> Vec<BTreeMap<String, String>> 
     rows.into_iter().filter(has_name).collect()
 }
 
-/// Each value equals the vehicle motion that its definition describes in words, in any axes of the study.
+/// Each value equals the motion in vehicle axes that its definition describes in words. This holds for all axis
+/// conventions of the study.
 #[test]
 fn values_of_other_programs_are_motions_by_loads_on_both_wheels() {
     let text = text();
@@ -330,7 +331,7 @@ fn values_of_other_programs_are_motions_by_loads_on_both_wheels() {
     }
 }
 
-/// Signs of other programs relative to this program, at the left and right wheel, for a test result and a mode.
+/// Signs of values of other programs relative to this program, at the left and right wheel, for a test result and a mode.
 const SIGNS: [(OtherProgram, &str, &str, [f64; 2]); 14] = [
     (ALTAIR, "toe_by_lateral_force", "parallel", [-1.0, -1.0]),
     (ALTAIR, "toe_by_lateral_force", "opposed", [-1.0, 1.0]),
@@ -361,7 +362,7 @@ const SIGNS: [(OtherProgram, &str, &str, [f64; 2]); 14] = [
 const ALTAIR: OtherProgram = OtherProgram::Altair;
 const ADAMS: OtherProgram = OtherProgram::Adams;
 
-/// The signs relative to this program equal those in the manual's table. The tests here hold the wheel load, and the
+/// The signs relative to this program equal those in the manual's table. In these tests the wheel load is held, and the
 /// wheels are upright.
 #[test]
 fn signs_against_ours_are_those_of_the_manual() {

@@ -1,5 +1,5 @@
-//! Tests of robust tuning of axles with elastic parts: hardpoints and rates of each wheel scatter independently, shared
-//! parts once.
+//! Tests of robust tuning of axles with elastic parts. Hardpoints and rates of each wheel scatter independently. Shared
+//! parts have one deviation for both wheels.
 
 use super::super::support::{elastic, with};
 use crate::tuning::robust_axle::{
@@ -40,14 +40,14 @@ fn study(more: &str) -> Study {
     elastic(&with("subframe_axle_compliance.toml", more))
 }
 
-/// Derivatives of builds are exact, for variables that change a rate of both wheels or of a shared part, where this
-/// rate also scatters.
+/// Derivatives of builds are exact if a variable changes a rate of both wheels or of a shared part, and this rate also
+/// scatters.
 #[test]
 fn derivatives_of_builds_of_elastic_axles_are_exact() {
     let study = study(&format!("{TUNED}{SCATTER}"));
     let x = [1.5, 0.2, 500.0, -0.1, 1.0];
     assert_derivatives_are_slopes(&study, &x, &[0.1, 0.01, 50.0, 0.01, 0.1], 1e-5);
-    // The parts of both wheels scatter, so even the mean steer of a symmetric axle scatters.
+    // The parts of both wheels scatter independently, so even the mean steer of a symmetric axle scatters.
     let found = builds_at(&study, &DVector::from_column_slice(&x)).residuals;
     assert_eq!(found.len(), 2 * 5);
     assert!((found[2] - found[7]).abs() > 0.1, "{found}");
@@ -79,7 +79,7 @@ fn builds_of_an_elastic_axle_are_those_of_tolerance() {
     assert_builds_are_written_builds(&study, &[1.5, 0.0, 0.0, 0.0, 1.0], elastic);
 }
 
-/// A rate scatters about its tuned value, for a rate of both wheels and for a shared part.
+/// A rate scatters about its tuned value. This holds for a rate of both wheels and for a shared part.
 #[test]
 fn rates_scatter_about_their_tuned_values() {
     let text = format!("{TUNED}{SCATTER}");
@@ -104,8 +104,8 @@ fn rates_scatter_about_their_tuned_values() {
     assert!(off < 1e-7 * expected.residuals.amax(), "{off:e}");
 }
 
-/// Constraints on test results apply to the nominal design. A robust tuning has the same rows for them as a tuning
-/// without scatter.
+/// Constraints on test results apply to the nominal design. So a robust tuning has the same rows of constraints as a
+/// tuning without scatter.
 #[test]
 fn constraints_of_a_robust_tuning_are_those_of_the_nominal_design() {
     let constraints =

@@ -7,11 +7,12 @@ use crate::compliance::support::{elastic, with};
 use hardpoint::study::Study;
 
 const SUBFRAME: &str = "subframe_axle_compliance.toml";
-/// Section that the differences of the right wheel replace.
+/// Section of the study that the test replaces by the data of a different right wheel.
 const MIRRORED: &str = "[axle]\nright = \"mirrored\"\n";
 
-/// Without subframe and elastic rack, bushings do not couple the wheels of an axle, and the set-up equals that of one
-/// wheel. With both it differs, and both wheels of the adjusted axle have the target values.
+/// Without subframe and elastic rack, bushings do not couple the wheels of an axle, so the set-up equals that of one
+/// wheel. With a subframe and an elastic rack, the set-up differs from that of one wheel. The left and the right wheel of
+/// the adjusted axle still have the target values.
 #[test]
 fn both_wheels_of_an_axle_are_set_up_in_equilibrium() {
     let setup = "adjust = [{ length = \"tie_rod\" }, { shim = \"upper_ball_joint\", axis = \"y\" }]\nwant = { camber = -1.2, toe = 0.15 }";
@@ -61,8 +62,8 @@ fn both_wheels_of_an_axle_are_set_up_in_equilibrium() {
     );
 }
 
-/// The set-up solves different wheels together, each with its own adjustments. If left and right are exchanged, the
-/// amounts are exchanged too.
+/// If the wheels are different, the set-up adjusts both wheels together, each with its own adjustments. If left and right
+/// are exchanged, the amounts are exchanged too.
 #[test]
 fn wheels_that_differ_are_set_up_as_a_whole() {
     let setup = "adjust = [{ length = \"tie_rod\", per_turn = 2.0 }, { shim = \"upper_ball_joint\", axis = \"y\" }]\nwant = { camber = -1.2, toe = 0.15 }";
@@ -118,8 +119,8 @@ fn wheels_that_differ_are_set_up_as_a_whole() {
     }
 }
 
-/// The program refuses targets that an equilibrium does not define, test results, and adjustments that lift one side.
-/// The message tells an alternative.
+/// The program refuses three things: targets that an equilibrium does not define, test results, and adjustments that lift
+/// one side. The message names an alternative.
 #[test]
 fn what_cannot_be_set_up_is_refused() {
     let refusal = |name: &str, setup: &str, further: &str| {

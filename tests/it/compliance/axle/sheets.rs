@@ -6,7 +6,7 @@ use hardpoint::rig::RigTests;
 use hardpoint::study::Study;
 
 const NAME: &str = "subframe_axle_compliance.toml";
-/// Rates that are fitted.
+/// Rates that the tuning fits to the sheet.
 const RATES: [(&str, &str); 5] = [
     ("lower_arm_front", "y"),
     ("lower_arm_rear", "y"),
@@ -28,7 +28,7 @@ fn asked(targets: &str) -> String {
     )
 }
 
-/// `kc.csv` of the axle with other rates, as a sheet with relative noise.
+/// Returns `kc.csv` of the axle with other rates, as a measured sheet with relative noise.
 fn sheet(share: f64, seed: u64) -> String {
     let study = elastic(&asked(
         "{ figure = \"steer_by_roll\", value = 0.0, tolerance = 1.0 }",
@@ -54,7 +54,8 @@ fn study_of(sheet: &str, targets: &str) -> Result<Study, String> {
 
 const WHOLE: &str = "{ file = \"sheet.csv\", tolerance = 1.0 }";
 
-/// A tuning recovers planted rates from an exact sheet, and from a sheet with noise within their standard errors.
+/// A tuning finds the rates from which a sheet was computed: exactly without noise, and within their standard errors with
+/// noise.
 #[test]
 fn rates_of_an_axle_are_identified_from_a_sheet() {
     for (share, seed) in [(0.0, 1), (1.0, 2), (1.0, 3)] {
@@ -83,7 +84,7 @@ fn rates_of_an_axle_are_identified_from_a_sheet() {
     }
 }
 
-/// The written study does not need its sheet: it contains the targets with the same meaning.
+/// The written study does not need its sheet, because it contains the targets with the same meaning.
 #[test]
 fn targets_of_a_sheet_are_written_out() {
     let study = study_of(&sheet(0.0, 1), WHOLE).unwrap();
@@ -109,8 +110,7 @@ fn targets_of_a_sheet_are_written_out() {
     }
 }
 
-/// A row without a wheel applies to both wheels, and the program refuses rows that do not identify the wheel or the
-/// test.
+/// A row without a wheel applies to both wheels. The program refuses rows that do not identify the wheel or the test.
 #[test]
 fn rows_say_which_wheel_and_test_they_are_of() {
     let target =

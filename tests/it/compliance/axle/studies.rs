@@ -16,7 +16,8 @@ use std::path::Path;
 
 const SUBFRAME: &str = "subframe_axle_compliance.toml";
 
-/// Study of the subframe with another motion, where hardpoints and rates of the right wheel differ.
+/// Study of the subframe with another motion. Hardpoints and rates of the right wheel differ from those of the left
+/// wheel.
 fn asymmetric(motion: &str, more: &str) -> String {
     let text = with(SUBFRAME, more);
     let own = "[axle.right.hardpoints]\ntie_rod_outer = [-143.0, -683.0, 231.0]\nlower_arm_rear = [-196.0, -372.0, 201.0]\n\
@@ -73,7 +74,7 @@ characteristics = [
 order = "velocity"
 "#;
 
-/// Derivatives along both travels and the rack equal differences, for different wheels.
+/// Derivatives along both travels and the rack equal difference quotients. The wheels are different.
 #[test]
 fn derivatives_along_motions_agree_with_differences() {
     let here = [-10.0, 5.0, 3.0];
@@ -119,7 +120,7 @@ fn derivatives_along_motions_agree_with_differences() {
     assert_eq!(checked, 3 * 15);
 }
 
-/// Sensitivities to the hardpoints of either wheel equal differences.
+/// Sensitivities to the hardpoints of either wheel equal difference quotients.
 #[test]
 fn sensitivities_by_both_wheels_agree_with_differences() {
     let outputs = r#"
@@ -174,8 +175,9 @@ sensitivities = ["lower_arm_rear"]
     assert_eq!(checked, 6 * 9);
 }
 
-/// Without subframe, elastic rack and bar, each wheel of a symmetric axle equals a single wheel. Heave corresponds to
-/// the travel of the single wheel, and a parallel load to its load.
+/// Without subframe, elastic rack and bar, each wheel of a symmetric axle equals a single wheel. Heave of the axle
+/// corresponds to the travel of the single wheel. A parallel load on the axle corresponds to the load on the single
+/// wheel.
 #[test]
 fn a_symmetric_axle_in_heave_is_one_wheel() {
     let tests = "relaxed = \"at_design_load\"\ntests = [{ load = \"lateral\", trail = 30.0 }, { load = \"braking\" }]\n";
@@ -219,7 +221,7 @@ sensitivities = ["tie_rod_inner", "lower_arm_rear"]
             }
         }
     }
-    // Two wheels with six outputs, five stations, and two points with three coordinates.
+    // Two wheels with six outputs at five stations, and six coordinates (two points).
     assert_eq!(checked, 2 * 6 * 5 * 6);
 }
 
@@ -248,7 +250,8 @@ targets = [
 ]
 "#;
 
-/// Rows of targets have the slopes of differences along hardpoints and rates, for equal and for different wheels.
+/// Rows of targets have exact slopes along hardpoints and rates, for equal and for different wheels: the slopes equal
+/// difference quotients.
 #[test]
 fn slopes_along_variables_are_those_of_differences() {
     let alike = replaced(
@@ -269,7 +272,7 @@ fn slopes_along_variables_are_those_of_differences() {
     }
 }
 
-/// Asserts that there are this many rows, and that they have the slopes of differences along every variable.
+/// Asserts that there are this many rows, and that their slopes along every variable equal difference quotients.
 fn assert_slopes(at: impl Fn(&[f64]) -> Linearisation, x: &[f64], steps: &[f64], rows: usize) {
     let found = at(x);
     assert_eq!(found.residuals.len(), rows);
@@ -290,8 +293,8 @@ fn assert_slopes(at: impl Fn(&[f64]) -> Linearisation, x: &[f64], steps: &[f64],
     }
 }
 
-/// A tuning from the study's own design reaches values of a known design, with hardpoints and rates of both wheels as
-/// variables.
+/// A tuning that starts at the study's design reaches the values of a known design. Its variables are hardpoints and
+/// rates of both wheels.
 #[test]
 fn planted_targets_come_back() {
     let text = replaced(
@@ -369,7 +372,8 @@ targets = [
 ]
 "#;
 
-/// Rates of spring, bar, rack and column have the slopes of differences, and the moved study can be written and read.
+/// Slopes along the rates of spring, bar, rack and column equal difference quotients. The changed study can be written
+/// and read.
 #[test]
 fn rates_of_springs_bar_and_steering_vary() {
     let text = replaced(
@@ -394,7 +398,7 @@ fn rates_of_springs_bar_and_steering_vary() {
         found.unwrap().unwrap().goal
     };
     assert_slopes(at, &x, &[0.5, 0.01, 0.01, 2.0e4], 4);
-    // The rates of rack and column have no effect on a row with the rack locked.
+    // With the rack locked, the rates of rack and column have no effect on a row of the residuals.
     let slopes = at(&x).jacobian;
     assert_eq!([slopes[(3, 2)], slopes[(3, 3)]], [0.0; 2]);
     assert!(slopes[(2, 2)] != 0.0 && slopes[(2, 3)] != 0.0);
@@ -412,7 +416,7 @@ fn rates_of_springs_bar_and_steering_vary() {
             assert_eq!(own.value(k), again.value(k));
         }
     }
-    // If `[axle.right]` repeats a rate, the program writes it there too.
+    // If the study repeats a rate in `[axle.right]`, the program changes it there too.
     let repeated = "right = { spring = { rate = 90.0 } }\n";
     let text = replaced(&text, "right = \"mirrored\"\n", repeated);
     let study = elastic(&text);
@@ -421,7 +425,7 @@ fn rates_of_springs_bar_and_steering_vary() {
     assert_eq!(read.axle().unwrap().axle, moved.axle().unwrap().axle);
 }
 
-/// The program refuses rates that a study does not have, and lists the available rates.
+/// The program refuses rates that the study does not have, and lists the available rates.
 #[test]
 fn unknown_rates_are_refused() {
     for (rate, expected) in [
@@ -463,8 +467,9 @@ bands = [
 ]
 "#;
 
-/// The parts of each wheel scatter independently, those of the subframe once for both. The first-order result has the
-/// standard deviations of the builds. A build that is printed as a study has the values of the Monte Carlo build.
+/// The parts of each wheel scatter independently. Parts of the subframe have one deviation for both wheels. The
+/// first-order result has the standard deviations of the builds. A build that is printed as a study has the values of the
+/// Monte Carlo build.
 #[test]
 fn builds_scatter_by_sides_and_shared_parts_once() {
     let text = with(SUBFRAME, SCATTERED);
@@ -517,7 +522,7 @@ fn builds_scatter_by_sides_and_shared_parts_once() {
     let text = problem.built_text(5).unwrap();
     assert!(text.starts_with("# Without [tolerance]"), "{text}");
     let built = curves(&elastic(&text));
-    // The parts of the left wheel differ from the nominal design, so its toe differs too.
+    // The parts of the left wheel differ from the nominal design, so the toe of the left wheel differs too.
     let toe = |curves: &Curves, side: &str| {
         let name = format!("{side}_toe_deg");
         let column = curves.columns.iter().position(|c| c.name == name).unwrap();
@@ -528,7 +533,7 @@ fn builds_scatter_by_sides_and_shared_parts_once() {
     assert!((toe(&built, "left") - toe(&built, "right")).abs() > 1e-3);
 }
 
-/// Derivatives with respect to the tolerance sources equal differences between studies with the changed number.
+/// Derivatives with respect to the tolerance sources equal difference quotients between studies with the changed number.
 #[test]
 fn sensitivities_of_builds_agree_with_differences() {
     let text = with(SUBFRAME, SCATTERED);
@@ -640,7 +645,7 @@ fn rows_of_a_sweep_are_those_of_single_designs() {
                     .map(|s| of(s, &name))
                     .fold(f64::NEG_INFINITY, f64::max)
             } else {
-                // The slope is that in the design position.
+                // The slope applies to the design position.
                 of(1, name)
             };
             assert!(
@@ -715,7 +720,7 @@ fn the_stiffness_of_a_missing_rack_is_refused() {
     assert!(said.contains("this axle has no rack"), "{said}");
 }
 
-/// Every test result has a unique name, and under this name it has the number that `hardpoint kc` writes.
+/// Every test result has a unique name, and the value under this name equals the value that `hardpoint kc` writes.
 #[test]
 fn figures_have_names_of_their_own() {
     let study = elastic(&with(SUBFRAME, ""));
@@ -767,7 +772,7 @@ fn figures_have_names_of_their_own() {
                 && (row["travel_left_mm"].parse() == Ok(0.0)
                     && row["travel_right_mm"].parse() == Ok(0.0))
         });
-        // The table has no result of this wheel for a single load on the other wheel.
+        // For a single load on the other wheel, the table has no result of this wheel.
         let row = row.unwrap_or_else(|| panic!("{}", figure.name()));
         let expected: f64 = row[key].parse().unwrap();
         let name = figure.name();
@@ -786,7 +791,7 @@ fn figures_have_names_of_their_own() {
     assert_eq!(checked, figures.len());
 }
 
-/// Returns true if the end of a column name is only a unit.
+/// Returns true if the end of a column name is a unit and nothing else.
 fn is_unit(end: &str) -> bool {
     let words = [
         "trail", "secant", "opposed", "left", "right", "without", "locked", "heave", "vertical",
@@ -829,7 +834,7 @@ scatter = [
 bands = [{ characteristic = "steer_by_roll", between = [-0.1, 0.1] }]
 "#;
 
-/// Solves, sweeps, tunes and builds a study. Every value in the results is finite.
+/// Solves, sweeps, tunes and builds a study. Asserts that every value in the results is finite.
 fn use_all_of(study: &Study) {
     let Some(both) = study.axle() else { return };
     if let Ok(found) = axle_curves(&both.axle, &both.plan) {
@@ -864,7 +869,7 @@ fn use_all_of(study: &Study) {
         let mut offsets = best.flat_map(|best| &best.offsets);
         assert!(offsets.all(|offset| offset.is_finite()));
     }
-    // A study without a number of builds would run thousands.
+    // A study that gives no number of builds would run thousands of builds.
     let few = study.tolerance.as_ref().filter(|own| own.builds < 100);
     if let Some(tolerance) = few
         && let Ok(problem) = Problem::of(study, tolerance)
@@ -898,7 +903,7 @@ fn mutilated_studies(cases: u64) -> [usize; 2] {
     [used, refused]
 }
 
-/// Studies with random damage are computed or refused with a reason: no command panics or loops forever.
+/// Randomly damaged studies are computed or refused with a reason: no command panics or loops forever.
 #[test]
 fn mutilated_studies_are_computed_or_refused() {
     use_all_of(&elastic(&with(SUBFRAME, EVERYTHING)));
@@ -934,7 +939,7 @@ constraints = [
 ]
 "#;
 
-/// Limits of an axle's test results have rows with exact slopes, and they are active if a target demands more.
+/// Limits of an axle's test results have rows with exact slopes. A limit is active if a target demands more.
 #[test]
 fn figures_of_an_axle_keep_their_limits() {
     let study = elastic(&with(SUBFRAME, LIMITED));
@@ -944,7 +949,7 @@ fn figures_of_an_axle_keep_their_limits() {
         .iter()
         .map(|c| c.name.as_str())
         .collect();
-    // The axle's test result has one limit; the wheel load has one for each wheel.
+    // The test result of the axle has one limit. The wheel load has one limit for each wheel.
     assert_eq!(names.len(), 5, "{names:?}");
     assert!(
         names.contains(&"wheel_load at most 6000, left wheel"),

@@ -1,5 +1,5 @@
-//! Second formulation of elastic axles. Every body has six coordinates; ball joints, rods and heights are constraints
-//! with multipliers. Forces are the gradient of one energy in vehicle coordinates of both sides.
+//! Second formulation of elastic axles. Every body has six coordinates. Ball joints, rods and heights are constraints
+//! with multipliers. The forces are the gradient of one energy. All coordinates are vehicle coordinates, for both sides.
 
 use hardpoint::number::{Real, Scalar, Tape, Tracked, Vector3};
 
@@ -10,12 +10,12 @@ type Rotation = [[f64; 3]; 3];
 
 const IDENTITY: Rotation = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// Freedom of a body's motion.
+/// Possible motion of a body.
 #[derive(Clone, Copy)]
 pub enum Freedom {
     Fixed,
     Free,
-    /// Translation along a direction of a holder.
+    /// Translation along a direction of another body, the holder.
     Along(usize, Vector3<f64>),
     /// Rotation about an axis of a holder.
     About(usize, Vector3<f64>),
@@ -27,7 +27,7 @@ pub struct Body {
     pub reference: Vector3<f64>,
     pub shift: Vector3<f64>,
     pub rotation: Rotation,
-    /// Shift along the direction, or angle about the axis.
+    /// Displacement along the direction, or angle about the axis.
     pub slide: f64,
 }
 
@@ -36,7 +36,7 @@ pub struct Body {
 pub struct On(pub usize, pub Vector3<f64>);
 
 pub enum Energy {
-    /// Holder, moving body, point, axes, rates, cubic terms of the forces, and forces in the design position.
+    /// Bushing: holder, moving body, point, axes, rates, cubic terms of the forces, and forces in the design position.
     Bushing(
         usize,
         usize,
@@ -45,13 +45,13 @@ pub enum Energy {
         [f64; 6],
         [f64; 3],
     ),
-    /// Ends, compression force in the design position, and rate.
+    /// Spring: both ends, compression force in the design position, and rate.
     Spring(On, On, f64, f64),
-    /// Ends and rate.
+    /// Elastic rod: both ends and rate.
     Rod(On, On, f64),
-    /// Two levers and rate.
+    /// Anti-roll bar: two levers and rate.
     Bar(usize, usize, f64),
-    /// Slide of a body relative to a command, and rate.
+    /// Elastic rack: sliding body, commanded displacement, and rate.
     Slide(usize, f64, f64),
 }
 
@@ -63,7 +63,7 @@ pub enum Constraint {
     Slide(usize, f64),
 }
 
-/// Force at a point of a body, and a moment on it.
+/// Force at a point of a body, and a moment on the body.
 pub struct Load {
     pub body: usize,
     pub point: Vector3<f64>,
@@ -78,7 +78,7 @@ pub struct World {
     pub multipliers: Vec<f64>,
 }
 
-/// Body with tracked numbers: reference point and columns of the rotation.
+/// Body in tracked numbers (numbers with derivatives): reference point and columns of the rotation matrix.
 struct Moved<'t> {
     at: Vector3<Tracked<'t>>,
     columns: [Vector3<Tracked<'t>>; 3],
@@ -334,7 +334,8 @@ impl World {
         }
     }
 
-    /// Solves under the loads that `loads` returns for the present state: in one step, or else in eight increments.
+    /// Solves for the equilibrium. `loads` returns the loads for the present state. Applies them in one step, or else in
+    /// eight increments.
     pub fn solve(&mut self, loads: impl Fn(&World) -> Vec<Load>) {
         let start = self.copy();
         if self.settle(&loads).is_ok() {
@@ -357,7 +358,7 @@ impl World {
         }
     }
 
-    /// Newton's method with a tangent from central differences. If it fails, returns the size of the last step.
+    /// Newton's method with a matrix from central differences. If it fails, returns the size of the last step.
     fn settle(&mut self, loads: &impl Fn(&World) -> Vec<Load>) -> Result<(), f64> {
         self.multipliers = vec![0.0; self.rows()];
         let (_, count) = self.sizes();
@@ -366,8 +367,8 @@ impl World {
         let mut size = f64::INFINITY;
         for round in 0..80 {
             let residual = self.residual(&loads(self));
-            // Near the solution, steps with an old matrix shrink by a constant factor; far from it they hardly shrink,
-            // so a new matrix is needed.
+            // Near the solution, steps with an old matrix shrink by a constant factor. Far from the solution they hardly
+            // shrink, so a new matrix is needed.
             if round % 4 == 0 && size > 1e-7 {
                 matrix = vec![vec![0.0; total]; total];
                 for column in 0..total {
@@ -419,7 +420,7 @@ impl World {
         self.at(&all, on).map(|c| c.value())
     }
 
-    /// Direction fixed to a body, rotated with it.
+    /// Returns a direction of a body after the rotation of the body.
     pub fn direction(&self, body: usize, v: Vector3<f64>) -> Vector3<f64> {
         let r = &self.bodies[body].rotation;
         let row = |k: usize| r[k][0] * v.x + r[k][1] * v.y + r[k][2] * v.z;
@@ -485,7 +486,7 @@ fn logarithm<'t>(i: &Moved<'t>, j: &Moved<'t>) -> Vector3<Tracked<'t>> {
     sine * (size.atan2(cosine) / size)
 }
 
-/// Rotation followed by a rotation about fixed axes.
+/// Returns a rotation followed by another rotation about fixed axes.
 fn turned(rotation: &Rotation, turn: Vector3<f64>) -> Rotation {
     let angle = turn.norm();
     if angle == 0.0 {

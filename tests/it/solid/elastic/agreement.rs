@@ -1,4 +1,4 @@
-//! Tests of random axles against the second formulation.
+//! Tests of random axles against the second formulation (`second.rs`).
 
 use super::second::RESULTS;
 use super::{Kind, STILL, Scatter, elastic, is_angle, made, results, study};
@@ -6,9 +6,9 @@ use crate::support::random::Random;
 use hardpoint::model::Side;
 
 /// 200 random axles agree with the second formulation: of all kinds, with and without springs, with equal and different
-/// halves. The program displaces bodies by small rotations and eliminates rows; the second formulation minimises one
-/// energy in vehicle coordinates. Rounding of lengths of 1 m is 1e-13 mm, and the stiffnesses of links differ by up to
-/// a factor of 100.
+/// halves. The program uses small rotations of bodies and eliminates rows of the equations. The second formulation
+/// minimises one energy in vehicle coordinates. Rounding errors of lengths of 1 m are 1e-13 mm, and the stiffnesses of
+/// links differ by up to a factor of 100.
 #[test]
 fn random_axles_agree_with_the_least_energy() {
     let mut random = Random(20_261_127);
@@ -45,7 +45,7 @@ fn random_axles_agree_with_the_least_energy() {
         }
         for side in Side::ALL {
             let (ours, theirs) = (axle.wheel_load(&at, side), pose.vertical[side as usize]);
-            // Bound: 1e-11 of the stiffest link times some millimetres.
+            // Bound: 1e-11 of the stiffest link's stiffness times some millimetres.
             worst[2] = worst[2].max((ours - theirs).abs());
             assert!(
                 (ours - theirs).abs() < 1e-11 * 3e5 * 10.0,
@@ -55,7 +55,7 @@ fn random_axles_agree_with_the_least_energy() {
         let tensions = made.axle.tensions(&pose);
         let ours = super::tensions(&made, &study, &axle, &at);
         assert_eq!(ours.len(), tensions.len());
-        // The right half has only the links that are not in the middle.
+        // The right half has only links that exist on both sides, not those in the middle.
         let own = axle.tensions(&at, Side::Right).len();
         assert_eq!(own, if kind == Kind::ThreeLinkPanhard { 1 } else { 2 });
         for (ours, theirs) in ours.iter().zip(&tensions) {

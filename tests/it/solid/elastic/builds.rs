@@ -1,5 +1,5 @@
-//! Tests of builds of elastic solid axles: misfit of five links, single rates, gradients, Monte Carlo analyses and the
-//! rigid limit.
+//! Tests of builds of elastic solid axles: five links that do not fit without force, rates of single parts, gradients,
+//! Monte Carlo analyses and the rigid limit.
 
 use super::rigid_limit::{rigid, stiffer, values};
 use super::{Kind, Scatter, made};
@@ -19,7 +19,7 @@ const MOTION: &str = "[motion]\ntravel_left = [-30.0, 20.0]\ntravel_right = [10.
 /// Motion and outputs that rigid axles support too.
 const RIGID_MOTION: &str = "[motion]\ntravel_left = [-30.0, 20.0]\ntravel_right = [10.0]\n[outputs]\n\
                             characteristics = [\"camber\", \"toe\", \"axle_steer\", \"axle_lateral\", \"pinion_angle\", \"roll_centre_height\"]\n";
-/// Half the width of the scatter range; it is so narrow that the deviation of a part is known.
+/// Half the width of the scatter range. The range is so narrow that the deviation of a part is known.
 const NARROW: f64 = 1e-13;
 
 fn text(kind: Kind, relaxed: &str, motion: &str) -> String {
@@ -109,15 +109,15 @@ fn known(steps: &[(&str, f64)]) -> String {
     format!("builds = 2\nscatter = [{}]", entries.join(", "))
 }
 
-/// Text of the build whose parts deviate by these amounts.
+/// Returns the study text of the build whose parts deviate by these amounts.
 fn built(text: &str, steps: &[(&str, f64)]) -> String {
     let study = study(text, &known(steps));
     let text = problem(&study).built_text(0);
     text.unwrap_or_else(|e| panic!("{e:?}"))
 }
 
-/// Gradients with respect to every part equal slopes of written builds, from three central differences that are
-/// extrapolated to sixth order.
+/// Gradients with respect to every part equal difference quotients of builds that are written as studies. Three central
+/// differences are extrapolated to sixth order.
 #[test]
 fn gradients_are_slopes_of_builds() {
     for (kind, relaxed) in KINDS.into_iter().zip(["free", "at_design_load", "free"]) {
@@ -157,8 +157,8 @@ fn gradients_are_slopes_of_builds() {
     }
 }
 
-/// A Monte Carlo analysis of parts with known deviations has the values of the written build. So the written build has
-/// the same link misfit and the same rates.
+/// A build with known deviations, written as a study, has the values of the Monte Carlo analysis. So the written build
+/// has the same tensions of the links and the same rates.
 #[test]
 fn written_builds_are_those_of_the_analysis() {
     for (kind, relaxed) in KINDS
@@ -224,7 +224,7 @@ fn points(study: &Study) -> BTreeMap<String, Point> {
         .collect()
 }
 
-/// Links of an axle: prefix of its names, left or right half, and its two ends.
+/// Links of an axle: prefix of their names, left or right half, and both ends.
 const LINKS: [(&str, usize, [&str; 2]); 5] = [
     ("lower_link", 0, ["lower_link_chassis", "lower_link_axle"]),
     (
@@ -315,8 +315,8 @@ fn five_links_share_the_misfit_in_balance() {
         largest = largest.max(part.preload.abs());
     }
     assert!(largest > 500.0, "{largest}");
-    // The vertical forces at the wheel centres balance the rest. In the other three balances the link forces alone add
-    // up to zero.
+    // The vertical forces at the wheel centres balance the remaining force and moments. In the other three balances, the
+    // link forces alone add up to zero.
     assert!(
         force[0].abs() < 1e-7 * largest && force[1].abs() < 1e-7 * largest,
         "{force:?}"
@@ -331,8 +331,8 @@ fn five_links_share_the_misfit_in_balance() {
     assert!(pitch.abs() < 1e-4 * largest, "{pitch}");
 }
 
-/// Parts that deviate but still fit cause no tension: the Panhard rod is longer, and its bracket is farther away along
-/// the same line.
+/// Parts that deviate but still fit cause no tension. Here the Panhard rod is longer, and its bracket is farther away
+/// along the same line by the same length.
 #[test]
 fn parts_that_fit_have_no_tension() {
     let symmetric = Scatter {
@@ -368,7 +368,7 @@ fn parts_that_fit_have_no_tension() {
     assert!(misses > 100.0, "{misses}");
 }
 
-/// The rate of a part that exists once scatters once and has no side.
+/// The rate of a part that exists once has one random number and no side.
 #[test]
 fn the_rate_of_a_single_link_scatters_once() {
     let text = text(Kind::ThreeLinkPanhard, "free", MOTION);
@@ -396,8 +396,8 @@ fn the_rate_of_a_single_link_scatters_once() {
 const SCATTER: &str = "{ hardpoints = [\"lower_link_axle\", \"upper_link_chassis\"], sigma = 0.2 }, { length = \"lower_link\", sigma = 0.1 }, \
                        { hardpoint = \"wheel_centre\", axis = \"z\", sigma = 0.2 }";
 
-/// For small scatter, the standard deviations of the first order agree with those of the Monte Carlo analysis. The
-/// results do not depend on lanes or number of threads.
+/// For small scatter, the first-order standard deviations agree with those of the Monte Carlo analysis. The results do
+/// not depend on SIMD lanes or on the number of threads.
 #[test]
 fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     for kind in KINDS {
@@ -435,7 +435,7 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     }
 }
 
-/// With stiff links the tolerance result approaches that of the rigid axle. The difference is proportional to one over
+/// With stiff links the tolerance results approach those of the rigid axle. The difference is proportional to one over
 /// the stiffness.
 #[test]
 fn stiff_links_have_the_tolerance_of_the_rigid_axle() {
@@ -503,7 +503,7 @@ fn refusals_have_reasons() {
             assert!(found.contains(reason), "{reason}: {found}");
         }
     }
-    // Without builds, the program accepts bushings with five links.
+    // Without builds, the program accepts bushings on an axle with five links.
     let sound = Study::elastic_from_text("solid.toml", &bushed, Path::new(""));
     assert!(sound.is_ok(), "{}", sound.unwrap_err());
 }

@@ -1,4 +1,4 @@
-//! Tests of the commands with five links of a solid axle: sweep, tuning, and the program as a user runs it.
+//! Tests of the commands for a solid axle on five elastic links: sweep, tuning, and the program as a user runs it.
 
 use super::{Kind, Scatter, made};
 use crate::support::random::Random;
@@ -45,7 +45,7 @@ fn curves(study: &Study) -> Curves {
     found
 }
 
-/// Designs of a sweep have the same values as their studies in the design position.
+/// A sweep gives each design the same values as a separate study of this design, in the design position.
 #[test]
 fn a_sweep_reads_designs_as_their_studies_do() {
     let study = elastic(&text(&(MOTION.to_owned() + SWEEP)));
@@ -91,7 +91,7 @@ fn a_sweep_reads_designs_as_their_studies_do() {
     assert!(checked >= 6 * 7, "{checked} of {columns:?}");
 }
 
-/// The slopes of a tuning equal differences of fourth order, and the tuning meets its targets.
+/// The slopes of a tuning equal difference quotients of fourth order, and the tuning meets its targets.
 #[test]
 fn a_tuning_meets_its_targets_with_exact_slopes() {
     let tuned = "[optimise]\nvariables = [\n  { hardpoint = \"lower_link_chassis\", axis = \"z\", range = [-40.0, 40.0] },\n\
@@ -127,7 +127,7 @@ fn a_tuning_meets_its_targets_with_exact_slopes() {
             );
         }
     }
-    // The targets are values of a known design; the tuning starts at the study's design.
+    // The targets are values of a known design. The tuning starts at the study's design.
     let known = [9.0, -12.0, 0.4];
     let residuals = at(&known).residuals;
     let read: Vec<f64> = (0..3)
@@ -154,7 +154,7 @@ fn a_tuning_meets_its_targets_with_exact_slopes() {
     let layout = TargetLayout::of(optimise, &study.vehicle);
     let found = assessed_at(study.wheel(), &optimise.variables, &layout, &best.offsets);
     let residuals = found.unwrap().unwrap().goal.residuals;
-    // The tuning stops at the smallest change whose misfit is good enough, 0.1.
+    // The tuning stops at the smallest change with a misfit of at most `good_enough` (0.1).
     let square = residuals.iter().map(|r| r * r).sum::<f64>() / 3.0;
     assert!(square.sqrt() < 0.1001, "{residuals:?} {:?}", best.offsets);
     let before = at(&[0.0; 3]).residuals.norm();
@@ -202,7 +202,7 @@ fn the_template_runs_in_all_commands() {
         assert_eq!(ran.status.code(), Some(0), "{arguments:?}: {said}");
         if arguments[0] == "limits" {
             assert!(said.contains("Five rigid links"), "{said}");
-            // The output names the parts that give way, and the poses that are unstable.
+            // The output names the parts that give way and the unstable poses.
             assert!(
                 said.contains("gives way") && said.contains("unstable"),
                 "{said}"
@@ -232,14 +232,14 @@ fn the_template_runs_in_all_commands() {
         of("upper_link_tension", "right")
     );
     assert!(of("panhard_tension", "axle").is_finite());
-    // The right wheel has no separate Panhard rod.
+    // The results of the right wheel have no Panhard rod.
     let levels = rows_by_column(&std::fs::read(here.join("kc/levels.csv")).unwrap());
     let ok = levels.iter().filter(|row| row["status"] == "ok");
     for row in ok {
         assert_eq!(row["right_panhard_tension_N"], "");
         assert_ne!(row["left_panhard_tension_N"], "");
     }
-    // A rigid solid axle has no elastic tests, and the message names the remedy.
+    // A rigid solid axle has no elastic tests. The message tells how to add elastic parts.
     let rigid = hardpoint(&["new", "solid_axle"], here);
     std::fs::write(here.join("rigid.toml"), rigid.stdout).unwrap();
     let ran = hardpoint(&["kc", "rigid.toml"], here);

@@ -69,8 +69,8 @@ fn energy(made: &Made, study: &AxleStudy, axle: &ElasticAxle, at: &AxleEquilibri
     }
 }
 
-/// The work of the pads equals the energy stored in links, springs and bar. Integration with five nodes in each of
-/// eight intervals is exact to the tenth power of the interval.
+/// The work of the pads under the wheels equals the energy stored in links, springs and bar. The work is integrated with
+/// five nodes in each of eight intervals. Its error is proportional to the tenth power of the interval.
 #[test]
 fn the_work_of_the_travels_is_the_energy() {
     let mut random = Random(42);
@@ -110,7 +110,7 @@ fn the_work_of_the_travels_is_the_energy() {
     }
 }
 
-/// A Panhard rod from the other side mirrors the motion.
+/// A Panhard rod that runs to the other side mirrors the motion of the axle.
 #[test]
 fn a_mirrored_rod_mirrors_the_axle() {
     let made = plain(Kind::FiveLink, true, STILL);
@@ -138,8 +138,8 @@ fn a_mirrored_rod_mirrors_the_axle() {
     }
 }
 
-/// Four equal parallel links let the axle translate, and the rod determines its lateral position. So all five links fit
-/// in heave, and carry forces in roll.
+/// Four equal parallel links let the axle translate, and the Panhard rod determines its lateral position. So all five
+/// links fit without force in heave, but carry forces in roll.
 #[test]
 fn equal_parallel_links_fit_in_heave() {
     let points = [
@@ -165,7 +165,7 @@ fn equal_parallel_links_fit_in_heave() {
     };
     for heave in [-60.0, 45.0] {
         let (most, found) = tension([heave, heave]);
-        // The bound is 2e4 N/mm times the rounding of a length.
+        // The bound is 2e4 N/mm times the rounding error of a length.
         assert!(most < 1e-6, "{most}");
         assert!(
             found[16].abs() < 1e-12 && found[17].abs() < 1e-12,
@@ -184,8 +184,8 @@ fn equal_parallel_links_fit_in_heave() {
 }
 
 /// If one of five links is very soft, the axle moves like a rigid axle with one upper link on its left side. Five rigid
-/// links do not fit in roll: the best fit misses their lengths by about 1 mm at 2 degrees, and by 2 to 4 mm at 4
-/// degrees.
+/// links do not fit in roll: the best fit misses the lengths of the links by about 1 mm at 2 degrees, and by 2 to 4 mm at
+/// 4 degrees.
 #[test]
 fn five_rigid_links_miss_by_millimetres() {
     const MOTION: &str = "[motion]\ntravel_left = [26.54, -26.54, 53.14, -53.14]\ntravel_right = [26.54, -26.54, 53.14, -53.14]\n[outputs]\n\
@@ -237,8 +237,8 @@ fn roll_figure(text: &str, name: &str, travels: [f64; 2]) -> f64 {
         .unwrap()
 }
 
-/// Four links add no roll stiffness. The roll stiffness of five links is proportional to the rates of all links, and
-/// the axle without springs has no other roll stiffness.
+/// Four links add no roll stiffness. Five links add a roll stiffness that is proportional to their rates. The axle
+/// without springs has no other roll stiffness.
 #[test]
 fn the_links_add_roll_stiffness_by_their_rates() {
     let name = "link_roll_stiffness";
@@ -269,8 +269,8 @@ fn the_links_add_roll_stiffness_by_their_rates() {
     }
 }
 
-/// If the nominal design is at the design load, it is the equilibrium, and its wheels have the loads of the rigid axle.
-/// The matrix of displacements per load is symmetric.
+/// With `at_design_load`, the nominal design is the equilibrium, and its wheel loads are those of the rigid axle. The
+/// matrix of displacements per load is symmetric.
 #[test]
 fn the_drawing_is_the_equilibrium_at_the_design_load() {
     let mut random = Random(3);
@@ -294,7 +294,7 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
                 "{expected:?} {left} {right}"
             );
         }
-        // Without the springs, the forces of the design load are released.
+        // Without the springs, the forces of the links at the design load are released.
         let links = axle.on_its_links().unwrap();
         let alone = links.at([0.0; 2], 0.0).unwrap();
         if kind != Kind::FiveLink {
@@ -308,8 +308,8 @@ fn the_drawing_is_the_equilibrium_at_the_design_load() {
         let run = AxleKcRun::new(vehicle, &elastic.parts).unwrap();
         let stations = run.run(&[([10.0, -15.0], 0.0)], &elastic.tests);
         let matrix = stations[0].matrix.as_ref().unwrap();
-        // A wheel load at the contact point gives the tangent an unsymmetric part, which is small compared with the
-        // springs.
+        // A wheel load at the contact point makes the stiffness matrix slightly unsymmetric. This part is small compared
+        // with the springs.
         let size = (0..12).map(|i| matrix[i][i].abs()).fold(0.0, f64::max);
         for i in 0..12 {
             for j in 0..12 {

@@ -1,4 +1,4 @@
-//! Tests of elastic solid axles against a second formulation, the rigid program, and mechanics.
+//! Tests of elastic solid axles against a second formulation, against the rigid program, and against mechanics.
 
 mod agreement;
 mod builds;
@@ -19,7 +19,7 @@ use second::{Axle, Link, Spring};
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// Kinds of axles: lengths and heights together give 6, 6 and 7 rows.
+/// Kinds of axles. Lengths of links and heights of both wheels together give 6, 6 and 7 equations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     FourLink,
@@ -175,7 +175,7 @@ pub fn made(kind: Kind, scatter: Scatter, random: &mut Random, further: &str) ->
 struct Written {
     kind: Kind,
     points: Vec<(&'static str, [f64; 3])>,
-    /// Lines with the points of the right half.
+    /// Lines that define the points of the right half.
     right: String,
     /// Static camber and toe.
     angles: [f64; 2],
@@ -239,7 +239,7 @@ pub fn elastic(study: &AxleStudy) -> ElasticAxle {
     ElasticAxle::of(sides, designs, parts).unwrap_or_else(|e| panic!("{e:?}"))
 }
 
-/// Results of the program, in the order of the second formulation.
+/// Returns the results of the program, in the order of the second formulation.
 pub fn results(axle: &ElasticAxle, at: &AxleEquilibrium) -> Vec<f64> {
     let mut found = Vec::new();
     for side in Side::ALL {
@@ -257,7 +257,7 @@ pub fn results(axle: &ElasticAxle, at: &AxleEquilibrium) -> Vec<f64> {
     found
 }
 
-/// Index of a link among those of a half.
+/// Returns the index of a link among the links of a half.
 pub fn number_of(study: &AxleStudy, name: &str) -> usize {
     let names = &study
         .axle
@@ -268,8 +268,8 @@ pub fn number_of(study: &AxleStudy, name: &str) -> usize {
     names.iter().position(|own| own == name).expect("a link")
 }
 
-/// Tensions in the order of the second formulation's links, in which the second link of a name belongs to the right
-/// half.
+/// Returns the tensions in the order of the second formulation's links. If two links have one name, the second one
+/// belongs to the right half.
 pub fn tensions(
     made: &Made,
     study: &AxleStudy,

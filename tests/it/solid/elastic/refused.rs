@@ -1,4 +1,4 @@
-//! Tests of elastic solid axles that the program refuses, with the reason and the fix.
+//! Tests of elastic solid axles that the program refuses. The message states the reason and the fix.
 
 use super::{Kind, STILL, Scatter, made};
 use crate::support::random::Random;
@@ -42,8 +42,8 @@ fn five_rigid_links_are_refused_with_the_fix() {
     assert!(found.contains("`hardpoint kc` needs it"), "{found}");
 }
 
-/// The program refuses a right-half rate for a part that exists once. It also refuses motions and outputs that only
-/// rigid axles have.
+/// The program refuses a rate of the right half for a part that exists only once. It also refuses motions and outputs
+/// that only rigid axles have.
 #[test]
 fn parts_and_motions_of_rigid_axles_are_refused() {
     let five = text(Kind::FiveLink);

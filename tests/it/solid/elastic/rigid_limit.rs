@@ -77,8 +77,8 @@ fn largest(a: &[f64], b: &[f64]) -> f64 {
         .fold(0.0, f64::max)
 }
 
-/// The springs displace the axle by force over link stiffness: links ten times stiffer give a tenth of the difference,
-/// down to rounding.
+/// The springs displace the axle by their force divided by the link stiffness. So links that are ten times stiffer give a
+/// tenth of the difference, down to rounding errors.
 #[test]
 fn the_error_falls_as_one_over_the_stiffness() {
     for made in cases(true) {
@@ -95,7 +95,7 @@ fn the_error_falls_as_one_over_the_stiffness() {
     }
 }
 
-/// Without springs no force acts on four links: they keep their lengths, whatever their stiffness.
+/// Without springs no force acts on four links, so they keep their lengths, whatever their stiffness.
 #[test]
 fn four_links_without_springs_are_rigid() {
     for made in cases(false) {

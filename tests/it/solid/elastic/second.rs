@@ -65,7 +65,7 @@ impl Second {
         self.plus(&other.scaled(-1.0))
     }
 
-    /// Function of the number, from the function's value and derivatives.
+    /// Applies a function to the number. The argument holds the function's value and its first two derivatives.
     fn of(&self, [value, slope, second]: [f64; 3]) -> Self {
         Second {
             value,
@@ -117,7 +117,7 @@ fn cross(a: &Triple, b: &Triple) -> Triple {
     })
 }
 
-/// Link: its ends on the body and on the axle in vehicle coordinates, and its stiffness.
+/// Link: its ends on the body and on the axle, in vehicle coordinates, and its stiffness.
 #[derive(Clone, Debug)]
 pub struct Link {
     pub name: String,
@@ -148,7 +148,8 @@ pub struct Axle {
 /// Input of the axle, with respect to which its results have derivatives.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Input {
-    /// Coordinates of link ends with their weights: index of the link, true for the end on the axle, axis, weight.
+    /// Coordinates of link ends that move together. Each entry has the index of the link, `true` for the end on the axle,
+    /// the axis, and a weight.
     Ends(Vec<(usize, bool, usize, f64)>),
     /// Rates of these links.
     Rate(Vec<usize>),
@@ -180,14 +181,14 @@ impl Frame {
         each(|i| Second::constant(v[i], self.count))
     }
 
-    /// Direction that is fixed to the axle, rotated by the motion of the axle.
+    /// Returns a direction of the axle after the rotation of the axle.
     fn turned(&self, v: &Triple) -> Triple {
         let once = cross(&self.gibbs, v);
         let both = sum(&once, &cross(&self.gibbs, &once));
         each(|i| v[i].plus(&both[i].times(&self.twice)))
     }
 
-    /// Point of the axle, from its design position.
+    /// Returns the present position of a point of the axle. `point` is its design position.
     fn at(&self, point: &Triple) -> Triple {
         let middle = self.constant(self.middle);
         let lever = self.turned(&difference(point, &middle));
@@ -210,7 +211,7 @@ impl Axle {
         }
     }
 
-    /// End of a link that moves with the inputs, which have the indices from 6 on.
+    /// Returns the end of a link. The end moves with the inputs, whose variables have the indices from 6 on.
     fn end(&self, frame: &Frame, inputs: &[Input], link: usize, is_axle: bool) -> Triple {
         let own = &self.links[link];
         let mut at = frame.constant(if is_axle { own.axle } else { own.body });
@@ -318,7 +319,7 @@ impl Axle {
         (residual, matrix, by)
     }
 
-    /// Equilibrium at travels of both wheels: Newton's method in small steps from the design position, to rounding.
+    /// Finds the equilibrium at travels of both wheels by Newton's method, in small steps from the design position.
     pub fn solve(&self, travels: [f64; 2]) -> Pose {
         const STEPS: usize = 3;
         let mut pose = Pose {
@@ -343,7 +344,7 @@ impl Axle {
                     (change[i] * scale).abs()
                 });
                 let size = size.fold(0.0, f64::max);
-                // Newton's method squares its error in each step until it reaches rounding.
+                // Each step of Newton's method squares the error, until the error is rounding.
                 if size < 1e-9 && size >= 0.5 * last {
                     break;
                 }
@@ -381,8 +382,8 @@ impl Axle {
             found.push(x.times(&y.scaled(out).inverse()).arc_tangent());
             found.push(z.scaled(-1.0).times(&level.inverse()).arc_tangent());
             found.extend(centre.iter().cloned());
-            // The lowest point is one radius from the centre in the disc plane, along -z minus its component along the
-            // axis.
+            // The lowest point lies in the disc plane, one radius from the centre. Its direction is -z minus the
+            // component of -z along the axis.
             let along = z.times(&level.inverse()).scaled(self.radius);
             found.push(centre[0].plus(&along.times(x)));
             found.push(centre[1].plus(&along.times(y)));

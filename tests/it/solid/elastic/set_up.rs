@@ -49,8 +49,8 @@ fn found(text: &str, kind: Kind, want: [f64; 4], further: &str) -> FoundSetUp {
     found.unwrap_or_else(|why| panic!("{kind:?}: {}", why.reason()))
 }
 
-/// The equilibrium of the adjusted study has all target values: the direction of the axle from its points, and camber
-/// and toe.
+/// The equilibrium of the adjusted study has all target values. The test computes the direction of the axle from its
+/// points, and reads camber and toe.
 #[test]
 fn the_adjusted_axle_has_the_wanted_values_in_equilibrium() {
     for kind in KINDS {
@@ -76,7 +76,7 @@ fn the_adjusted_axle_has_the_wanted_values_in_equilibrium() {
                 let off = now[number].to_degrees() - value(name);
                 assert!(off.abs() < 1e-8, "{kind:?}, {relaxed}, {name}: {off:e}");
             }
-            // Displacement of the wheel centres in equilibrium, relative to the nominal ones.
+            // Displacement of the wheel centres in equilibrium, relative to the nominal wheel centres.
             let nominal = Study::elastic_from_text("solid.toml", &text, Path::new("")).unwrap();
             let design = &nominal.axle().unwrap().axle.left;
             let centres = ["wheel_centre", "right_wheel_centre"];
@@ -93,8 +93,8 @@ fn the_adjusted_axle_has_the_wanted_values_in_equilibrium() {
     }
 }
 
-/// The effects at the nominal design predict every static value to first order: if the target changes are half as
-/// large, the remainder is a quarter.
+/// The effects at the nominal design predict every static value to first order. If the target changes are halved, the
+/// prediction error is a quarter.
 #[test]
 fn effects_predict_to_first_order() {
     for kind in KINDS {

@@ -9,7 +9,7 @@ use hardpoint::compliance::{AxleOnTape, AxleParameter, ElasticAxle, Parameter};
 use hardpoint::model::{Axis, Side};
 use hardpoint::number::{Real, Tape, Tracked};
 
-/// Weights of the link ends that move with a hardpoint of the left half, in the axes of the study.
+/// Returns the link ends that move with a hardpoint of the left half, each with a weight, in the axes of the study.
 fn ends_of(axle: &Axle, name: &str, is_axle: bool, axis: usize) -> Input {
     let own = axle
         .links
@@ -17,14 +17,14 @@ fn ends_of(axle: &Axle, name: &str, is_axle: bool, axis: usize) -> Input {
         .enumerate()
         .filter(|(_, link)| link.name == name);
     let ends = own.enumerate().map(|(place, (number, _))| {
-        // The second link of a name is the mirror image.
+        // If two links have one name, the second link is the mirror image.
         let weight = if place == 1 && axis == 1 { -1.0 } else { 1.0 };
         (number, is_axle, axis, weight)
     });
     Input::Ends(ends.collect())
 }
 
-/// Results of an axle over tracked numbers, in the order of the second formulation.
+/// Returns the results of an axle in tracked numbers (numbers with derivatives), in the order of the second formulation.
 fn tracked<'t>(
     axle: &ElasticAxle<Tracked<'t>>,
     at: &hardpoint::compliance::AxleEquilibrium<Tracked<'t>>,
@@ -191,7 +191,8 @@ fn derivatives_by_travels_are_those_of_the_second_formulation() {
     }
 }
 
-/// Sensitivities of `solve` are derivatives with respect to the left half; the right half follows as mirror image.
+/// Sensitivities of `solve` are derivatives with respect to points of the left half. The right half moves as the mirror
+/// image.
 #[test]
 fn sensitivities_of_solve_are_those_of_the_second_formulation() {
     let mut random = Random(8);
@@ -227,7 +228,7 @@ fn sensitivities_of_solve_are_those_of_the_second_formulation() {
     }
 }
 
-/// Gradients of the roll test's link results equal differences of fourth order between complete studies.
+/// Gradients of the link results in the roll test equal difference quotients (fourth order) of complete studies.
 #[test]
 fn gradients_of_link_figures_are_those_of_whole_studies() {
     use hardpoint::compliance::{AxleKcRun, AxleVehicle, TestLoad};
@@ -306,6 +307,7 @@ fn gradients_of_link_figures_are_those_of_whole_studies() {
             );
         }
     }
-    // The results of two links of each half, of the rod, and of the roll stiffness of the links alone and with springs.
+    // There are seven results: those of two links of each half, of the rod, and of the roll stiffness of the links alone
+    // and with springs.
     assert_eq!(seen, 7, "{base:?}");
 }

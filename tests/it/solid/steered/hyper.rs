@@ -1,9 +1,9 @@
-//! Numbers with first derivatives along two directions and the mixed second derivative. They make the linearisation of
-//! the other formulation exact.
+//! Numbers with first derivatives along two directions and the mixed second derivative. With these numbers, the other
+//! formulation has exact derivatives.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// Value, its first derivatives along two directions, and the mixed second derivative.
+/// A value, its first derivatives along two directions, and its mixed second derivative.
 #[derive(Clone, Copy, Debug)]
 pub struct Hyper {
     pub value: f64,
@@ -63,7 +63,8 @@ impl Hyper {
         self.chain(self.value.atan(), slope, -2.0 * self.value * slope * slope)
     }
 
-    /// Angle between a direction and the right half plane.
+    /// Returns the angle of a direction from its component `ahead`, which must be positive, and its component `self`
+    /// across.
     pub fn angle(self, ahead: Hyper) -> Hyper {
         assert!(ahead.value > 0.0);
         (self * ahead.inverse()).arctangent()

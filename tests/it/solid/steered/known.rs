@@ -1,4 +1,5 @@
-//! Tests of steered axles with closed-form solutions: vertical kingpins, level links and level rods.
+//! Tests of steered axles for which a closed-form solution exists: vertical kingpins, horizontal links and horizontal
+//! rods.
 
 use super::hyper::{Hyper, Point};
 use super::world::World;
@@ -22,8 +23,9 @@ fn at(x: f64, y: f64, z: f64) -> Point {
     [x, y, z].map(Hyper::constant)
 }
 
-/// Axle on level links with vertical kingpins. Its drag link has the direction and the length of the Panhard rod, and
-/// is higher by `above`. The tie rod's ends are `inboard` of the line from the kingpin straight back.
+/// Axle on horizontal links with vertical kingpins. Its drag link has the direction and the length of the Panhard rod,
+/// but is higher by `above`. The ends of the tie rod are inboard of the line from the kingpin straight back, by the
+/// distance `inboard`.
 fn level(above: f64, inboard: f64) -> World {
     let [x, y] = KINGPIN;
     World {
@@ -56,7 +58,7 @@ const STEER: [Quantity; 4] = [
     Quantity::Axle(A::AckermannError),
 ];
 
-/// Calls `look` with the level axle at this displacement of the steering gear.
+/// Calls `look` with the level axle, with the steering gear displaced by this distance.
 fn steered<R>(
     world: &World,
     rack: f64,
@@ -73,10 +75,9 @@ fn steered<R>(
     Ok(look(&placed, read))
 }
 
-/// A drag link that is parallel to the Panhard rod, equally long and at its height does not steer in heave and roll to
-/// first order.
-/// If it is higher by `above`, its end on the knuckle moves sideways by `above` times the roll angle. With the arm
-/// length `ARM` the wheels steer by -above/ARM.
+/// If a drag link is parallel to the Panhard rod, equally long and at the same height, heave and roll do not steer the
+/// wheels (to first order). If the drag link is higher by `above`, its end on the knuckle moves sideways by `above` times
+/// the roll angle. With the arm length `ARM` the wheels steer by -above/ARM per roll angle.
 #[test]
 fn a_drag_link_steers_in_roll_by_its_height_over_the_panhard_rod() {
     for above in [0.0, 12.0, -30.0] {
@@ -93,8 +94,8 @@ fn a_drag_link_steers_in_roll_by_its_height_over_the_panhard_rod() {
     }
 }
 
-/// With arms straight back, the tie rod and the axle form a parallelogram: both wheels turn equally. The drag link
-/// keeps its length, and the wheels keep their heights. Arms that converge behind the axle turn the inner wheel
+/// With arms straight back, the tie rod and the axle form a parallelogram, so both wheels turn equally. The drag link
+/// keeps its length, and the wheels keep their heights. If the arms converge behind the axle, the inner wheel turns
 /// farther.
 #[test]
 fn parallelogram_steering_turns_both_wheels_equally() {
@@ -123,11 +124,11 @@ fn parallelogram_steering_turns_both_wheels_equally() {
     }
 }
 
-/// The drag link reaches its toggle when it is in line with its arm. Beyond this end of the range there is no pose, and
-/// the program names the drag link.
+/// The drag link reaches its toggle when it is in line with its arm. Beyond this position there is no pose, and the
+/// program names the drag link.
 #[test]
 fn the_drag_link_is_named_where_it_cannot_follow() {
-    // Arm and drag link are in one line, with the end on the body pulled away.
+    // Arm and drag link are in one line, and the drag link's end on the body is at its greatest distance.
     let reach = ARM + 920.0;
     let last = 920.0 - (reach * reach - ARM * ARM).sqrt();
     let world = level(0.0, 0.0);
@@ -145,16 +146,17 @@ fn the_drag_link_is_named_where_it_cannot_follow() {
     }
 }
 
-/// `limits` finds this end of the drag link, and names it. Random axles have positions up to the ends and none beyond.
+/// `limits` finds this end of the range, and names the drag link. Random axles have positions up to the ends of the range
+/// and none beyond.
 #[test]
 fn limits_of_the_drag_link_are_its_toggles() {
     let reach = ARM + 920.0;
     let last = 920.0 - (reach * reach - ARM * ARM).sqrt();
     let own = axle(&study(&level(0.0, 0.0), "[motion]\nheave = [0.0]\n"));
     let [lower, _] = own.axle.limits().unwrap().rack.unwrap();
-    // A rod counts as at its toggle if its leverage is below 1e-5. Leverage is the sine of its angle to the arm. With
-    // the drag link length c and the arm length a, this occurs a c/(a + c)/2 times the square of the leverage before
-    // the end of the reach.
+    // A rod counts as at its toggle if its leverage is below 1e-5. Leverage is the sine of the angle between rod and arm.
+    // With the drag link length c and the arm length a, this point is a c/(a + c)/2 times the square of the leverage
+    // before the end of the range.
     let before = 0.5e-10 * ARM * 920.0 / reach;
     let error = lower.value - last;
     assert!(
@@ -191,7 +193,7 @@ fn limits_of_the_drag_link_are_its_toggles() {
     }
 }
 
-/// Axes of other conventions describe the same axle: only signs of coordinates change.
+/// Studies with other axis conventions describe the same axle: only signs of coordinates change.
 #[test]
 fn the_axes_of_the_study_do_not_matter() {
     let mut generator = crate::support::random::Random(462);
@@ -238,7 +240,7 @@ fn the_axes_of_the_study_do_not_matter() {
     }
 }
 
-/// A tuning lowers a drag link that is too high to the height of the Panhard rod, where it does not steer in roll.
+/// If a drag link is too high, a tuning lowers it to the height of the Panhard rod. There it does not steer in roll.
 #[test]
 fn tuning_takes_the_roll_steer_away() {
     let text = study(

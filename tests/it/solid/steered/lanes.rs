@@ -22,7 +22,7 @@ const MOVED: [(&str, &str); 6] = [
     ("wheel_centre", "z"),
 ];
 
-/// Sweep of an axle with every quantity that lanes can evaluate.
+/// Sweep of an axle with every quantity that SIMD lanes can compute.
 fn swept(world: &World, motion: &str, scatter: f64) -> &'static Study {
     let variables = MOVED.map(|(point, axis)| {
         format!(
@@ -54,7 +54,7 @@ fn worker(study: &'static Study, width: Option<Width>) -> Worker<'static> {
     worker
 }
 
-/// Random axle. Every third one has a slanted steering gear, static angles and a different right half.
+/// Random axle. Every third axle has a slanted steering gear, static camber and toe, and a different right half.
 fn axle(generator: &mut Random, number: usize, by: f64) -> World {
     let mut world = random(generator, number.is_multiple_of(2), by);
     if number.is_multiple_of(3) {
@@ -70,8 +70,8 @@ fn axle(generator: &mut Random, number: usize, by: f64) -> World {
     world
 }
 
-/// Compares values, failures and faults of a sweep in lanes with those of the same sweep one by one. Returns the
-/// numbers of designs without all poses and of designs that the lanes reject.
+/// Compares a sweep in SIMD lanes with the same sweep one by one: values, failures and faults. Returns the number of
+/// designs without all poses, and the number of designs that the lanes reject.
 fn compare(world: &World, motion: &str, scatter: f64) -> [usize; 2] {
     let study = swept(world, motion, scatter);
     let quantities = &study.axle().unwrap().plan.quantities;
@@ -123,8 +123,8 @@ fn compare(world: &World, motion: &str, scatter: f64) -> [usize; 2] {
     [failed.len(), rejected]
 }
 
-/// Lanes and the solver for single designs give equal values for steered axles: in roll, in heave, and steered to both
-/// sides. Almost no design falls back to the solver for single designs.
+/// SIMD lanes and the solver for single designs give equal values for steered axles: in roll, in heave, and steered to
+/// both sides. Almost no design in lanes needs the solver for single designs.
 #[test]
 fn lanes_have_the_values_of_designs_one_by_one() {
     let mut generator = Random(99);
@@ -144,7 +144,7 @@ fn lanes_have_the_values_of_designs_one_by_one() {
     assert!(20 * left < designs, "{left} of {designs}");
 }
 
-/// Beyond the toggle of a rod there is no pose. Lanes find none there, and no lane switches to the other branch of a
+/// Beyond the toggle of a rod there is no pose. Lanes find no pose there, and no lane changes to the other assembly of a
 /// knuckle.
 #[test]
 fn toggles_of_knuckles_are_found_as_one_by_one() {

@@ -1,4 +1,4 @@
-//! Tests of the ends of a steering gear's range, and of the parts that bind there.
+//! Tests of the ends of a steering gear's range, and of the parts that are at their toggles there.
 
 use super::{axle, random, study};
 use crate::support::random::Random;
@@ -42,7 +42,8 @@ fn follows(axle: &Axle, rack: f64) -> bool {
         .is_ok()
 }
 
-/// Two points of a knuckle's axis, then the ends of its rod, with the end on the knuckle first.
+/// Two points of a knuckle's axis, then both ends of the knuckle's rod. The end on the knuckle comes before the other
+/// end.
 type Linkage = [Point; 4];
 
 const DRAG_LINK: [&str; 4] = [
@@ -63,7 +64,7 @@ fn axis_of([lower, upper, ..]: Linkage) -> Point {
     way.map(|c| c / dot(way, way).sqrt())
 }
 
-/// Sine of the angle between a rod and the plane of its knuckle's axis and arm.
+/// Returns the sine of the angle between a rod and the plane of the knuckle's axis and the rod's arm.
 fn leverage(linkage: Linkage) -> f64 {
     let [lower, _, inner, outer] = linkage;
     let axis = axis_of(linkage);
@@ -75,7 +76,7 @@ fn leverage(linkage: Linkage) -> f64 {
     moment.abs() / (dot(arm, arm) * dot(rod, rod)).sqrt()
 }
 
-/// Rod in a position of the axle at this displacement of the steering gear.
+/// Returns the rod in a position of the axle with the steering gear displaced by `rack`.
 fn in_position(axle: &Axle, names: [&str; 4], rack: f64) -> Linkage {
     let ids = names.map(|name| axle.left.mechanism.point(name).unwrap());
     let mut solver = AxleSolver::<1>::new(axle, &[], false).unwrap();
@@ -86,7 +87,7 @@ fn in_position(axle: &Axle, names: [&str; 4], rack: f64) -> Linkage {
     [0, 1, 2, 3].map(|k| points[k].map(|c| c.coefficient([0, 0])).to_array())
 }
 
-/// Point rotated about the axis of a knuckle.
+/// Rotates a point about the axis of a knuckle.
 fn turned(linkage: Linkage, angle: f64, point: Point) -> Point {
     let axis = axis_of(linkage);
     let lever = minus(point, linkage[0]);
@@ -96,8 +97,8 @@ fn turned(linkage: Linkage, angle: f64, point: Point) -> Point {
     [0, 1, 2].map(|i| linkage[0][i] + cosine * lever[i] + sine * across[i] + along * axis[i])
 }
 
-/// Rotation of a knuckle, near a known one, at which its rod keeps its length when the rod's other end has moved to
-/// `outer`.
+/// Returns the rotation of a knuckle, near a known rotation, at which the rod keeps its length. The other end of the rod
+/// has moved to `outer`.
 fn turn(linkage: Linkage, outer: Point, near: f64) -> f64 {
     let square = |a: Point, b: Point| dot(minus(a, b), minus(a, b));
     let length = square(linkage[2], linkage[3]);
@@ -110,7 +111,7 @@ fn turn(linkage: Linkage, outer: Point, near: f64) -> f64 {
     angle
 }
 
-/// Drag link and tie rod of an axle at rest at this displacement of the steering gear; both knuckles follow.
+/// Returns drag link and tie rod of an axle at rest with the steering gear displaced by `rack`. Both knuckles rotate.
 fn at_rest(axle: &Axle, rack: f64) -> [Linkage; 2] {
     let at = |name: &str| axle.left.design[axle.left.mechanism.point(name).unwrap().0].to_array();
     let (drag_link, tie_rod) = (DRAG_LINK.map(at), TIE_ROD.map(at));
@@ -134,9 +135,9 @@ fn at_rest(axle: &Axle, rack: f64) -> [Linkage; 2] {
     ]
 }
 
-/// Almost every end of the drag link's range names the part that binds. Positions exist up to the end, and none beyond
-/// it. The named rod is in line with its arm, in that position or on the path to it with the axle at rest. Near a
-/// toggle the solver loses a position up to 1e-4 of the range before its end.
+/// For almost every end of the drag link's range, the program names the part that limits it. Positions exist up to the
+/// end, and none beyond it. The named rod is in line with its arm, in that position or on the path to it with the axle at
+/// rest. Near a toggle the solver loses a position up to 1e-4 of the range before the end.
 #[test]
 fn every_end_names_the_part_that_binds() {
     name_ends(4);
@@ -171,8 +172,8 @@ fn name_ends(axles: usize) {
                     ]
                     .map(leverage);
                     let least = leverages[0].min(leverages[1]);
-                    // Leverage falls with the square root of the distance to the toggle; for some axles it is small
-                    // only very close to the toggle.
+                    // Leverage falls with the square root of the distance to the toggle. For some axles it is small only
+                    // very close to the toggle.
                     assert!(least < 0.05, "{number}: {rod} {leverages:?}");
                     kinds[usize::from(is_tie_rod)] += 1;
                 }
@@ -192,8 +193,9 @@ fn name_ends(axles: usize) {
     );
 }
 
-/// Derivatives of the end with respect to every point of the axle, where the links fold, are exact. They equal
-/// differences of fourth order between the ends of other designs, for points that move along random directions.
+/// Some ends of the range are folds: turning points where the motion of the drag link reverses. Their derivatives with
+/// respect to every point of the axle are exact. They equal differences of fourth order between the ends of other
+/// designs, whose points move along random directions.
 #[test]
 fn a_fold_along_the_drag_link_has_exact_derivatives() {
     let mut generator = Random(23);
@@ -218,7 +220,7 @@ fn a_fold_along_the_drag_link_has_exact_derivatives() {
                 .iter()
                 .map(|_| generator.vector(1.0))
                 .collect();
-            // The drag link's end as displaced by the steering gear moves together with its hardpoint.
+            // The end of the drag link on the steering gear has a hardpoint and a displaced position. Both move together.
             let mut free = ways.clone();
             let end = id("drag_link_place");
             ways[end] = ways[id("drag_link_body")];

@@ -1,5 +1,5 @@
-//! Tests of forces in links, drag link and tie rod: the six balances of the whole axle, and one balance of each knuckle
-//! about its kingpin, with positions of the other formulation.
+//! Tests of forces in links, drag link and tie rod. The whole axle is in balance (three forces, three moments), and each
+//! knuckle is in balance about its kingpin. Positions come from the other formulation.
 
 use super::{Place, World, at, axle, random, study};
 use crate::support::random::Random;
@@ -33,7 +33,7 @@ fn pull(from: Point, to: Point, tension: f64) -> Force {
     (from, way.map(|c| tension * c / length))
 }
 
-/// Forces on the axle with its knuckles, and on each knuckle except those of the kingpin.
+/// Forces on the axle with its knuckles, and forces on each knuckle except those of the kingpin.
 struct Forces {
     outside: Vec<Force>,
     on_knuckles: [Vec<Force>; 2],
@@ -154,7 +154,7 @@ fn members_balance_loads_on_steered_wheels() {
                     size += force[i].abs();
                 }
             }
-            // Relative errors: forces divided by the total force, moments by the total force at a lever of a metre.
+            // Errors are relative: for forces to the total force, for moments to the total force times one metre.
             for i in 0..3 {
                 worst = worst
                     .max(sum[i].abs() / size)
@@ -181,8 +181,8 @@ fn members_balance_loads_on_steered_wheels() {
     assert!(worst < 1e-11, "{worst:e}");
 }
 
-/// In roll at constant load, the wheels carry the load of the level axle with the rack in the middle. This holds at every station,
-/// also at the first one, and a station does not depend on the stations before it.
+/// In roll at constant load, the sum of the wheel loads is that of the level axle with the rack in the middle. This holds
+/// at every station, including the first. A station does not depend on the stations before it.
 #[test]
 fn the_level_axle_gives_the_load_of_every_station() {
     let mut generator = Random(466);

@@ -102,7 +102,8 @@ const OUTPUTS: &str = "[outputs]\norder = \"acceleration\"\npoints = [\"wheel_ce
 /// Heave, roll (rad) and displacement of the steering gear.
 type Place = [f64; 3];
 
-/// Position with a first derivative along `first` and a second one along `second`: 0 heave, 1 roll, 2 steering gear.
+/// Position with a derivative along `first` and another derivative along `second`: 0 is heave, 1 roll, 2 the steering
+/// gear.
 fn at(place: Place, first: Option<usize>, second: Option<usize>) -> At {
     let number = |k: usize| Hyper {
         first: f64::from(first == Some(k)),
@@ -117,7 +118,7 @@ fn at(place: Place, first: Option<usize>, second: Option<usize>) -> At {
     }
 }
 
-/// Largest error of each kind with its name, relative to 1 or to the number itself.
+/// Largest error of each kind, with the name of the quantity. Errors are relative to 1 or to the value.
 #[derive(Default)]
 struct Worst {
     value: (f64, String),
@@ -133,8 +134,8 @@ fn note(worst: &mut (f64, String), found: f64, expected: f64, what: impl FnOnce(
     }
 }
 
-/// Quantities of the other formulation, and `roll_steer` from the derivatives of steer with respect to roll along
-/// `second`.
+/// Returns the quantities of the other formulation. `roll_steer` is the derivative of steer with respect to roll, which
+/// is the direction `second`.
 fn expected(world: &World, place: Place, first: Option<usize>) -> Option<Vec<(String, Hyper)>> {
     let solved = world.solve(&at(place, first, Some(1)))?;
     let mut all = solved.quantities();
@@ -176,7 +177,7 @@ fn compare(world: &World, place: Place, gradients: bool, worst: &mut Worst) -> b
         let named = found.columns.iter().position(|c| c.name == name);
         named.unwrap_or_else(|| panic!("{name} of {:?}", found.columns))
     };
-    // Near its toggle, a tie rod can block the path of the axle before it rolls, although the pose itself exists.
+    // Near its toggle, a tie rod can block the path of the axle to this pose, although the pose itself exists.
     if station.values[column("left_toe_deg")] == Err(NoValue::NoPose) {
         return false;
     }
@@ -229,8 +230,9 @@ fn compare(world: &World, place: Place, gradients: bool, worst: &mut Worst) -> b
     true
 }
 
-/// Knuckles rotate as rigid bodies: their angular velocity w and acceleration a with respect to the drag link move
-/// three of their points consistently. For levers r between these points, r' = w x r and r'' = a x r + w x (w x r).
+/// Knuckles move as rigid bodies. With respect to the drag link's motion, a knuckle has an angular velocity w and an
+/// angular acceleration a. Three points of the knuckle must agree with them: for vectors r between these points, r' = w x
+/// r and r'' = a x r + w x (w x r).
 #[test]
 fn knuckles_turn_as_rigid_bodies() {
     let mut generator = Random(479);
@@ -281,7 +283,7 @@ fn knuckles_turn_as_rigid_bodies() {
     }
 }
 
-/// Derivatives with respect to every hardpoint coordinate.
+/// Compares derivatives with respect to every hardpoint coordinate.
 fn compare_gradients(
     world: &World,
     place: Place,
@@ -323,8 +325,8 @@ fn everything_of_a_thousand_axles_is_that_of_another_formulation() {
     compare_all(1000);
 }
 
-/// Compares positions, quantities and their derivatives with respect to heave, roll and steering gear. For one axle of
-/// twelve, also compares derivatives with respect to every hardpoint.
+/// Compares positions, quantities and their derivatives with respect to heave, roll and steering gear. For every twelfth
+/// axle, also compares derivatives with respect to every hardpoint.
 fn compare_all(axles: usize) {
     let mut generator = Random(461);
     let (mut worst, mut solved) = (Worst::default(), 0);
@@ -358,8 +360,8 @@ fn compare_all(axles: usize) {
     println!("second derivatives {:?}", worst.second);
     println!("gradients {:?}", worst.gradient);
     assert!(10 * solved > 9 * axles, "{solved}");
-    // Both programs solve equations with residuals of 1e-12 mm at condition numbers below 1e3. Rates and gradients lose
-    // one more factor of the condition number.
+    // In both programs, the residuals of the equations are up to 1e-12 mm, and condition numbers are below 1e3. The error
+    // of derivatives is larger by another factor of the condition number.
     assert!(worst.value.0 < 1e-9, "{:?}", worst.value);
     assert!(worst.rate.0 < 1e-9, "{:?}", worst.rate);
     assert!(worst.second.0 < 1e-9, "{:?}", worst.second);

@@ -1,4 +1,4 @@
-//! Tests of studies of steered axles that the program refuses, with the reason.
+//! Tests of studies of steered axles that the program refuses. The message states the reason.
 
 use super::{random, study};
 use crate::support::random::Random;
@@ -97,7 +97,7 @@ fn sections_and_points_that_do_not_fit_are_refused() {
     assert!(found.contains("needs its drag link"), "{found}");
 }
 
-/// The program refuses a kingpin through the drag link's end, because its arm then has zero length.
+/// The program refuses a kingpin through the end of the drag link, because the arm of the drag link then has zero length.
 #[test]
 fn arms_without_a_length_are_refused() {
     let world = random(&mut Random(467), true, 10.0);

@@ -1,5 +1,5 @@
-//! Tests of roll centres and anti-dive against velocities of the other formulation. The forces follow from the knuckle
-//! points at the contact points. The kinematic roll centre follows from the axle point midway between them.
+//! Tests of roll centres and anti-dive against velocities of the other formulation. Forces are computed with the knuckle
+//! points at the contact points. The kinematic roll centre is computed with the axle point midway between them.
 
 use super::hyper::{Hyper, Point, cross, dot, minus, plus};
 use super::world::{At, Solved, Travels, World};
@@ -7,7 +7,8 @@ use super::{Place, at, axle, random, study};
 use crate::support::random::Random;
 use hardpoint::axle::axle_curves;
 
-/// Vector fixed in a body with three given directions: its components along them stay the same.
+/// Returns a vector that is fixed to a body with three given directions: its components along these directions stay
+/// constant.
 fn carried(basis: [Point; 3], vector: Point) -> Point {
     let [a, b, c] = basis.map(|v| v.map(|c| c.value));
     let v = vector.map(|c| c.value);
@@ -25,7 +26,7 @@ fn carried(basis: [Point; 3], vector: Point) -> Point {
     plus(along(0), plus(along(1), along(2)))
 }
 
-/// Knuckle point at the contact point of a wheel, as it moves with the knuckle.
+/// Returns the knuckle point that is at the contact point of a wheel. It moves with the knuckle.
 fn contact(solved: &Solved, side: usize) -> Point {
     let wheel = solved.wheels[side];
     let [_, kingpin] = wheel.kingpin;
@@ -44,8 +45,8 @@ fn second(p: Point) -> Point {
     p.map(|c| Hyper::constant(c.second))
 }
 
-/// Quantities at a position by their columns, from velocities with respect to the difference of travels (first) and to
-/// their mean (second).
+/// Returns quantities at a position by column name. They are computed from velocities with respect to the difference of
+/// the travels (first) and to the mean of the travels (second).
 fn expected(world: &World, place: Place) -> Option<[(&'static str, f64); 4]> {
     let on_plane = world.solve(&at(place, None, None))?;
     let half = on_plane.half_difference();
@@ -67,7 +68,7 @@ fn expected(world: &World, place: Place) -> Option<[(&'static str, f64); 4]> {
     let to_left = constant([0.0, cosine, -sine]);
     let forward = constant([1.0, 0.0, 0.0]);
     let contacts = [0, 1].map(|side| contact(&solved, side));
-    // Loads that balance half a unit force at each contact point.
+    // Loads at the wheels that balance half a unit force at each contact point.
     let balancing = |along: Point| {
         let rise = |c: Point| dot(normal, c).value;
         let work = |by: fn(Point) -> Point| {

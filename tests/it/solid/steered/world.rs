@@ -18,7 +18,7 @@ pub enum Travels {
     Given(Hyper, Hyper),
 }
 
-/// Position on a plane ground.
+/// Position of the axle on a plane ground.
 #[derive(Clone, Copy, Debug)]
 pub struct At {
     pub travels: Travels,
@@ -84,7 +84,7 @@ fn about([first, second]: [Point; 2], angle: Hyper, point: Point) -> Point {
     plus(first, plus(along, turned))
 }
 
-/// Half the difference of two squared lengths, divided by the design length.
+/// Returns half the difference of two squared lengths, divided by the design length. It is 0 if the rod keeps its length.
 fn excess(now: Point, was: Point) -> Hyper {
     (dot(now, now) - dot(was, was)).scaled(0.5) / dot(was, was).sqrt()
 }
@@ -94,7 +94,7 @@ impl World {
         self.points.iter().find(|(n, _)| *n == name).unwrap().1
     }
 
-    /// Point of a side.
+    /// Returns a point of one side.
     pub fn of(&self, side: usize, name: &str) -> Point {
         let point = self.at(name);
         if side == 0 {
@@ -116,7 +116,7 @@ impl World {
         if side == 0 { left } else { mirror(left) }
     }
 
-    /// Position of a point of the axle at the unknowns.
+    /// Returns the position of a point of the axle for these unknowns.
     fn on_axle(x: &Unknowns, point: Point) -> Point {
         plus(turned(&x[3..7], point), [x[0], x[1], x[2]])
     }
@@ -196,7 +196,7 @@ impl World {
         ]
     }
 
-    /// Rows of the Jacobian at the unknowns.
+    /// Returns the Jacobian for these unknowns, with a row for each equation.
     fn jacobian(&self, x: &Unknowns, at: &At) -> Vec<Vec<f64>> {
         let mut rows = vec![vec![0.0; UNKNOWNS]; UNKNOWNS];
         let plain = x.map(|c| Hyper::constant(c.value));
@@ -220,7 +220,7 @@ impl World {
         rows
     }
 
-    /// Same axle without derivatives.
+    /// Returns the same axle without derivatives.
     fn plain(&self) -> World {
         let points = self.points.iter();
         World {
@@ -231,7 +231,8 @@ impl World {
         }
     }
 
-    /// One step of Newton's method, with the present Jacobian, for the values and all derivatives. Returns its size.
+    /// Makes one step of Newton's method with the Jacobian at `x`, for the values and all derivatives. Returns the size
+    /// of the step.
     fn step(&self, x: &mut Unknowns, at: &At) -> f64 {
         let rows = self.jacobian(x, at);
         let residuals = self.residuals(x, at);
@@ -260,8 +261,8 @@ impl World {
         value.iter().map(|c| c.abs()).fold(0.0, f64::max)
     }
 
-    /// Solves for the position in small steps: the steering gear first, then heave and roll. Returns `None` if a step
-    /// is not small.
+    /// Solves for the position in small steps: the steering gear first, then heave and roll. Returns `None` if an
+    /// iteration changes the rotation too much.
     pub fn solve(&self, at: &At) -> Option<Solved> {
         let mut x = [Hyper::constant(0.0); UNKNOWNS];
         x[3] = Hyper::constant(1.0);
@@ -313,7 +314,7 @@ impl World {
         World::on_axle(&solved.unknowns, self.of(side, name)).map(|c| c.value)
     }
 
-    /// Present position of a point of a knuckle.
+    /// Returns the present position of a point of a knuckle.
     pub fn place_on_knuckle(&self, solved: &Solved, side: usize, name: &str) -> [f64; 3] {
         self.on_knuckle(&solved.unknowns, side, self.of(side, name))
             .map(|c| c.value)
@@ -321,7 +322,7 @@ impl World {
 }
 
 impl Solved {
-    /// Half the travel of the left wheel minus that of the right one.
+    /// Returns half the difference between the travels of the left and the right wheel.
     pub fn half_difference(&self) -> f64 {
         self.unknowns[9].value
     }

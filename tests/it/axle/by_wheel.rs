@@ -40,7 +40,7 @@ fn assemblies_of_a_mirror_image_are_mirror_images() {
         }
         assert_eq!(right["connected"], left["connected"]);
     }
-    // With the rack at zero the assemblies of one wheel apply to both.
+    // With the rack at zero, the assemblies of one wheel apply to both wheels.
     let (out, _) = run(&["assemblies", path], 0);
     assert!(out.contains("mirror image"), "{out}");
     assert!(!out.contains("right wheel:"), "{out}");
@@ -127,7 +127,8 @@ fn wheels_that_differ_are_set_up_one_by_one() {
         at_design(&out, "left_spring_force_N")
     };
     let (level, lowered) = (set_up("0.0"), set_up("10.0"));
-    // 60 N/mm over nearly 10 mm; the links move the spring seat by less than 2 mm.
+    // The spring rate is 60 N/mm. The changed links move the spring seat by less than 2 mm, so by less than 120 N. The
+    // lowered car compresses the spring by nearly 10 mm.
     assert!((level - 4200.0).abs() < 120.0, "{level}");
     assert!(
         (400.0..700.0).contains(&(lowered - level)),
@@ -202,8 +203,8 @@ fn builds_of_an_axle_have_limits_of_both_wheels() {
     assert!((own - number(&rows[0], "nearest")).abs() < 1e-6, "{own}");
 }
 
-/// The benchmark measures SIMD lanes if sweeps of the axle can use them, and refuses entries that apply only to one
-/// wheel.
+/// The benchmark measures the evaluation in SIMD lanes if sweeps of the axle can use it. It refuses entries that apply
+/// only to one wheel.
 #[test]
 fn an_axle_is_timed_by_its_positions() {
     if !crate::support::has_lanes() {

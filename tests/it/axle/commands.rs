@@ -376,7 +376,7 @@ fn an_axle_is_tuned() {
     assert!(said.contains("18 of 18 stations solved"), "{said}");
 }
 
-/// A sweep of axles has the same bytes on one thread and on two, and a page.
+/// A sweep of axles writes identical files with one thread and with two threads. It also writes a page.
 #[test]
 fn axles_are_swept() {
     if !crate::support::has_lanes() {

@@ -49,8 +49,8 @@ fn most(study: &Study, travels: [f64; 2]) -> f64 {
     values.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// A limit through a motion of the axle applies to the travel of each wheel, or of one wheel if `side` names it. The
-/// limit is active at the wheel that moves farther.
+/// A limit over a motion of the axle applies to both wheels, each with its own travel. If `side` names a wheel, the
+/// limit applies only to that wheel. The limit is active at the wheel that moves farther.
 #[test]
 fn a_constraint_holds_at_both_wheels_or_at_one() {
     let given = study("macpherson_axle_front", &[]);

@@ -193,7 +193,8 @@ fn a_load_is_held_where_the_motion_says_so() {
 }
 
 /// At a heave of -30 mm and 6 degrees of roll, the mean travel of the level axle is out of reach: one wheel would be
-/// beyond its travel. The search then starts at small roll angles, and finds the load at a smaller droop.
+/// beyond its travel. The search then increases the roll angle from zero in steps. It finds the load at a smaller
+/// droop.
 #[test]
 fn the_load_is_found_where_the_level_travel_is_out_of_reach() {
     let loads = |motion: &str| -> Vec<f64> {

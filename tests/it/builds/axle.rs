@@ -1,4 +1,4 @@
-//! Tests of builds of axles: two independent wheels on one rack and one ground.
+//! Tests of builds of axles: two wheels that scatter independently, on one rack and one ground.
 
 use hardpoint::assembly::Assembler;
 use hardpoint::axle::{Axle, AxleSolver, Placement, Quantity, axle_curves};
@@ -60,8 +60,8 @@ fn output(problem: &Problem, column: &str) -> usize {
     found.unwrap_or_else(|| panic!("no {column}"))
 }
 
-/// The two wheels of build n of an axle equal builds 2 n and 2 n + 1 of a single wheel. A wheel depends only on seed,
-/// build and side, not on the scatter of the other side.
+/// The two wheels of build n of an axle equal builds 2 n and 2 n + 1 of a single wheel. A wheel depends only on the
+/// seed, the number of the build and the side. It does not depend on the scatter of the other side.
 #[test]
 fn each_wheel_is_a_build_of_its_own() {
     let both = axle("builds=2", &[]);
@@ -91,8 +91,8 @@ fn each_wheel_is_a_build_of_its_own() {
     }
 }
 
-/// A printed build, when solved, has the values of the Monte Carlo analysis: with two builds, the smallest and the
-/// largest value.
+/// When a printed build is solved, it has the values of the Monte Carlo analysis. With two builds, these are the
+/// smallest and the largest value.
 #[test]
 fn a_printed_build_is_the_build() {
     let study = axle("builds=2", &[]);
@@ -167,7 +167,7 @@ fn a_printed_build_has_its_extra_points() {
                     .curves
                     .are_complete()
             );
-            // A printed build can itself be built again.
+            // The program can vary a printed build again.
             let again = Problem::of(&printed, printed.tolerance.as_ref().unwrap()).unwrap();
             again.built_wheels(number).unwrap();
         }
@@ -259,7 +259,7 @@ fn gradients_are_slopes_of_built_axles() {
 
 /// The second-order contribution is half the second derivative times the variance, including products of sources of
 /// both wheels. The result agrees with differences of fourth order in roll, at given travels on a plane, and on pads.
-/// The program does not compute it for quantities made of velocities.
+/// The program does not compute this contribution for quantities made of velocities.
 #[test]
 fn second_order_is_that_of_built_axles() {
     let two = "tolerance.scatter=[{length=\"tie_rod\",sigma=2.0,side=\"left\"},\
@@ -381,8 +381,8 @@ fn a_side_scatters_by_itself() {
     }
 }
 
-/// After alignment, each wheel has its nominal toe and camber at rest on its pad. Both methods give the same scatter
-/// elsewhere.
+/// After alignment, each wheel has its nominal toe and camber at rest on its pad. In other positions, the first-order
+/// scatter equals that of the builds.
 #[test]
 fn each_wheel_is_aligned() {
     let setup = "setup={adjust=[{shim=\"strut_top\",axis=\"y\"},{length=\"tie_rod\"}]}";
@@ -411,8 +411,8 @@ fn each_wheel_is_aligned() {
     }
 }
 
-/// Builds have the same values in lanes and one by one, and the same bits with any number of threads. Each band
-/// applies to the expected number of values.
+/// Builds have the same values in SIMD lanes and one by one. Their results have the same bits with any number of
+/// threads. Each band applies to the expected number of values.
 #[test]
 fn results_are_the_same_however_they_are_found() {
     if !crate::support::has_lanes() {
@@ -464,7 +464,7 @@ fn results_are_the_same_however_they_are_found() {
     );
 }
 
-/// The program names the wheel and the build that cannot be assembled, and leaves that build out of the count.
+/// The program names the wheel and the build that cannot be assembled. It does not count that build.
 #[test]
 fn a_wheel_that_cannot_be_put_together_is_named() {
     let wide = "tolerance.scatter=[{length=\"lower_arm_front\",sigma=150.0,side=\"right\"}]";

@@ -38,7 +38,8 @@ constraints = [
 ]
 "#;
 
-/// Gradients of all rows equal differences, and the misfit is the weighted mean of both kinds of targets.
+/// Gradients of all residuals equal differences. The misfit is the weighted mean over targets of cases and targets of
+/// axles.
 #[test]
 fn targets_of_cases_and_axles_are_tuned_together() {
     let directory = tempfile::tempdir().unwrap();
@@ -87,8 +88,8 @@ fn targets_of_cases_and_axles_are_tuned_together() {
     assert!(load.printed(&solved, case).unwrap() < 7000.0 + 1e-3);
 }
 
-/// A target over the stations of an axle counts as one target. A tuning meets both kinds of targets that were planted
-/// at a known design.
+/// A target over the stations of an axle counts as one target. A tuning finds the design from which the targets of
+/// cases and of axles were computed.
 #[test]
 fn planted_bump_steer_and_distribution_are_found() {
     let directory = tempfile::tempdir().unwrap();
@@ -160,7 +161,7 @@ fn planted_bump_steer_and_distribution_are_found() {
     }
 }
 
-/// The terminal names both kinds of targets and the constraints, and the JSON output contains them.
+/// The terminal lists targets of cases, targets of axles, and constraints. The JSON output contains them.
 #[test]
 fn the_command_reports_both_kinds() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Tests that the paper's formulation and the production formulation agree on the same struts.
+//! Tests that the paper's formulation and the production formulation (the program's default) agree on the same struts.
 
 use super::scatter::Scatter;
 use super::unsuitable;
@@ -71,7 +71,7 @@ fn paper(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
     Some((poses, condition))
 }
 
-/// Distance between two poses, divided by `size`; a rotation counts as the displacement that it causes at the distance
+/// Distance between two poses, divided by `size`. A rotation counts as the displacement of a point at the distance
 /// `size`.
 fn distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
@@ -118,13 +118,14 @@ fn agreement_of(struts: u32) {
     assert!(50 * unfit < struts, "{unfit}");
 }
 
-/// If the suspension is sound but the paper's equations are singular, the paper's formulation refuses it and names the
-/// singularity. The production formulation solves it: every length and the strut's line hold at +-80 mm.
+/// The paper's equations can be singular although the suspension is sound. The paper's formulation then refuses the
+/// suspension and names the singularity. The production formulation solves it: at +-80 mm, every length is kept, and
+/// the strut's line passes through its mount.
 #[test]
 fn production_solves_what_the_paper_s_equations_cannot_describe() {
     for (what, strut) in unsuitable() {
         assert!(paper(&strut).is_none());
-        // A level strut hardly changes its length and soon reaches its limit, so its travel is short.
+        // If the strut is level, its length hardly changes and soon reaches its limit, so the travel is short.
         let travels = match what {
             Singular::HorizontalStrut => [-0.01, 0.01],
             _ => [-0.08, 0.08],
@@ -162,8 +163,8 @@ fn check_assembly(strut: &Strut, pose: &Pose<f64>, travel: f64) {
         let stretched = (now(outer) - inner).norm() - (outer - inner).norm();
         assert!(stretched.abs() < rounding, "{stretched:e}");
     }
-    // The mount is on the turned axis, which passes through the knuckle point that was at the mount in the design
-    // position.
+    // The strut's axis is turned with the knuckle. It passes through the knuckle point that was at the mount in the
+    // design position, and the mount lies on it.
     let axis = pose.rotation.apply(strut.axis());
     let off = (strut.strut_top - now(strut.strut_top)).cross(axis).norm();
     assert!(off < rounding, "{off:e}");

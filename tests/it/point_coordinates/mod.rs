@@ -1,4 +1,4 @@
-//! Tests of the paper's formulation against its table, against reference values of 110 digits, and at its limits.
+//! Tests of the paper's formulation against the paper's table, against reference values of 110 digits, and at limits.
 
 mod agreement;
 mod extra_points;
@@ -58,7 +58,7 @@ fn unsuitable() -> [(Singular, Strut); 3] {
     );
     let offset = (steering - axis * steering.dot(axis)).normalised();
     [
-        // The strut's line is level, with its top mount above the arm.
+        // The strut's line is level, and its top mount is above the arm.
         (
             Singular::HorizontalStrut,
             Strut {

@@ -11,7 +11,7 @@
 //! R^T R = 1
 //! ```
 //!
-//! A step follows the tangent. It is kept if Newton's method from there makes a small correction (the path is nearly
+//! A step follows the tangent. The step is kept if Newton's method from there makes a small correction (the path is nearly
 //! straight), converges, and finds nearly the same determinant. Otherwise the step is halved.
 
 use hardpoint::derive::MotionPoint;

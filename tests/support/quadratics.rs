@@ -50,8 +50,8 @@ struct OnArm<T> {
     by_triad: [T; 3],
 }
 
-/// Triad of an arm: direction of the axis, direction perpendicular to the axis and to the lever of the joint, and the
-/// normal of both directions.
+/// Triad of an arm: direction of the axis, direction perpendicular to the axis and to the joint's lever, and the normal
+/// of both.
 fn triad<T: Real>(front: Vector3<T>, rear: Vector3<T>, joint: Vector3<T>) -> [Vector3<T>; 3] {
     let along = (rear - front).normalised();
     let across = along.cross(joint - front).normalised();

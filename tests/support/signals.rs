@@ -73,8 +73,8 @@ pub struct Signals {
     references: Mutex<HashMap<usize, Reference>>,
 }
 
-/// Results of the tries of each command: number of tries, number of interrupted tries, and largest time from the signal
-/// to the end in seconds.
+/// Results for each command: number of tries, number of interrupted tries, and largest time from the signal to the end
+/// in seconds.
 pub type Worst = BTreeMap<&'static str, (usize, usize, f64)>;
 
 fn case(command: &'static str, arguments: &str, study: &str) -> Case {

@@ -43,8 +43,8 @@ pub struct SmallSteps {
     /// Lines of struts: mount, and a normal of the line.
     lines: Vec<(V, V)>,
     wheel: V,
-    /// Three vectors: from the arm's axis to its outer joint; the direction of this vector; and the tangent of the
-    /// circle on which the joint moves.
+    /// Three vectors: from the arm's axis to its outer joint; the direction of this vector; the tangent of the joint's
+    /// circle.
     arm: [V; 3],
     /// True if the joint starts to move horizontally. Then no direction of rotation counts as positive.
     is_at_dead_centre: bool,

@@ -56,8 +56,8 @@ fn at_design(out: &std::path::Path, name: &str) -> f64 {
     curves.column(name).unwrap()[row.unwrap()].unwrap()
 }
 
-/// One set-up applies to both wheels of a mirrored axle: both wheels reach the target camber and toe, and the curves
-/// of the axle start from these values.
+/// One set-up applies to both wheels of a mirrored axle. Both wheels reach the target camber and toe. The curves of the
+/// axle start from these values.
 #[test]
 fn a_mirrored_axle_is_set_up_alike() {
     let (path, out) = (study("macpherson_axle.toml"), folder("setup_mirrored"));
@@ -79,8 +79,8 @@ fn a_mirrored_axle_is_set_up_alike() {
         printed.contains("Instructions for both wheels"),
         "{printed}"
     );
-    // The printed direction applies to both wheels: the shim moves a strut top, and -1 deg of camber needs the strut
-    // top farther inboard.
+    // The printed direction applies to both wheels. The shim moves a strut top: for -1 deg of camber, the strut top
+    // must move inboard.
     assert!(printed.contains("move inboard by "), "{printed}");
     for side in ["left", "right"] {
         let camber = at_design(&out, &format!("{side}_camber_deg"));

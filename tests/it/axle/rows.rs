@@ -90,8 +90,8 @@ fn each_row_is_a_station() {
     }
 }
 
-/// A target at a row of the motion has the same residuals and derivatives as this target in a motion with all
-/// combinations.
+/// A target at a row of the motion has the same residuals and derivatives as in a motion with all combinations of
+/// values.
 #[test]
 fn a_target_at_a_row_is_one_at_its_coordinates() {
     let given = study("macpherson_axle_front", &[]);

@@ -152,7 +152,7 @@ fn tuned(study: &Study, quantity: AxleQuantity, placements: &[Placement]) -> (f6
     (best.after.misfit, values.collect())
 }
 
-/// A constraint on a motion of the left wheel holds for the tuned wheel along the whole motion, also between the
+/// A constraint on a motion of the left wheel is satisfied along the whole motion of the tuned wheel, also between the
 /// stations of the tuning. The constraint is active.
 #[test]
 fn constraints_hold_through_a_motion_of_the_wheel() {

@@ -126,9 +126,8 @@ fn a_printed_build_is_the_build() {
     }
 }
 
-/// A printed build includes the extra points of each wheel at their built positions, and every command accepts the
-/// printed build as a study. The test covers mirrored and separate right hardpoints, and spin axes given by angles or
-/// points.
+/// A printed build includes the extra points of each wheel at their built positions. Every command accepts the printed
+/// build as a study. The test covers mirrored and separate right hardpoints, and spin axes given by angles or points.
 #[test]
 fn a_printed_build_has_its_extra_points() {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
@@ -443,8 +442,8 @@ fn results_are_the_same_however_they_are_found() {
         );
     }
     assert_eq!(one.in_bands, single.in_bands);
-    // Numbers of values: toe of both wheels at one station, roll steer at three roll angles and two heaves, track at
-    // all 12 stations.
+    // Numbers of values: toe of both wheels at one station, roll steer at three roll angles and two heaves, and track
+    // at all 12 stations.
     let looked: Vec<usize> = problem.cells_of_bands().map(|cells| cells.len()).collect();
     assert_eq!(looked, [2, 3 * 2, 12]);
     assert!(
@@ -480,8 +479,8 @@ fn a_wheel_that_cannot_be_put_together_is_named() {
     assert_eq!(side, Some(Side::Right));
 }
 
-/// The tolerance command works as a user runs it: its files name the positions of an axle, a printed build solves, and
-/// invalid entries are refused.
+/// Test of the tolerance command as a user runs it. The files state the positions of an axle, a printed build can be
+/// solved, and invalid entries are refused.
 #[test]
 fn tolerance_of_an_axle_as_a_command() {
     let directory = tempfile::tempdir().unwrap();

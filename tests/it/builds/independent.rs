@@ -13,8 +13,8 @@ use rayon::prelude::*;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Studies with additional entries: every topology with and without rocker and anti-roll bar, points on every body that
-/// can have points, and spin axes given by a point or by angles.
+/// Studies with additional entries. They cover every topology, with and without rocker and anti-roll bar; points on
+/// every body that can have points; and spin axes given by a point or by angles.
 const CASES: [(&str, &[&str]); 12] = [
     (
         "macpherson_solve",

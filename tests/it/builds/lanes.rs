@@ -57,7 +57,7 @@ fn everything_scattered(name: &str, adjust: &str, aligned: bool, builds: usize) 
     )
 }
 
-/// Results of all builds, in lanes of this width or one by one.
+/// Results of all builds, in SIMD lanes of this width or one by one.
 fn results(problem: &Problem<'_>, width: Option<Width>) -> MonteCarlo {
     let drawn = problem.drawn().unwrap();
     monte_carlo_in(width, problem, &drawn, |_| ControlFlow::Continue(())).unwrap()
@@ -117,8 +117,8 @@ fn builds_in_lanes_do_not_depend_on_their_neighbours() {
     }
 }
 
-/// Builds far from the nominal design, of which many cannot be assembled. Evaluation in lanes and one by one reject
-/// the same builds.
+/// Builds far from the nominal design, of which many cannot be assembled. The evaluations in SIMD lanes and one by one
+/// reject the same builds.
 #[test]
 fn builds_that_lanes_refuse_go_one_by_one() {
     for aligned in [false, true] {

@@ -56,7 +56,8 @@ pub struct Drawing {
     pub names: Vec<String>,
     points: Vec<V<f64>>,
     on: Vec<On>,
-    /// Links with their two ends, the body's end first; then the rods of rockers, with the rocker's end first.
+    /// Links with two ends each, the body's end first. After the links, the rods of rockers with two ends each, the
+    /// rocker's end first.
     pub members: Vec<(String, [usize; 2])>,
     /// Arms: front pivot, rear pivot and outer joint.
     arms: Vec<[usize; 3]>,
@@ -536,8 +537,8 @@ fn frame<T: Scalar>(axis: V<T>, lever: V<T>) -> [V<T>; 3] {
     [e, radial, e.cross(radial)]
 }
 
-/// Turns v from the first frame to the second frame: the result has the coordinates in the second frame that v has in
-/// the first one.
+/// Turns v from the first frame to the second frame. The result has, in the second frame, the coordinates that v has in
+/// the first frame.
 fn between<T: Scalar>(v: V<T>, [a, b, c]: [V<T>; 3], [d, e, f]: [V<T>; 3]) -> V<T> {
     d * a.dot(v) + e * b.dot(v) + f * c.dot(v)
 }

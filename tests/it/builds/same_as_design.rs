@@ -32,7 +32,7 @@ fn drawn_parts_make_the_drawing() {
     }
 }
 
-/// Moves the link ends on an arm together with that arm: the link ends keep their coordinates in the frame of the arm's
+/// Moves the link ends on an arm together with this arm. The link ends keep their coordinates in the frame of the arm's
 /// axis and outer joint.
 fn keep_links_in_arms(drawn: &Suspension, moved: &mut Suspension) {
     let mechanism = &drawn.mechanism;
@@ -118,8 +118,8 @@ fn with_everything_recut_the_build_is_the_moved_drawing() {
     }
 }
 
-/// The derivative with respect to a nominal point is a sum: the derivative with respect to the part's point, plus those
-/// with respect to the lengths that depend on it.
+/// The derivative with respect to a nominal point is a sum. One term is the derivative with respect to the part's
+/// point. The other terms are the derivatives with respect to the lengths that depend on the nominal point.
 #[test]
 fn derivatives_by_the_drawing_are_a_chain_rule_on_those_by_parts() {
     for name in [

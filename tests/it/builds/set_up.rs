@@ -236,7 +236,7 @@ const WISHBONE: &Points = &[
     ("spring_upper", [0.0, 30.0, 470.0]),
 ];
 
-/// Wheel with parallelograms in the plane x = 0: arms and tie rod are parallel and equally long, so the carrier
+/// Wheel with parallelograms in the plane x = 0. Arms and tie rod are parallel and equally long, so the carrier
 /// translates without rotation.
 const PLANAR: &Points = &[
     ("upper_arm_front", [135.0, 195.0, 342.0]),

@@ -120,8 +120,8 @@ fn cars_in_other_units_are_compared() {
     );
 }
 
-/// A car's export gives the points of both axles in the axes of the car: the rear wheel centre is one wheelbase behind
-/// the front one.
+/// A car's export contains the points of both axles in the axes of the car. The rear wheel centre is one wheelbase
+/// behind the front wheel centre.
 #[test]
 fn exported_points_are_those_of_the_car() {
     let directory = tempfile::tempdir().unwrap();

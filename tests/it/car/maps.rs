@@ -102,7 +102,7 @@ fn rows_in_lanes_are_the_states_of_their_cases() {
                 case.ay *= lifting / 0.9;
             }
         }
-        // One row is short, and one has cases with alternating settings.
+        // One row is short. Another row has cases with alternating settings.
         rows[3].truncate(2);
         for case in rows[9].iter_mut().step_by(2) {
             case.racks[0] += 0.001 * car.per_metre();

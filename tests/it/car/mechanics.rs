@@ -345,7 +345,7 @@ fn axles_by_themselves_are_a_special_case() {
     }
 }
 
-/// A tuning with six variables of both axles meets targets that were planted at a known design.
+/// The targets are computed from a known design. A tuning with six variables of both axles meets these targets.
 #[test]
 fn planted_targets_are_met() {
     plant(3, 4);
@@ -363,8 +363,8 @@ fn planted_targets_of_twenty_seeds_are_met() {
     );
 }
 
-/// Tunes six variables of both axles to at least ten targets that were planted at known designs. Returns the times in
-/// seconds.
+/// Tunes six variables of both axles to at least ten targets that were computed from known designs. Returns the times
+/// in seconds.
 fn plant(seed: u64, seeds: usize) -> Vec<f64> {
     let mut times = Vec::new();
     let car = car(&reference());

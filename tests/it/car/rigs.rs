@@ -100,7 +100,7 @@ fn planted_bump_steer_and_distribution_are_found() {
     let wanted = study.optimise.clone().unwrap();
     let planted = [2.0, -3.0, 700_000.0, 350_000.0];
     let truth = moved(&study.car, &wanted.variables, &planted);
-    // Curve of the planted car, from the study of its axle.
+    // Curve of the car with the known design, from the study of its axle.
     let text = study.axles[0].with_design(&truth.axles[0].left.design);
     let axle = hardpoint::study::Study::from_text("front.toml", &text, Path::new(".")).unwrap();
     let own = axle.axle().unwrap();

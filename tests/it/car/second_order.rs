@@ -236,7 +236,7 @@ fn second_order_of_solid_axles_is_that_of_complete_solutions() {
     }
 }
 
-/// If the centre of gravity moves sideways, the car sinks by the square of this displacement, so the first order is
+/// If the centre of gravity moves sideways, the car sinks by the square of this displacement. So the first order is
 /// zero in the middle. The second order then equals the whole shift of the mean and the whole variance of many builds,
 /// within four standard errors.
 #[test]

@@ -348,7 +348,7 @@ fn the_roll_centre_is_that_of_the_axle() {
     }
 }
 
-/// A gear angle to the left steers both wheels to the left, and the inner wheel more than the outer wheel.
+/// A gear angle to the left steers both wheels to the left. The inner wheel steers more than the outer wheel.
 #[test]
 fn the_gear_steers_both_wheels() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");

@@ -112,8 +112,8 @@ fn rows_are_those_of_solve() {
     hardpoint(&directory.join("swept"), &["check", "study.toml"]).success();
 }
 
-/// The bytes do not depend on the number of threads, on the use of standard output, or on whether the sweep was
-/// extended later.
+/// The bytes of a sweep do not depend on the number of threads, or on the use of standard output. They are also the
+/// same if the sweep was extended later.
 #[test]
 fn bytes_do_not_depend_on_the_run() {
     let directory = tempfile::tempdir().unwrap();

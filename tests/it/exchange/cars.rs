@@ -500,8 +500,8 @@ fn springs_alone(study: &Study) -> f64 {
     1000.0 * (load(2) - load(0))
 }
 
-/// A car with two double wishbone axles is the same after an export to Assetto Corsa and back: points relative to the
-/// wheel centres, wheelbase, weight distribution and heights.
+/// A car with two double wishbone axles is exported to Assetto Corsa and imported again. The points relative to the
+/// wheel centres, the wheelbase, the weight distribution and the heights stay the same.
 #[test]
 fn a_car_comes_back_from_assetto_corsa() {
     let directory = tempfile::tempdir().unwrap();

@@ -284,8 +284,8 @@ fn an_import_says_what_it_did_and_keeps_its_input() {
     }
 }
 
-/// If a cell contains 5 MB where a name, number, unit or word is expected, the message still has its usual length, in
-/// any format.
+/// If a cell contains 5 MB where a name, number, unit or word is expected, the message is as short as usual, in any
+/// format.
 #[test]
 fn huge_cells_get_short_answers() {
     let directory = tempfile::tempdir().unwrap();

@@ -374,8 +374,8 @@ fn suspensions_of_chrono_are_read() {
     assert!(curves.are_complete());
 }
 
-/// The import reads geometry files as Suspension Explorer documents them: hub face and wheel offset instead of the
-/// wheel centre, tyre size instead of a radius, and both wheels under their sides.
+/// The import reads geometry files as the documentation of Suspension Explorer describes them. They have hub face and
+/// wheel offset instead of the wheel centre, tyre size instead of a radius, and both wheels under their sides.
 #[test]
 fn geometry_files_of_suspension_explorer_are_read() {
     let corner = |sign: f64| {

@@ -573,7 +573,7 @@ fn a_slip_that_stops_the_suspension_is_named() {
     );
 }
 
-/// The import of one wheel names the points of the other wheel that are not mirror images of its points.
+/// The import of one wheel compares it with the points of the other wheel. It names those that are not mirror images.
 #[test]
 fn another_right_wheel_is_named() {
     let sheet = |shift: f64| {

@@ -94,8 +94,8 @@ fn both_formulations_find_the_same_poses_of_ten_thousand_struts() {
 /// size.
 ///
 /// The test moves each hardpoint of a road car by up to 20 mm along every axis. It skips struts for which the paper's
-/// equations have a condition number of 1e4 or more (the road car's is about a hundred). One or two in a hundred are
-/// skipped, mostly with the ball joint close to the strut axis; production solves them like the others.
+/// equations have a condition number of 1e4 or more (the road car's is about a hundred). The test skips one or two in a
+/// hundred, mostly with the ball joint close to the strut axis. The production formulation also solves these struts.
 fn agreement_of(struts: u32) {
     let mut scatter = Scatter(2003);
     let (mut worst, mut compared, mut unfit) = (0.0_f64, 0, 0);
@@ -163,8 +163,8 @@ fn check_assembly(strut: &Strut, pose: &Pose<f64>, travel: f64) {
         let stretched = (now(outer) - inner).norm() - (outer - inner).norm();
         assert!(stretched.abs() < rounding, "{stretched:e}");
     }
-    // The strut's axis is turned with the knuckle. It passes through the knuckle point that was at the mount in the
-    // design position, and the mount lies on it.
+    // The mount lies on the strut's axis. This axis is turned with the knuckle, and passes through the knuckle point
+    // that was at the mount in the design position.
     let axis = pose.rotation.apply(strut.axis());
     let off = (strut.strut_top - now(strut.strut_top)).cross(axis).norm();
     assert!(off < rounding, "{off:e}");

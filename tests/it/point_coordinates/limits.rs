@@ -154,8 +154,8 @@ fn check_end(
     }
 }
 
-/// Inward rack displacement of the nominal car at which the tie rod just reaches the circle on which its outer end
-/// moves about the steering axis.
+/// Inward rack displacement of the nominal car at the toggle of the tie rod. There, the tie rod just reaches the circle
+/// on which its outer end moves about the steering axis.
 fn rack_at_toggle() -> f64 {
     let s = nominal();
     let axis = (s.strut_top - s.lower_ball_joint).normalised();

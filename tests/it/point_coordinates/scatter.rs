@@ -36,7 +36,7 @@ impl Scatter {
     }
 }
 
-/// 300 struts with random hardpoints stay on their solution branch over +-80 mm of travel: the knuckle is rigid and not
+/// 300 struts with random hardpoints stay on their solution branch over +-80 mm of travel. The knuckle is rigid and not
 /// mirrored, the strut's line passes through the mount, and tie rod and arm keep their lengths. A single large step
 /// reaches the same pose as small steps.
 #[test]

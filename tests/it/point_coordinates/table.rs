@@ -28,8 +28,9 @@ fn table_row(theta: [f64; 3]) -> Vec<Vector3<f64>> {
     row
 }
 
-/// Entries of Table 2 that differ from computed values by more than half a unit of the last printed digit, for eleven
-/// vectors at each time. Each entry has its name, the printed value, and the computed value with four decimals.
+/// Entries of Table 2 that differ from the computed values by more than half a unit of the last printed digit. There
+/// are eleven vectors at each time. Each entry has its name, the printed value, and the computed value with four
+/// decimals.
 fn misses(row: impl Fn(f64) -> Vec<Vector3<f64>>) -> Vec<(String, f64, String)> {
     let table = std::fs::read_to_string(format!("{DATA}/attia-table-2.csv")).unwrap();
     let lines: Vec<Vec<&str>> = table

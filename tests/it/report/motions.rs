@@ -76,8 +76,8 @@ fn the_page_has_the_curves_of_named_motions() {
     }
 }
 
-/// The program refuses the name of a motion if the motion's file would have the name of the file with the curves before
-/// a tuning.
+/// The curves before a tuning are in `curves_before.csv`. So the program refuses names of motions that begin with
+/// "before".
 #[test]
 fn a_motion_cannot_have_the_name_of_another_file() {
     let text = study("macpherson_solve.toml");

@@ -1,4 +1,4 @@
-//! Tests that requests from other programs or pages, which do not know the token of the page, get no data.
+//! Tests of requests from programs or pages that do not know the page's token. Such requests get no data.
 
 use super::client::{answer, request, send};
 use super::{Served, sample};
@@ -309,8 +309,8 @@ fn idle_strangers_do_not_lock_the_owner_out() {
     assert_eq!(answer(&mut page).expect("an answer").status, 200);
 }
 
-/// The page's address is not an argument of the browser, because every user of the machine can read the arguments of a
-/// program.
+/// The page's address is not an argument of the browser, because every user of the machine can read a program's
+/// arguments.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_address_is_no_argument_of_the_browser() {

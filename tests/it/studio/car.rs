@@ -189,8 +189,8 @@ fn influences_are_slopes_of_the_results() {
     assert_eq!(compared, 5 * (4 + 4 + 1 + 2));
 }
 
-/// If another program changed an axle's file, the server does not overwrite this file, unless the user merges the
-/// page's changes into it. The changes of the other program stay.
+/// If another program changed an axle's file, the server does not overwrite this file. The user can merge the page's
+/// changes into it. The changes of the other program stay.
 #[test]
 fn changed_files_are_kept_and_merged() {
     let served = served("car", as_it_is);
@@ -273,8 +273,8 @@ fn implausible_points_are_refused() {
     );
 }
 
-/// If one file describes both axles, the server refuses a change of only one end, because it would change the other end
-/// as well.
+/// If one file describes both axles, the server refuses a change of only one axle, because the other axle would change
+/// too.
 #[test]
 fn one_file_for_both_axles_is_not_torn() {
     let served = served("car", |end, text| match end {

@@ -65,8 +65,8 @@ fn slope(served: &Served, direction: &Value) -> f64 {
 }
 
 /// Along a free direction, no target changes to first order. Over the range of the direction, the deviation of three
-/// equal targets changes by at most sqrt(3) times 0.01 tolerances. Along a single variable, some target changes far
-/// more.
+/// equal targets changes by at most sqrt(3) times 0.01 of the tolerance. Along a single variable, some target changes
+/// far more.
 #[test]
 fn targets_do_not_change_along_free_directions() {
     for served in [

@@ -1,5 +1,5 @@
-//! Tests of the reference state, with which the page compares the current design: the file as opened or last saved,
-//! with its rates and targets.
+//! Tests of the reference state, with which the page compares the current design. The reference is the file as opened
+//! or last saved, with its rates and targets.
 
 use super::browser::{READY, SETTLED};
 use super::webdriver::Browser;

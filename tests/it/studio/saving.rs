@@ -99,8 +99,8 @@ fn other_names_stay_beside_the_study() {
     );
 }
 
-/// If a file in the study's folder is a link to another folder, the server replaces the link and does not write to its
-/// target.
+/// A file in the study's folder can be a link to another folder. Then the server replaces the link, and does not write
+/// to the target of the link.
 #[cfg(unix)]
 #[test]
 fn links_do_not_lead_out_of_the_folder() {

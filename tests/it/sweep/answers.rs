@@ -53,7 +53,7 @@ fn a_planted_design_is_found() {
     assert!(summary["best"][1]["misfit"].as_f64().unwrap() > 0.1);
     assert_eq!(summary["pareto"], serde_json::json!([41]));
     assert_eq!(Table::read(&bench.path("run/pareto.csv")).rows.len(), 1);
-    // The study of this design has the planted curves.
+    // The study of this design has the curves from which the targets were taken.
     let (text, _) = said(
         &bench
             .run(&["sweep", "study.toml", "--design", "41"])
@@ -418,8 +418,8 @@ fn what_fails_is_counted_and_left_empty() {
     assert_eq!(designs.text("failed_at_mm")[0], "");
 }
 
-/// A design that cannot reach the whole motion is neither among the best designs nor on the Pareto front, even if its
-/// misfit at one station is smaller. A note states the number of such designs.
+/// A design that cannot reach the whole motion is neither among the best designs nor on the Pareto front. This holds
+/// even if its misfit at one station is smaller. A note states the number of such designs.
 #[test]
 fn only_solved_designs_are_ranked() {
     let bench = Bench::new(STUDY);

@@ -42,8 +42,8 @@ fn threads_and_shards_give_the_same_bytes() {
     assert_eq!(curves.rows.len(), 700 * 4);
 }
 
-/// A sweep writes the same parts in three cases: in one run; in shards by two simultaneous processes in one directory;
-/// and when a part is lost and the sweep is resumed. The joined parts equal the result of a merge.
+/// A sweep writes the same parts in three cases. Case 1: one run. Case 2: shards by two simultaneous processes in one
+/// directory. Case 3: a part is lost, and the sweep is resumed. The joined parts equal the result of a merge.
 #[test]
 fn parts_are_the_same_whoever_does_them() {
     let bench = Bench::new(&two_parts());

@@ -11,9 +11,9 @@ use hardpoint::number::{Dual, Jet, Real, Vector3};
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// Wheel centre and inner end of the spindle, rotated about the axis until the centre has risen by `travel`. The
-/// equation for the angle uses the centre's lever l about the axis and the axis direction e: the height z.(l cos + (e x
-/// l) sin) is given.
+/// Wheel centre and inner end of the spindle, rotated about the axis until the centre has risen by `travel`. The angle
+/// follows from the height z.(l cos + (e x l) sin) of the centre, with the centre's lever l about the axis and the axis
+/// direction e.
 fn turned<T: Real>(p: &[Vector3<T>], travel: T) -> [Vector3<T>; 2] {
     let [first, second, centre, spindle] = [p[0], p[1], p[2], p[3]];
     let axis = (second - first).normalised();

@@ -1,5 +1,5 @@
-//! Tests of the search for the smallest change: the misfit of the design that it keeps, and the statements of the
-//! program about this design.
+//! Tests of the search for the smallest change: the misfit of the design that it keeps, and the messages about this
+//! design.
 
 use super::edited;
 use super::still::{best, stored, tuned};

@@ -246,7 +246,7 @@ fn counted(fits: usize) -> [Count; 4] {
 
 #[test]
 fn intervals_beside_bounds_hold_the_truth() {
-    // The bound allows for chance: of about 150 intervals at 95 %, 132 to 150 contain the true value, except in one run
+    // The bound allows for chance. Of about 150 intervals at 95 %, 132 to 150 contain the true value, except in one run
     // of 1000.
     let all = counted(60)[0];
     assert!(all.two_sided as f64 >= 0.8 * all.free as f64);

@@ -1,4 +1,4 @@
-//! Tests of targets from measured curves: each row applies at its own rack displacement and travel.
+//! Tests of targets from measured curves. Each row of a measured sheet applies at its own rack displacement and travel.
 
 use hardpoint::curves::curves;
 use hardpoint::optimise::{Control, tune};

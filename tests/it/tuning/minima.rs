@@ -796,8 +796,8 @@ fn multipliers_balance() {
     }
 }
 
-/// Prints the time of tuning six hundred random designs, in milliseconds: of one start to the smallest misfit, and of
-/// the search back towards the nominal design.
+/// Prints the time of tuning six hundred random designs, in milliseconds. Prints separately: one start to the smallest
+/// misfit, and the search back towards the nominal design.
 #[test]
 #[ignore = "six hundred designs, to be timed"]
 fn times_of_six_hundred_designs() {

@@ -745,7 +745,7 @@ fn coverage(fits: usize) -> Vec<f64> {
 
 #[test]
 fn intervals_of_fits_hold_the_truth() {
-    // The bound allows for chance: 51 to 60 of 60 intervals at 95 % contain the true value, except in one run of 300.
+    // The bound allows for chance. Of 60 intervals at 95 %, 51 to 60 contain the true value, except in one run of 300.
     for share in coverage(60) {
         assert!(share >= 0.85, "{share}");
     }

@@ -1,5 +1,5 @@
-//! Tests of the units of margins and prices: they have the units in which a study writes its limits, and the output
-//! names these units.
+//! Tests of the units of margins and prices. Margins and prices have the units in which a study writes its limits, and
+//! the output names these units.
 
 use hardpoint::optimise::Control;
 use hardpoint::report::{TuningSummary, as_written};

@@ -12,8 +12,8 @@ fn fraction(seed: &mut u64) -> f64 {
     (*seed >> 33) as f64 / (1_u64 << 31) as f64
 }
 
-/// Asserts that the directory of a killed run contains only these files: files of a complete run (equal to the byte),
-/// the record of the progress, and leftovers.
+/// Asserts that the directory of a killed run contains no other files than these: files of a complete run (equal to the
+/// byte), the record of the progress, and leftovers.
 fn assert_nothing_is_torn(directory: &Path, whole: &[(String, Vec<u8>)]) {
     for (name, text) in contents(directory) {
         if name.starts_with(".hardpoint-") || name == "run.json" {

@@ -1,4 +1,4 @@
-"""Checks the links of a built book: each leads to a file of it and to an anchor there."""
+"""Checks the links of a built book: each link must lead to a file of the book, and to an existing anchor in this file."""
 import sys
 from html.parser import HTMLParser
 from pathlib import Path
@@ -33,5 +33,5 @@ for path, page in pages.items():
             missing.append(f"{path.relative_to(root)}: {link}")
         elif parts.fragment and target in pages and unquote(parts.fragment) not in pages[target].anchors:
             missing.append(f"{path.relative_to(root)}: no anchor {link}")
-print("\n".join(missing) or f"{len(pages)} pages, {count} links hold")
+print("\n".join(missing) or f"{len(pages)} pages, {count} links are valid")
 sys.exit(bool(missing) or not pages)

@@ -1,6 +1,7 @@
-"""Checks the dependencies of `cargo metadata`: licences against a list, and the oldest Rust that each needs.
+"""Checks the dependencies of `cargo metadata`: their licences against a list, and the oldest version of Rust that each needs.
 
-An expression passes if one of its alternatives (OR) has only licences of the list (AND). Development tools count, too.
+A licence expression passes if all licences of one alternative (separated by OR) are in the list. Development tools are
+checked, too.
 """
 import json
 import re
@@ -12,12 +13,12 @@ ALLOWED = {
     "MIT-0", "Unicode-3.0", "Unlicense", "Zlib", "zlib-acknowledgement",
 }
 
-# Packages that state a file instead of an expression. Somebody has read the file of this version.
+# Packages that state a licence file instead of an expression. A person has read the file of this version.
 READ = {"slsqp 1.0.2": "MIT"}
 
 
 def passes(expression):
-    """Evaluates an SPDX expression: AND binds closer than OR."""
+    """Returns true if an SPDX licence expression passes. AND has priority over OR."""
     tokens = re.findall(r"\(|\)|[^\s()/]+(?:\s+WITH\s+[^\s()/]+)?|/", expression)
     tokens = ["OR" if token == "/" else token for token in tokens]
 

@@ -1,17 +1,19 @@
 #!/usr/bin/env python3
-"""Plants single faults in a copy of the tree and says which of them no test sees.
+"""Inserts single faults into a copy of the source, and lists the faults that no test finds.
 
-`MUTANTS_COUNT` (20) faults are drawn with the seed `MUTANTS_SEED` (1), equally many from each folder of FOLDERS. All of
-them are compiled at once, each behind a switch: the variable HARDPOINT_FAULT names the one that is planted. So twenty
-faults cost one build. For each of them the tests of its folder run, at most LIMIT seconds of processor time (so that
-a busy machine changes nothing); the first failure ends the run. A fault that does not compile is left out and counted.
+The script chooses `MUTANTS_COUNT` (default 20) random faults with the seed `MUTANTS_SEED` (default 1), equally many from
+each folder of FOLDERS. It compiles all faults at once, each behind a switch, so twenty faults need one build. The
+environment variable HARDPOINT_FAULT activates one of the faults. For each fault, the tests of its folder run until the
+first failure, but at most LIMIT seconds of processor time (so the load of the machine does not matter). Faults that do
+not compile are omitted and counted.
 
-A constant whose doc comment says "It changes the path, not the result." is strategy: a damping, a share of a step, a
-bracket of a search. Small and moderate factors on it are equivalent by construction, since the end of the iteration
-follows from equations and thresholds. So its factors are FACTORS_OF_STRATEGY, which break the convergence.
+If a constant only controls an iteration, its doc comment says "It changes the path, not the result." Examples are a damping,
+a fraction of a step, and a bracket of a search. Small and moderate factors on such a constant change no result, because
+equations and thresholds determine the end of the iteration. So the script uses FACTORS_OF_STRATEGY, which break the
+convergence.
 
-cargo-mutants (27.0) was considered. It takes no seed, leaves constants as they are (here the thresholds of guards),
-runs the same tests for every file, and compiles once for each fault.
+We considered cargo-mutants (27.0). It accepts no seed, does not change constants (here the thresholds of checks), runs the
+same tests for every file, and compiles once for each fault.
 """
 
 import json
@@ -24,12 +26,12 @@ import sys
 import time
 from pathlib import Path
 
-# Processor time for the tests of one fault, in seconds: two minutes on two cores. A fault that makes a test wait for ever
-# uses none, so ten minutes of the clock end a run, too.
+# Limit of processor time for the tests of one fault, in seconds: two minutes on two cores. A fault can make a test wait
+# without end and without processor time. So a run also ends after ten minutes of elapsed time.
 LIMIT = 240
 LONGEST_WAIT = 600
 ENGINE = "hardpoint-engine"
-# Folder: its files, the integration tests that see it, its crate, and the unit tests of that crate.
+# Folder: its files, the integration tests that cover it, its crate, and the unit tests of that crate.
 FOLDERS = {
     "tracker": (["engine/src/solve/tracker/**/*.rs", "engine/src/solve/closed_form/mod.rs", "engine/src/solve/closed_form/carried.rs"], ["lanes::"], ENGINE, ["solve::"]),
     "certificates": (["engine/src/analyse/certificate/*.rs"], ["certificate::"], ENGINE, ["analyse::"]),
@@ -46,7 +48,7 @@ FOLDERS = {
         ["axle::", "solid::"], ENGINE, ["axle::"],
     ),
 }
-# Operators with what takes their place. Spaces on both sides keep generics and references out.
+# Operators and their replacements. The spaces on both sides exclude generics and references.
 OPERATORS = {
     " + ": " - ", " - ": " + ", " < ": " > ", " > ": " < ", " <= ": " > ", " >= ": " < ", " && ": " || ", " || ": " && ",
     " & ": " | ", ".max(": ".min(", ".min(": ".max(", "Side::Left": "Side::Right", "Side::Right": "Side::Left",
@@ -57,7 +59,7 @@ THRESHOLD = re.compile(r"^(?:pub(?:\([^)]*\))? )?const (\w+): f64 = [^;]+;")
 GUARD = re.compile(r"^(\s*)(accepted\.require\(.*\);)$")
 CONDITION = re.compile(r"^(\s*)(\} else )?if ((?!let\b)[^{]+) \{$")
 VALUE = re.compile(r"^(\s*let (?:mut )?\w+ = )([^&|\"?][^|\"?]*);$")
-# Lines without a computation: comments, attributes, imports, signatures, constants, messages.
+# Lines that contain no computation: comments, attributes, imports, signatures, constants, messages.
 SKIPPED = re.compile(r"^\s*(//|#|use |pub use |mod |pub mod |impl|where|type |assert|debug_assert|fn |pub fn|pub\(\w+\) fn)"
                      r"|format!|panic!|const |static |&mut |'[a-z]+")
 FACTORS = ["100.0", "0.01"]
@@ -84,11 +86,11 @@ pub fn number(fault: u32, right: f64, wrong: f64) -> f64 {
 
 
 def code_lines(text):
-    """Numbers and contents of the lines of code before the unit tests, without constants of several lines."""
+    """Yields number and content of each line of code before the unit tests. Omits constants that have several lines."""
     in_constant = False
     lines = text.split("\n")
     for number, line in enumerate(lines):
-        # Not `mod tests;`, after which code may follow.
+        # Stops only at a block of unit tests. After `mod tests;`, code may follow.
         if line.strip() == "#[cfg(test)]" and lines[number + 1].rstrip().endswith("{"):
             return
         if re.match(r"^\s*(pub(\([^)]*\))? )?(const|static) ", line) and not line.rstrip().endswith(("{", ";")):
@@ -99,7 +101,7 @@ def code_lines(text):
 
 
 def faults_of(line):
-    """Yields each fault of a line: its description, and the changed line with `{n}` for the number of its switch."""
+    """Yields each fault of a line: a description, and the changed line, in which `{n}` is the number of the fault's switch."""
     if SKIPPED.search(line):
         return
     escaped = line.replace("{", "{{").replace("}", "}}")
@@ -127,10 +129,10 @@ def faults_of(line):
 
 
 def candidates(root, patterns):
-    """Lists every fault in the files of some patterns: file, changed lines by number, number of the first, description."""
+    """Lists every fault in files that match the patterns: file, changed lines by number, first line number, description."""
     found = []
     paths = sorted({path for pattern in patterns for path in root.glob(pattern)})
-    # Files that only tests compile.
+    # Files that are compiled only for tests.
     tests = {name for path in paths for name in re.findall(r"#\[cfg\(test\)\]\nmod (\w+);", path.read_text())}
     for path in [path for path in paths if path.stem not in tests]:
         lines = path.read_text().split("\n")
@@ -139,7 +141,7 @@ def candidates(root, patterns):
             for said, fault in faults_of(line):
                 found.append((path.relative_to(root), {number: fault}, number, f"`{line.strip()}` -> `{said}`"))
             if match := THRESHOLD.match(line):
-                # A constant is changed where it is used.
+                # Changes a constant where the code uses it, not at its definition.
                 name = match[1]
                 uses = [(n, l) for n, l in code if re.search(rf"\b{name}\b", l) and not SKIPPED.search(l)]
                 comment = []
@@ -155,7 +157,7 @@ def candidates(root, patterns):
 
 
 def copy_tree(root, tree):
-    """Copies the files that git knows. A file that did not change keeps its time, so that cargo leaves it."""
+    """Copies the files that git lists. An unchanged file keeps its time, so cargo does not compile it again."""
     listed = subprocess.run(["git", "ls-files", "-z", "-co", "--exclude-standard"], cwd=root, capture_output=True, check=True)
     names = {name for name in listed.stdout.decode().split("\0") if name and (root / name).is_file()}
     for name in names:
@@ -171,7 +173,7 @@ def copy_tree(root, tree):
 
 
 def plant(root, tree, faults):
-    """Writes the faults into the tree, each behind its switch, and returns the lines that changed by file."""
+    """Writes the faults into the copy, each behind a switch. Returns the changed lines by file."""
     copy_tree(root, tree)
     for crate in ["engine/src", "src"]:
         (tree / crate / "planted.rs").write_text(SWITCH)
@@ -192,7 +194,7 @@ def plant(root, tree, faults):
 
 
 def cargo(tree, arguments):
-    """Runs cargo. Returns its success and its messages."""
+    """Runs cargo. Returns true if it succeeds, and the messages of the compiler."""
     environment = dict(os.environ, CARGO_TARGET_DIR=str(tree.parent / "target"))
     command = ["cargo", *arguments, "--message-format=json"]
     ran = subprocess.run(command, cwd=tree, env=environment, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
@@ -200,7 +202,7 @@ def cargo(tree, arguments):
 
 
 def broken(messages, changed):
-    """Numbers of the faults on whose lines the compiler has found errors."""
+    """Returns the numbers of the faults in whose lines the compiler reports errors."""
     found = set()
     for message in messages:
         if message.get("reason") == "compiler-message" and message["message"]["level"] == "error":
@@ -211,13 +213,13 @@ def broken(messages, changed):
 
 
 def processor_time():
-    """Seconds that all ended children have used."""
+    """Returns the processor time in seconds of all child processes that have ended."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
 
 def first_failure(binary, directory, filters, seconds, fault):
-    """Runs tests until one fails. Returns its name, None if all pass, or `out of time`; and the processor time left."""
+    """Runs tests until one fails. Returns the name of this test (or None, or `out of time`), and the time that is left."""
     before = processor_time()
     limit = max(round(seconds), 1)
     process = subprocess.Popen(
@@ -241,7 +243,7 @@ def first_failure(binary, directory, filters, seconds, fault):
 
 
 def draw(root, count, seed):
-    """Faults by their numbers, from 1; at most one on a line."""
+    """Chooses random faults, at most one in each line. Returns them by number, starting from 1."""
     chance = random.Random(seed)
     pools = {folder: candidates(root, patterns) for folder, (patterns, *_) in FOLDERS.items()}
     order = list(FOLDERS)
@@ -259,7 +261,7 @@ def draw(root, count, seed):
 
 
 def compiled(root, tree, faults):
-    """Builds the tests with all faults that compile. Returns the test binaries and the faults that are left."""
+    """Builds the tests with all faults that compile. Returns the test binaries and these faults."""
     unit = {ENGINE: ["test", "--locked", "--no-run", "-p", ENGINE, "--lib"],
             "hardpoint": ["test", "--locked", "--no-run", "--lib", "--test", "it"]}
     while True:
@@ -282,7 +284,7 @@ def compiled(root, tree, faults):
 
 
 def run(root, tree, faults):
-    """Plants one fault after another and prints what the tests say."""
+    """Activates one fault after another, and prints the result of the tests."""
     binaries, left = compiled(root, tree, faults)
     counts = {"killed": 0, "survived": 0, "out of time": 0}
     for number, (folder, path, _, line, said) in left.items():

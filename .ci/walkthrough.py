@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Follows the walkthrough "A characteristic" of CONTRIBUTING.md in a copy of the tree, with a dummy quantity of an axle.
+"""Follows the section "A characteristic" of CONTRIBUTING.md in a copy of the repository: adds a dummy quantity of an axle.
 
-The quantity reads a slot that does not exist yet: the lower end of the spring. The slot goes into the three files that the
-walkthrough names, the quantity into a formula and a line of the catalogue. No other file changes. Then the quantity must be
-known everywhere: `solve`, a sweep in lanes, and a tuning with its derivatives.
+The quantity reads a slot that does not exist yet: the lower end of the spring. The script adds the slot to the three files
+that the section names. It adds the quantity as a formula and a line of the catalogue. No other file changes. Then the
+quantity must be available everywhere: in `solve`, in a sweep in SIMD lanes, and in a tuning with derivatives.
 """
 
 import csv
@@ -16,7 +16,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 COPY = ROOT / "target" / "walkthrough"
 STUDY = "studies/double_wishbone_axle.toml"
-# File, the text after which something is inserted, and what is inserted.
+# File, text after which the script inserts something, and inserted text.
 SLOT = {
     "engine/src/characteristics/wheel.rs": [
         ("        strut_upper: StrutUpper [StrutUpper];\n",
@@ -51,7 +51,7 @@ QUANTITY = {
          "[], [SpringLower], 0, false, lanes, roll::springs_apart, None;\n"),
     ],
 }
-# Half the distance in the design position of the study, and the one that the tuning has to find.
+# Half the distance between the lower spring ends: in the design position of the study, and after the tuning.
 DESIGN, WANTED = 210.0, 216.0
 
 
@@ -60,7 +60,7 @@ def insert(file: str, pieces: list[tuple[str, str]]) -> None:
     text = path.read_text()
     for anchor, piece in pieces:
         if text.count(anchor) != 1:
-            sys.exit(f"error: {file} has {text.count(anchor)} times: {anchor.strip()}")
+            sys.exit(f"error: {file} contains this text {text.count(anchor)} times instead of once: {anchor.strip()}")
         text = text.replace(anchor, anchor + piece)
     path.write_text(text)
 
@@ -88,7 +88,7 @@ def close(found: float, wanted: float, of: str) -> None:
 
 
 def study(name: str, extra: str) -> str:
-    """The sample with the dummy quantity as its only output, in one motion, and with more tables."""
+    """Writes the sample study with the dummy quantity as its only output, one motion, and the tables `extra`."""
     text = (COPY / STUDY).read_text()
     text = text[: text.index("[motion]")]
     text += '[motion]\nheave = [-10.0, 0.0, 10.0]\n\n[outputs]\ncharacteristics = ["springs_apart"]\n' + extra
@@ -127,7 +127,7 @@ def main() -> None:
     tuned = column(at, "springs_apart_mm")[column(at, "heave_mm").index(0.0)]
     print(f"1 tuning: {tuned!r}, wanted {2 * WANTED!r}", flush=True)
     if not abs(tuned - 2 * WANTED) < 1e-3:
-        sys.exit("error: the tuning does not see the new slot")
+        sys.exit("error: the tuning does not use the new slot")
     shutil.rmtree(COPY)
 
 

@@ -1,5 +1,6 @@
-//! Runs of every command over randomly damaged studies, as processes. None panics, hangs or takes much memory, and
-//! every refusal has a reason. No written number is infinite or NaN. An empty cell in an `ok` row has a counted reason.
+//! Runs of every command over randomly damaged studies, as processes. No run may panic, hang or take much memory, and
+//! every refusal has a reason. No written number is infinite or NaN. If a row with the status `ok` has an empty cell,
+//! the summary counts its reason.
 
 use crate::support::bounded::wait_within_bounds;
 use crate::support::mutants::mutilated;
@@ -13,7 +14,8 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Number of stations, and of stations of all designs, beyond which a study may take long.
+/// Number of stations beyond which a study may take long. `MANY_POSES` is this limit for the stations of all designs
+/// together.
 const MANY_STATIONS: usize = 5_000;
 const MANY_POSES: u64 = 2_000_000;
 
@@ -24,7 +26,7 @@ struct Mutant<'a> {
     size: Option<Size>,
 }
 
-/// Amounts of a study that determine its run time.
+/// Numbers in a study that determine its run time.
 #[derive(Clone, Copy)]
 struct Size {
     stations: usize,
@@ -33,7 +35,7 @@ struct Size {
 }
 
 impl Size {
-    /// Returns `None` if the reader refuses the study.
+    /// Size of a study. `None` if the reader refuses the study.
     fn of(text: &str, samples: &Path) -> Option<Size> {
         let study = Study::from_text("study.toml", text, samples).ok()?;
         let stations = match study.axle() {
@@ -87,7 +89,8 @@ impl Mutant<'_> {
     }
 }
 
-/// Asserts that all cells of a table are finite. Returns the number of empty cells in `ok` rows, by column.
+/// Asserts that all numbers of a table are finite. Returns the number of empty cells in rows with the status `ok`, by
+/// column.
 fn empty_cells(csv: &[u8]) -> Result<BTreeMap<String, usize>, String> {
     let mut reader = csv::Reader::from_reader(csv);
     let header = reader.headers().map_err(|e| e.to_string())?.clone();
@@ -125,7 +128,7 @@ fn counted_cells(summary: &serde_json::Value) -> BTreeMap<String, usize> {
     counted
 }
 
-/// Runs every command on one mutant. Returns the first violation as an error.
+/// Runs every command on one mutant (damaged study). Returns the first violation as an error.
 fn examine(
     number: u64,
     samples: &Path,
@@ -187,7 +190,7 @@ fn examine(
         }
     }
     run(&["limits", "study.toml"])?;
-    // The interval search over every rotation takes long for five links.
+    // For five links, the interval search over all rotations of the wheel carrier takes long.
     if long || !mutant.text.contains("five_link") {
         run(&["assemblies", "study.toml"])?;
     }
@@ -224,7 +227,7 @@ fn every_command(mutants: std::ops::Range<u64>, long: bool) {
         .filter(|path| path.extension().is_some_and(|e| e == "toml"))
         .collect();
     paths.sort();
-    // Skips studies with elastic parts: `tests/it/compliance` damages them. Skips cars too.
+    // Omits studies with elastic parts, because `tests/it/compliance` damages them. Also omits cars.
     let texts = paths.iter().map(|path| fs::read_to_string(path).unwrap());
     let texts = texts.filter(|text| !text.contains("[compliance]") && !text.contains("\n[car]\n"));
     // Uses fewer samples and starts, because there are many mutants.
@@ -265,7 +268,8 @@ fn every_command(mutants: std::ops::Range<u64>, long: bool) {
     assert!(failures.is_empty(), "{}", failures.join("\n\n"));
 }
 
-/// Mutants of `MUTANTS=1000-1100`, or else the given ones.
+/// Numbers of the mutants from the environment variable, such as `MUTANTS=1000-1100`. Without the variable, the given
+/// numbers.
 fn chosen(otherwise: &str) -> std::ops::Range<u64> {
     let range = std::env::var("MUTANTS").unwrap_or_else(|_| otherwise.to_owned());
     let (from, to) = range.split_once('-').expect("two numbers");
@@ -312,8 +316,8 @@ fn a_signal_ends_every_command_often() {
     interrupted(10_000..11_000);
 }
 
-/// The first signal ends every command at any point, and its files record that. `SIGNALS=3` has the forty tries of
-/// seed 3, and so on.
+/// The first signal ends every command at any moment, and the written files record the interruption. `SIGNALS=3` runs
+/// the forty tries of seed 3.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_signal_ends_every_command() {

@@ -1,4 +1,5 @@
-//! Tests that kill, limit or measure child processes, in a separate binary so that no other test competes with them.
+//! Tests that kill, limit or measure child processes. They are in a separate binary, so that no other test runs at the
+//! same time.
 
 mod every_command;
 mod results;

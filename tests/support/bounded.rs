@@ -1,29 +1,29 @@
-//! Support for child processes within bounds of time and memory.
+//! Limits of time and memory for child processes.
 
 use std::process::{Child, ExitStatus};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Processor time allowed for a command on a study of ordinary size, over all its threads. The test does not use
-/// elapsed time, which would measure the load of the machine.
+/// Processor time allowed for a command on a study of ordinary size, summed over all threads. The test does not use
+/// elapsed time, because elapsed time depends on the load of the machine.
 const MOST_SECONDS: f64 = 10.0;
-/// Limit of elapsed time, for processes that wait without computing, and for systems without a reading of processor
-/// time.
+/// Limit of elapsed time. It ends processes that wait without computing. It also applies on systems where the processor
+/// time cannot be read.
 const MOST_SECONDS_ELAPSED: f64 = if cfg!(target_os = "linux") {
     120.0
 } else {
     MOST_SECONDS
 };
-/// Memory limit in KiB; a further limit applies for each requested station. Such a command takes some tens of MiB, and
-/// a station some hundreds of bytes. A count that the program reads from a study and allocates unchecked takes far
-/// more.
+/// Memory limit in KiB, to which a limit for each requested station is added. A command takes some tens of MiB, and a
+/// station some hundreds of bytes. A command takes far more if it allocates memory for an unchecked number from a
+/// study.
 const MOST_KIBIBYTES: u64 = 512 * 1024;
 const MOST_KIBIBYTES_PER_STATION: u64 = 2;
-/// Clock ticks per second in `/proc/PID/stat`: USER_HZ, which is 100 on every common architecture.
+/// Clock ticks per second in `/proc/PID/stat` (USER_HZ). This is 100 on every common architecture.
 const TICKS_PER_SECOND: f64 = 100.0;
 
-/// Waits for the end of a child with this many requested stations. Kills one that exceeds a limit, and returns the
-/// reason.
+/// Waits for the end of a child process with this many requested stations. If the process exceeds a limit, kills it and
+/// returns the reason.
 pub fn wait_within_bounds(child: &mut Child, stations: u64) -> Result<ExitStatus, String> {
     let begun = Instant::now();
     let most_kibibytes = MOST_KIBIBYTES + MOST_KIBIBYTES_PER_STATION * stations;
@@ -41,7 +41,7 @@ pub fn wait_within_bounds(child: &mut Child, stations: u64) -> Result<ExitStatus
         } else if memory > most_kibibytes {
             format!("takes {memory} KiB for {stations} stations")
         } else {
-            // Most commands end within milliseconds, and the waiting process must not use their processor.
+            // Most commands end within milliseconds. The process that waits must not use their processor, so it pauses.
             let pause = elapsed / 8;
             sleep(pause.clamp(Duration::from_micros(200), Duration::from_millis(20)));
             continue;
@@ -52,10 +52,11 @@ pub fn wait_within_bounds(child: &mut Child, stations: u64) -> Result<ExitStatus
     }
 }
 
-/// Processor time of a process so far, in user and system mode; `None` if it cannot be read.
+/// Processor time of a process so far, in user and system mode. `None` if it cannot be read.
 fn seconds_of_processor(id: u32) -> Option<f64> {
     let stat = std::fs::read_to_string(format!("/proc/{id}/stat")).ok()?;
-    // proc(5): fields 14 and 15. The second field is the name in parentheses, which may contain any character.
+    // The manual page proc(5) defines fields 14 and 15. The second field is the name in parentheses, which may contain
+    // any character.
     let (_, after_name) = stat.rsplit_once(')')?;
     let mut ticks = after_name.split_whitespace().skip(11);
     let [user, system] = [ticks.next()?, ticks.next()?].map(str::parse::<f64>);

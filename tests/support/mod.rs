@@ -1,4 +1,4 @@
-//! Support for tests: reader of the reference values, and of the mechanisms to which they belong.
+//! Support for tests. Reads the reference values, and the mechanisms of the reference.
 #![allow(dead_code, reason = "each test binary uses a part of it")]
 
 pub mod bounded;
@@ -18,8 +18,8 @@ use hardpoint::solve::{Solver, StationOrder};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// True if the processor has SIMD lanes. Without them, tests that count the work of lanes end early: the program then
-/// solves each design alone, which other tests check.
+/// True if the processor has SIMD lanes. Without SIMD lanes, the program solves each design alone. Tests that count the
+/// work of lanes then end early. Other tests check the solutions of designs alone.
 pub fn has_lanes() -> bool {
     hardpoint::number::Width::widest().is_some()
 }
@@ -143,9 +143,9 @@ impl Case {
     }
 }
 
-/// Drive, its value and the rack displacement in the solver's convention, and the factor from the reference's drive to
-/// the solver's. The reference turns the arm about p2 - p1; in the solver a positive angle raises the ball joint. The
-/// reference's rack already moves along the solver's +y.
+/// Drive, its value and the rack displacement in the solver's convention. Also the factor from the reference's drive to
+/// the solver's drive. The reference turns the arm about p2 - p1. In the solver, a positive angle raises the ball
+/// joint. The reference's rack already moves along the solver's +y.
 pub fn motion(state: &Value) -> (Drive, f64, f64, f64) {
     let value = number(&state["drive"]["value"]);
     let rack = number(&state["drive"]["rack"]);
@@ -156,7 +156,7 @@ pub fn motion(state: &Value) -> (Drive, f64, f64, f64) {
     }
 }
 
-/// Order of stations for one station, with intermediate stations that keep the steps ordinary.
+/// Order of stations for a single station. It has intermediate stations, so that the steps have ordinary lengths.
 pub fn order_to(value: f64) -> StationOrder {
     StationOrder::through(&[value])
 }
@@ -184,8 +184,8 @@ pub const ANGLES: [(&str, Characteristic); 4] = [
     ("caster", Characteristic::Caster),
 ];
 
-/// Largest errors of the sensitivities of value, first and second derivative in a state, relative to the largest of
-/// their kind: of all points, or of all angles.
+/// Largest errors of the sensitivities in a state, separately for value, first and second derivative. Each error is
+/// relative to the largest sensitivity of its kind: of all points, or of all angles.
 pub fn sensitivity_errors(
     case: &Case,
     state: &Value,
@@ -202,7 +202,7 @@ pub fn sensitivity_errors(
     let (params, outputs) = (list("params"), list("outputs"));
     let mut buffer = vec![Vector3::new(0.0, 0.0, 0.0).map(Jet::constant); case.design.len()];
     for points in [true, false] {
-        // The scale is the largest value of all points, or of all angles, at this order.
+        // The scale is the largest sensitivity of all points, or of all angles, at this order.
         let mut scale = [0.0_f64; 3];
         let mut found = Vec::new();
         for (column, output) in outputs.iter().enumerate() {
@@ -263,8 +263,8 @@ pub fn rows_by_column(csv: &[u8]) -> Vec<BTreeMap<String, String>> {
         .collect()
 }
 
-/// Asserts that two pictures are equal to a pixel, which allows for last digits of a platform or a slightly better
-/// optimum.
+/// Asserts that two pictures are equal to a pixel. This tolerance allows for other last digits on another platform, or
+/// for a slightly better optimum.
 pub fn assert_same_picture(kept: &str, made: &str, name: &str) {
     let pieces = |svg: &str| -> Vec<String> {
         let parts = svg.split_inclusive(|c: char| !(c.is_ascii_digit() || ".-".contains(c)));

@@ -1,5 +1,5 @@
-//! Generator of damaged studies: it deletes, duplicates and swaps lines, replaces numbers by awkward ones, truncates
-//! files and inserts foreign characters. A number identifies each mutant.
+//! Generator of damaged studies (mutants). It deletes, duplicates and swaps lines, replaces numbers by awkward numbers,
+//! truncates files and inserts foreign characters. A number identifies each mutant.
 
 use super::random::Random;
 
@@ -105,7 +105,7 @@ fn is_numeric(c: char) -> bool {
     c.is_ascii_digit() || c == '.' || c == '-'
 }
 
-/// Ranges of consecutive characters that satisfy `belongs`, outside comments.
+/// Ranges of consecutive characters for which `belongs` returns true, outside comments.
 fn tokens(text: &str, belongs: impl Fn(char) -> bool) -> Vec<std::ops::Range<usize>> {
     let mut found: Vec<std::ops::Range<usize>> = Vec::new();
     let mut start = 0;

@@ -2,7 +2,8 @@
 //! rotation. This independent formulation uses none of the library's constraint rows. Newton's method solves it in
 //! doubles (to track) and in double-doubles (for 30 digits).
 //!
-//! A rod or a joint may end on an arm, whose points follow from the triad of its axis and its outer joint.
+//! A rod or a joint may end on an arm. A point of an arm follows from three directions (the triad), which are defined
+//! by the arm's axis and outer joint.
 
 use hardpoint::bench::DoubleDouble as Dd;
 use hardpoint::mechanism::Pose;
@@ -23,13 +24,14 @@ pub struct Quadratics<T> {
 /// One of the five equations.
 #[derive(Clone, Copy)]
 enum Equation<T> {
-    /// Rod: its end on the body, lever on the knuckle, squared length.
+    /// Rod: end on the body, lever on the knuckle, and squared length.
     Rod(End<T>, Vector3<T>, T),
-    /// Joint with an arm, for this component of its position: end on the arm, lever on the knuckle.
+    /// Joint with an arm, for one component of the position: end on the arm, lever on the knuckle, and number of the
+    /// component.
     Joint(End<T>, Vector3<T>, usize),
 }
 
-/// End that is not on the knuckle.
+/// End of a rod or joint that is not on the knuckle.
 #[derive(Clone, Copy)]
 enum End<T> {
     Body(Vector3<T>),
@@ -42,13 +44,14 @@ enum End<T> {
 struct OnArm<T> {
     front: Vector3<T>,
     rear: Vector3<T>,
-    /// Lever of the arm's outer joint on the knuckle.
+    /// Lever of the arm's outer joint, on the knuckle.
     lever: Vector3<T>,
     /// Coordinates of the point in the triad of the arm.
     by_triad: [T; 3],
 }
 
-/// Direction of an arm's axis, the direction perpendicular to it and to the lever of the joint, and the normal of both.
+/// Triad of an arm: direction of the axis, direction perpendicular to the axis and to the joint's lever, and the normal
+/// of both.
 fn triad<T: Real>(front: Vector3<T>, rear: Vector3<T>, joint: Vector3<T>) -> [Vector3<T>; 3] {
     let along = (rear - front).normalised();
     let across = along.cross(joint - front).normalised();
@@ -198,7 +201,8 @@ impl Quadratics<f64> {
         jacobian.lu()
     }
 
-    /// Result of Newton's method from any start, if it converges: a pose to within rounding, or a reflection.
+    /// Result of Newton's method from any start: a pose to within rounding, or a reflection of a pose. `None` if the
+    /// method does not converge.
     pub fn solve_from(&self, start: Pose<f64>, travel: f64, rack: f64) -> Option<Pose<f64>> {
         let mut pose = start;
         for _ in 0..80 {
@@ -223,8 +227,8 @@ impl Quadratics<f64> {
         (0..5).map(error).fold(0.0, f64::max)
     }
 
-    /// Pose reached from the design position by moving first the rack, then the wheel, in `steps` small steps each;
-    /// `None` if Newton's method would jump.
+    /// Pose reached from the design position. The rack moves first, then the wheel, each in `steps` small steps. `None`
+    /// if Newton's method would jump.
     pub fn track(
         &self,
         start: Pose<f64>,
@@ -274,8 +278,8 @@ fn apply<T: Real>(pose: &Pose<T>, step: &SVector<f64, 12>, less: impl Fn(T, f64)
 }
 
 impl Quadratics<Dd> {
-    /// Solution next to a pose, to the last digits of a double-double. `factors` may be those of a neighbouring design
-    /// or station.
+    /// Solution near a given pose, to the last digits of a double-double. `factors` may be those of a neighbouring
+    /// design or station.
     pub fn refine(&self, start: &Pose<Dd>, factors: &Factors, travel: Dd, rack: Dd) -> Pose<Dd> {
         let mut pose = *start;
         for _ in 0..12 {

@@ -1,4 +1,4 @@
-//! Tests of commands interrupted at random moments. A number identifies each try.
+//! Tests of commands that are interrupted at random moments. A number identifies each try.
 
 use super::random::Random;
 use serde_json::Value;
@@ -9,13 +9,14 @@ use std::process::{Child, Command, Stdio};
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Largest processor time from a signal to the end, of all threads together.
+/// Largest processor time from a signal to the end of the process, summed over all threads.
 const MOST_SECONDS: f64 = 0.3;
-/// The clock of `/proc/PID/stat` has ticks of a hundredth of a second. Two readings have an error of up to a tick each.
+/// Error of a difference of two readings of processor time. A tick of the clock in `/proc/PID/stat` is 0.01 s, and each
+/// reading has an error of up to one tick.
 const READING: f64 = 0.02;
-/// Longest wait for a process that should have ended, on a loaded machine.
+/// Longest wait for a process that should have ended. Long enough for a loaded machine.
 const HANGS: Duration = Duration::from_secs(120);
-/// Longest wait for a complete run on a loaded machine.
+/// Longest wait for a complete run. Long enough for a loaded machine.
 const WHOLE_RUN: Duration = Duration::from_secs(900);
 
 /// Files of an interrupted run that may differ from those of a complete run.
@@ -46,14 +47,14 @@ const PARTIAL: [(&str, &[&str]); 3] = [
     ("sweep", &["pareto.csv"]),
 ];
 
-/// Case: the arguments of a command in a separate directory, and the files that it leaves there.
+/// A command with its arguments, which runs in a separate directory.
 #[derive(Clone)]
 struct Case {
     command: &'static str,
     arguments: Vec<String>,
     /// Directory of the results, if there is one.
     out: Option<&'static str>,
-    /// True if the results are the same in every run.
+    /// True if every run writes the same results.
     is_exact: bool,
 }
 
@@ -65,14 +66,15 @@ struct Reference {
     files: BTreeMap<String, Vec<u8>>,
 }
 
-/// Commands over the real studies.
+/// Commands that run on the sample studies.
 pub struct Signals {
     studies: PathBuf,
     cases: Vec<Case>,
     references: Mutex<HashMap<usize, Reference>>,
 }
 
-/// Worst results of the tries of a command: number of tries, number of interrupted ones, and seconds to the end.
+/// Results for each command: number of tries, number of interrupted tries, and largest time from the signal to the end
+/// in seconds.
 pub type Worst = BTreeMap<&'static str, (usize, usize, f64)>;
 
 fn case(command: &'static str, arguments: &str, study: &str) -> Case {
@@ -85,7 +87,7 @@ fn case(command: &'static str, arguments: &str, study: &str) -> Case {
     }
 }
 
-/// Commands that suit a study, with sizes that take about a second.
+/// Commands that can run on a study. Their sizes are chosen so that they take about a second.
 fn cases_of(study: &str, text: &str) -> Vec<Case> {
     let has = |section: &str| text.contains(&format!("\n[{section}"));
     let is_axle = has("axle");
@@ -288,7 +290,7 @@ impl Signals {
         interrupted: bool,
         left: &BTreeMap<String, Vec<u8>>,
     ) -> Result<(), String> {
-        // Before the program installs its handler, the signal ends it like any other program.
+        // Before the program has installed its handler, the operating system ends the program at the signal.
         let at_once = code.is_none()
             && case
                 .out
@@ -334,7 +336,7 @@ impl Signals {
         for (name, bytes) in left.iter().filter(|_| case.is_exact) {
             let own = name.strip_prefix(&format!("{out}/")).unwrap_or("");
             let states = ["run.json", "summary.json"].contains(&own);
-            // The directory of pictures has a record of its own, which says that the signal ended its run early.
+            // The directory of pictures has its own record. This record says that a signal ended the run early.
             let is_early = own.is_empty()
                 && name.ends_with("/run.json")
                 && serde_json::from_slice(bytes).is_ok_and(|record: Value| {
@@ -349,7 +351,7 @@ impl Signals {
         Ok(())
     }
 
-    /// Runs the command once more, or resumes it: the bytes must equal those of an uninterrupted run.
+    /// Runs the command once more, or resumes the run. The bytes must equal those of a run without interruption.
     fn again(&self, case: &Case, reference: &Reference, directory: &Path) -> Result<(), String> {
         let mut arguments = case.arguments.clone();
         if case.command == "sweep" && directory.join("out/run.json").exists() {
@@ -393,7 +395,7 @@ fn start(directory: &Path, arguments: &[String]) -> Child {
     command.spawn().unwrap()
 }
 
-/// Every file below a directory by its path, except workbooks, whose archives contain a time.
+/// Every file below a directory, by its path. Omits workbooks, because their archives contain a time.
 fn files(directory: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut left = vec![directory.to_owned()];
@@ -412,8 +414,8 @@ fn files(directory: &Path) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
-/// Fields of `/proc/PID/stat` from the state on. After its end, a process keeps these fields until its parent waits
-/// for it.
+/// Fields of `/proc/PID/stat`, starting with the state of the process. After the end of a process, these fields remain
+/// until its parent waits for it.
 fn stat(child: &Child) -> Vec<String> {
     let stat = fs::read_to_string(format!("/proc/{}/stat", child.id())).unwrap_or_default();
     let after_name = stat.rsplit_once(')').map_or("", |(_, after)| after);
@@ -433,7 +435,7 @@ fn seconds(child: &Child) -> f64 {
     (ticks(11).unwrap_or(0.0) + ticks(12).unwrap_or(0.0)) / 100.0
 }
 
-/// Waits for a process to end without reaping it. Returns its processor seconds.
+/// Waits for the end of a process, but leaves its entry in `/proc`. Returns the processor seconds of the process.
 fn wait(child: &mut Child, most: Duration) -> Result<f64, String> {
     let begun = Instant::now();
     while !is_over(child) {

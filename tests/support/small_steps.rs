@@ -11,7 +11,7 @@
 //! R^T R = 1
 //! ```
 //!
-//! A step follows the tangent. It is kept if Newton's method from there makes a small correction (the path is nearly
+//! A step follows the tangent. The step is kept if Newton's method from there makes a small correction (the path is nearly
 //! straight), converges, and finds nearly the same determinant. Otherwise the step is halved.
 
 use hardpoint::derive::MotionPoint;
@@ -30,22 +30,23 @@ const LONGEST: f64 = 0.02;
 const STRAIGHT: f64 = 0.05;
 /// Shortest step, as a fraction of the path.
 const SHORTEST: f64 = 1e-9;
-/// Largest number of steps. Paths seldom need more than a hundred; close to another assembly they may need thousands.
+/// Largest number of steps. Paths seldom need more than a hundred steps. Close to another solution branch they may need
+/// thousands.
 const MOST: usize = 20_000;
 
 /// Equations of one design.
 pub struct SmallSteps {
     origin: V,
     scale: f64,
-    /// Chassis end, true if the rack moves it, and lever on the knuckle.
+    /// Rods: chassis end, true if the rack moves this end, and lever on the knuckle.
     rods: Vec<(V, bool, V)>,
-    /// Mount and normal.
+    /// Lines of struts: mount, and a normal of the line.
     lines: Vec<(V, V)>,
     wheel: V,
-    /// Vector from the arm's axis to its outer joint, its direction, and the direction tangential to the joint's
+    /// Three vectors: from the arm's axis to its outer joint; the direction of this vector; the tangent of the joint's
     /// circle.
     arm: [V; 3],
-    /// True if the joint starts to move horizontally, so that no direction of rotation is the positive one.
+    /// True if the joint starts to move horizontally. Then no direction of rotation counts as positive.
     is_at_dead_centre: bool,
 }
 
@@ -78,9 +79,9 @@ impl SmallSteps {
         let arm = &mechanism.arms[0];
         let (front, rear) = (at(arm.front), at(arm.rear));
         let axis = (front - rear).normalised();
-        // Position of the outer joint (the origin) relative to the axis, from the nearer axis end. This vector is
-        // perpendicular to the axis to the last digit, because the arm may be short. A positive rotation raises the
-        // joint.
+        // Position of the outer joint (the origin) relative to the axis, from the axis end that is nearer. The arm may
+        // be short, so the code makes this vector perpendicular to the axis to the last digit. A positive rotation
+        // raises the joint.
         let near = if front.norm() < rear.norm() {
             front
         } else {
@@ -103,7 +104,7 @@ impl SmallSteps {
         }
     }
 
-    /// Target for a motion point: value of the drive and rack, in scaled units or radians.
+    /// Target values for a motion point: drive and rack, in scaled units or radians.
     fn goal(&self, point: &MotionPoint<f64>) -> [f64; 2] {
         let value = match point.drive {
             Drive::Travel => point.value / self.scale,
@@ -118,7 +119,7 @@ impl SmallSteps {
         let mut all = X::zeros();
         let mut i = 0;
         for (inner, on_rack, lever) in &self.rods {
-            // Computes |d|^2 - |d0|^2 from the difference d - d0, which avoids cancellation.
+            // Computes |d|^2 - |d0|^2 from the difference d - d0. This avoids cancellation.
             let moved = o + turned(*lever)
                 - *lever
                 - if *on_rack {
@@ -216,8 +217,8 @@ impl SmallSteps {
         all
     }
 
-    /// Pose at `to`, with the rack moved first, then the drive. Returns `None` if the steps become too small, or for a
-    /// rotation of an arm at dead centre.
+    /// Pose at `to`. The path moves the rack first, then the drive. `None` if the steps become too small, or if the
+    /// drive rotates an arm at a dead centre.
     pub fn follow(&self, to: &MotionPoint<f64>) -> Option<Pose<f64>> {
         if to.drive == Drive::ArmAngle && self.is_at_dead_centre {
             return None;

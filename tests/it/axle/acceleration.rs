@@ -1,4 +1,4 @@
-//! Tests of second derivatives of an axle: they equal those of one wheel, and the slopes of the first derivatives.
+//! Tests of second derivatives of an axle, against those of one wheel and against slopes of the first derivatives.
 
 use hardpoint::axle::axle_curves;
 use hardpoint::curves::Curves;
@@ -22,8 +22,8 @@ const ASKED: &str = "outputs={characteristics=[\"camber\", \"toe\", \"track\", \
     \"force_roll_centre_height\", \"wheel_load\", \"roll_angle\", \"spring_force\"], points=[\"wheel_centre\", \"tie_rod_outer\", \
     \"drop_link_inner\"], knuckle=true, order=\"acceleration\"}";
 
-/// The second derivatives with respect to roll, heave, rack and travel equal the slopes of the first derivatives, from
-/// differences of eighth order.
+/// The second derivatives with respect to roll, heave, rack and travel equal the slopes of the first derivatives. The
+/// slopes come from differences of eighth order.
 #[test]
 fn second_derivatives_are_the_slopes_of_the_first() {
     let step = 0.125;

@@ -18,8 +18,8 @@ fn at(heave: f64, roll: f64, rack: f64) -> Placement {
     Placement::AtLoad { heave, roll, rack }
 }
 
-/// In roll at constant load, the sum of both wheel loads equals that of the level position, for any roll angle and
-/// rack displacement. The body rises or sinks to keep this sum constant.
+/// In roll at constant load, the sum of both wheel loads equals the sum in the level position. This holds for any roll
+/// angle and rack displacement. The body rises or sinks to keep this sum constant.
 #[test]
 fn the_sum_of_the_wheel_loads_is_held() {
     for name in ["macpherson_axle", "five_link_axle"] {
@@ -53,8 +53,8 @@ fn the_sum_of_the_wheel_loads_is_held() {
     }
 }
 
-/// The slope of the roll moment along these positions equals `roll_stiffness_at_load`. The reference tests check the
-/// formula of that quantity.
+/// In roll at constant load, the slope of the roll moment equals `roll_stiffness_at_load`. The reference tests check
+/// the formula of that quantity.
 #[test]
 fn the_slope_of_the_roll_moment_is_the_stiffness_at_load() {
     let study = study("macpherson_axle", &[]);
@@ -170,7 +170,7 @@ fn a_load_is_held_where_the_motion_says_so() {
         ),
         (motion, "outputs.certify=true", "certify\" does not work"),
         (motion, "outputs.certify=false", ""),
-        // Derivatives of the poses would hold the mean travel.
+        // Derivatives would be those at constant mean travel, not at constant load.
         (
             motion,
             "outputs.order=\"velocity\"",
@@ -192,8 +192,9 @@ fn a_load_is_held_where_the_motion_says_so() {
     assert!(said.contains("needs [spring]"), "{said}");
 }
 
-/// The search follows the roll angle if the mean travel of the level axle is out of reach at the roll angle: at a heave of -30 mm
-/// and 6 degrees of roll, a wheel would be beyond its travel. The held load is found at a smaller droop.
+/// At a heave of -30 mm and 6 degrees of roll, the mean travel of the level axle is out of reach: one wheel would be
+/// beyond its travel. The search then increases the roll angle from zero in steps. It finds the load at a smaller
+/// droop.
 #[test]
 fn the_load_is_found_where_the_level_travel_is_out_of_reach() {
     let loads = |motion: &str| -> Vec<f64> {

@@ -40,7 +40,7 @@ fn assemblies_of_a_mirror_image_are_mirror_images() {
         }
         assert_eq!(right["connected"], left["connected"]);
     }
-    // With the rack at zero the assemblies of one wheel apply to both.
+    // With the rack at zero, the assemblies of one wheel apply to both wheels.
     let (out, _) = run(&["assemblies", path], 0);
     assert!(out.contains("mirror image"), "{out}");
     assert!(!out.contains("right wheel:"), "{out}");
@@ -56,8 +56,8 @@ fn at_design(out: &std::path::Path, name: &str) -> f64 {
     curves.column(name).unwrap()[row.unwrap()].unwrap()
 }
 
-/// One set-up applies to both wheels of a mirrored axle: both wheels reach the target camber and toe, and the curves
-/// of the axle start from these values.
+/// One set-up applies to both wheels of a mirrored axle. Both wheels reach the target camber and toe. The curves of the
+/// axle start from these values.
 #[test]
 fn a_mirrored_axle_is_set_up_alike() {
     let (path, out) = (study("macpherson_axle.toml"), folder("setup_mirrored"));
@@ -79,8 +79,8 @@ fn a_mirrored_axle_is_set_up_alike() {
         printed.contains("Instructions for both wheels"),
         "{printed}"
     );
-    // The printed direction applies to both wheels: the shim moves a strut top, and -1 deg of camber needs the strut
-    // top farther inboard.
+    // The printed direction applies to both wheels. The shim moves a strut top: for -1 deg of camber, the strut top
+    // must move inboard.
     assert!(printed.contains("move inboard by "), "{printed}");
     for side in ["left", "right"] {
         let camber = at_design(&out, &format!("{side}_camber_deg"));
@@ -127,7 +127,8 @@ fn wheels_that_differ_are_set_up_one_by_one() {
         at_design(&out, "left_spring_force_N")
     };
     let (level, lowered) = (set_up("0.0"), set_up("10.0"));
-    // 60 N/mm over nearly 10 mm; the links move the spring seat by less than 2 mm.
+    // The spring rate is 60 N/mm. The changed links move the spring seat by less than 2 mm, so by less than 120 N. The
+    // lowered car compresses the spring by nearly 10 mm.
     assert!((level - 4200.0).abs() < 120.0, "{level}");
     assert!(
         (400.0..700.0).contains(&(lowered - level)),
@@ -202,8 +203,8 @@ fn builds_of_an_axle_have_limits_of_both_wheels() {
     assert!((own - number(&rows[0], "nearest")).abs() < 1e-6, "{own}");
 }
 
-/// The benchmark measures SIMD lanes if sweeps of the axle can use them, and refuses entries that apply only to one
-/// wheel.
+/// The benchmark measures the evaluation in SIMD lanes if sweeps of the axle can use it. It refuses entries that apply
+/// only to one wheel.
 #[test]
 fn an_axle_is_timed_by_its_positions() {
     if !crate::support::has_lanes() {

@@ -34,8 +34,8 @@ fn centres(both: &hardpoint::axle::Axle, placed: &AxlePose) -> [Vector3<f64>; 2]
     })
 }
 
-/// The certified bounds contain travels, roll angle and wheel centres of every reference state, and are close to the
-/// rounding error.
+/// The certified bounds contain travels, roll angle and wheel centres of every reference state. The bounds are hardly
+/// wider than the rounding error.
 #[test]
 fn the_answers_at_sixty_digits_lie_within_the_proof() {
     for name in ["macpherson_front", "double_wishbone_front"] {
@@ -76,7 +76,7 @@ fn the_answers_at_sixty_digits_lie_within_the_proof() {
                 assert!(error <= bound, "{label} {side}: {error:e} {proof:?}");
             }
             let roll = expected("roll_angle");
-            // A roll angle that is given in degrees is rounded into radians.
+            // A roll angle in degrees is rounded when it is converted to radians.
             let bound = proof.roll_error + 2.0 * rounding(roll);
             assert!((placed.roll - roll).abs() <= bound, "{label}: {proof:?}");
             let sharp = proof.position_errors.into_iter().all(|e| e < 1e-10);
@@ -127,8 +127,8 @@ const TRAVELS: [&str; 3] = [
     "motion.ground=\"plane\"",
 ];
 
-/// The certificate of a travel that is off by a nanometre states an error at least that large. The same applies to the
-/// roll angle.
+/// If a travel is wrong by a nanometre, the certified error is at least a nanometre. The same applies to a wrong roll
+/// angle.
 #[test]
 fn a_false_root_is_not_proved_to_be_near() {
     let both = study("macpherson_axle.toml", &[])
@@ -157,7 +157,7 @@ fn a_false_root_is_not_proved_to_be_near() {
         let proof = certifier.prove(&wanted, &planted).unwrap();
         assert!(proof.travel_error >= off, "{off}: {proof:?}");
         assert!(proof.travel_error < 1.1 * off, "{off}: {proof:?}");
-        // The certificate bounds the carrier position errors by nearly this offset too.
+        // The certified position errors of the carriers are at least 0.9 times this offset too.
         assert!(proof.position_errors.into_iter().all(|e| e >= 0.9 * off));
     }
     // If the stated travels are 1e-6 mm away from those of the poses, the certified error is at least this large.
@@ -194,8 +194,8 @@ fn a_false_root_is_not_proved_to_be_near() {
     );
 }
 
-/// The enclosure of poses over an interval of travel contains the solved poses. The enclosed derivative contains that
-/// of the Taylor series.
+/// The enclosure of poses over an interval of travel contains the solved poses. The enclosure of the derivative
+/// contains the derivative of the Taylor series.
 #[test]
 fn poses_over_an_interval_of_travel_are_enclosed() {
     let both = study("five_link_axle.toml", &[])

@@ -239,7 +239,7 @@ fn an_axle_is_certified() {
     );
 }
 
-/// The page draws the rolled body on level ground: it shows both contact points on the ground and the roll centre at
+/// The page draws the rolled body on level ground. It shows both contact points on the ground, and the roll centre at
 /// the height of the curves. The turn centre agrees with the turning circle.
 #[test]
 fn the_page_shows_both_wheels_on_the_ground() {
@@ -376,7 +376,7 @@ fn an_axle_is_tuned() {
     assert!(said.contains("18 of 18 stations solved"), "{said}");
 }
 
-/// A sweep of axles has the same bytes on one thread and on two, and a page.
+/// A sweep of axles writes identical files with one thread and with two threads. It also writes a page.
 #[test]
 fn axles_are_swept() {
     if !crate::support::has_lanes() {
@@ -450,8 +450,8 @@ fn axles_are_swept() {
     };
     for (ours, theirs) in curves.lines().skip(1 + 149 * 4).zip(solved.lines().skip(1)) {
         let (ours, mut theirs) = (numbers(ours, 1), numbers(theirs, 0));
-        // Removes the columns of the travels, which the solver finds, and of the rack displacement, which follows from
-        // the steering wheel angle.
+        // Removes the columns of the travels and of the rack displacement. The solver finds the travels, and the rack
+        // displacement follows from the steering wheel angle.
         theirs.drain(2..5);
         assert_eq!((ours.len(), &ours[..3]), (8, &theirs[..3]));
         for (a, b) in ours.iter().zip(&theirs) {

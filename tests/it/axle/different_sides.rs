@@ -1,5 +1,5 @@
-//! Tests of every quantity of an axle with different sides. The references are the mirrored axle, and an evaluation
-//! from wheel positions, ground geometry and differences between positions.
+//! Tests of every quantity of an axle with different sides. One reference is the mirrored axle. The other reference is
+//! an independent evaluation from wheel positions, ground geometry and differences between positions.
 
 use super::one_state::axles;
 use super::reference::condition;
@@ -184,7 +184,7 @@ fn assert_all_compared(compared: &BTreeMap<&str, usize>) {
         A::BeamTwist,
         A::BeamTorque,
     ];
-    // `rocker_springs` compares springs between the rockers with their energies.
+    // `rocker_springs` checks springs between the rockers against their energies.
     let between = [
         A::HeaveSpringForce,
         A::HeaveSpringLength,
@@ -192,7 +192,7 @@ fn assert_all_compared(compared: &BTreeMap<&str, usize>) {
         A::TBarTorque,
         A::HeaveBarTorque,
     ];
-    // `springs` compares stiffnesses with and without tyres with slopes of moments.
+    // `springs` checks stiffnesses with and without tyres against slopes of moments.
     let tyres = [A::RollStiffnessWithTyres, A::RideRateWithoutTyres];
     let lists: [&[A]; 3] = [&of_solid, &between, &tyres];
     let elsewhere = |q: &A| lists.iter().any(|list| list.contains(q));
@@ -203,13 +203,13 @@ fn assert_all_compared(compared: &BTreeMap<&str, usize>) {
     }
 }
 
-/// Wheel in the vehicle's axes (x forward, y left, z up), and its motion with respect to its travel.
+/// A wheel in the vehicle's axes (x forward, y left, z up), with its velocity per travel.
 struct Wheel {
     centre: Vector3<f64>,
     /// Unit vector along the spin axis, outboard.
     axis: Vector3<f64>,
     contact: Vector3<f64>,
-    /// Derivative of the position of the carrier point at the contact point, with respect to travel.
+    /// Velocity per travel of the carrier point that is at the contact point.
     velocity: Vector3<f64>,
     design_centre: Vector3<f64>,
     design_contact: Vector3<f64>,
@@ -338,7 +338,7 @@ impl<'a> Independent<'a> {
         ]
     }
 
-    /// Loads of both wheels by the virtual work of springs and bar, and the track.
+    /// Track, and loads of both wheels from the virtual work of springs and bar.
     fn loads(&mut self, placed: &AxlePose, bar_rate: f64) -> [f64; 3] {
         let [force, ratio, lever, lever_ratio] = self.own(placed);
         let torque = bar_rate * (lever[0] - lever[1]);
@@ -406,7 +406,7 @@ impl<'a> Independent<'a> {
         ]
     }
 
-    /// Derivative along a placement that depends on one parameter.
+    /// Derivatives with respect to the parameter of a placement.
     fn along<const N: usize>(
         &mut self,
         step: f64,
@@ -667,8 +667,8 @@ fn values_of_motions(
     }
 }
 
-/// On axles with different sides every quantity of the catalogue equals an evaluation from wheel positions, the outputs
-/// of each wheel, and differences between positions.
+/// On axles with different sides, every quantity of the catalogue equals its independent evaluation. That evaluation
+/// uses only wheel positions, the outputs of each wheel, and differences between positions.
 #[test]
 fn quantities_are_those_of_an_independent_evaluation() {
     let mut compared = BTreeMap::new();

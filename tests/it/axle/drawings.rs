@@ -45,8 +45,8 @@ fn the_ground_of_a_drawing_stays_where_it_is_in_the_design_position() {
     }
 }
 
-/// The drawing shows an axle with elastic parts in equilibrium: its spin axes have the camber of the curves. The height
-/// difference of the wheel centres equals the difference of the travels.
+/// The drawing shows an axle with elastic parts in equilibrium: the drawn spin axes have the camber of the curves. The
+/// height difference of the wheel centres equals the difference of the travels.
 #[test]
 fn an_elastic_axle_is_drawn_in_equilibrium() {
     let mut study = elastic(&with("subframe_axle_compliance.toml", ""));

@@ -5,8 +5,8 @@ use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity, WheelQ
 use hardpoint::model::Side::{Left, Right};
 use hardpoint::number::Vector3;
 
-/// Gradients equal slopes also in roll (travels follow from the design), at given travels (the roll angle follows), and
-/// on pads. Quantities made of second derivatives are included.
+/// Gradients equal slopes in roll (where the travels depend on the design), at given travels (where the roll angle
+/// depends on the design), and on pads. The test includes quantities that are made of second derivatives.
 #[test]
 fn gradients_are_slopes() {
     let case = read("macpherson_front");
@@ -73,8 +73,8 @@ fn gradients_are_slopes() {
     }
 }
 
-/// The values of an axle are functions of the design, and their derivatives equal the slopes. The test includes an
-/// axle whose right wheel has separate hardpoints.
+/// The values of an axle are functions of the design. The derivatives of these functions equal the slopes. The test
+/// includes an axle whose right wheel has separate hardpoints.
 #[test]
 fn an_axle_is_a_function_of_its_design() {
     use hardpoint::study::Study;

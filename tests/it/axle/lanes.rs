@@ -1,5 +1,5 @@
-//! Tests of axles in SIMD lanes against one-by-one evaluation: same values, same refusals, and the same bits at every
-//! lane width.
+//! Tests of axles in SIMD lanes (several designs at once) against evaluation one by one: same values, same refusals,
+//! and the same bits at every lane width.
 
 use hardpoint::axle::Quantity;
 use hardpoint::evaluate::NotInLanes;
@@ -12,7 +12,7 @@ const DESIGNS: usize = 20;
 const STRUT: &str = "macpherson_axle_front.toml";
 const FIVE_LINK: &str = "five_link_axle_rear.toml";
 
-/// Axle of a sample with every quantity that lanes can evaluate, and with some points scattered.
+/// Axle of a sample with some scattered points, and with every quantity that is available in SIMD lanes.
 fn study(name: &str, right: &str, motion: &str, by: f64) -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("studies")
@@ -69,8 +69,8 @@ const HEAVE: &str = "heave = { from = -60.0, to = 60.0, steps = 5 }\nrack = [0.0
 const OWN_STRUT: &str = "[axle.right.hardpoints]\ntie_rod_outer = [-131.0, -688.0, 243.0]";
 const OWN_FIVE_LINK: &str = "[axle.right.hardpoints]\ntoe_link_inner = [-180.0, -347.0, 262.0]";
 
-/// Every quantity of every design has the same value in lanes as one by one. Almost no design falls back to one-by-one
-/// evaluation.
+/// Every quantity of every design has the same value in SIMD lanes as one by one. Almost no design needs evaluation one
+/// by one.
 #[test]
 fn lanes_have_the_values_of_designs_one_by_one() {
     let mirrored = "right = \"mirrored\"";
@@ -129,7 +129,7 @@ fn lanes_have_the_values_of_designs_one_by_one() {
     }
 }
 
-/// A quantity that lanes cannot evaluate is refused with its reason.
+/// A quantity that is not available in SIMD lanes is refused with the reason.
 #[test]
 fn what_is_not_for_lanes_is_said() {
     if !crate::support::has_lanes() {

@@ -4,9 +4,9 @@ use super::{axle, reference::read};
 use hardpoint::axle::{AxleSolver, Placement, TravelRanges};
 use hardpoint::model::Side;
 
-/// The rack range of an axle ends where the first of both tie rods reaches its limit: one strut allows -113.3 to 164.5
-/// mm, so the axle allows -113.3 to 113.3. The axle has a position at a roll angle just before its limit, but not at
-/// one beyond the limit.
+/// The rack range of an axle ends where one of the two tie rods reaches its limit. One strut allows -113.3 to 164.5 mm,
+/// so the axle allows -113.3 to 113.3 mm. A position exists at a roll angle just before the roll limit, but not at one
+/// beyond the limit.
 #[test]
 fn the_first_wheel_to_end_is_the_end() {
     let axle = axle(&read("macpherson_front"));

@@ -49,8 +49,8 @@ fn most(study: &Study, travels: [f64; 2]) -> f64 {
     values.fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// A limit through a motion of the axle applies to the travel of each wheel, or of one wheel if `side` names it. The
-/// limit is active at the wheel that moves farther.
+/// A limit over a motion of the axle applies to both wheels, each with its own travel. If `side` names a wheel, the
+/// limit applies only to that wheel. The limit is active at the wheel that moves farther.
 #[test]
 fn a_constraint_holds_at_both_wheels_or_at_one() {
     let given = study("macpherson_axle_front", &[]);
@@ -79,7 +79,7 @@ fn a_constraint_holds_at_both_wheels_or_at_one() {
 }
 
 /// The right wheel, seen as a left wheel, has the opposite rack displacement. So a limit on the steer angle of both
-/// wheels at one rack displacement limits the left wheel at this rack displacement and at its opposite.
+/// wheels at rack +x limits the left wheel at rack +x and at rack -x.
 #[test]
 fn the_right_wheel_steers_the_other_way() {
     let given = study("macpherson_axle_front", &[]);
@@ -145,8 +145,8 @@ fn motions_that_do_not_fit_are_refused() {
     );
 }
 
-/// A quantity that is not available in one motion is no error if another motion has it: without steering there is no
-/// Ackermann percentage. If no motion has it, the exit code is 1 with the reason.
+/// A quantity may be unavailable in one motion: without steering there is no Ackermann percentage. This is no error if
+/// another motion has the quantity. If no motion has it, the exit code is 1 with the reason.
 #[test]
 fn a_value_of_another_motion_is_enough() {
     let path = sample("double_wishbone_axle.toml");

@@ -210,8 +210,8 @@ fn the_stiffness_at_a_load_is_that_of_an_independent_calculation() {
     }
 }
 
-/// Level pads at one height form a plane. Quantities along roll then equal those on the plane, also if the sides of the
-/// axle differ.
+/// Level pads at one height form a plane. Derivatives with respect to roll on these pads equal those on the plane, also
+/// if the sides of the axle differ.
 #[test]
 fn level_pads_at_one_height_are_a_plane() {
     for (name, axle) in axles() {
@@ -254,8 +254,8 @@ fn level_pads_at_one_height_are_a_plane() {
     }
 }
 
-/// Heave on a plane keeps the roll angle constant, also where both travels are given. The rack then keeps the value of
-/// the station.
+/// Heave and steering on a plane keep the roll angle constant, also at a station that is given by both travels. The
+/// motion of the rack alone keeps both travels constant.
 #[test]
 fn motions_hold_what_they_say() {
     let (_, axle) = axles().into_iter().nth(1).unwrap();

@@ -35,8 +35,8 @@ pub fn placement(motion: &Value) -> Placement {
     }
 }
 
-/// Quantities of the catalogue with their names in the reference, and the scale of their errors: a length, or 1 for
-/// angles and plain numbers.
+/// Quantities of the catalogue with their names in the reference, and the scale of errors: a length, or 1 for angles
+/// and plain numbers.
 fn quantities() -> Vec<(String, Quantity, f64)> {
     let mut all = Vec::new();
     for (side, name) in [(Left, "left"), (Right, "right")] {

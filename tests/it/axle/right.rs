@@ -61,8 +61,8 @@ const FLAT: &str = "static_camber = -0.5\nstatic_toe = 0.2";
 const SOFT: &str = "[spring]\nrate = 28.0\nforce = 3500.0\n";
 const HARD: &str = "[spring]\nrate = 35.0\nforce = 3500.0\n";
 
-/// On pads each wheel is independent. The right wheel of an axle with different sides equals that of a mirrored axle
-/// with the same right-hand values on both sides, to the bit.
+/// On pads, the wheels do not influence each other. Two axles have the same right wheel: an axle with different sides,
+/// and a mirrored axle with the right-hand values on both sides. Their right wheels have bit-identical results.
 #[test]
 fn each_side_is_that_of_the_mirrored_axle_with_its_figures() {
     let points = "wheel_centre = [0.0, -770.0, 305.0]\n";
@@ -179,7 +179,7 @@ fn an_axle_with_a_right_wheel_of_its_own_goes_through_every_command() {
         let found = cell(&swept, 2, &format!("{side}_toe_max_deg"));
         assert!((found - most).abs() < 1e-12, "{side}: {found} {most}");
     }
-    // Builds scatter about the nominal design with its different sides, and a printed build is a study.
+    // Builds scatter about the nominal design, whose sides differ. A printed build is a valid study.
     let few = "outputs.characteristics=[\"toe\"]";
     let (built, _) = hardpoint_run(&["tolerance", file, "--set", few, "--build", "7"], 0);
     let built_file = place.join("built.toml");
@@ -276,7 +276,7 @@ fn mistakes_in_a_right_wheel_are_named() {
 }
 
 /// A constraint on dimensions checks only the left wheel. If the right wheel's dimensions differ, the study must name
-/// the left side, in the design position as through a motion.
+/// the left side. This applies in the design position and to constraints over a motion.
 #[test]
 fn constraints_of_different_wheels_name_the_left_one() {
     let own = "[axle.right.hardpoints]\ntie_rod_inner = [-120.0, -350.0, 255.0]\n";

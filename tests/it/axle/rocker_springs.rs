@@ -94,8 +94,8 @@ fn wheel_loads_are_slopes_of_the_energy() {
     }
 }
 
-/// A heave spring or heave bar without preload adds no roll stiffness in the design position, because its force is an
-/// even function of the roll angle. A T-bar adds no stiffness in heave.
+/// Without preload, a heave spring or heave bar adds no roll stiffness in the design position. The reason: its force is
+/// an even function of the roll angle. A T-bar adds no stiffness in heave.
 #[test]
 fn each_spring_resists_its_own_motion() {
     let heave_spring = Some(Preloaded {
@@ -134,8 +134,8 @@ fn each_spring_resists_its_own_motion() {
     assert!(bar > 1.0e4, "{bar}");
 }
 
-/// A T-bar with rate k is an anti-roll bar with rate k whose lever is the rocker. Added to springs at each wheel, it
-/// changes both wheel loads by k (rho_l - rho_r) rho'/(n.C').
+/// A T-bar acts as an anti-roll bar whose levers are the rockers. If the left wheel is higher than the right wheel, the
+/// T-bar increases the left wheel load and reduces the right wheel load.
 #[test]
 fn a_t_bar_adds_to_the_load_of_the_springs() {
     let law = SpringLaw {
@@ -216,7 +216,7 @@ fn gradients_are_those_of_moved_designs() {
 }
 
 /// A monoshock needs no `[spring]`. The program refuses a heave spring without its point, or bars without rockers, and
-/// tells the remedy.
+/// states the remedy.
 #[test]
 fn what_is_missing_is_said() {
     use super::commands::run;

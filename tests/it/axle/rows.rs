@@ -1,4 +1,4 @@
-//! Tests of motions of an axle with stations in rows: row n takes the n-th value of every coordinate.
+//! Tests of motions of an axle that are given as a table of rows: row n contains the n-th value of every coordinate.
 
 use super::tuning::{evaluate, layout, study};
 use hardpoint::curves::Curves;
@@ -24,7 +24,7 @@ fn column(curves: &Curves, name: &str) -> Vec<f64> {
         .collect()
 }
 
-/// Motions in rows, and for each row the motion with only that row.
+/// Motions given as rows, and for each row the motion with only that row.
 const ROWS: [(&str, &[&str]); 3] = [
     (
         "{ travel_left = [20.0, -20.0, 5.0], travel_right = [-20.0, 20.0, 5.0], rack = [8.0, -8.0, 0.0], combine = \"rows\" }",
@@ -90,7 +90,8 @@ fn each_row_is_a_station() {
     }
 }
 
-/// A target at a row has the residuals and derivatives of the same target in a motion with all combinations.
+/// A target at a row of the motion has the same residuals and derivatives as in a motion with all combinations of
+/// values.
 #[test]
 fn a_target_at_a_row_is_one_at_its_coordinates() {
     let given = study("macpherson_axle_front", &[]);
@@ -114,7 +115,8 @@ fn a_target_at_a_row_is_one_at_its_coordinates() {
     assert_eq!(rows.jacobian, all.jacobian);
 }
 
-/// A tuning meets a target in a named motion of rows. A curve is compared at the rows alone, even if it has more points.
+/// A tuning meets a target in a named motion that is given as rows. A curve is compared only at these rows, even if it
+/// has more points.
 #[test]
 fn a_tuning_meets_targets_at_rows() {
     let study = with(
@@ -141,7 +143,8 @@ fn a_tuning_meets_targets_at_rows() {
     assert!((after[1] + 2.4).abs() < 1e-6, "{after:?}");
 }
 
-/// A band without `at` limits every row once, even where rows have equal values. With `at` it limits the rows of this value.
+/// A band without `at` limits every row once, even where rows have equal values. With `at`, the band limits only the
+/// rows with this value.
 #[test]
 fn a_band_limits_every_row() {
     let of = |rest: &str| {

@@ -22,8 +22,8 @@ fn longer(folder: &Path) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// An axle compared with itself shows no difference at any station of roll, heave and steering, and the values equal
-/// those of the run. Travels follow from roll and heave, so they are curves.
+/// An axle compared with itself shows no difference at any station of roll, heave and steering. The values equal those
+/// of the run. Travels follow from roll and heave, so they are curves.
 #[test]
 fn an_axle_does_not_differ_from_itself() {
     let folder = folder("compare_same");
@@ -111,7 +111,8 @@ fn wheels_and_axles_and_other_motions_are_not_mixed() {
         ];
         run(&[&["solve", axle, "--out", out], &few[..]].concat(), 0);
     }
-    // A run that keeps its study is solved again over the motion of the first one, so its values are those of the first design.
+    // `compare` solves a run that contains its study again, over the motion of the first run. Both runs have the same
+    // design, so the differences are zero.
     for pair in [[runs[0], runs[1]], [runs[1], runs[0]]] {
         let (csv, said) = run(&["compare", pair[0], pair[1], "--out", "-"], 0);
         assert!(said.contains("solved again over the same motion"), "{said}");

@@ -4,7 +4,7 @@ use super::commands::{run, study};
 use hardpoint::axle::ForceCurve;
 
 /// The manual's example, calculated by hand: the slopes are 176/3 and 3850/23 at the neighbours of 15 mm. So the cubic
-/// is below the straight line by 1.25 times their difference.
+/// is below the straight line by 1.25 times the difference of these slopes.
 #[test]
 fn a_force_curve_is_the_cubic_that_the_manual_describes() {
     let points = [[0.0, 0.0], [10.0, 400.0], [20.0, 1500.0], [30.0, 5000.0]];
@@ -81,7 +81,7 @@ fn columns(path: &str, sets: &[&str], names: &[&str]) -> Vec<Vec<f64>> {
 
 /// The test moves the pads of a rig by the travels plus the tyre deflections. The roll stiffness with tyres is the
 /// slope of the moment over the angle of the line through both pads. The slope comes from differences of eighth order
-/// over opposite travels. Without tyres it is `roll_stiffness`.
+/// over opposite travels. Without tyres, this slope is `roll_stiffness`.
 #[test]
 fn tyres_are_in_series_with_the_roll_stiffness() {
     const WEIGHTS: [f64; 4] = [4.0 / 5.0, -1.0 / 5.0, 4.0 / 105.0, -1.0 / 280.0];
@@ -153,8 +153,8 @@ fn tyres_are_in_series_with_the_roll_stiffness() {
     }
 }
 
-/// The program warns of a spring that pulls somewhere in the motion, and the output has its force. A preloaded spring
-/// causes no warning.
+/// The program warns if a spring would pull somewhere in the motion, and the warning states the force. A preloaded
+/// spring causes no warning.
 #[test]
 fn a_spring_that_pulls_is_warned_of() {
     let path = study("double_wishbone_axle.toml");

@@ -140,8 +140,8 @@ characteristics = ["camber"]
 }
 
 /// A sweep reports for each design the deviations and the misfit that tuning uses. The targets are values and bands at
-/// separate positions in heave, roll and steering. The test covers evaluation in lanes and one by one, with mirrored
-/// and with separate right hardpoints.
+/// separate positions in heave, roll and steering. The test covers evaluation in SIMD lanes and one by one, with
+/// mirrored and with separate right hardpoints.
 #[test]
 fn misfits_are_those_that_tuning_lowers() {
     if !crate::support::has_lanes() {
@@ -237,7 +237,8 @@ fn gains_are_what_the_designs_own_curves_have() {
         let study = study.unwrap_or_else(|e| panic!("{e}"));
         let plan = SweepPlan::of(&study, study.sweep.as_ref().unwrap()).unwrap();
         let outputs = &plan.record.outputs;
-        // Roll steer and toe of two wheels plus roll steer and roll centre of the axle make six, times two coordinates.
+        // Roll steer and toe of two wheels, plus roll steer and roll centre of the axle, are six quantities. Each has
+        // derivatives with respect to two coordinates.
         assert_eq!(outputs.iter().filter(is_gain).count(), 6 * 2);
         let rows = plan.worker().unwrap().rows(0).clone();
         for design in 0..rows.designs() {

@@ -129,8 +129,8 @@ fn an_axle_in_heave_is_two_corners() {
     }
 }
 
-/// Jacking coefficients and wheel loads that follow from velocities equal those from the forces of the links in
-/// statics.
+/// The program computes jacking coefficients and wheel loads from velocities. They equal the values from the static
+/// forces of the links.
 #[test]
 fn jacking_and_wheel_loads_are_those_of_the_links() {
     for name in ["macpherson_front", "double_wishbone_front"] {

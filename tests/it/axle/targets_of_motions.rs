@@ -36,7 +36,7 @@ const MOTIONS: [(&str, &str); 5] = [
     ),
 ];
 
-/// A target in a named motion has the rows and the derivatives of the same target in `[motion]`, bit for bit.
+/// A target in a named motion has the same residuals and derivatives as the same target in `[motion]`, bit for bit.
 #[test]
 fn a_target_in_a_named_motion_has_the_rows_of_the_same_motion() {
     let given = study("macpherson_axle_front", &[]);
@@ -106,8 +106,8 @@ fn one_tuning_meets_targets_in_two_motions() {
     }
 }
 
-/// A band in a named motion limits the values of the same band in `[motion]`, with the same derivatives with respect to
-/// the scatter.
+/// A band limits the same values in `[motion]` as in an equal named motion. The derivatives with respect to the scatter
+/// are also equal.
 #[test]
 fn a_band_in_a_named_motion_limits_the_values_of_the_same_motion() {
     let given = study("macpherson_axle", &[]);

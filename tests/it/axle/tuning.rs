@@ -1,4 +1,4 @@
-//! Tests of targets of an axle: rows and their derivatives, and tuned axles that meet their targets.
+//! Tests of targets of an axle: residuals and their derivatives, and tuned axles that meet their targets.
 
 use hardpoint::axle::{AxleQuantity, AxleSolver, Placement, Quantity};
 use hardpoint::characteristics::Characteristic;
@@ -58,15 +58,15 @@ pub(super) fn own_right(shift: f64) -> String {
     format!("[axle.right.hardpoints]\n{}", points.join("\n"))
 }
 
-/// Residuals equal deviations of the readings of the axle's solver. A wheel quantity without a side has one row for
-/// each wheel. The derivatives equal the slopes of the residuals, with mirrored and with separate right hardpoints.
+/// Residuals equal deviations of the readings of the axle's solver. A wheel quantity without a side has one residual
+/// for each wheel. The derivatives equal the slopes of the residuals, with mirrored and with separate right hardpoints.
 #[test]
 fn rows_are_deviations_and_their_derivatives_are_slopes() {
     let mirrored = ("[axle]\nright = \"mirrored\"", own_right(1.5));
     for changes in [&[][..], &[(mirrored.0, mirrored.1.as_str())][..]] {
         let study = of_all_kinds(changes);
         let layout = layout(&study);
-        // Rows include roll steer at two roll angles and toe of two wheels.
+        // The residuals include roll steer at two roll angles and toe of two wheels.
         assert_eq!(layout.residuals(), 1 + 1 + 2 + 1 + 2);
         let n = study.optimise.as_ref().unwrap().variables.len();
         let x = DVector::from_fn(n, |j, _| 3.0 - j as f64);
@@ -152,7 +152,7 @@ fn tuned(study: &Study, quantity: AxleQuantity, placements: &[Placement]) -> (f6
     (best.after.misfit, values.collect())
 }
 
-/// A constraint on a motion of the left wheel holds for the tuned wheel along the whole motion, also between the
+/// A constraint on a motion of the left wheel is satisfied along the whole motion of the tuned wheel, also between the
 /// stations of the tuning. The constraint is active.
 #[test]
 fn constraints_hold_through_a_motion_of_the_wheel() {

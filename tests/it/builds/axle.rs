@@ -1,4 +1,4 @@
-//! Tests of builds of axles: two independent wheels on one rack and one ground.
+//! Tests of builds of axles: two wheels that scatter independently, on one rack and one ground.
 
 use hardpoint::assembly::Assembler;
 use hardpoint::axle::{Axle, AxleSolver, Placement, Quantity, axle_curves};
@@ -60,8 +60,8 @@ fn output(problem: &Problem, column: &str) -> usize {
     found.unwrap_or_else(|| panic!("no {column}"))
 }
 
-/// The two wheels of build n of an axle equal builds 2 n and 2 n + 1 of a single wheel. A wheel depends only on seed,
-/// build and side, not on the scatter of the other side.
+/// The two wheels of build n of an axle equal builds 2 n and 2 n + 1 of a single wheel. A wheel depends only on the
+/// seed, the number of the build and the side. It does not depend on the scatter of the other side.
 #[test]
 fn each_wheel_is_a_build_of_its_own() {
     let both = axle("builds=2", &[]);
@@ -91,8 +91,8 @@ fn each_wheel_is_a_build_of_its_own() {
     }
 }
 
-/// A printed build, when solved, has the values of the Monte Carlo analysis: with two builds, the smallest and the
-/// largest value.
+/// When a printed build is solved, it has the values of the Monte Carlo analysis. With two builds, these are the
+/// smallest and the largest value.
 #[test]
 fn a_printed_build_is_the_build() {
     let study = axle("builds=2", &[]);
@@ -126,9 +126,8 @@ fn a_printed_build_is_the_build() {
     }
 }
 
-/// A printed build includes the extra points of each wheel at their built positions, and every command accepts the
-/// printed build as a study. The test covers mirrored and separate right hardpoints, and spin axes given by angles or
-/// points.
+/// A printed build includes the extra points of each wheel at their built positions. Every command accepts the printed
+/// build as a study. The test covers mirrored and separate right hardpoints, and spin axes given by angles or points.
 #[test]
 fn a_printed_build_has_its_extra_points() {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
@@ -167,7 +166,7 @@ fn a_printed_build_has_its_extra_points() {
                     .curves
                     .are_complete()
             );
-            // A printed build can itself be built again.
+            // The program can vary a printed build again.
             let again = Problem::of(&printed, printed.tolerance.as_ref().unwrap()).unwrap();
             again.built_wheels(number).unwrap();
         }
@@ -259,7 +258,7 @@ fn gradients_are_slopes_of_built_axles() {
 
 /// The second-order contribution is half the second derivative times the variance, including products of sources of
 /// both wheels. The result agrees with differences of fourth order in roll, at given travels on a plane, and on pads.
-/// The program does not compute it for quantities made of velocities.
+/// The program does not compute this contribution for quantities made of velocities.
 #[test]
 fn second_order_is_that_of_built_axles() {
     let two = "tolerance.scatter=[{length=\"tie_rod\",sigma=2.0,side=\"left\"},\
@@ -381,8 +380,8 @@ fn a_side_scatters_by_itself() {
     }
 }
 
-/// After alignment, each wheel has its nominal toe and camber at rest on its pad. Both methods give the same scatter
-/// elsewhere.
+/// After alignment, each wheel has its nominal toe and camber at rest on its pad. In other positions, the first-order
+/// scatter equals that of the builds.
 #[test]
 fn each_wheel_is_aligned() {
     let setup = "setup={adjust=[{shim=\"strut_top\",axis=\"y\"},{length=\"tie_rod\"}]}";
@@ -411,8 +410,8 @@ fn each_wheel_is_aligned() {
     }
 }
 
-/// Builds have the same values in lanes and one by one, and the same bits with any number of threads. Each band
-/// applies to the expected number of values.
+/// Builds have the same values in SIMD lanes and one by one. Their results have the same bits with any number of
+/// threads. Each band applies to the expected number of values.
 #[test]
 fn results_are_the_same_however_they_are_found() {
     if !crate::support::has_lanes() {
@@ -443,8 +442,8 @@ fn results_are_the_same_however_they_are_found() {
         );
     }
     assert_eq!(one.in_bands, single.in_bands);
-    // Numbers of values: toe of both wheels at one station, roll steer at three roll angles and two heaves, track at
-    // all 12 stations.
+    // Numbers of values: toe of both wheels at one station, roll steer at three roll angles and two heaves, and track
+    // at all 12 stations.
     let looked: Vec<usize> = problem.cells_of_bands().map(|cells| cells.len()).collect();
     assert_eq!(looked, [2, 3 * 2, 12]);
     assert!(
@@ -464,7 +463,7 @@ fn results_are_the_same_however_they_are_found() {
     );
 }
 
-/// The program names the wheel and the build that cannot be assembled, and leaves that build out of the count.
+/// The program names the wheel and the build that cannot be assembled. It does not count that build.
 #[test]
 fn a_wheel_that_cannot_be_put_together_is_named() {
     let wide = "tolerance.scatter=[{length=\"lower_arm_front\",sigma=150.0,side=\"right\"}]";
@@ -480,8 +479,8 @@ fn a_wheel_that_cannot_be_put_together_is_named() {
     assert_eq!(side, Some(Side::Right));
 }
 
-/// The tolerance command works as a user runs it: its files name the positions of an axle, a printed build solves, and
-/// invalid entries are refused.
+/// Test of the tolerance command as a user runs it. The files state the positions of an axle, a printed build can be
+/// solved, and invalid entries are refused.
 #[test]
 fn tolerance_of_an_axle_as_a_command() {
     let directory = tempfile::tempdir().unwrap();

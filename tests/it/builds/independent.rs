@@ -1,5 +1,5 @@
 //! Tests of random builds of every topology against a solver with other equations and twice the precision
-//! (`other_equations`). Reference values of 60 digits check that solver.
+//! (`other_equations`). Reference values of 60 digits check that other solver.
 
 use super::other_equations::{Drawing, Motion, Parts, Reading, Solved};
 use super::{assembler, parameter, plan, study};
@@ -13,8 +13,8 @@ use rayon::prelude::*;
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Studies with additional entries: every topology with and without rocker and anti-roll bar, points on every body that
-/// can have points, and spin axes given by a point or by angles.
+/// Studies with additional entries. They cover every topology, with and without rocker and anti-roll bar; points on
+/// every body that can have points; and spin axes given by a point or by angles.
 const CASES: [(&str, &[&str]); 12] = [
     (
         "macpherson_solve",
@@ -106,7 +106,7 @@ struct Case {
     drawing: Drawing,
     study: Study,
     assembler: Assembler,
-    /// Every dimension of the parts with its location in the drawing: a coordinate of a point, or a length.
+    /// Every dimension of the parts and its location in the nominal design: a coordinate of a point, or a length.
     dimensions: Vec<(Place, BuildParameter)>,
     stations: Vec<Motion>,
 }
@@ -166,7 +166,7 @@ impl Case {
         }
     }
 
-    /// Nominal parts with these changes of each dimension, for both solvers.
+    /// Parts whose dimensions differ from the nominal ones by these changes, for both solvers.
     fn parts(&self, changes: &[f64]) -> (hardpoint::assembly::Parts<f64>, Parts<DoubleDouble>) {
         let mut theirs = self.assembler.drawn().clone();
         let mut ours = self.drawing.drawn();
@@ -211,7 +211,7 @@ fn distance(a: Vector3<f64>, b: Vector3<DoubleDouble>) -> f64 {
 #[derive(Clone, Copy, Debug, Default)]
 struct Errors {
     builds: usize,
-    /// Error of points at rest and after motion, relative to the size.
+    /// Error of points at rest and after motion, relative to the size of the suspension.
     position: f64,
     /// Error of camber and toe, in radians.
     angle: f64,
@@ -345,7 +345,7 @@ fn displaced(
     parts
 }
 
-/// Compares this number of builds, in turn from all cases.
+/// Compares this number of builds. The builds come from all cases in turn.
 fn random_builds(count: u64) {
     let cases: Vec<Case> = CASES.into_iter().map(Case::of).collect();
     let of_case = |k: usize| {
@@ -369,8 +369,8 @@ fn random_builds(count: u64) {
     assert!(all.slope < 1e-10 && all.angle_slope < 1e-10, "{all:?}");
 }
 
-/// Positions agree to 1e-13 of the size, camber and toe to 1e-13, and derivatives with respect to lengths and points to
-/// a relative error of 1e-10.
+/// Positions agree to 1e-13 of the suspension's size, and camber and toe to 1e-13. Derivatives with respect to lengths
+/// and points agree to a relative error of 1e-10.
 #[test]
 fn random_builds_are_those_of_other_equations() {
     random_builds(204);
@@ -383,7 +383,8 @@ fn ten_thousand_random_builds_are_those_of_other_equations() {
 }
 
 /// If one length deviates strongly, many builds cannot be assembled. Both programs reject the same builds and agree on
-/// the others. The rejects include rods of negative length, whose squares would fit.
+/// the others. The rejects include rods of negative length. Such a length must be rejected although its square would
+/// satisfy the equations.
 #[test]
 fn what_cannot_be_put_together_cannot_by_other_equations() {
     let (mut built, mut rejected) = (0, BTreeMap::new());

@@ -1,4 +1,4 @@
-//! Tests of builds in SIMD lanes against builds one by one.
+//! Tests of builds in SIMD lanes (several builds at once) against builds one by one.
 
 use super::study;
 use hardpoint::assembly::Member;
@@ -8,7 +8,7 @@ use hardpoint::study::Study;
 use hardpoint::tolerance::{MonteCarlo, Problem, Spread, monte_carlo_in};
 use std::ops::ControlFlow;
 
-/// Studies of several topologies, some with rocker and anti-roll bar, with the adjustments of their toe and camber.
+/// Studies of several topologies, with the parts that adjust toe and camber. Some have a rocker and an anti-roll bar.
 const STUDIES: [(&str, &str); 5] = [
     (
         "macpherson_solve",
@@ -57,19 +57,19 @@ fn everything_scattered(name: &str, adjust: &str, aligned: bool, builds: usize) 
     )
 }
 
-/// Results of all builds, in lanes of this width or one by one.
+/// Results of all builds, in SIMD lanes of this width or one by one.
 fn results(problem: &Problem<'_>, width: Option<Width>) -> MonteCarlo {
     let drawn = problem.drawn().unwrap();
     monte_carlo_in(width, problem, &drawn, |_| ControlFlow::Continue(())).unwrap()
 }
 
-/// Smallest value, percentiles and largest value of a cell. With few builds these are values of single builds.
+/// Smallest value, percentiles and largest value of a result. With few builds these are values of single builds.
 fn values(spread: &Spread) -> impl Iterator<Item = f64> {
     spread.range.into_iter().chain(spread.percentiles)
 }
 
-/// Builds that are sampled, assembled and solved in lanes have the values of builds one by one, for every topology,
-/// with and without alignment. The results have the same bits at any lane width.
+/// Builds that are sampled, assembled and solved in SIMD lanes have the values of builds one by one. The test covers
+/// every topology, with and without alignment. The results have the same bits at any lane width.
 #[test]
 fn builds_in_lanes_are_those_one_by_one() {
     if !crate::support::has_lanes() {
@@ -100,7 +100,7 @@ fn builds_in_lanes_are_those_one_by_one() {
     }
 }
 
-/// A build does not depend on its neighbours in the lanes: the values of two builds are among those of three.
+/// A build does not depend on its neighbours in the SIMD lanes: the values of two builds are among those of three.
 #[test]
 fn builds_in_lanes_do_not_depend_on_their_neighbours() {
     for (name, adjust) in STUDIES {
@@ -117,8 +117,8 @@ fn builds_in_lanes_do_not_depend_on_their_neighbours() {
     }
 }
 
-/// Builds far from the nominal design, of which many cannot be assembled. Evaluation in lanes and one by one reject
-/// the same builds.
+/// Builds far from the nominal design, of which many cannot be assembled. The evaluations in SIMD lanes and one by one
+/// reject the same builds.
 #[test]
 fn builds_that_lanes_refuse_go_one_by_one() {
     for aligned in [false, true] {

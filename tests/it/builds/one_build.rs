@@ -96,7 +96,7 @@ fn a_printed_build_is_the_build_and_can_be_proved() {
     }
 }
 
-/// A build that cannot be assembled is no study: the command reports this, with exit code 1.
+/// A build that cannot be assembled cannot be printed as a study: the command reports this, with exit code 1.
 #[test]
 fn a_rejected_build_is_said_to_be_one() {
     let directory = tempfile::tempdir().unwrap();
@@ -123,7 +123,7 @@ fn a_rejected_build_is_said_to_be_one() {
     );
 }
 
-/// The limit that all builds reach is the nearest of their separate limits.
+/// The limits of the builds together are the nearest limits of the single builds.
 #[test]
 fn limits_of_builds_are_the_nearest_of_each() {
     let (name, count) = ("double_wishbone_tolerance", 4);

@@ -32,7 +32,7 @@ const DEGREES: DoubleDouble = DoubleDouble {
     high: 57.295_779_513_082_32,
     low: -1.987_849_567_057_628e-15,
 };
-/// Length units by which points move per unit of a quaternion component.
+/// Number of length units by which points move if a component of the quaternion changes by 1.
 const LEVER: f64 = 300.0;
 /// Largest accepted correction of Newton's method.
 const FARTHEST: f64 = 60.0;
@@ -56,13 +56,14 @@ pub struct Drawing {
     pub names: Vec<String>,
     points: Vec<V<f64>>,
     on: Vec<On>,
-    /// Links with their two ends, the body's end first; then the rods of rockers, with the rocker's end first.
+    /// Links with two ends each, the body's end first. After the links, the rods of rockers with two ends each, the
+    /// rocker's end first.
     pub members: Vec<(String, [usize; 2])>,
-    /// Front and rear pivot, outer joint.
+    /// Arms: front pivot, rear pivot and outer joint.
     arms: Vec<[usize; 3]>,
-    /// Both pivots.
+    /// Rockers: first and second pivot.
     rockers: Vec<[usize; 2]>,
-    /// Mount, lower point, and the upper point of the axis if the axis does not pass through the mount.
+    /// Strut: mount, lower point, and the upper point of the axis if the axis does not pass through the mount.
     strut: Option<(usize, usize, Option<usize>)>,
     hinge: Option<[usize; 2]>,
     centre: usize,
@@ -258,7 +259,7 @@ impl Drawing {
         }
     }
 
-    /// Positions of all points in a pose.
+    /// Positions of all points in the pose with the unknowns `x`.
     fn places<T: Scalar>(&self, parts: &Parts<T>, rack: f64, x: &[T]) -> Vec<V<T>> {
         let drawn = |id: usize| self.points[id].map(|c| x[0].constant(c));
         let carried = |p: V<T>| self.carried(parts, x, p);
@@ -306,7 +307,7 @@ impl Drawing {
         places
     }
 
-    /// Position of a point of the carrier.
+    /// Position of a point of the carrier in the pose with the unknowns `x`.
     fn carried<T: Scalar>(&self, parts: &Parts<T>, x: &[T], point: V<T>) -> V<T> {
         V::new(x[0], x[1], x[2]) + turned(x, point - parts.points[self.centre])
     }
@@ -360,7 +361,7 @@ impl Drawing {
         jacobian.lu()
     }
 
-    /// Length units by which points move per unit of an unknown.
+    /// Number of length units by which points move if the unknown changes by 1.
     fn weight(&self, unknown: usize) -> f64 {
         match unknown {
             0..3 => 1.0,
@@ -369,7 +370,8 @@ impl Drawing {
         }
     }
 
-    /// Newton's method until a correction is below `fine`. It uses the factors of a nearby Jacobian if they exist.
+    /// Runs Newton's method until a correction is below `fine`. Uses the factors of a nearby Jacobian if the caller
+    /// gives them.
     fn newton<T: Scalar>(
         &self,
         parts: &Parts<T>,
@@ -407,7 +409,8 @@ impl Drawing {
         false
     }
 
-    /// Follows a path of parts and motion from 0 to 1, while the determinant keeps its sign.
+    /// Increases parts and motion from start to end in steps. In each step, the Jacobian's determinant keeps its sign
+    /// and changes by less than a factor of 1.7. Returns `None` if a step would be too short.
     fn follow(
         &self,
         mut x: Vec<f64>,
@@ -514,7 +517,8 @@ impl Drawing {
     }
 }
 
-/// Vector v rotated by the quaternion among the unknowns: v + 2 w a x v + 2 a x (a x v).
+/// Vector v rotated by the quaternion of the unknowns, with scalar part w and vector part a: v + 2 w a x v + 2 a x (a x
+/// v).
 fn turned<T: Scalar>(x: &[T], v: V<T>) -> V<T> {
     let axis = V::new(x[4], x[5], x[6]);
     let t = axis.cross(v) * x[0].constant(2.0);
@@ -525,14 +529,16 @@ fn unit<T: Scalar>(v: V<T>) -> V<T> {
     v * (v.x.one() / v.norm())
 }
 
-/// Frame of an axis: along it, from it towards the end of a lever, and perpendicular to both.
+/// Unit vectors of a frame: along the axis, from the axis towards the end of the lever, and perpendicular to the other
+/// two.
 fn frame<T: Scalar>(axis: V<T>, lever: V<T>) -> [V<T>; 3] {
     let e = unit(axis);
     let radial = unit(lever - e * e.dot(lever));
     [e, radial, e.cross(radial)]
 }
 
-/// Vector with the coordinates that v has in the first frame, taken in the second frame.
+/// Turns v from the first frame to the second frame. The result has, in the second frame, the coordinates that v has in
+/// the first frame.
 fn between<T: Scalar>(v: V<T>, [a, b, c]: [V<T>; 3], [d, e, f]: [V<T>; 3]) -> V<T> {
     d * a.dot(v) + e * b.dot(v) + f * c.dot(v)
 }

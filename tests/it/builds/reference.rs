@@ -5,8 +5,8 @@ use crate::support::number;
 use hardpoint::assembly::{Rest, built_curves};
 use serde_json::Value;
 
-/// Positions of builds agree with the reference to 1e-13 of the size, and derivatives with respect to lengths and
-/// points to 1e-10.
+/// Positions of builds agree with the reference to 1e-13 of the suspension's size. Derivatives with respect to lengths
+/// and points agree to 1e-10.
 #[test]
 fn builds_of_every_topology_are_those_of_another_formulation() {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/own/builds.json");

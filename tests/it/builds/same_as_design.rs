@@ -32,8 +32,8 @@ fn drawn_parts_make_the_drawing() {
     }
 }
 
-/// Moves the link ends on arms with their arm: they keep their coordinates in the frame of the arm's axis and outer
-/// joint.
+/// Moves the link ends on an arm together with this arm. The link ends keep their coordinates in the frame of the arm's
+/// axis and outer joint.
 fn keep_links_in_arms(drawn: &Suspension, moved: &mut Suspension) {
     let mechanism = &drawn.mechanism;
     for (inner, _) in mechanism.constraints.iter().filter_map(Constraint::link) {
@@ -56,7 +56,7 @@ fn keep_links_in_arms(drawn: &Suspension, moved: &mut Suspension) {
 }
 
 /// If points move and the lengths and carriers are remade to match, the built curves equal the curves of the moved
-/// design. Their derivatives agree too, by the chain rule over all parts.
+/// design. The derivatives of both curves agree too, by the chain rule over all parts.
 #[test]
 fn with_everything_recut_the_build_is_the_moved_drawing() {
     // Skips the H-arm: no dimension of its parts could be remade to match the moved second joint.
@@ -118,8 +118,8 @@ fn with_everything_recut_the_build_is_the_moved_drawing() {
     }
 }
 
-/// The derivative with respect to a nominal point is a sum: the derivative with respect to the part's point, plus those
-/// with respect to the lengths that depend on it.
+/// The derivative with respect to a nominal point is a sum. One term is the derivative with respect to the part's
+/// point. The other terms are the derivatives with respect to the lengths that depend on the nominal point.
 #[test]
 fn derivatives_by_the_drawing_are_a_chain_rule_on_those_by_parts() {
     for name in [

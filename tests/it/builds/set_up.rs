@@ -49,8 +49,8 @@ fn wishes_are_met_exactly_where_there_are_as_many_adjustments() {
     assert!(off.abs() < 1e-10, "{off}");
 }
 
-/// The effect of one length unit of an adjustment equals the slope of the static values. The slope of the ride height
-/// is the negative of the slope of the wheel height.
+/// The effect of an adjustment per length unit equals the slope of the static values. The slope of the ride height is
+/// the negative of the slope of the wheel height.
 #[test]
 fn effects_are_slopes_of_the_static_values() {
     let name = "double_wishbone_tolerance";
@@ -80,7 +80,7 @@ fn effects_are_slopes_of_the_static_values() {
     }
 }
 
-/// A set-up uses whole shims and threads that compensate the rounding of the shims. It names a target that no
+/// A set-up uses whole shims. Its threads compensate the rounding of the shims. The set-up names a target that no
 /// adjustment changes.
 #[test]
 fn shims_come_whole_and_what_cannot_be_met_is_named() {
@@ -109,8 +109,8 @@ fn shims_come_whole_and_what_cannot_be_met_is_named() {
     assert!((ratio - by[0][1] / by[1][1]).abs() < 0.01, "{ratio}");
 }
 
-/// Whole shims may leave a camber error of at most half a step. The threads still meet toe and ride height to rounding,
-/// toe last.
+/// Whole shims may leave a camber error of at most half a shim step. The threads still meet toe and ride height to
+/// rounding. The set-up adjusts toe last.
 #[test]
 fn shims_never_spoil_what_threads_can_meet() {
     let adjust = "setup.adjust=[{length=\"tie_rod\",per_turn=2.0},{length=\"pushrod\",per_turn=2.5},\
@@ -126,7 +126,7 @@ fn shims_never_spoil_what_threads_can_meet() {
         assert!(found.allowed[0] < 0.13 && found.allowed[1] == 0.0 && found.allowed[4] == 0.0);
         assert!(misses[0].unwrap().abs() <= found.allowed[0], "{misses:?}");
         assert!(found.is_met());
-        // The error is at most half a step, so no other number of shims is nearer.
+        // The error is at most about half a shim step, so no other number of shims is better.
         let step = found.last().by[2][0]
             - found.last().by[0][0] * found.last().by[2][1] / found.last().by[0][1];
         assert!(misses[0].unwrap().abs() < 0.55 * step.abs(), "{step}");
@@ -150,8 +150,8 @@ fn what_is_not_wanted_is_kept_by_its_own_thread() {
     assert!(found.is_met());
 }
 
-/// An error of half a shim step does not fail a set-up. A target that the adjustments cannot reach fails it, however
-/// coarse the shims are.
+/// A set-up counts as met if the error is within half a shim step. It is not met if the adjustments cannot reach a
+/// target, however coarse the shims are.
 #[test]
 fn half_steps_of_shims_do_not_fail_a_set_up() {
     let adjust = "setup.adjust=[{length=\"pushrod\",per_turn=2.5},{shim=\"upper_ball_joint\",axis=\"y\",step=1.0}]";
@@ -181,8 +181,8 @@ fn half_steps_of_shims_do_not_fail_a_set_up() {
     );
 }
 
-/// The set-up names a target out of reach, with the value at which its range ends. It does not name targets within
-/// reach.
+/// The set-up names a target out of reach and the limit of the values that it can reach. It does not name targets
+/// within reach.
 #[test]
 fn aims_out_of_reach_are_named_alone() {
     let case = |want: &str| {
@@ -236,7 +236,7 @@ const WISHBONE: &Points = &[
     ("spring_upper", [0.0, 30.0, 470.0]),
 ];
 
-/// Wheel with parallelograms in the plane x = 0: arms and tie rod are parallel and equally long, so the carrier
+/// Wheel with parallelograms in the plane x = 0. Arms and tie rod are parallel and equally long, so the carrier
 /// translates without rotation.
 const PLANAR: &Points = &[
     ("upper_arm_front", [135.0, 195.0, 342.0]),
@@ -321,9 +321,9 @@ impl Door {
     }
 }
 
-/// A longer pushrod raises the car by the amount from plane trigonometry. The spring keeps its length, so the rocker is
-/// fixed, and the pushrod's inner end P is a point of the body. Its outer end Q turns about the arm's axis A, and |PQ|
-/// gives the angle at A by the law of cosines.
+/// A longer pushrod raises the car by the amount from plane trigonometry. The spring keeps its length, so the rocker
+/// does not turn, and the pushrod's inner end P is a point of the body. The pushrod's outer end Q turns about the arm's
+/// axis A. The length |PQ| gives the angle at A by the law of cosines.
 #[test]
 fn the_ride_height_that_a_pushrod_gives_is_that_of_the_triangle() {
     let between = |a: [f64; 2], b: [f64; 2]| [b[0] - a[0], b[1] - a[1]];
@@ -380,8 +380,8 @@ fn values(study: &Study, built: &Built) -> [f64; 3] {
     [0, 1, 2].map(|k| values[k].unwrap())
 }
 
-/// The set-up recovers planted rod and shim amounts at both wheels, in every frame and unit: shims exactly, rods to
-/// rounding.
+/// The set-up finds rod and shim amounts that the test applied before, at both wheels, in every frame and unit. It
+/// finds shims exactly, and rods to rounding.
 #[test]
 fn planted_set_ups_are_recovered() {
     let mut random = Random(20);
@@ -433,8 +433,8 @@ fn planted_set_ups_are_recovered() {
     }
 }
 
-/// The reported values of a rounded set-up are true. Parts assembled with sixteenths of turns and whole shims have the
-/// reported values. The rounded amounts are within half a step of the exact ones.
+/// The reported values of a rounded set-up are correct: parts assembled with sixteenths of turns and whole shims have
+/// these values. The rounded amounts are within half a step of the exact amounts.
 #[test]
 fn rounded_amounts_are_reported_as_they_assemble() {
     let mut random = Random(21);
@@ -502,7 +502,7 @@ fn rounded_amounts_are_reported_as_they_assemble() {
 }
 
 /// The effects of the steps add up to the change from the nominal design to the rounded set-up, and the instructions
-/// state them.
+/// state these effects.
 #[test]
 fn effects_of_the_steps_add_up_to_the_rounded_set_up() {
     let study = study("double_wishbone_tolerance", &[]);
@@ -540,7 +540,7 @@ fn effects_of_the_steps_add_up_to_the_rounded_set_up() {
         "{words}: {}",
         shim.effect_in_words
     );
-    // The joint moves in the wheel carrier, so a joint that moves inboard tilts the top of the wheel outboard.
+    // The joint moves relative to the wheel carrier, so a joint that moves inboard tilts the top of the wheel outboard.
     let is_inboard = shim.instruction.starts_with("move inboard");
     assert_eq!(is_inboard, change > 0.0, "{}", shim.instruction);
 }
@@ -582,8 +582,8 @@ fn differing_axle(frame: FrameConvention, signs: [f64; 3]) -> String {
     text
 }
 
-/// If the wheels of an axle differ, each wheel has its own instructions. Their directions are those in which the points
-/// move on the car, in every frame.
+/// If the wheels of an axle differ, each wheel has its own instructions. Their directions are the directions in which
+/// the points move on the car, in every frame.
 #[test]
 fn directions_of_each_wheel_are_those_of_its_points() {
     for (frame, signs) in [

@@ -14,9 +14,9 @@ const STUDIES: [&str; 3] = [
     "semi_trailing_arm_rear",
 ];
 
-/// At travel 0 a deviated wheel centre is at its design height. If it is dz higher in its carrier, the carrier has its
-/// pose for travel -dz. So camber and toe change by -dz times their slopes over travel. Horizontal deviations of the
-/// wheel centre do not change camber and toe, and the wheel radius has no effect.
+/// A build has a wheel centre that is higher in its carrier by dz. At travel 0 this centre is at its design height, so
+/// the carrier has the pose of travel -dz. So camber and toe change by -dz times their slopes over travel. Horizontal
+/// deviations of the wheel centre do not change camber and toe. The wheel radius has no effect.
 #[test]
 fn a_wheel_centre_moves_its_spin_axis_in_parallel() {
     const STEP: f64 = 0.5;

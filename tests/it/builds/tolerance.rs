@@ -21,8 +21,8 @@ fn built(problem: &Problem) -> (Vec<f64>, Expansion, MonteCarlo) {
     (drawn, expansion, builds)
 }
 
-/// The standard deviation of the first-order result equals that of the builds within 2 % plus four standard errors,
-/// wherever the first-order result claims to be valid.
+/// Where the first-order result is marked as valid, its standard deviation equals that of the builds within 2 % plus
+/// four standard errors.
 #[test]
 fn first_order_is_the_monte_carlo_where_it_says_so() {
     for (name, travel) in [
@@ -68,8 +68,8 @@ fn first_order_is_the_monte_carlo_where_it_says_so() {
     }
 }
 
-/// The second-order contribution is half the second derivative times the variance, from differences of fourth order. It
-/// shows where the first-order result is not valid.
+/// The second-order contribution is half the second derivative times the variance, from differences of fourth order.
+/// This contribution shows where the first-order result is not valid.
 #[test]
 fn second_order_tells_where_the_linear_answer_does_not_hold() {
     let study = study(
@@ -118,7 +118,7 @@ fn second_order_tells_where_the_linear_answer_does_not_hold() {
 }
 
 /// With wide tolerances, curvature and interaction matter. Then the first-order shares of the builds' variance and the
-/// second-order remainder sum to 1 within the standard error. Without the remainder they do not.
+/// second-order remainder sum to 1 within the standard error. The shares alone do not sum to 1.
 #[test]
 fn shares_and_their_remainder_make_one() {
     let study = study(
@@ -154,7 +154,8 @@ fn shares_and_their_remainder_make_one() {
     assert!(needed > 0);
 }
 
-/// Aligned builds have the nominal toe and camber at rest, to rounding. Both methods give the same scatter elsewhere.
+/// Aligned builds have the nominal toe and camber at rest, to rounding. In other positions, the first-order scatter
+/// equals that of the builds.
 #[test]
 fn aligned_builds_have_the_drawn_toe_and_camber() {
     let study = study(
@@ -179,7 +180,7 @@ fn aligned_builds_have_the_drawn_toe_and_camber() {
     assert_eq!(builds.rejected(), 0);
 }
 
-/// The ranking puts the two planted tolerances that dominate the yield first. Halving either one raises the yield as
+/// Two of the given tolerances dominate the yield. The ranking puts them first. Halving either one raises the yield as
 /// predicted.
 #[test]
 fn the_tolerances_that_cost_the_yield_are_named_first() {
@@ -334,8 +335,8 @@ fn the_page_has_no_capability_of_rounding_errors() {
     assert_eq!(page.matches(">Cp ").count(), 1);
 }
 
-/// Alignment sets toe and camber. If a limit of a band equals the toe or camber of the alignment, the band contains
-/// every build, and the linear yield agrees.
+/// Alignment sets toe and camber. If the aligned value equals a limit of a band, all builds are within the band, and
+/// the linear yield agrees.
 #[test]
 fn a_value_held_at_a_limit_keeps_its_band() {
     let study = study(

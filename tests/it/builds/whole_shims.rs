@@ -11,8 +11,8 @@ fn solved(overrides: &[&str]) -> Result<SetUp, SetUpError> {
     SetUp::solve(&study, study.setup.as_ref().unwrap(), &assembler(&study))
 }
 
-/// The allowed error for half a shim step is half the step's effect plus 1 %. A thread adds the effect of half a
-/// sixteenth of a turn.
+/// The allowed error for half a shim step is half the effect of a step, plus 1 %. A thread increases it by the effect
+/// of half a sixteenth of a turn.
 #[test]
 fn half_steps_allow_half_effects() {
     let shim =
@@ -75,8 +75,8 @@ fn adjustments_beyond_a_tenth_of_the_size_are_refused() {
     }
 }
 
-/// A shim cannot meet camber, scrub radius and bump steer together. It minimises the sum of squares in which a tenth of a degree
-/// counts as much as a millimetre and as a thousandth of a degree per millimetre.
+/// One shim cannot meet targets for camber, scrub radius and bump steer together. The set-up minimises a sum of
+/// squares. In this sum, 0.1 deg counts as much as 1 mm and as 0.001 deg/mm.
 #[test]
 fn a_tenth_of_a_degree_counts_as_a_millimetre() {
     let found = solved(&[
@@ -176,8 +176,8 @@ fn whole_shims_are_the_best_roundings() {
     }
 }
 
-/// A shim whose step improves no aim visibly is left out. The lower ball joint hardly affects camber along x: one shim of it would
-/// improve camber by 0.0006 degrees.
+/// The set-up omits a shim whose step improves no target visibly. Along x, the lower ball joint hardly affects camber:
+/// one shim would improve camber by 0.0006 degrees.
 #[test]
 fn a_shim_without_visible_effect_is_left_out() {
     let shims = [
@@ -199,7 +199,7 @@ fn a_shim_without_visible_effect_is_left_out() {
         let (alone, both) = (with(1), with(2));
         let error = |found: &SetUp| found.misses()[0].unwrap().abs();
         assert!(error(&both) <= error(&alone) + VISIBLE);
-        // The second shim is fitted only if it improves camber visibly.
+        // The second shim is used only if it improves camber visibly.
         if both.last().amounts[1] == 0.0 {
             left_out += 1;
         } else {
@@ -209,7 +209,7 @@ fn a_shim_without_visible_effect_is_left_out() {
     assert!(left_out > 0);
 }
 
-/// If whole shims can meet the targets exactly, the set-up finds these shims and meets the targets to rounding.
+/// If whole shims can meet the targets exactly, the set-up finds these shims. It then meets the targets to rounding.
 #[test]
 fn planted_whole_shims_are_found() {
     let adjust = "setup.adjust=[{shim=\"upper_ball_joint\",axis=\"y\",step=0.5}]";

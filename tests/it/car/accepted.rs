@@ -16,7 +16,7 @@ fn refusal(changes: &[&str]) -> String {
     read(changes).map_or_else(|why| why, |_| panic!("accepted: {changes:?}"))
 }
 
-/// Scatter and variables that are valid for every value of the car.
+/// Scatter and variables of a hardpoint. They stay valid whatever value of the car the test changes.
 const SCATTER: &str =
     "tolerance.scatter=[{ axle = \"front\", hardpoint = \"tie_rod_inner\", sigma = 0.1 }]";
 const TUNED: &str = "optimise.variables=[{ axle = \"front\", hardpoint = \"tie_rod_inner\", \
@@ -68,7 +68,7 @@ fn a_range_ends_where_the_study_accepts_the_value() {
     let of_axle = of_axle.map(|(name, own)| (format!("axle = \"front\", rate = {name:?}"), own));
     for (part, (key, [inside, outside, other])) in of_car.into_iter().chain(of_axle) {
         for (value, is_accepted) in [(inside, true), (outside, false)] {
-            // Replaces the scatter and the variables of the sample, which are not valid for every value.
+            // The scatter and the variables of the sample are not valid for every value, so the test replaces them.
             let own = read(&[&format!("{key}={value:?}"), SCATTER, TUNED, SWEPT]);
             assert_eq!(own.is_ok(), is_accepted, "{key} = {value}");
             let (low, high) = (value.min(other), value.max(other));
@@ -124,7 +124,7 @@ fn whole_car(directory: &Path) -> std::path::PathBuf {
 }
 
 /// The program accepts a sweep over the centre of gravity and the wheelbase if each range alone is valid. A design
-/// whose centre of gravity is behind its rear axle fails.
+/// fails if its centre of gravity is behind its rear axle.
 #[test]
 fn an_impossible_design_of_a_sweep_fails() {
     let directory = tempfile::tempdir().unwrap();
@@ -172,8 +172,8 @@ fn scatter_keeps_to_accepted_values() {
     read(&["tolerance.scatter=[{ car = \"brake_share_front\", sigma = 0.07 }]"]).unwrap();
 }
 
-/// Two sources change the same rate, each uniformly by up to two thirds of it. In one eighth of the builds they remove
-/// the whole rate, and the program rejects these builds.
+/// Two sources change the same rate. Each source reduces the rate by up to two thirds, with uniform distribution. In
+/// one eighth of the builds, the rate falls below zero, and the program rejects these builds.
 #[test]
 fn impossible_builds_are_rejected() {
     let rate = 30.0;
@@ -247,7 +247,8 @@ fn a_percentage_of_zero_is_refused() {
     }
 }
 
-/// The program refuses elastic tyres in a case of a car with rigid tyres. The message gives the reason that applies.
+/// A case requests elastic tyres, but the car has rigid tyres. The program refuses this, and its message gives the
+/// reason that applies.
 #[test]
 fn elastic_tyres_of_a_rigid_case_have_the_right_reason() {
     let case = "cases=[{name=\"turn\",ay=0.6,tyres=\"elastic\"}]";

@@ -16,7 +16,8 @@ pub(super) fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
 }
 
-/// `hardpoint new` writes three files that run, and overwrites no file. They equal the samples.
+/// `hardpoint new` writes three files that other commands accept, and overwrites no file. The three files equal the
+/// samples.
 #[test]
 fn new_cars_run() {
     let directory = tempfile::tempdir().unwrap();
@@ -62,7 +63,7 @@ fn tuned_cars_are_studies() {
     let tuned = directory.path().join("tuned");
     hardpoint(&tuned, &["solve", "optimised.toml", "--out", "again"]).success();
     let read = |path: &str| fs::read_to_string(tuned.join(path)).unwrap();
-    // The page shows the misfit before and after, and every variable with its values.
+    // The page shows the misfit before and after the tuning. For every variable it shows the values.
     let summary: serde_json::Value = serde_json::from_str(&read("summary.json")).unwrap();
     let page = read("report.html");
     let (_, section) = page.split_once("<section id=\"variables\">").unwrap();

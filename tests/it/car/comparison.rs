@@ -3,7 +3,7 @@
 use super::commands::{hardpoint, text};
 use std::fs;
 
-/// A comparison lists the changes, and its differences equal those of the two solutions.
+/// A comparison lists the changes between two cars. Its differences equal those of the two solutions.
 #[test]
 fn changes_and_differences_are_listed() {
     let directory = tempfile::tempdir().unwrap();
@@ -93,8 +93,8 @@ fn cars_in_other_units_are_compared() {
                     assert_eq!(row[3].is_empty(), row[4].is_empty(), "{row:?}");
                     continue;
                 };
-                // Solving the equilibria in other units gives about ten equal digits. Loads of several kN set the scale
-                // for the small forces.
+                // Equilibria that are solved in other units agree to about ten digits. Loads of several kN set the
+                // scale for the errors of small forces.
                 let scale = a.abs().max(b.abs()).max(1.0);
                 assert!((a - b).abs() <= 1e-7 * scale, "{unit:?}: {row:?}");
                 compared += 1;
@@ -120,8 +120,8 @@ fn cars_in_other_units_are_compared() {
     );
 }
 
-/// A car's export gives the points of both axles in the axes of the car: the rear wheel centre is one wheelbase behind
-/// the front one.
+/// A car's export contains the points of both axles in the axes of the car. The rear wheel centre is one wheelbase
+/// behind the front wheel centre.
 #[test]
 fn exported_points_are_those_of_the_car() {
     let directory = tempfile::tempdir().unwrap();

@@ -3,7 +3,8 @@
 use super::commands::{hardpoint, studies, text};
 use hardpoint::study::CarStudy;
 
-/// Two limits of a result that exclude each other, and other limits that are not involved.
+/// Constraints and targets of a tuning. Two limits of the same result exclude each other. The other limits do not take
+/// part in this conflict.
 const CHANGES: [&str; 3] = [
     "optimise.variables=[{axle=\"front\",rate=\"spring\",percent=30.0}, \
      {axle=\"front\",hardpoint=\"tie_rod_inner\",axis=\"z\",range=[-5.0,5.0]}]",
@@ -14,7 +15,7 @@ const CHANGES: [&str; 3] = [
      {case=\"static\",characteristic=\"roll_gradient\",at_most=3.45}]",
 ];
 
-/// The tuning names these two constraints and no others.
+/// The tuning names the two constraints that exclude each other, and no others.
 #[test]
 fn a_smallest_set_is_named() {
     let study = CarStudy::read(&studies().join("car.toml"), &CHANGES.map(str::to_owned))
@@ -41,7 +42,7 @@ fn a_smallest_set_is_named() {
     );
 }
 
-/// The tuning also finds a conflict between a constraint of an axle and a constraint of a case.
+/// The tuning also names a constraint of an axle that cannot be met by itself.
 #[test]
 fn a_conflict_of_an_axle_alone_is_named() {
     let constraints = "optimise.constraints=[{axle=\"front\",length=\"tie_rod\",at_most=1.0}]";

@@ -1,5 +1,5 @@
-//! Balance of free bodies in states of random cars: carriers, arms, rockers, bars and the body, each separately, from
-//! published positions and member forces.
+//! Tests of the balance of free bodies in states of random cars. The bodies are carriers, arms, rockers, bars and the
+//! body of the car, each separately. The forces come from published positions and member forces.
 
 use crate::support::random::Random;
 use hardpoint::axle::Preloaded;
@@ -81,8 +81,8 @@ fn about(first: V, second: V, forces: &[Force]) -> f64 {
     forces.iter().map(moment).sum()
 }
 
-/// 1 if compression of a rocker's rod turns the rocker in the positive sense about its axis in the design position,
-/// else -1.
+/// Returns 1 if compression of a rocker's rod turns the rocker in the positive sense about its axis in the design
+/// position. Otherwise returns -1.
 fn sense(mechanism: &Mechanism, design: &[V], id: RockerId) -> f64 {
     let rocker = mechanism.rocker(id);
     let [first, second, inner, outer] =
@@ -108,7 +108,7 @@ struct Wheel<'a> {
     members: HashMap<String, f64>,
     /// Forces of tyre and inertia on the carrier.
     outside: Vec<Force>,
-    /// Torque that a shaft takes instead of the carrier.
+    /// Torque that a drive shaft takes instead of the carrier.
     shaft: V,
     sign: f64,
     state: &'a Balance<f64>,
@@ -120,7 +120,7 @@ impl Wheel<'_> {
         self.at.point(self.mechanism.point(name).unwrap())
     }
 
-    /// Pull of a rod on its end `at`, directed towards `to`.
+    /// Force of a rod on the part at its end `at`, directed towards `to`.
     fn pull(&self, at: &str, to: &str, tension: f64) -> Force {
         let (at, to) = (self.point(at), self.point(to));
         Force(at, (to - at).normalised() * tension)
@@ -140,7 +140,7 @@ impl Wheel<'_> {
         Force(at, -by)
     }
 
-    /// Residuals of force and of moment for carrier, arms, rocker and bar, and the forces on the body.
+    /// Residuals of forces and of moments for carrier, arms, rocker and bar. Also returns the forces on the body.
     fn residuals(&self, other_end: V) -> (Vec<f64>, Vec<f64>, Vec<Force>) {
         let (lower, upper) = (
             self.joint("lower_ball_joint"),
@@ -207,7 +207,8 @@ fn mirrored(v: V, sign: f64) -> V {
     V::new(v.x, sign * v.y, v.z)
 }
 
-/// Largest residuals of forces and of moments, divided by the weight (for moments, by the weight times a metre).
+/// Largest residuals of forces and of moments. Residuals of forces are divided by the weight, and residuals of moments
+/// by the weight times a metre.
 fn worst(car: &Car, solver: &mut CarSolver<'_>, case: &Case, found: &Equilibrium) -> [f64; 2] {
     let state = solver.balance(case, found).unwrap();
     let all = solver.members(case, found).unwrap();
@@ -241,7 +242,7 @@ fn worst(car: &Car, solver: &mut CarSolver<'_>, case: &Case, found: &Equilibrium
             let push = wheel.heading * wheel.longitudinal_force;
             let centre = wheel.corner.centre;
             let own = |at: V, by: V| Force(mirrored(at - origin, sign), mirrored(by, sign));
-            // Both axles of the file have brakes at the wheels and shaft drive.
+            // Both axles of the file have brakes at the wheels, and drive through shafts.
             let shaft = match case.setting.longitudinal {
                 Longitudinal::Brake => V::default(),
                 Longitudinal::Drive => {
@@ -290,8 +291,8 @@ fn worst(car: &Car, solver: &mut CarSolver<'_>, case: &Case, found: &Equilibrium
         // The body reacts the torque of the shafts, which is an axial vector.
         torque = torque - mirrored(wheel.shaft, wheel.sign) * wheel.sign;
     }
-    // The study gives the mass of the whole car. In the design position its centre of gravity is that of the sprung and
-    // unsprung masses together.
+    // The study gives the mass of the whole car. In the design position, the centre of gravity in the study is that of
+    // sprung and unsprung masses together.
     let sprung = car.mass - total;
     let mut moment = car.cg * car.mass;
     for number in 0..4 {
@@ -315,7 +316,7 @@ fn worst(car: &Car, solver: &mut CarSolver<'_>, case: &Case, found: &Equilibrium
     worst
 }
 
-/// Checks the balance in `states` states of each of `cars` random cars.
+/// Checks the balance of random cars: `cars` cars, with `states` states each.
 fn balance(seed: u64, cars: usize, states: usize) {
     let mut random = Random(seed);
     let (mut solved, mut most) = (0, [0.0_f64; 2]);
@@ -351,7 +352,7 @@ fn free_bodies_of_many_cars_balance() {
     balance(18, 100, 100);
 }
 
-/// The studies of the sample car have ISO axes. The other tests of this file rely on these axes.
+/// The studies of the sample car have ISO axes. The other tests of this file assume this.
 #[test]
 fn the_car_is_in_iso_axes() {
     let mut random = Random(1);

@@ -1,4 +1,5 @@
-//! Tests of maps: states solved from their neighbours equal those of separate cases. One test also measures the time.
+//! Tests of maps. The program solves states of a map from neighbouring states. These states equal those of separate
+//! cases. One test also measures the time.
 
 use super::commands::hardpoint;
 use super::{car, reference};
@@ -55,10 +56,10 @@ fn walk(
     states
 }
 
-/// Map states come from interpolated wheel curves and reuse a tangent over several steps. Every result equals that of
-/// the same case solved alone from poses, to 1e-9 of its size. Points of 300 mm are accurate to 8 roundings, 5e-13 mm,
-/// and a roll centre amplifies this a hundred times. This sets the bound for values below a twentieth of the unit. A
-/// quotient, such as a roll centre 40 m away, amplifies rounding by its size.
+/// The solver of maps takes its wheel curves from interpolation and uses a tangent for several steps. Every result
+/// equals that of the same case, solved alone from poses, to 1e-9 of the result. Points at 300 mm are accurate to 8
+/// roundings (5e-13 mm), and a roll centre amplifies this a hundred times. So the bound for values below 0.05 is that
+/// of 0.05. A quotient, such as a roll centre at 40 m, amplifies rounding in proportion to its value.
 #[test]
 fn neighbours_are_the_states_of_their_cases() {
     for car in [car(&reference()), formula_student_car()] {
@@ -88,10 +89,10 @@ fn neighbours_are_the_states_of_their_cases() {
     }
 }
 
-/// Lanes of map rows give the states of their cases solved alone, to 1e-11 of the weight, of the length unit in metres,
-/// and of a radian. Both searches end at steps of 2e-15 of these sizes, and the tangent amplifies the rounding of the
-/// residuals. Most states come from lanes. If wheels lift or a case has other settings, the solver for single cases
-/// gives the state.
+/// Rows of a map that are solved in SIMD lanes have the states of their cases solved alone. They agree to 1e-11 of the
+/// weight, of the length unit in metres, or of a radian. Both searches end at steps of 2e-15 of these sizes, and the
+/// tangent amplifies the rounding of the residuals. Most states come from lanes. If wheels lift or a case has other
+/// settings, the solver for single cases finds the state.
 #[test]
 fn rows_in_lanes_are_the_states_of_their_cases() {
     for (car, lifting) in [(car(&reference()), 1.4), (formula_student_car(), 2.2)] {
@@ -101,7 +102,7 @@ fn rows_in_lanes_are_the_states_of_their_cases() {
                 case.ay *= lifting / 0.9;
             }
         }
-        // One row is short, and one has cases with alternating settings.
+        // One row is short. Another row has cases with alternating settings.
         rows[3].truncate(2);
         for case in rows[9].iter_mut().step_by(2) {
             case.racks[0] += 0.001 * car.per_metre();
@@ -143,7 +144,7 @@ fn rows_in_lanes_are_the_states_of_their_cases() {
                     return;
                 }
                 from_lanes += 1;
-                // The solver can compute results with derivatives at a state from lanes too.
+                // A state from lanes can also be solved with derivatives.
                 assert!(solver.solved(case, &state.found).is_ok());
             });
         let all: usize = rows.iter().map(|row| row.len()).sum();

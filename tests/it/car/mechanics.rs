@@ -79,8 +79,8 @@ fn for_random_states(
     count
 }
 
-/// The published forces of tyres, aerodynamics and inertia balance each other, and the components of each wheel load
-/// add up to the load.
+/// The published forces of tyres, aerodynamics and inertia balance each other. The components of each wheel load add up
+/// to the load.
 #[test]
 fn free_body_and_parts_of_loads_balance() {
     let mut worst = [0.0_f64; 3];
@@ -106,7 +106,7 @@ fn free_body_and_parts_of_loads_balance() {
             act(wheel.contact, tyre);
             act(wheel.corner.centre, -(acceleration * unsprung(number)));
             let sum: f64 = wheel.parts.iter().sum();
-            // One solution gives all four loads, so rounding scales with their mean.
+            // One solution contains all four loads, so rounding scales with the mean load.
             worst[2] = worst[2].max((sum - wheel.load).abs() / (0.25 * weight));
             assert!(found.lifted[number] || wheel.load > 0.0);
         }
@@ -157,8 +157,8 @@ fn gradients_are_those_of_neighbouring_states() {
     }
 }
 
-/// Beyond wheel lift, five starts lead to the same wheels in contact and the same loads. Examines `states` states with
-/// a lifted wheel.
+/// Beyond wheel lift, five different starts lead to the same wheels in contact and the same loads. The function
+/// examines `states` states with a lifted wheel.
 fn compare_starts(seed: u64, states: usize) {
     let car = car(&reference());
     let mut solver = CarSolver::new(&car).unwrap();
@@ -208,7 +208,7 @@ fn many_states_with_lifted_wheels_do_not_depend_on_the_start() {
     compare_starts(6, 100);
 }
 
-/// Numbers of solved and of all states of random cars, below the first lift along their direction.
+/// Number of solved states and number of all states of random cars, below the first lift along each direction.
 fn solved_below_lift(seed: u64, cars: usize, directions: usize) -> [usize; 2] {
     let mut random = Random(seed);
     let mut count = [0; 2];
@@ -303,8 +303,8 @@ fn a_right_turn_is_the_mirror_image_of_a_left_turn() {
     assert!((left[0] + right[0]).abs() < 1e-13 && (left[1] - right[1]).abs() < 1e-13);
 }
 
-/// Without pitch, the elastic components of the wheel loads equal the wheel loads of each axle alone, in roll on a
-/// plane ground at the same mean travel.
+/// Without pitch, the elastic components of the wheel loads equal the wheel loads of each axle alone. The single axle
+/// is in roll on plane ground at the same mean travel.
 #[test]
 fn axles_by_themselves_are_a_special_case() {
     let car = car(&reference());
@@ -345,7 +345,7 @@ fn axles_by_themselves_are_a_special_case() {
     }
 }
 
-/// A tuning with six variables of both axles meets targets that were planted at a known design.
+/// The targets are computed from a known design. A tuning with six variables of both axles meets these targets.
 #[test]
 fn planted_targets_are_met() {
     plant(3, 4);
@@ -363,8 +363,8 @@ fn planted_targets_of_twenty_seeds_are_met() {
     );
 }
 
-/// Tunes six variables of both axles to at least ten targets that were planted at known designs. Returns the times in
-/// seconds.
+/// Tunes six variables of both axles to at least ten targets that were computed from known designs. Returns the times
+/// in seconds.
 fn plant(seed: u64, seeds: usize) -> Vec<f64> {
     let mut times = Vec::new();
     let car = car(&reference());

@@ -45,7 +45,7 @@ fn renamed(name: &str) -> &str {
     known.map_or(name, |(_, ours)| ours)
 }
 
-/// Scale for the error of a value.
+/// Scale of the error of a value.
 fn scale(name: &str, value: f64) -> f64 {
     let typical =
         if name.contains("percent") || name.contains("distribution") || name.contains("anti_") {
@@ -180,7 +180,8 @@ fn every_member_load_agrees() {
     assert!(*error < 1e-12, "{error:e} {text}");
 }
 
-/// Derivative of a gradient with respect to the parameter or hardpoint coordinate that a path of the reference names.
+/// Derivative with respect to one parameter or one hardpoint coordinate, taken from `gradient`. The reference's name
+/// `path` selects the parameter or coordinate.
 fn derivative(
     car: &hardpoint::car::Car,
     gradient: &hardpoint::car::CarGradient,
@@ -242,7 +243,8 @@ fn every_derivative_agrees() {
                     continue;
                 }
                 let found = derivative(&car, gradient, path);
-                // Scale of the error: typical size of the value divided by that of the parameter (100 for a length).
+                // Scale of the error: typical size of the value divided by the typical size of the parameter (100 for a
+                // length).
                 let size = scale(names[*k], gradient.value)
                     / match path.as_str() {
                         p if p.ends_with("bar.rate") => 5e5,

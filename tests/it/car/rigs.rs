@@ -38,7 +38,8 @@ constraints = [
 ]
 "#;
 
-/// Gradients of all rows equal differences, and the misfit is the weighted mean of both kinds of targets.
+/// Gradients of all residuals equal differences. The misfit is the weighted mean over targets of cases and targets of
+/// axles.
 #[test]
 fn targets_of_cases_and_axles_are_tuned_together() {
     let directory = tempfile::tempdir().unwrap();
@@ -87,8 +88,8 @@ fn targets_of_cases_and_axles_are_tuned_together() {
     assert!(load.printed(&solved, case).unwrap() < 7000.0 + 1e-3);
 }
 
-/// A target over the stations of an axle counts as one target. A tuning meets both kinds of targets that were planted
-/// at a known design.
+/// A target over the stations of an axle counts as one target. A tuning finds the design from which the targets of
+/// cases and of axles were computed.
 #[test]
 fn planted_bump_steer_and_distribution_are_found() {
     let directory = tempfile::tempdir().unwrap();
@@ -99,7 +100,7 @@ fn planted_bump_steer_and_distribution_are_found() {
     let wanted = study.optimise.clone().unwrap();
     let planted = [2.0, -3.0, 700_000.0, 350_000.0];
     let truth = moved(&study.car, &wanted.variables, &planted);
-    // Curve of the planted car, from the study of its axle.
+    // Curve of the car with the known design, from the study of its axle.
     let text = study.axles[0].with_design(&truth.axles[0].left.design);
     let axle = hardpoint::study::Study::from_text("front.toml", &text, Path::new(".")).unwrap();
     let own = axle.axle().unwrap();
@@ -160,7 +161,7 @@ fn planted_bump_steer_and_distribution_are_found() {
     }
 }
 
-/// The terminal names both kinds of targets and the constraints, and the JSON output contains them.
+/// The terminal lists targets of cases, targets of axles, and constraints. The JSON output contains them.
 #[test]
 fn the_command_reports_both_kinds() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Tests of second-order scatter of a car against differences of complete solutions, and against laws of statistics.
+//! Tests of second-order scatter of a car against differences of complete solutions, and against statistical laws.
 
 use hardpoint::assembly::Assembler;
 use hardpoint::axle::Axle;
@@ -32,8 +32,8 @@ fn expansion(problem: &CarProblem<'_>) -> Vec<CarExpansion> {
     problem.expansion().unwrap_or_else(|_| panic!("expands"))
 }
 
-/// Car with the given sources displaced by the given numbers of standard deviations. Each contributor has one random
-/// number here.
+/// Car with the given sources displaced by the given numbers of standard deviations. In these tests, each contributor
+/// has one random number.
 fn moved(problem: &CarProblem<'_>, steps: &[(usize, f64)]) -> Car {
     let mut car = problem.study.car.clone();
     for axle in [0, 1] {
@@ -96,9 +96,9 @@ fn values(problem: &CarProblem<'_>, steps: &[(usize, f64)]) -> Vec<f64> {
     values
 }
 
-/// Second derivatives along one source or along the sum of two, times the squared standard deviation. Differences of
-/// sixth order with steps of half and a quarter of a standard deviation give differences of eighth order, and an
-/// estimate of their error.
+/// Second derivatives along one source, or along the sum of two sources, times the squared standard deviation. The
+/// function computes differences of sixth order with steps of half and a quarter of a standard deviation. From both it
+/// computes differences of eighth order, and an estimate of their error.
 fn bends(problem: &CarProblem<'_>, sources: &[usize]) -> Vec<[f64; 2]> {
     let by = |h: f64| -> Vec<f64> {
         let at = |step: i32| {
@@ -147,8 +147,8 @@ fn compare(study: &CarStudy) -> [usize; 2] {
             0.5 * (one + two),
             0.5 * (one * one + two * two) + mixed * mixed,
         ];
-        // Solutions have rounding errors of about 1e-13 of the largest numbers in a result. The difference weights add
-        // up to 8 per squared step.
+        // Solutions have rounding errors of about 1e-13 of the largest numbers in a result. The weights of the
+        // differences add up to 8 over the squared step.
         let unit = if name.contains("load") { 4000.0 } else { 1.0 };
         let size = nominal[place].abs().max(unit);
         let error = 4.0 * (a + b + c) + 2e-13 * size * 8.0 / (0.25 * 0.25);
@@ -236,9 +236,9 @@ fn second_order_of_solid_axles_is_that_of_complete_solutions() {
     }
 }
 
-/// If the centre of gravity moves sideways, the car sinks by the square of the displacement, so at the middle the first
-/// order is zero. The second order then gives the whole shift and the whole variance of many builds, within four
-/// standard errors.
+/// If the centre of gravity moves sideways, the car sinks by the square of this displacement. So the first order is
+/// zero in the middle. The second order then equals the whole shift of the mean and the whole variance of many builds,
+/// within four standard errors.
 #[test]
 fn builds_confirm_the_second_order() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/car.toml");
@@ -284,8 +284,8 @@ fn builds_confirm_the_second_order() {
 }
 
 /// A single source with second derivative H and variance s^2 adds H s^2/2 to the mean and H^2 s^4 (k - 1)/4 to the
-/// variance. The kurtosis k is 3 for a normal and 9/5 for a uniform distribution. Equal parts on both sides of a
-/// symmetric car shift results of the whole car equally.
+/// variance. The kurtosis k is 3 for a normal and 9/5 for a uniform distribution. On a symmetric car, a left part
+/// shifts the results of the whole car as much as the equal right part.
 #[test]
 fn laws_and_sides_enter_as_in_statistics() {
     let middle = "car.cg=[-1290.0,0.0,560.0]";
@@ -327,14 +327,15 @@ fn laws_and_sides_enter_as_in_statistics() {
             close(uniform[k][1], 0.4 * growth, 1e-12),
             "{k}: {uniform:?} {normal:?}"
         );
-        // The bound covers rounding of a state of a few kilonewtons and of its second derivatives.
+        // The bound covers the rounding errors of a state with a few kilonewtons, and of the second derivatives of this
+        // state.
         assert!(close(right[k][0], mean, 1e-6), "{k}: {right:?} {normal:?}");
     }
 }
 
 /// A symmetric car in straight driving has no roll and no lateral load transfer, whatever its mass, springs and
-/// longitudinal centre of gravity. Their first-order scatter is only rounding error, and the program reports that they
-/// do not scatter. Loads and pitch scatter.
+/// longitudinal centre of gravity. The computed first-order scatter of both is only rounding error, and the program
+/// reports that they do not scatter. Loads and pitch scatter.
 #[test]
 fn what_vanishes_by_symmetry_does_not_scatter() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/car.toml");

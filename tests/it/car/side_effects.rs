@@ -100,8 +100,8 @@ fn largest_changes_are_those_of_the_cases_solved_before_and_after() {
     assert!(named(&effects, "camber, front axle").is_unchanged());
 }
 
-/// The load transfer of the front axle is a target in `turn`, and so is the slope of the roll. Other cases may change by as much as
-/// `turn`: only the rest is a side effect.
+/// In `turn`, the load transfer of the front axle and the slope of the roll are targets. In other cases, only a change
+/// beyond the change in `turn` counts as a side effect.
 #[test]
 fn a_target_takes_its_change_off_the_other_cases() {
     let before = study(&[]);
@@ -152,7 +152,8 @@ fn roll_at_rest_does_not_count_as_changed() {
     assert!(asked.abs() > 0.1, "{asked}");
     let effects = side_effects_of_car(&before, &after).unwrap();
     let effect = named(&effects, "roll");
-    // In the other turns the car rolls less than before, as in `turn`, and the change is no larger than in `turn`.
+    // In the other turns the car rolls less than before, as in `turn`. There the roll changes by no more than in
+    // `turn`.
     assert!(effect.is_unchanged() && !effect.flagged, "{effect:?}");
     assert!(effect.asked_change * asked > 0.0, "{effect:?}");
     assert!(effect.asked_change.abs() <= asked.abs(), "{effect:?}");
@@ -176,7 +177,7 @@ fn a_changed_axle_is_compared_as_in_its_own_tuning() {
     let axle = axle.unwrap_or_else(|e| panic!("{e:?}"));
     let alone = side_effects(&axle, &axle.moved(&[5.0])).unwrap();
     let mut compared = 0;
-    // The tuning of the axle alone has camber as a target, so the test skips the side effects on camber.
+    // The tuning of the axle alone has a target for camber, so the test omits the side effects on camber.
     for effect in alone
         .iter()
         .filter(|effect| !effect.output.starts_with("camber"))

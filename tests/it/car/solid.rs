@@ -19,7 +19,7 @@ fn car() -> Car {
     CarStudy::read(&path, &[]).unwrap().car
 }
 
-/// Car with random changes of the hardpoints of its rear axle, equal on both sides.
+/// Car whose rear axle has random changes of its hardpoints, equal on both sides.
 fn random_car(random: &mut Random) -> Car {
     let mut car = car();
     let points = car.axles[1].left.design.len();
@@ -52,8 +52,8 @@ fn wrench(at: V, force: V) -> [f64; 6] {
     [force.x, force.y, force.z, moment.x, moment.y, moment.z]
 }
 
-/// The axle alone is in equilibrium: the tensions of its four links, fitted to six equations, balance tyre forces,
-/// springs and inertia.
+/// The axle alone is in equilibrium: the tensions of the four links balance tyre forces, springs and inertia. The test
+/// fits the four tensions to the six equilibrium equations.
 #[test]
 fn four_links_hold_the_axle() {
     let mut random = Random(23);

@@ -1,4 +1,5 @@
-//! Tests of where equilibria end: planted overturning, and stable states whose stiffness matrix is not symmetric.
+//! Tests of the end of equilibrium: a car that is built to overturn, and stable states whose stiffness matrix is not
+//! symmetric.
 
 use hardpoint::axle::{Preloaded, RockerSprings};
 use hardpoint::car::{Car, CarQuantity, CarSolver, Case, Longitudinal, NoEquilibrium};
@@ -57,11 +58,11 @@ fn a_high_car_tips_where_its_roll_stiffness_ends() {
         let mut solver = CarSolver::new(&high).unwrap();
         value(&mut solver, &at_rest(), "body_roll_stiffness")
     };
-    // Finds the root of the stiffness from its tangent just below the limit.
+    // Estimates the height of zero stiffness by a straight line through two values just below the limit.
     let [near, far] = [1e-5, 2e-5].map(|part| stiffness(low * (1.0 - part)));
     let root = low * (1.0 - 1e-5 + 1e-5 * near / (far - near));
-    // The solver finds a state to 1e-10 or refuses it. At a relative distance p from the root, rounding is amplified by
-    // 1/p.
+    // The solver finds a state to 1e-10 or refuses it. At a relative distance p below the height of zero stiffness,
+    // rounding is amplified by 1/p.
     assert!((root / low - 1.0).abs() < 1e-6, "{root} {low}");
     let at_design = stiffness(car.cg.z);
     assert!(near > 0.0 && near < 1e-4 * at_design, "{near} {at_design}");
@@ -78,7 +79,7 @@ fn without_front_roll_stiffness() -> Car {
     let wheel = &state.wheels[0];
     let [angle, by_travel] = wheel.corner.rocker.angle;
     let work = wheel.parts[0] * state.road.up.dot(wheel.contact_rate);
-    // 60 N/mm at each wheel.
+    // The heave bar acts as 60 N/mm at each wheel.
     let rate = 0.5 * 60.0 / (by_travel * by_travel);
     let setup = &mut car.axles[0].setup;
     (setup.springs, setup.bar_rate) = (None, None);
@@ -92,8 +93,9 @@ fn without_front_roll_stiffness() -> Car {
     car
 }
 
-/// Only the rear axle resists roll. When its inner wheel lifts, only one rear wheel and the middle of the front axle
-/// support the body, so it falls. The limit of equilibrium is this lift, and the program reports overturning.
+/// Only the rear axle resists roll. When the inner rear wheel lifts, only one rear wheel and the middle of the front
+/// axle support the body, so the body overturns. The limit of equilibrium is this lift, and the program reports
+/// overturning.
 #[test]
 fn a_car_on_two_supports_tips_at_the_lift() {
     let car = without_front_roll_stiffness();
@@ -111,9 +113,9 @@ fn a_car_on_two_supports_tips_at_the_lift() {
     assert_eq!(solver.solve(&beyond).unwrap_err(), NoEquilibrium::Tips);
 }
 
-/// Anti-dive and anti-lift under strong braking make the stiffness matrix so unsymmetric that its symmetric part is not
-/// positive definite. Still each wheel is loaded and its load changes smoothly. The program solves the car until its
-/// rear wheels have no load, and not beyond.
+/// Anti-dive and anti-lift under strong braking make the stiffness matrix very unsymmetric: its symmetric part is not
+/// positive definite. Still each wheel is loaded, and each wheel load changes smoothly. The program solves the car
+/// until the rear wheels have no load, and not beyond.
 #[test]
 fn a_braking_car_is_solved_until_its_rear_wheels_lift() {
     let car = formula_student_car();
@@ -137,7 +139,7 @@ fn a_braking_car_is_solved_until_its_rear_wheels_lift() {
     assert!((left - right).abs() < 1e-6 * front);
     assert!(left > 0.0 && left < 1e-3 * front, "{left} {front}");
     assert_eq!(limits.why, Some(NoEquilibrium::AxleLifted { axle: 1 }));
-    // The load falls steadily; a fold would have a vertical slope.
+    // The load falls steadily. At a turning point of the equilibrium path, the curve would be vertical.
     let steps = [0.12, 0.09, 0.06, 0.03].map(|less| loads(&mut solver, limits.end - less)[1]);
     let slopes: Vec<f64> = steps.windows(2).map(|pair| pair[0] - pair[1]).collect();
     for pair in slopes.windows(2) {
@@ -145,8 +147,9 @@ fn a_braking_car_is_solved_until_its_rear_wheels_lift() {
     }
 }
 
-/// Springs on links that fold carry a car up to a certain vertical acceleration. Below it heave grows faster and
-/// faster, while roll hardly changes. So the reported reason is that the body sinks, not that the car overturns.
+/// Springs act through links that fold. Such springs carry a car up to a certain vertical acceleration. Near this
+/// limit, heave grows faster and faster, while roll hardly changes. So the reported reason is that the body sinks, not
+/// that the car overturns.
 #[test]
 fn a_car_whose_links_fold_sinks() {
     let path = super::commands::studies().join("off_road_car.toml");
@@ -164,8 +167,8 @@ fn a_car_whose_links_fold_sinks() {
     }
 }
 
-/// The error for a rack displacement beyond the limit gives the limit with the sign of the displacement, whichever
-/// wheel it names. The limit has a unit.
+/// The error for a rack displacement beyond the limit states the limit with its unit. The limit has the sign of the
+/// displacement, whichever wheel reaches it.
 #[test]
 fn an_unreachable_rack_has_its_sign_and_unit() {
     let path = super::commands::studies().join("car.toml");

@@ -107,7 +107,8 @@ const NAMES: [&str; 20] = [
     "right_spring_upper",
 ];
 
-/// Front axle with its knuckles and wheels as free bodies: six equations for the whole, then one about each kingpin.
+/// Front axle with its knuckles and wheels as free bodies. There are six equations for the whole axle, and one about
+/// the kingpin of each knuckle.
 struct FreeBodies {
     points: Vec<V>,
 }
@@ -124,7 +125,7 @@ impl FreeBodies {
         axis.dot((place - lower).cross(force)) * 1e-3
     }
 
-    /// Unit force of a rod at its first end.
+    /// Force at the rod's first end for a tension of 1.
     fn pull(&self, from: &str, to: &str) -> (V, V) {
         let from = self.at(from);
         (from, (self.at(to) - from).normalised())
@@ -177,8 +178,8 @@ impl FreeBodies {
     }
 }
 
-/// Axle, knuckles and wheels together have six equations, and each knuckle has one about its kingpin. The six tensions
-/// of links, Panhard rod, drag link and tie rod satisfy all eight.
+/// Axle, knuckles and wheels together have six equations, and each knuckle has one equation about its kingpin. The six
+/// tensions of links, Panhard rod, drag link and tie rod satisfy all eight equations.
 #[test]
 fn rods_hold_axle_and_knuckles() {
     let mut random = Random(29);
@@ -230,8 +231,8 @@ fn results() -> Vec<CarQuantity> {
     results
 }
 
-/// Derivatives with respect to hardpoints of the steered axle and to its steering gear equal differences between
-/// complete designs.
+/// Derivatives with respect to the steered axle's hardpoints and steering gear equal differences between complete
+/// designs.
 #[test]
 fn derivatives_are_those_of_moved_cars() {
     let car = car();
@@ -290,8 +291,8 @@ fn derivatives_are_those_of_moved_cars() {
     check("steering gear", &at, &|k| gradients[k].parameters[gear]);
 }
 
-/// The roll centre follows from the motion of the axle itself, at any steer of its wheels. It is the point in the
-/// middle plane of both contact points that has no lateral velocity, from differences of poses.
+/// The roll centre follows from the motion of the axle beam itself, at any steer of its wheels. It is the point without
+/// lateral velocity in the middle plane of both contact points. The velocity comes from differences of poses.
 #[test]
 fn the_roll_centre_is_that_of_the_axle() {
     let car = car();
@@ -319,8 +320,8 @@ fn the_roll_centre_is_that_of_the_axle() {
         let (below, here, above) = (at(-h), at(0.0), at(h));
         let rate = |k: usize| (above[k] - below[k]) * (0.5 / h);
         let road = &state.road;
-        // The angular velocity follows from velocity differences of points: each difference is w x d. One component is
-        // about the road's forward axis.
+        // The differences between the velocities of points determine the angular velocity w: each difference is w x d.
+        // The test needs the component about the road's forward axis.
         let columns: Vec<_> = [1, 2]
             .into_iter()
             .flat_map(|k| {
@@ -347,7 +348,7 @@ fn the_roll_centre_is_that_of_the_axle() {
     }
 }
 
-/// A gear angle to the left steers both wheels to the left, the inner one more.
+/// A gear angle to the left steers both wheels to the left. The inner wheel steers more than the outer wheel.
 #[test]
 fn the_gear_steers_both_wheels() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");
@@ -368,8 +369,8 @@ fn the_gear_steers_both_wheels() {
     );
 }
 
-/// First-order variances of the car that parts of both solid axles cause equal differences of assembled and solved
-/// cars.
+/// Parts of both solid axles cause first-order variances of the car. These variances equal differences of cars that are
+/// assembled and solved.
 #[test]
 fn first_order_of_parts_is_that_of_built_cars() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/off_road_car.toml");

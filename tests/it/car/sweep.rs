@@ -37,7 +37,7 @@ variables = [
 }
 
 /// A row has the numbers that `hardpoint solve` finds for the design printed by `--design`, to the last bit. The
-/// misfits follow from the columns.
+/// misfits can be computed from the columns.
 #[test]
 fn rows_are_those_of_solve() {
     let directory = tempfile::tempdir().unwrap();
@@ -73,7 +73,7 @@ fn rows_are_those_of_solve() {
             for (column, value) in case {
                 let name = format!("{}_{column}", case["case"]);
                 let Some(swept) = row.get(&name) else {
-                    // A result has an empty cell or no column in cases where it is not defined.
+                    // If a result is not defined in a case, it has an empty cell or no column.
                     assert!(value.is_empty() || !column.contains("dive"), "{name}");
                     continue;
                 };
@@ -112,8 +112,8 @@ fn rows_are_those_of_solve() {
     hardpoint(&directory.join("swept"), &["check", "study.toml"]).success();
 }
 
-/// The bytes do not depend on the number of threads, on the use of standard output, or on whether the sweep was
-/// extended later.
+/// The bytes of a sweep do not depend on the number of threads, or on the use of standard output. They are also the
+/// same if the sweep was extended later.
 #[test]
 fn bytes_do_not_depend_on_the_run() {
     let directory = tempfile::tempdir().unwrap();
@@ -135,11 +135,11 @@ fn bytes_do_not_depend_on_the_run() {
     assert_eq!(read("one/designs.csv"), read("two/designs.csv"));
     let said = sweep("-", &[]);
     assert_eq!(said.get_output().stdout, read("two/designs.csv"));
-    // Two shards complete a sweep and give the same bytes.
+    // Two shards (parts of a sweep that run separately) complete a sweep with the same bytes.
     sweep("three", &["--shard", "1/2"]);
     sweep("three", &["--shard", "2/2"]);
     assert_eq!(read("three/designs.csv"), read("two/designs.csv"));
-    // A merge keeps the studies, and they give the same results.
+    // A merge keeps the studies. The merged studies give the same results.
     hardpoint(directory, &["merge", "--out", "joined", "two"]).success();
     for name in [
         "designs.csv",

@@ -1,5 +1,5 @@
-//! Tests against textbook formulas where their assumptions hold: small angles, rigid tyres, a symmetric car without
-//! aerodynamics, and for roll massless wheels.
+//! Tests against textbook formulas where the assumptions of these formulas hold: small angles, rigid tyres, a symmetric
+//! car without aerodynamics. For roll, the wheels are massless.
 
 use super::{car, reference};
 use hardpoint::axle::{AxleQuantity as A, AxleSolver, Placement, Quantity};
@@ -21,10 +21,10 @@ fn near(what: &str, found: f64, textbook: f64) {
     assert!(error < 0.01, "{what}: {found} {textbook}");
 }
 
-/// Three results are near their textbook formulas (W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, ch. 18).
-/// Wheel loads at rest follow the lever rule. The roll gradient is W h/(K_f + K_r - W h), with h from G to the roll
-/// axis. The load transfer of the front axle follows from its share of the roll stiffness, the roll centre and the
-/// wheels.
+/// Three results are close to their textbook formulas (W. F. Milliken, D. L. Milliken, Race Car Vehicle Dynamics, ch.
+/// 18). Wheel loads at rest follow the lever rule. The roll gradient is W h/(K_f + K_r - W h), where h is the distance
+/// from G to the roll axis. The load transfer of the front axle follows from its share of the roll stiffness, the roll
+/// centre and the wheels.
 #[test]
 fn textbook_formulas_are_near() {
     let car = symmetric_car();
@@ -119,7 +119,7 @@ fn of_level_axle(car: &Car, axle: usize, travels: [f64; 2], asked: [A; 2]) -> [f
 }
 
 /// A twist of the ground loads the roll stiffnesses of both axles in series. With k = K/(track^2/2) of an axle, a free
-/// body and equal tracks, each load changes by 2 k_f k_r/(k_f + k_r).
+/// body and equal tracks, each wheel load changes by 2 k_f k_r/(k_f + k_r).
 #[test]
 fn warp_is_the_series_of_both_axles() {
     let car = symmetric_car();
@@ -141,7 +141,8 @@ fn warp_is_the_series_of_both_axles() {
         tracks[axle] = track;
         rates[axle] = 2.0 * k / (track * track);
     }
-    // Ground angles are 2 w/track at the front and minus that at the rear. The body rolls until both moments are equal.
+    // The ground angle is 2 w/track at the front axle and -2 w/track at the rear axle. The body rolls until both
+    // moments are equal.
     let [front, rear] = [0, 1].map(|axle| rates[axle] * tracks[axle] * tracks[axle]);
     let twist = 2.0 / tracks[0] + 2.0 / tracks[1];
     let moment = 0.5 * twist * front * rear / (front + rear);

@@ -1,4 +1,4 @@
-//! Tests of scatter of a car against differences of complete solutions, and against laws of statistics.
+//! Tests of scatter of a car against differences of complete solutions, and against statistical laws.
 
 use super::commands::{hardpoint, studies, text};
 use hardpoint::car::moved;
@@ -24,7 +24,8 @@ fn problem(study: &CarStudy) -> CarProblem<'_> {
         .unwrap_or_else(|(axle, _)| panic!("axle {axle}"))
 }
 
-/// Slopes with respect to rates and car values equal differences of complete solutions. The shares add up to one.
+/// Derivatives with respect to rates and car values equal differences of complete solutions. The shares of the variance
+/// add up to one.
 #[test]
 fn first_order_of_figures_is_that_of_differences() {
     let directory = tempfile::tempdir().unwrap();
@@ -77,8 +78,8 @@ scatter = [
 }
 
 /// Builds with small scatter, each assembled and solved, have the first-order standard deviations. The relative
-/// standard error of 400 builds is 1/sqrt(800). The bound is four standard errors, and one value in a few hundred may
-/// exceed it. The scatter includes parts of both axles, lengths and both sides.
+/// standard error of 400 builds is 1/sqrt(800). The bound is four standard errors. One value in a few hundred may
+/// exceed this bound. The scatter includes parts of both axles, lengths and both sides.
 #[test]
 fn builds_confirm_the_first_order_of_parts() {
     let directory = tempfile::tempdir().unwrap();
@@ -194,8 +195,8 @@ fn the_command_is_deterministic() {
     );
 }
 
-/// A symmetric car does not roll under braking, whatever its mass. Its roll there has no shares, and its mass has no
-/// rank among the tolerances of the bands.
+/// A symmetric car does not roll under braking, whatever its mass. The roll in braking has no shares of variance, and
+/// the ranking of tolerances omits the mass.
 #[test]
 fn a_result_that_does_not_scatter_ranks_nothing() {
     let directory = tempfile::tempdir().unwrap();

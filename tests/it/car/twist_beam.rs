@@ -9,8 +9,9 @@ use std::path::Path;
 const BEAM: f64 = 5.0e5;
 const BAR: f64 = 6.0e5;
 
-/// The torque of the beam has its own name. The energy of the car consists of springs, front bar and beam with T^2/(2
-/// k), which confirms the amount of the torque. Its sign follows the roll angle.
+/// The torque of the beam has its own name. The energy of the car is the sum of the energies of springs, front bar and
+/// beam. The energy of the beam is T^2/(2 k), which confirms the magnitude of the torque. The torque has the sign of
+/// the roll angle.
 #[test]
 fn the_beam_has_a_torque_and_no_bar() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/own/twist_beam_car.toml");
@@ -31,7 +32,7 @@ fn the_beam_has_a_torque_and_no_bar() {
         let springs = WheelPlace::ALL.map(|place| {
             let of = |result| value(CarQuantity::Wheel(place, result));
             let (force, travel) = (of(WheelResult::SpringForce), of(WheelResult::SpringTravel));
-            // The spring force grows with the rate from the design position; the motion reaches no stops.
+            // The spring force grows linearly with the travel from the design position. The motion reaches no stops.
             let rate = [30.0, 28.0][place.0 / 2];
             (force - 0.5 * rate * travel) * travel
         });
@@ -47,8 +48,8 @@ fn the_beam_has_a_torque_and_no_bar() {
     }
 }
 
-/// The first-order scatter of a twist beam's parts in a car equals the slopes of the results of built cars, from
-/// central differences.
+/// Parts of a twist beam cause first-order scatter of a car. This scatter equals the slopes of the results of built
+/// cars, from central differences.
 #[test]
 fn parts_of_a_beam_scatter_in_a_car() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/own/twist_beam_car.toml");

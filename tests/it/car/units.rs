@@ -153,7 +153,7 @@ fn inches_and_pounds_give_the_same_car() {
                 continue;
             };
             let expected = metric * factor;
-            // Both equilibria are accurate to the rounding of the largest wheel load.
+            // Both equilibria are accurate to rounding errors of the largest wheel load.
             let scale = 1.0 + expected.abs();
             assert!(
                 (imperial - expected).abs() < 1e-8 * scale,
@@ -168,7 +168,7 @@ fn inches_and_pounds_give_the_same_car() {
     assert!(compared > 500 && forces > 100, "{compared} {forces}");
 }
 
-/// The tuned study contains a tuned rate in its own unit, so it reproduces the tuned car.
+/// A tuned rate is written in the unit of the study, so the tuned study reproduces the tuned car.
 #[test]
 fn tuned_rates_are_in_the_units_of_the_study() {
     let directory = tempfile::tempdir().unwrap();
@@ -254,7 +254,7 @@ fn masses_without_a_unit_are_doubted_beside_pounds() {
     assert!(!said(&named).contains("mass_unit"));
 }
 
-/// Refusals name unit conflicts of both axles by their keys, and name each missing input of a result once.
+/// A refusal names unit conflicts of both axles by the keys of the study. It names each missing input of a result once.
 #[test]
 fn refusals_name_keys_once() {
     let refused = |name: &str, set: &str| {

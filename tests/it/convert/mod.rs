@@ -1,4 +1,4 @@
-//! Tests of `hardpoint convert`: a study in other units and axes describes the same vehicle.
+//! Tests of `hardpoint convert`: after conversion to other units and axes, a study describes the same vehicle.
 
 mod physical;
 mod texts;
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// Options of two conversions; together they change every unit and the direction of every axis.
+/// Options of two conversions. Together, the two conversions change every unit and the direction of every axis.
 const INCHES: [&str; 4] = ["--unit", "in", "--frame", "sae_j670"];
 const METRES: [&str; 4] = ["--unit", "m", "--frame", "x_rear"];
 

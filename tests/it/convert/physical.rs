@@ -5,7 +5,7 @@ use hardpoint::study::CarStudy;
 use std::fs;
 use std::path::Path;
 
-/// Factor of a unit word to SI units and degrees.
+/// Factor from a unit, given by its word, to SI units and degrees.
 fn si_of_word(word: &str) -> Option<f64> {
     Some(match word {
         "mm" => 1e-3,
@@ -38,7 +38,7 @@ fn split_unit(column: &str) -> (String, f64) {
     (words[..stem].join("_"), factor)
 }
 
-/// Sign of a column in axes with these signs, relative to ISO 8855.
+/// Sign of a column relative to ISO 8855, in axes with the signs `signs`.
 fn sign(stem: &str, signs: [f64; 3]) -> f64 {
     if ["rack", "steer_by_rack", "caster_by_rack", "rack_force"].contains(&stem) {
         return signs[1];
@@ -120,10 +120,10 @@ fn compare(label: &str, one: &Path, other: &Path, signs: [f64; 3], bound: f64) {
     let (others, found) = table(other, signs);
     assert_eq!(names, others, "{label}");
     assert_eq!(expected.len(), found.len(), "{label}");
-    // The window of a test has the unit of its load, which the heading does not name.
+    // The window of a test has the unit of its load. The heading does not contain this unit.
     let columns = names.iter().enumerate();
     for (column, name) in columns.filter(|(_, name)| *name != "window") {
-        // Values of different test results have no common scale.
+        // Rows of different test results have no common scale.
         let of_row = names.iter().any(|name| name == "quantity");
         let size =
             |row: &Vec<Result<f64, String>>| row[column].as_ref().map_or(0.0, |value| value.abs());
@@ -131,7 +131,7 @@ fn compare(label: &str, one: &Path, other: &Path, signs: [f64; 3], bound: f64) {
         for (row, new) in expected.iter().zip(&found) {
             let scale = if of_row { size(row) } else { largest };
             let is_same = match (&row[column], &new[column]) {
-                // Values as small as rounding errors may differ freely.
+                // Values below 1e-4 have an absolute bound, because they may be rounding errors.
                 (Ok(old), Ok(new)) => (old - new).abs() <= bound * scale.max(1e-4),
                 (old, new) => old == new,
             };
@@ -170,8 +170,8 @@ fn every_sample_study_gives_the_same_physical_results_in_other_units_and_axes() 
             let new = results(command, &new, &[], &place);
             for name in tables_of_results(&old) {
                 let label = format!("{} {name} {options:?}", file.display());
-                // The fifteen equations of Attia's method are less accurate in accelerations than the pose of the wheel
-                // carrier.
+                // Attia's method has fifteen equations. Accelerations are less accurate with this method than with the
+                // pose of the wheel carrier.
                 let bound = if file.ends_with("attia.toml") {
                     1e-8
                 } else {
@@ -220,7 +220,7 @@ fn every_sample_tuning_begins_with_the_same_misfit_in_other_units_and_axes() {
     let mut compared = 0;
     for file in studies() {
         let text = fs::read_to_string(&file).unwrap();
-        // Skips robust tunings, which take long; their targets have the same form.
+        // Omits robust tunings, which take long. Their targets have the same form.
         if !text.contains("\n[optimise]") || text.contains("\nscatter = ") {
             continue;
         }

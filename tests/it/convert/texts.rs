@@ -6,7 +6,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-/// Collects the numbers of a study by their path, and all other values as text.
+/// Collects the numbers of a study under their paths of keys, and all other values as text.
 fn leaves(value: &toml::Value, path: &str, into: &mut BTreeMap<String, Result<f64, String>>) {
     match value {
         toml::Value::Table(table) => {
@@ -71,7 +71,7 @@ fn there_and_back_gives_the_numbers_of_every_sample_study() {
     ];
     for file in studies() {
         let text = fs::read_to_string(&file).unwrap();
-        // Skips Attia's study, which is in metres. The test converts the axles of a car together with it.
+        // Omits Attia's study, which is already in metres. The test converts the axles of a car together with the car.
         if text.contains("length_unit = \"m\"") {
             continue;
         }
@@ -203,21 +203,21 @@ fn entries_are_converted_by_their_quantity() {
     // N/mm2 becomes N/m2, and mm2 becomes m2.
     assert_eq!(number("links.tie_rod.modulus"), 2.1e11);
     assert_eq!(number("links.tie_rod.area"), 1.2e-4);
-    // The y axis reverses, so the ends of the range swap.
+    // The y axis is reversed, so the ends of the range are exchanged.
     assert_eq!(list("optimise.variables.0.range"), [-0.008, 0.005]);
-    // A direction rotates with the axes, so its range stays.
+    // A direction turns with the axes, so the range along this direction stays.
     assert_eq!(list("optimise.variables.1.direction"), [0.0, -0.6, 0.8]);
     assert_eq!(list("optimise.variables.1.range"), [-0.004, 0.006]);
     assert_eq!(list("optimise.variables.2.range"), [500.0, 2000.0]);
     assert_eq!(list("optimise.variables.3.range"), [0.5, 2.0]);
     assert_eq!(list("optimise.variables.4.range"), [2e7, 3e7]);
-    // The name of a test result contains the trail in the unit of the study, here in metres.
+    // The name of a test result contains the trail, in the unit of the study. Here the unit is the metre.
     assert_eq!(
         at("optimise.targets.0.figure").as_str(),
         Some("toe_by_lateral_force_trail_0.03")
     );
-    // Steer per displacement of the rack along +y: deg/mm becomes deg/m with the opposite sign, so a lower limit
-    // becomes an upper limit.
+    // The target is steer per displacement of the rack along +y. Its unit changes from deg/mm to deg/m. The y axis is
+    // reversed, so the sign changes, and a lower limit becomes an upper limit.
     assert_eq!(number("optimise.targets.1.at_most"), 500.0);
     assert!(at("optimise.targets.1").get("at_least").is_none());
     let line = "{ figure = \"steer_by_rack\", tolerance = 10.0, at_most = 500.0 },";
@@ -273,7 +273,7 @@ fn a_key_that_cannot_be_converted_is_named_with_its_line() {
             assert!(said.contains(phrase), "{phrase}: {said}");
         }
     }
-    // A change of units keeps all signs, so limits that differ between the sides are valid.
+    // A change of units keeps all signs. So a study whose limits differ between the sides can be converted.
     let (code, said, new) = text_in(&tolerance, &["--unit", "m"]);
     assert_eq!(code, 0, "{said}");
     assert!(new.contains("limits = [-0.0001, 0.0003]"), "{new}");
@@ -308,7 +308,8 @@ fn a_converted_file_never_replaces_its_study() {
     let (code, said) = run(&["convert", path, "--unit", "in", "--out", path, "--force"]);
     assert_eq!(code, 2, "{said}");
     assert_eq!(fs::read(&file).unwrap(), text);
-    // The three files of a car need another directory: the studies' own directory and standard output are refused.
+    // A conversion of a car writes three files to another directory. The program refuses the studies' own directory and
+    // standard output.
     let studies = Path::new(ROOT).join("studies");
     let car = studies.join("car.toml");
     let car = car.to_str().unwrap();

@@ -1,4 +1,4 @@
-//! Tests of names of test results that contain the trail of their load, in other units.
+//! Tests of names of test results in other units. These names contain the trail of the load.
 
 use super::{METRES, converted, done};
 use hardpoint::study::Study;
@@ -40,8 +40,8 @@ fn figures(path: &Path) -> Vec<String> {
     of_axle.chain(of_wheel).collect()
 }
 
-/// The default test with a trail of 30 mm has the same results in every unit. A converted study uses the same names,
-/// also after conversion back.
+/// The template has a default test with a trail of 30 mm: its force acts 30 mm behind the contact point. This test has
+/// the same results in every unit. A converted study uses the same names, also after conversion back.
 #[test]
 fn a_converted_study_names_the_trail_of_its_default_test() {
     let directory = tempfile::tempdir().unwrap();
@@ -92,7 +92,8 @@ fn a_converted_study_names_the_trail_of_its_default_test() {
     }
 }
 
-/// A result whose test has an explicit trail keeps its test, even if the trail is not a round number in any unit.
+/// A result of a test has the explicit trail of this test in its name. Conversions to other units and back keep this
+/// name and the trail, even if the trail is not a round number in any unit.
 #[test]
 fn an_explicit_trail_keeps_its_figure() {
     let directory = tempfile::tempdir().unwrap();
@@ -116,7 +117,7 @@ fn an_explicit_trail_keeps_its_figure() {
     assert!(text.contains("17.123456789"), "{text}");
 }
 
-/// `convert` converts targets of a measured sheet in the layout of `kc.csv`: its rows become targets in the other
+/// A measured sheet in the layout of `kc.csv` contains targets. `convert` converts these rows to targets in the other
 /// units.
 #[test]
 fn targets_of_a_sheet_are_converted() {

@@ -56,7 +56,7 @@ fn lower_arm(c: &mut Chance) -> Points {
     ]
 }
 
-/// Random left wheel in ISO 8855 (mm), anywhere along the car. `has_spring` gives a trailing arm its spring.
+/// Random left wheel in ISO 8855 (mm), anywhere along the car. If `has_spring` is true, a trailing arm gets its spring.
 fn geometry(topology: &str, c: &mut Chance, has_spring: bool) -> Points {
     let mut points = match topology {
         "double_wishbone" => {
@@ -315,7 +315,7 @@ fn table(
     text
 }
 
-/// Returns true if an import has the points of a suspension, in the frame of its wheel.
+/// Returns true if the imported suspension has these points, in the frame of its wheel.
 fn is_the_same(imported: &Imported, points: &Points) -> bool {
     let frame = Frame::new(imported.frame, imported.side);
     points.iter().all(|(name, position)| {
@@ -339,9 +339,9 @@ fn no_order_of_coordinates_makes_another_of_many_suspensions() {
     import_in_all_orders(5);
 }
 
-/// The test reads 38 geometries of all topologies, times `scale`, in all 48 orders and signs. The import of a
-/// right-handed order gives the same doubles or a refusal. The import of a left-handed order is a refusal, unless
-/// `--axes` names the order.
+/// The test reads 38 geometries (times `scale`) of all topologies, in all 48 orders and signs. If the order is
+/// right-handed, the import gives the same doubles or a refusal. If the order is left-handed, the import refuses the
+/// file, unless `--axes` names the order.
 fn import_in_all_orders(scale: usize) {
     const SEED: u64 = 20_261_125;
     let directory = tempfile::tempdir().unwrap();
@@ -391,9 +391,9 @@ fn import_in_all_orders(scale: usize) {
         counts.insert(topology, (right, refused));
     }
     println!("imported and refused of the right-handed orders: {counts:?}");
-    // Trailing arms without a spring (a quarter) do not show which direction is up, and some with a spring are
-    // ambiguous. Of 60 geometries the program imports 39. Links of a solid axle do not show which direction is forward.
-    // All other topologies are clear.
+    // A quarter of the trailing arms have no spring: their points do not show which direction is up. Some trailing arms
+    // with a spring are ambiguous. The program imports 39 of 60 trailing arms. Links of a solid axle do not show which
+    // direction is forward. All other topologies are clear.
     for (topology, (right, refused)) in &counts {
         let least = match *topology {
             "semi_trailing_arm" => 0.5,
@@ -405,7 +405,7 @@ fn import_in_all_orders(scale: usize) {
     }
 }
 
-/// If the names of the points contain the side, the program imports all orders of a left or right wheel.
+/// If the names of the points contain the side, the program imports all right-handed orders of a left or right wheel.
 #[test]
 fn orders_of_either_wheel_are_told_by_its_side() {
     let directory = tempfile::tempdir().unwrap();
@@ -440,8 +440,8 @@ fn orders_of_either_wheel_are_told_by_its_side() {
     }
 }
 
-/// Headers may state the directions in words. The program reads all 24 right-handed orders, also where the points do
-/// not show which direction is up. It refuses headers that the points contradict.
+/// Headers may state the directions in words. The program then reads all 24 right-handed orders, even if the points do
+/// not show which direction is up. It refuses headers that contradict the points.
 #[test]
 fn headers_are_read_by_letter_and_words() {
     let directory = tempfile::tempdir().unwrap();
@@ -470,7 +470,7 @@ fn headers_are_read_by_letter_and_words() {
             }
         }
     }
-    // Headers whose columns are not in the order x, y, z, and a header with words in place of the letters.
+    // Headers with columns in another order than x, y, z, and a header with words instead of letters.
     let wheel = geometry("double_wishbone", &mut chance, false);
     for (header, order) in [
         (["Y (left)", "X (fwd)", "Z (up)"], [1, 0, 2]),
@@ -481,8 +481,8 @@ fn headers_are_read_by_letter_and_words() {
         let text = table(&wheel, order, [1.0; 3], header, " L");
         let path = file(&directory, "points.csv", text.as_bytes());
         let read = imported(&path, "double_wishbone", &Said::default());
-        // These headers name no directions. With y to the left, x forward and z up, this order of columns is
-        // left-handed.
+        // This header does not say which way its columns point. With y to the left, x forward and z up, this order of
+        // columns is left-handed.
         if header[0] == "Lateral" {
             assert!(read.unwrap_err().contains("--axes left,forward,up"));
         } else {

@@ -10,8 +10,8 @@ use std::collections::BTreeMap;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// Each solid in the envelope of a tyre is closed, has outward faces and the volume of its prism, and surrounds the
-/// wheel of its pose.
+/// Each solid in the envelope of a tyre is closed and has outward faces. Its volume is that of its prism, and it
+/// contains the wheel in its pose.
 #[test]
 fn tyre_envelopes_are_closed_solids_about_the_wheel() {
     let text = template("double_wishbone");
@@ -43,7 +43,7 @@ fn tyre_envelopes_are_closed_solids_about_the_wheel() {
                     "{}",
                     volume(solid)
                 );
-                // The wheel centre is above its design position by the travel; up is negative z in these axes.
+                // The wheel centre is above its design position by the travel. Up is negative z in these axes.
                 let frame = Frame::new(FrameConvention::SaeJ670, side);
                 let id = study.wheel().mechanism.wheel_centre;
                 let design = outgoing.position(side, id);
@@ -102,7 +102,7 @@ fn the_rack_of_an_envelope_goes_along_the_axis_of_the_file() {
     assert!((found[0] - straight).norm_squared() > 1.0);
 }
 
-/// Asserts that every edge belongs to two triangles, which traverse it in opposite directions.
+/// Asserts that every edge belongs to two triangles, which have opposite directions along the edge.
 fn closed(solid: &[[[f32; 3]; 3]]) {
     let mut edges: BTreeMap<[[u32; 3]; 2], i32> = BTreeMap::new();
     for triangle in solid {
@@ -118,8 +118,8 @@ fn closed(solid: &[[[f32; 3]; 3]]) {
 }
 
 /// The envelope contains both wheels of a solid axle or twist beam at every combination of their travels. Each wheel
-/// centre is above its design position by its own travel. A mirrored axle with swapped travels is the mirror image. The
-/// wheel centres of an unsteered axle keep their distance.
+/// centre is above its design position by the travel of that wheel. A mirrored axle with swapped travels is the mirror
+/// image. The wheel centres of an unsteered axle keep their distance.
 #[test]
 fn tyres_of_solid_axles_take_all_combinations_of_travels() {
     let steered = include_str!("../../../studies/off_road_car_front.toml");
@@ -158,7 +158,7 @@ fn tyres_of_solid_axles_take_all_combinations_of_travels() {
         let design = Side::ALL.map(|side| Vector3::from(outgoing.position(side, wheel_centre)));
         let apart = |a: Vector3<f64>, b: Vector3<f64>| (a - b).norm_squared().sqrt();
         let travels = [-30.0, 0.0, 30.0];
-        // The file rounds coordinates to 32 bits.
+        // The file stores coordinates with 32 bits.
         for (number, (l, r)) in left.iter().zip(&right).enumerate() {
             let own = [travels[number / 3 % 3], travels[number % 3]];
             assert!((l.z - design[0].z - own[0]).abs() < 1e-3, "{number}: {l:?}");
@@ -179,7 +179,7 @@ fn tyres_of_solid_axles_take_all_combinations_of_travels() {
     }
 }
 
-/// Volume that triangles enclose, positive if their faces point outward.
+/// Volume enclosed by triangles. It is positive if their faces point outward.
 fn volume(solid: &[[[f32; 3]; 3]]) -> f64 {
     let origin = Vector3::from(solid[0][0].map(f64::from));
     let six = solid.iter().map(|triangle| {
@@ -298,8 +298,8 @@ fn drawings_join_hardpoints() {
     }
 }
 
-/// At intermediate poses, no corner of the tyre is farther outside all solids than the stated bound. With more poses
-/// in the envelope, the bound is smaller.
+/// At intermediate poses, no corner of the tyre is farther outside all solids than the stated bound. The bound is
+/// smaller if the envelope has more poses.
 #[test]
 fn the_gap_between_poses_is_bounded() {
     assert_gap_is_bounded("double_wishbone", 20.0);

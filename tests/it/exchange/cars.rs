@@ -1,4 +1,4 @@
-//! Tests of the import of axles and cars: solid axles, vehicles of Project Chrono, both axles of Assetto Corsa,
+//! Tests of the import of axles and cars: solid axles, vehicles of Project Chrono, both axles of Assetto Corsa, and
 //! bushings of Adams/Car.
 
 use super::{Said, file, imported};
@@ -66,8 +66,8 @@ const WISHBONES: &str = r#"{ "Type": "Suspension", "Template": "DoubleWishbone",
 "Spring": { "Location Chassis": [0.05, 0.47, 0.31], "Location Arm": [0.05, 0.56, -0.09], "Free Length": 0.5,
   "Spring Coefficient": 50000.0 } }"#;
 
-/// The import writes the spring of a single suspension into the study of an axle, and lists it as left out for a single
-/// wheel.
+/// The import writes the spring of a single suspension into the study of an axle. In the study of a single wheel, it
+/// lists the spring as left out.
 #[test]
 fn springs_of_single_suspensions_are_not_lost() {
     let directory = tempfile::tempdir().unwrap();
@@ -118,7 +118,7 @@ fn five_links_of_a_solid_axle_are_refused() {
     }
 }
 
-/// Vehicle with two axles with these wishbones, with the rear axle first in the file.
+/// Vehicle with these wishbones at both axles. The rear axle is the first axle in the file.
 const VEHICLE: &str = r#"{ "Type": "Vehicle", "Template": "WheeledVehicle",
 "Chassis": { "Input File": "made/chassis.json" },
 "Axles": [
@@ -149,7 +149,7 @@ fn a_vehicle_of_chrono_is_a_car_that_is_solved() {
     let car = car_of(&path, Some(0.31)).unwrap();
     assert_eq!(car.missing, Vec::<String>::new());
     let study = kept(directory.path(), &car);
-    // The axle farther forward is the front one. Points are those of the file plus the position of the axle.
+    // The axle farther forward is the front axle. Points are those of the file plus the position of the axle.
     let at = |axle: usize, name: &str| {
         let suspension = study.axles[axle].wheel();
         let place = suspension.design[suspension.mechanism.point(name).unwrap().0];
@@ -162,7 +162,7 @@ fn a_vehicle_of_chrono_is_a_car_that_is_solved() {
         // Mass of two wheels, each with spindle, upright and wheel.
         assert_eq!(setup.unsprung_mass, Some(2.0 * (1.5 + 2.5 + 16.0)));
     }
-    // The spring is 0.41 m long, by Pythagoras from 0.09 and 0.4.
+    // The spring is 0.41 m long, the hypotenuse of 0.09 and 0.4.
     let force = 50000.0 * (0.5 - f64::hypot(0.09, 0.4));
     assert!(car.files[1].contains("rate = 50000.0"), "{}", car.files[1]);
     let line = car.files[1]
@@ -183,7 +183,7 @@ fn a_vehicle_of_chrono_is_a_car_that_is_solved() {
     );
 }
 
-/// The import can take a single axle of the same vehicle, and refuses vehicles that are not cars with two axles.
+/// The import can read a single axle of the same vehicle. It refuses vehicles that are not cars with two axles.
 #[test]
 fn vehicles_that_are_no_cars_are_refused() {
     let directory = tempfile::tempdir().unwrap();
@@ -300,7 +300,7 @@ fn solid_axles_of_chrono_are_read() {
 }
 
 /// Solid axles with four links, or with a Panhard rod, keep their points through an export to Assetto Corsa and back.
-/// Points are relative to the midpoint of both wheel centres.
+/// The points are relative to the midpoint of both wheel centres.
 #[test]
 fn solid_axles_come_back_from_assetto_corsa() {
     let directory = tempfile::tempdir().unwrap();
@@ -352,8 +352,8 @@ fn solid_axles_come_back_from_assetto_corsa() {
     }
 }
 
-/// Solid axles and a twist beam keep the coordinates of their left half through a table and back, in every unit and in
-/// all axes. The import names points of a right half that differs.
+/// Solid axles and a twist beam are exported to a table and imported again. The left half keeps its coordinates, in
+/// every unit and in all axes. The import names points of a right half that differs.
 #[test]
 fn axles_of_one_body_come_back_from_tables() {
     let directory = tempfile::tempdir().unwrap();
@@ -414,7 +414,8 @@ fn axles_of_one_body_come_back_from_tables() {
     }
 }
 
-/// If the halves differ, each point has one row for each side with its coordinates, and the table gives the same axle.
+/// If the halves differ, the table has one row for each side of each point. The import of this table gives the same
+/// axle.
 #[test]
 fn axles_with_different_halves_come_back_from_tables() {
     let directory = tempfile::tempdir().unwrap();
@@ -486,8 +487,8 @@ fn other_links_of_assetto_corsa_are_named() {
     assert!(refused.contains("LINK_COUNT is 5"), "{refused}");
 }
 
-/// Rate at the left wheel in N/m, from the slope of the wheel load over heave. With camber the pads rise differently
-/// from the wheel centres, by less than 1 %.
+/// Rate at the left wheel in N/m: the slope of the wheel load over heave. With camber, the heights of pad and wheel
+/// centre change differently, by less than 1 %.
 fn springs_alone(study: &Study) -> f64 {
     let start = study.text.find("[motion]").unwrap();
     let text = study.text[..start].to_owned()
@@ -499,8 +500,8 @@ fn springs_alone(study: &Study) -> f64 {
     1000.0 * (load(2) - load(0))
 }
 
-/// A car with two double wishbone axles is the same after an export to Assetto Corsa and back: its points relative to
-/// the wheel centres, its wheelbase, weight distribution and heights.
+/// A car with two double wishbone axles is exported to Assetto Corsa and imported again. The points relative to the
+/// wheel centres, the wheelbase, the weight distribution and the heights stay the same.
 #[test]
 fn a_car_comes_back_from_assetto_corsa() {
     let directory = tempfile::tempdir().unwrap();
@@ -548,7 +549,7 @@ fn a_car_comes_back_from_assetto_corsa() {
         let slope = springs_alone(axle);
         assert!((rate / slope - 1.0).abs() < 0.01, "{rate} {slope}");
     }
-    // Springs of the game have a rate at the wheel and no points. The import lists the missing data.
+    // In the game's files, springs have a rate at the wheel and no points. The import lists the missing data.
     let left_out = car.axles[0].left_out.join("\n");
     assert!(
         left_out.contains("N/m at the wheel") && left_out.contains("motion_ratio^2"),
@@ -703,7 +704,7 @@ fn bus(fy: f64) -> String {
     text + "[TZ_CURVE]\n-1.0 -50.0\n1.0 50.0\n"
 }
 
-/// The import takes bushings whose directions follow from the files, and names the others.
+/// The import reads a bushing if the files determine its directions. It names the other bushings.
 #[test]
 fn bushings_of_adams_are_taken_where_their_directions_are_known() {
     let directory = tempfile::tempdir().unwrap();
@@ -753,7 +754,7 @@ fn bushings_of_adams_are_taken_where_their_directions_are_known() {
     let text = read.study("s", "there").unwrap();
     let study = study(&text);
     assert!(study.wheel().mechanism.point("lower_arm_front").is_some());
-    // Adams' z axis is x here, with its factor. 50 N mm at 1 deg are 50 x 180/pi N mm/rad.
+    // Adams' z axis is the x axis here, with its own factor. 50 N mm at 1 deg are 50 x 180/pi N mm/rad.
     let about = 50.0 * 180.0 / std::f64::consts::PI;
     let line = text
         .lines()

@@ -47,7 +47,8 @@ fn a_table_goes_out_and_comes_back_on_the_command_line() {
     let said = hardpoint(&import).assert().success();
     assert!(text(&said.get_output().stderr).contains("9 hardpoints of macpherson"));
     hardpoint(&["check", &study]).assert().success();
-    // The import does not overwrite an existing file, and refuses a wrong topology with the list of missing points.
+    // The import does not overwrite an existing file. It refuses a wrong topology, and the message lists the missing
+    // points.
     hardpoint(&import).assert().code(2);
     let refused = hardpoint(&["import", &table, "--topology", "five_link"])
         .assert()
@@ -68,7 +69,7 @@ fn rounding_says_what_it_costs() {
         said.contains("27 of 27 coordinates rounded to 10 mm: misfit"),
         "{said}"
     );
-    // The table of outputs does not contain the coordinate of the motion.
+    // The table of outputs omits the coordinate of the motion.
     assert!(!said.contains("\n  travel_mm"), "{said}");
     // The table prints numbers in the same style as other tables.
     let of_camber = said.lines().find(|line| line.starts_with("  camber_deg"));
@@ -174,7 +175,7 @@ fn shells_editors_and_man_get_theirs() {
     assert!(text(&new.get_output().stderr).contains("its strut is the spring"));
 }
 
-/// A run can be exported and compared without its study: it keeps the points, including overrides.
+/// A run can be exported and compared without its study, because the run keeps the points, including overrides.
 #[test]
 fn a_run_keeps_its_study() {
     let directory = tempfile::tempdir().unwrap();
@@ -202,8 +203,7 @@ fn a_run_keeps_its_study() {
     let said = text(&compare.get_output().stdout);
     assert!(said.contains("tie_rod_inner"), "moved: {said}");
 
-    // If the output directory is that of the study, and the study has the name of the run's copy, the run keeps the
-    // study unchanged.
+    // If the output directory contains the study under the name of the run's copy, the study stays unchanged.
     let own = directory.path().join("study.toml");
     std::fs::copy(&study, &own).unwrap();
     let own = own.to_str().unwrap();
@@ -284,7 +284,7 @@ fn an_import_says_what_it_did_and_keeps_its_input() {
     }
 }
 
-/// If a cell contains 5 MB where a name, number, unit or word is expected, the message has the usual length, in any
+/// If a cell contains 5 MB where a name, number, unit or word is expected, the message is as short as usual, in any
 /// format.
 #[test]
 fn huge_cells_get_short_answers() {
@@ -354,7 +354,8 @@ fn check_doubts_axes_and_a_wheel_at_the_centre_plane() {
     );
     let at_origin = doubts(|[x, y, z]| [x, y - 760.0, z]);
     assert!(at_origin.contains("from the centre plane"), "{at_origin}");
-    // `check` names one coordinate with a wrong decimal point before the warnings that follow from it.
+    // If one coordinate has a wrong decimal point, `check` names this coordinate first, before the warnings that follow
+    // from it.
     let slip = doubts(|at| {
         if at == [10.0, 700.0, 180.0] {
             [10.0, 700.0, 1800.0]
@@ -371,8 +372,8 @@ fn check_doubts_axes_and_a_wheel_at_the_centre_plane() {
     );
 }
 
-/// `check` names each outer joint with a shifted decimal point in z, and each pivot with a wrong sign in y. It doubts no joint of the
-/// templates and the sample studies.
+/// `check` names each outer joint with a shifted decimal point in z, and each pivot with a wrong sign in y. It warns of
+/// no joint in the templates and the sample studies.
 #[test]
 fn joints_in_impossible_positions_are_named() {
     use hardpoint::study::Study;
@@ -456,7 +457,7 @@ fn printed_commands_quote_their_paths() {
 }
 
 /// A solid axle with one upper link has the same coordinates after export to a table and import. The import refuses two
-/// upper links together with a lateral linkage.
+/// upper links together with a lateral link.
 #[test]
 fn solid_axles_with_one_upper_link_go_out_and_come_back() {
     let directory = tempfile::tempdir().unwrap();

@@ -36,7 +36,7 @@ fn points(path: &Path) -> BTreeMap<String, [f64; 3]> {
     rows.collect()
 }
 
-/// The curves in a rounded workbook are those of the rounded points, in every unit.
+/// In every unit, a rounded workbook contains rounded points. Its curves are those of these rounded points.
 #[test]
 fn a_rounded_workbook_has_the_curves_of_its_points() {
     let directory = tempfile::tempdir().unwrap();
@@ -136,7 +136,7 @@ fn exported_points(call: &[&str], directory: &Path) -> PathBuf {
     table
 }
 
-/// An exported run has the curves of the run, if its points are unchanged.
+/// An exported run has the curves of the run, if the points are unchanged.
 #[test]
 fn a_run_has_its_own_curves() {
     let directory = tempfile::tempdir().unwrap();
@@ -177,7 +177,8 @@ fn a_run_has_its_own_curves() {
     assert!(!said.contains("sheet"), "{said}");
 }
 
-/// Rounding changes only coordinates that a tuning may move or has moved; with --round-all it changes all coordinates.
+/// Rounding changes only coordinates that a tuning may move or has moved. With `--round-all` it changes all
+/// coordinates.
 #[test]
 fn rounding_moves_what_was_tuned() {
     let directory = tempfile::tempdir().unwrap();
@@ -228,7 +229,7 @@ fn rounding_moves_what_was_tuned() {
                 .any(|id| study.wheel().mechanism.name(id) == name)
         })
     };
-    // Rounds the run to 7 mm, a step of which no coordinate is a multiple by chance.
+    // The test rounds the run to 7 mm, because no coordinate is a multiple of 7 mm by chance.
     let (rounded, said) = export(out, &["--round", "7"]);
     assert!(
         said.contains("coordinates rounded to 7 mm: misfit"),
@@ -250,7 +251,8 @@ fn rounding_moves_what_was_tuned() {
         }
     }
     assert!(count > 0);
-    // Rounds the tuned study alone: its variables determine the coordinates.
+    // The test also rounds the tuned study without its run. The variables of the study then determine which coordinates
+    // are rounded.
     let file = Path::new(out).join("optimised.toml");
     let (rounded, _) = export(file.to_str().unwrap(), &["--round", "7"]);
     for (name, position) in &after {
@@ -258,7 +260,7 @@ fn rounding_moves_what_was_tuned() {
     }
     let (rounded, _) = export(out, &["--round", "7", "--round-all"]);
     assert!(rounded.values().flatten().all(|x| (x / 7.0).fract() == 0.0));
-    // A study without a tuning has nothing to round, except the points that --set has moved.
+    // In a study without a tuning, only the points that `--set` has moved are rounded.
     let plain = sample("macpherson_solve.toml");
     let plain = plain.to_str().unwrap();
     let (same, said) = export(plain, &["--round", "7"]);
@@ -467,7 +469,7 @@ fn curves_go_out_as_a_table() {
     }
 }
 
-/// `-` means standard output, as for commands that write directories; the program writes no file with this name.
+/// `-` means standard output, as for commands that write directories. The program writes no file with this name.
 #[test]
 fn a_dash_is_standard_output() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,5 +1,5 @@
-//! Tests of files for other tools: planted lengths in every unit, signs in every frame, and curves of the study
-//! rewritten in the other unit and axes.
+//! Tests of files for other tools: given lengths in every unit, signs in every frame, and curves in other units and
+//! axes.
 
 use super::parsers::{all_ways, cells, entities, of_text, sample, template};
 use super::round_trips::changed;
@@ -45,7 +45,7 @@ fn planted_lengths_are_right_in_every_file_and_unit() {
             let point = lines.iter().find(|e| e.text == "wheel_centre").unwrap();
             assert!(is(&point.place(10)[1].to_string()));
 
-            // The planted wheel is straight, so its half track and diameter are those of the wheel centre.
+            // The half track belongs to the contact point, so it depends on the camber.
             let (rows, _) = optimum_k_rows(&outgoing).unwrap();
             let rows = cells(&rows);
             let figure = |name: &str| rows.iter().find(|row| row[1] == name).unwrap()[2].clone();
@@ -91,7 +91,7 @@ fn planted_lengths_are_right_in_every_file_and_unit() {
     }
 }
 
-/// Each file has the wheel on the correct side, ahead and above, in its axes.
+/// In the axes of each file, the wheel is on the correct side, ahead of the origin and above it.
 #[test]
 fn files_have_the_signs_of_their_axes() {
     let study = of_text(template("double_wishbone"));
@@ -100,7 +100,7 @@ fn files_have_the_signs_of_their_axes() {
         for out in FrameConvention::ALL {
             let outgoing = Outgoing::of(&study, None, Some(out));
             let left = if side == Side::Left { 1.0 } else { -1.0 };
-            // Signs of x, y and z of a point that is ahead, on this wheel's side, and above.
+            // Signs of x, y and z of a point on this wheel's side that is ahead of the origin and above it.
             let signs = match out {
                 FrameConvention::Iso8855 => [1.0, left, 1.0],
                 FrameConvention::SaeJ670 => [1.0, -left, -1.0],
@@ -150,8 +150,8 @@ fn rewritten(study: &Study, unit: LengthUnit, convention: FrameConvention) -> St
     other
 }
 
-/// Converted curves of coordinates, angular velocities, racks, angles, gains and their derivatives equal the curves of
-/// the same study rewritten in the other unit and axes.
+/// Curves are converted to the other unit and axes: coordinates, angular velocities, racks, angles, gains and
+/// derivatives. They equal the curves of the same study, rewritten in that unit and these axes.
 #[test]
 fn curves_are_those_of_the_study_in_the_other_unit_and_axes() {
     let template = template("double_wishbone");
@@ -186,7 +186,8 @@ fn curves_are_those_of_the_study_in_the_other_unit_and_axes() {
                 for (found, expected) in found.rows[1..].iter().zip(&expected.rows[1..]) {
                     let name = &expected_name(&own, column);
                     match (&found[column], &expected[column]) {
-                        // The travel equals the height of the wheel centre, so its second derivative is only rounding.
+                        // The travel equals the height of the wheel centre, so the second derivative of that height is
+                        // only a rounding error.
                         (Value::Number(a), Value::Number(b)) if scale < 1e-12 => {
                             assert!(a.abs() < 1e-12 && b.abs() < 1e-12, "{name}: {a} {b}");
                         }
@@ -213,7 +214,7 @@ fn largest(page: &Page, column: usize) -> f64 {
     values.fold(0.0, f64::max)
 }
 
-/// The program converts the unit at the end of a name. N m stays N m for any unit of length, and a name that merely
+/// The program converts the unit at the end of a name. `N m` stays `N m` for any unit of length. A name that merely
 /// ends like a unit has no unit.
 #[test]
 fn units_of_an_axle_are_converted_by_their_names() {

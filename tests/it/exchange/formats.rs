@@ -122,8 +122,8 @@ fn workbooks_of_optimum_kinematics_are_read() {
     };
     let book = workbook(&[page("Front Suspension", optimum("UpperAArm", "Rocker"))]);
     let path = file(&directory, "car.xlsx", &book);
-    // Calculated by hand: toe-out 0.25 is toe-in -0.25; the wheel centre is one radius above the contact point, in the
-    // wheel plane.
+    // Calculated by hand: a toe-out of 0.25 is a toe-in of -0.25. The wheel centre is one radius above the contact
+    // point, in the wheel plane.
     let (camber, toe) = (-1.5_f64.to_radians(), -0.25_f64.to_radians());
     let centre = [
         2.0 + 203.0 * camber.sin() * toe.sin(),
@@ -152,7 +152,7 @@ fn workbooks_of_optimum_kinematics_are_read() {
             ("lower_arm_front", 0),
             ("upper_ball_joint", 5),
             ("tie_rod_outer", 7),
-            // The higher end of the rod is the end at the wheel.
+            // The rod's higher end is at the wheel.
             ("pullrod_outer", 8),
             ("pullrod_inner", 12),
             ("rocker_pivot_front", 10),

@@ -70,7 +70,7 @@ fn other_units_and_axes_are_recognised_and_contradictions_refused() {
     };
     let metres = of_text(&scaled(0.001, 0.001, 0.001), &Said::default()).unwrap();
     assert_eq!(metres.unit, LengthUnit::Metre);
-    // With these signs, the points could be a right wheel, or a left wheel in left-handed axes. So the import refuses
+    // With these signs, the points fit a right wheel, but also a left wheel in left-handed axes. So the import refuses
     // the file.
     let turned = scaled(-1.0 / 25.4, 1.0 / 25.4, 1.0 / 25.4);
     let refused = refusal(&turned, &Said::default());
@@ -204,7 +204,7 @@ fn sheets_are_chosen_by_name_or_by_their_points() {
     let mixed = workbook(&[page("it's front", cells()), page("old", broken)]);
     let mixed = file(&directory, "mixed.xlsx", &mixed);
     let read = imported(&mixed, "macpherson", &Said::default());
-    // An invalid coordinate does not exclude a sheet: only the import finds it, so both sheets remain candidates.
+    // Only the import of a sheet finds an invalid coordinate, so both sheets remain candidates.
     let refused = read.unwrap_err();
     assert!(
         refused.contains("give --sheet 'it'\\''s front' or --sheet old"),
@@ -254,8 +254,8 @@ fn other_files_are_told_from_tables() {
     );
 }
 
-/// The import names the cause of a problem, not its consequences. It refuses a file of rFactor by name, and it reports
-/// unknown names instead of an unknown unit.
+/// The import names the cause of a problem, not its consequences. It refuses a file of rFactor and names this program.
+/// It reports unknown names instead of an unknown unit.
 #[test]
 fn causes_are_named_and_not_their_consequences() {
     let bars = "// suspension\n[BODY]\nname=fl_spindle mass=(8.0)\npos=(0.67,0.0,-1.65)\n[BAR]\nname=fl_fore_upper\n";
@@ -271,8 +271,8 @@ fn causes_are_named_and_not_their_consequences() {
     assert!(ini.contains("no table of points"), "{ini}");
 }
 
-/// The import reads names of OptimumKinematics below the keys of a script, and abbreviations of wishbones and track
-/// rods.
+/// The import reads names of OptimumKinematics below the keys of a script. It also reads abbreviations of wishbones and
+/// track rods.
 #[test]
 fn keys_of_scripts_hide_no_names() {
     let directory = tempfile::tempdir().unwrap();
@@ -303,7 +303,7 @@ fn keys_of_scripts_hide_no_names() {
     }
 }
 
-/// A name map in JSON works like a table, and its errors are as clear.
+/// A name map in JSON works like a table, and its errors are as clear as those of a table.
 #[test]
 fn maps_in_json_are_tables_too() {
     let rows = TABLE.lines().skip(1);
@@ -374,8 +374,8 @@ fn suspensions_of_chrono_are_read() {
     assert!(curves.are_complete());
 }
 
-/// The import reads geometry files as Suspension Explorer documents them: hub face and wheel offset instead of the
-/// wheel centre, tyre size instead of a radius, and both wheels under their sides.
+/// The import reads geometry files as the documentation of Suspension Explorer describes them. They have hub face and
+/// wheel offset instead of the wheel centre, tyre size instead of a radius, and both wheels under their sides.
 #[test]
 fn geometry_files_of_suspension_explorer_are_read() {
     let corner = |sign: f64| {
@@ -420,7 +420,7 @@ fn geometry_files_of_suspension_explorer_are_read() {
         };
         assert_eq!(at("tie_rod_outer"), [-95.0, sign * 690.0, 175.0]);
         assert_eq!(at("spindle_inner"), [0.0, sign * 600.0, 260.0]);
-        // The wheel centre is 30 mm inboard along the axis, whose length is the root of 180 squared plus 4 squared.
+        // The wheel centre is 30 mm inboard along the wheel's axis, whose length is the square root of 180^2 + 4^2.
         let length = 180.0_f64.hypot(4.0);
         let wanted = [
             0.0,

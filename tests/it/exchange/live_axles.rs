@@ -32,7 +32,7 @@ fn value(text: &str, key: &str) -> f64 {
     line[start.len()..].parse().unwrap()
 }
 
-/// The format has the links of only one solid axle, so the export refuses a car with two.
+/// The format has the links of only one solid axle, so the export refuses a car with two solid axles.
 #[test]
 fn a_second_solid_axle_is_not_exported() {
     let directory = tempfile::tempdir().unwrap();
@@ -54,8 +54,8 @@ fn a_second_solid_axle_is_not_exported() {
     assert!(!file.exists());
 }
 
-/// The import refuses a file with two sections of links, or with one section for two axles, because it would assign
-/// links to the wrong axle.
+/// The import refuses a file with two sections of links, and a file with one section of links for two axles. Otherwise
+/// it could assign links to the wrong axle.
 #[test]
 fn links_of_two_axles_are_not_mixed() {
     let directory = tempfile::tempdir().unwrap();
@@ -104,8 +104,8 @@ fn links_of_two_axles_are_not_mixed() {
     assert_eq!(code, 0, "{said}");
 }
 
-/// Both wheels of a solid axle rise together. The exported rate per wheel is half of the increase of both loads per
-/// length of heave.
+/// Both wheels of a solid axle rise together. The exported rate per wheel is half of the increase of the sum of both
+/// loads, divided by the heave.
 #[test]
 fn the_rate_is_that_of_the_axle_in_heave() {
     let directory = tempfile::tempdir().unwrap();
@@ -174,8 +174,8 @@ fn derivatives_by_internal_points_are_not_listed() {
     assert!(!rows.contains("drag_link_place"));
 }
 
-/// The export refuses a Watt linkage, because one of its links alone would hold the axle like a Panhard rod of half the
-/// length.
+/// The export refuses a Watt linkage. The format could hold only one of its links, which would act like a Panhard rod
+/// of half the length.
 #[test]
 fn a_watt_linkage_is_not_exported() {
     let directory = tempfile::tempdir().unwrap();

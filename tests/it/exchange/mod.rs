@@ -1,5 +1,5 @@
-//! Tests of exporting points to other tools and importing them again: the doubles stay the same, and faulty files are
-//! handled.
+//! Tests of exporting points to other tools and importing them again: every number stays the same, to the bit. Other
+//! tests cover faulty files.
 
 mod axes;
 mod cad;

@@ -1,4 +1,4 @@
-//! Tests of files of OptimumKinematics and Assetto Corsa: their content, and reading them back as a study.
+//! Tests of files of OptimumKinematics and Assetto Corsa: the content of exported files, and their import as a study.
 
 use super::parsers::{cells, close, of_text, sample, template};
 use super::round_trips::studies;
@@ -8,8 +8,8 @@ use hardpoint::model::{Frame, FrameConvention, LengthUnit, Side};
 use hardpoint::number::Vector3;
 use std::collections::BTreeMap;
 
-/// The export writes double wishbones in the form of OptimumKinematics: the points of both wheels, the wheel by its
-/// contact point, toe-out positive.
+/// The export writes double wishbones in the layout of OptimumKinematics: the points of both wheels, the contact point
+/// instead of the wheel centre, and toe-out positive.
 #[test]
 fn optimum_k_tables_hold_the_wheel() {
     let mut count = 0;
@@ -50,7 +50,7 @@ fn optimum_k_tables_hold_the_wheel() {
                     expected.map(|x| x + 0.0)
                 );
             }
-            // Wheel centre from the contact point, by the reader's equation.
+            // Wheel centre from the contact point, by the equation of the import.
             let [camber, toe_out] =
                 ["Static Camber", "Static Toe"].map(|name| number(name, first).to_radians());
             let toe = -toe_out;
@@ -125,7 +125,8 @@ fn optimum_k_tables_hold_the_rocker() {
     );
 }
 
-/// The points of every wishbone and strut in `suspensions.ini`, added to the wheel centre, equal those of the study.
+/// The points of every wishbone and strut in `suspensions.ini` are relative to the wheel centre. Added to the wheel
+/// centre, they equal the points of the study.
 #[test]
 fn suspensions_ini_holds_the_points() {
     let mut kinds = BTreeMap::new();
@@ -198,8 +199,8 @@ fn suspensions_ini_holds_the_points() {
     );
 }
 
-/// BASEY is the height of the wheel centre relative to the centre of gravity: radius times the cosine of camber, minus
-/// the height of the centre of gravity.
+/// BASEY is the height of the wheel centre minus the height of the centre of gravity. The height of the wheel centre is
+/// the radius times the cosine of camber.
 #[test]
 fn heights_of_suspensions_ini_are_from_the_centre_of_gravity() {
     let mut study = of_text(template("macpherson"));
@@ -221,7 +222,7 @@ fn heights_of_suspensions_ini_are_from_the_centre_of_gravity() {
 }
 
 /// Double wishbones come back from OptimumKinematics with the same points in the file's unit. The wheel centre, which
-/// the file gives by its contact point, is equal to rounding. The angles have the study's signs.
+/// the file gives by its contact point, is equal to rounding. The angles have the signs of the study.
 #[test]
 fn double_wishbones_come_back_from_optimum_k() {
     let directory = tempfile::tempdir().unwrap();
@@ -265,7 +266,8 @@ fn double_wishbones_come_back_from_optimum_k() {
                             assert!(close(found.position, position, 1e-14 * size), "{name}");
                         }
                         (_, Some(found)) => assert_eq!(found.position, position, "{name}"),
-                        // The file cannot contain a spring without a rocker, or an oblique bar; the notes name them.
+                        // The file cannot contain a spring without a rocker, or a bar with an oblique axis. The notes
+                        // name these parts.
                         (name, None) => {
                             assert!(notes.iter().any(|note| note.contains(name)), "{name}");
                         }
@@ -289,8 +291,8 @@ fn double_wishbones_come_back_from_optimum_k() {
     }
 }
 
-/// Through an export to Assetto Corsa and back, the points keep their positions relative to the wheel centre, in
-/// metres.
+/// Wishbones and struts keep their positions relative to the wheel centre through an export to Assetto Corsa and back.
+/// The positions are in metres.
 #[test]
 fn wishbones_and_struts_come_back_from_assetto_corsa() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! Small parsers of written files, independent of the program's readers, and studies for the tests.
+//! Small parsers of written files, independent of the program's readers. Also studies for the tests.
 
 use hardpoint::exchange::{Value, csv};
 use hardpoint::model::{FrameConvention, LengthUnit, Side, Topology};
@@ -16,7 +16,7 @@ pub(super) fn of_text(text: &str) -> Study {
     Study::from_text("s.toml", text, Path::new(".")).unwrap()
 }
 
-/// Cells of the rows of a page, as text.
+/// Cells of the rows of a worksheet, as text.
 pub(super) fn cells(rows: &[Vec<Value>]) -> Vec<Vec<String>> {
     let text = String::from_utf8(csv(rows)).unwrap();
     let lines = text

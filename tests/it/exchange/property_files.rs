@@ -19,7 +19,7 @@ fn elastic(text: &str, directory: &Path) -> Study {
     Study::read_elastic(&path, &[]).unwrap_or_else(|errors| panic!("{}", errors.render(false)))
 }
 
-/// Force of a law at a deflection within the range of the file, from its points alone.
+/// Force at a deflection within the range of the file, computed from the law's points alone.
 fn force(shape: &Shape, at: f64) -> f64 {
     match shape {
         Shape::Cubic { rate, cubic } => at * (rate + cubic * at * at),
@@ -27,8 +27,8 @@ fn force(shape: &Shape, at: f64) -> f64 {
     }
 }
 
-/// Linear, cubic and tabulated laws, and an axis without stiffness, are exported in every unit and read back as the
-/// same laws.
+/// Linear, cubic and tabulated laws, and an axis without stiffness, are exported in every unit. The files read back
+/// give the same laws.
 #[test]
 fn laws_come_back_from_property_files() {
     let directory = tempfile::tempdir().unwrap();
@@ -58,7 +58,7 @@ scale = [1.0, 1.5, 1.0, 1.0, 1.0, 1.0]
         let by_file = "[bushings.lower_arm_rear]\nfile = \"rear.bus\"\n";
         let after = format!("{}{by_file}{}", &text[..start], &text[end..]);
         let after = elastic(&after, directory.path());
-        // Errors that the command states for the two cubic laws: 3 c D h^2/4 with 50 steps to 10 mm or to 0.2 rad.
+        // The command states these errors for the two cubic laws: 3 c D h^2/4 with 50 steps to 10 mm or to 0.2 rad.
         let stated = |c: f64, end: f64| 0.75 * c * end * (end / 50.0).powi(2);
         let bounds = [0.0, 0.0, stated(30.0, 10.0), 0.0, stated(4.0e6, 0.2), 0.0];
         for (axis, (before, after)) in law(&before).iter().zip(&law(&after)).enumerate() {
@@ -81,7 +81,7 @@ scale = [1.0, 1.5, 1.0, 1.0, 1.0, 1.0]
     }
 }
 
-/// The export refuses a call that does not select a bushing, or selects an unknown one, and lists the available names.
+/// The export refuses a call that selects no bushing or an unknown one. The message lists the available names.
 #[test]
 fn a_property_file_holds_one_bushing() {
     let directory = tempfile::tempdir().unwrap();

@@ -1,11 +1,11 @@
-//! Tests of two axles, wheels at the origin, ends of rods and static angles: the import reads the right number, or its
-//! refusal names the option.
+//! Tests of two axles, wheels at the origin, ends of rods and static angles. The import reads the correct number, or
+//! its refusal names the option that helps.
 
 use super::{Said, file, imported};
 use hardpoint::exchange::Imported;
 use hardpoint::model::{AxlePosition, LengthUnit, Side};
 
-/// Left front and left rear wheel of one car, ISO 8855, mm.
+/// Left front wheel and left rear wheel of one car, ISO 8855, mm.
 const FRONT: [(&str, [f64; 3]); 9] = [
     ("LCA front", [150.0, 210.0, 120.0]),
     ("LCA rear", [-140.0, 215.0, 126.0]),
@@ -210,7 +210,7 @@ fn a_wheel_at_the_origin_needs_its_half_track() {
         let read = of("points.csv", &format!("{text}{line}"), &Said::default()).unwrap();
         has_points(&read, &FRONT);
     }
-    // A right wheel with the origin at its wheel centre has y with the opposite sign.
+    // The origin of a right wheel is at its wheel centre, so y has the opposite sign.
     let right: Vec<(&str, [f64; 3])> = moved
         .iter()
         .map(|(n, [x, y, z])| (*n, [*x, -y, *z]))
@@ -268,7 +268,7 @@ fn ends_of_rods_sit_where_rows_put_them() {
         assert!(said.contains(expected), "{expected}: {said}");
     }
     assert!(!said.contains("pullrod"), "{said}");
-    // A spring whose end is not stated in any row is left out with the rocker.
+    // The file does not say which end of the spring this row is. The import leaves out this spring with the rocker.
     let nameless = without.replace("Damper o/b (rocker)", "Damper lower");
     let read = of(
         "points.csv",
@@ -309,7 +309,7 @@ fn a_drop_link_between_two_bodies_is_asked_for() {
         let study = read.study("s", "there")?;
         Ok::<bool, String>(study.contains("drop_link_outer = \"rocker\""))
     };
-    // The end of the drop link is near the rocker, near the arm, or between them.
+    // The end of the drop link may be near the rocker, near the arm, or between them.
     assert!(body(&link("-28,200,420"), &Said::default()).unwrap());
     assert!(!body(&link("-10,480,130"), &Said::default()).unwrap());
     let between = link("-20,250,370");
@@ -465,7 +465,7 @@ fn inch_marks_and_decimal_commas_are_read() {
     );
 }
 
-/// The import skips a cell of several megabytes, which is neither a name nor a number, and reads the rest.
+/// A cell of several megabytes is neither a name nor a number. The import skips this cell and reads the rest.
 #[test]
 fn a_huge_cell_is_passed_over() {
     let huge = "lower arm ".repeat(500_000);
@@ -526,8 +526,8 @@ fn axes_that_the_points_contradict_are_refused() {
     assert!(refused.contains("--axes"), "{refused}");
 }
 
-/// The import names one coordinate with a wrong sign or decimal point, with its likely value, and does not call the
-/// whole file wrong.
+/// If one coordinate has a wrong sign or decimal point, the import names this coordinate and its likely value. It does
+/// not say that the whole file is wrong.
 #[test]
 fn a_slip_in_one_coordinate_is_named() {
     for (axis, wrong, likely) in [(1, 575.0, -575.0), (2, -1240.0, -124.0)] {
@@ -550,7 +550,7 @@ fn a_slip_in_one_coordinate_is_named() {
     }
 }
 
-/// Points that make a suspension without travel because of one wrong coordinate are refused with this coordinate.
+/// One wrong coordinate leaves the suspension without travel. The import refuses the file and names this coordinate.
 #[test]
 fn a_slip_that_stops_the_suspension_is_named() {
     let mut points = FRONT;
@@ -573,7 +573,7 @@ fn a_slip_that_stops_the_suspension_is_named() {
     );
 }
 
-/// The import of one wheel names the points of the other wheel that are not its mirror images.
+/// The import of one wheel compares it with the points of the other wheel. It names those that are not mirror images.
 #[test]
 fn another_right_wheel_is_named() {
     let sheet = |shift: f64| {
@@ -602,7 +602,7 @@ fn another_right_wheel_is_named() {
     );
 }
 
-/// A sheet of the right wheel without a side gives the left wheel as its mirror image.
+/// A sheet of the right wheel without a stated side gives the left wheel, as the mirror image.
 #[test]
 fn the_other_wheel_is_the_mirror_image() {
     let down = FRONT.map(|(name, [x, y, z])| (name, [x, y, -z]));
@@ -623,7 +623,8 @@ fn the_other_wheel_is_the_mirror_image() {
     }
 }
 
-/// The contact point gives the radius in the wheel plane, also if the wheel centre is at the origin.
+/// The import computes the radius from the contact point, in the wheel plane, also if the wheel centre is at the
+/// origin.
 #[test]
 fn the_contact_point_gives_the_radius() {
     let (x, y, z) = (3.0, 7.0, 203.0);

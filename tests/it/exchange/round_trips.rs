@@ -6,8 +6,8 @@ use hardpoint::model::{Axis, Frame, FrameConvention, LengthUnit, Side, Topology}
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// Templates and samples with rockers and bars, in every frame, on both sides and in every unit, with all digits of the
-/// coordinates.
+/// Templates, and samples with rockers and bars. They are in every frame, on both sides and in every unit, with all
+/// digits of the coordinates.
 pub(super) fn studies() -> Vec<Study> {
     let mut texts: Vec<String> = Topology::ALL
         .iter()
@@ -33,7 +33,7 @@ pub(super) fn studies() -> Vec<Study> {
     studies
 }
 
-/// Template without a point of the spin axis.
+/// Template whose spin axis is given by angles instead of a point.
 fn by_angles(template: &str) -> String {
     template
         .replace("spindle_inner    =", "# spindle_inner =")
@@ -41,7 +41,7 @@ fn by_angles(template: &str) -> String {
         .replace("# static_toe =", "static_toe =")
 }
 
-/// Same wheel as a study with another unit and other axes would define it.
+/// Same wheel as in a study with another unit and other axes.
 pub(super) fn changed(
     study: &Study,
     unit: LengthUnit,
@@ -92,8 +92,8 @@ fn check(study: &Study, path: &Path, said: &Said, frame: Frame) {
     }
     assert_eq!(back.unit, suspension.length_unit);
     assert_eq!((back.frame, back.side), frame.meaning());
-    // The study that the import writes describes the same wheel. To save time, the test reads only studies in metres
-    // with a left wheel.
+    // The study that the import writes describes the same wheel. To save time, the test checks this only for studies in
+    // metres with a left wheel.
     if suspension.length_unit != LengthUnit::Metre || back.side != Side::Left {
         return;
     }
@@ -126,7 +126,7 @@ fn tables_and_workbooks_give_the_same_study() {
         let back = back.unwrap();
         assert_eq!(back.left_out, Vec::<String>::new());
         assert_eq!(back.wheel_radius.is_some(), radius);
-        // The bodies that carry the rods are also imported.
+        // The import also reads which bodies carry the rods.
         if study.wheel().length_unit != LengthUnit::Metre {
             continue;
         }
@@ -233,7 +233,7 @@ fn subsystems_give_the_same_study() {
         let new = subsystem(&Outgoing::of(&study, None, None)).bytes;
         let frame = Frame::new(FrameConvention::XRear, side);
         check(&study, &file(&directory, "new.sub", &new), &said, frame);
-        // Inserts the points into a copy with other coordinates, all of which it replaces.
+        // Inserts the points into a copy of the study with other coordinates. All of these coordinates are replaced.
         let moved = study.at_design(suspension.design.iter().map(|p| *p * 1.25).collect());
         let other = subsystem(&Outgoing::of(&moved, None, None)).bytes;
         let into = into_subsystem(&Outgoing::of(&study, None, None), &other).unwrap();
@@ -247,7 +247,7 @@ fn subsystems_give_the_same_study() {
 }
 
 /// The import reads a subsystem file that has only the points of the right wheel, in inches. It can also return the
-/// left wheel as the mirror image.
+/// left wheel, as the mirror image.
 #[test]
 fn the_wheels_of_a_subsystem_are_told_apart() {
     let directory = tempfile::tempdir().unwrap();

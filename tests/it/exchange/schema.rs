@@ -1,4 +1,5 @@
-//! Tests that the schema, which editors use to check studies, agrees with the reader about keys and types.
+//! Tests of the schema that editors use to check studies: the schema agrees with the program's reader about keys and
+//! types.
 
 use hardpoint::study::{CarStudy, Study, schema};
 use serde_json::Value;
@@ -57,7 +58,8 @@ fn as_json(text: &str) -> Value {
     serde_json::to_value(table).unwrap()
 }
 
-/// Faulty variants of a study: for each value one with a wrong type there, and for each table one with an unknown key.
+/// Faulty variants of a study. For each value, one variant has a wrong type. For each table, one variant has an unknown
+/// key.
 fn broken(value: &toml::Value) -> Vec<toml::Value> {
     match value {
         toml::Value::Table(table) => {
@@ -93,7 +95,7 @@ fn broken(value: &toml::Value) -> Vec<toml::Value> {
     }
 }
 
-/// Returns true if the reader refuses a text as the study of a car in the presence of the axles of `directory`.
+/// Returns true if the reader refuses the text as the study of a car whose axles are in `directory`.
 fn refuses_car(text: &str, directory: &Path) -> bool {
     let own = tempfile::tempdir().unwrap();
     for name in ["car", "formula_student_car"] {
@@ -137,7 +139,7 @@ fn the_schema_takes_every_sample_and_refuses_what_the_reader_refuses() {
     assert!(count > 100, "{count}");
 }
 
-/// The schema accepts a whole number written as a decimal exactly where the reader accepts it.
+/// The schema accepts a whole number in decimal form (such as 3.0) exactly where the reader accepts it.
 #[test]
 fn a_decimal_is_whole_to_the_schema_where_it_is_to_the_reader() {
     let schema = schema();

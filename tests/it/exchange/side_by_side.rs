@@ -1,4 +1,4 @@
-//! Tests of `hardpoint compare` of one design in different axes and units: it does not differ from itself.
+//! Tests of `hardpoint compare` with one design in different axes and units: `compare` finds no difference.
 
 use assert_cmd::Command;
 use std::collections::BTreeMap;
@@ -22,7 +22,7 @@ fn run(directory: &Path, arguments: &[&str], code: i32) -> [String; 2] {
     [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap())
 }
 
-/// Copies a study with replaced lines. Each line is named by its beginning.
+/// Copies a study and replaces some of its lines. The beginning of a line selects that line.
 fn changed(text: &str, lines: &[(&str, &str)]) -> String {
     let mut text = text.to_owned();
     for (start, new) in lines {
@@ -94,7 +94,7 @@ fn compare(directory: &Path, sources: [&str; 2]) -> (usize, BTreeMap<String, f64
     let columns = header.iter().enumerate();
     let differences = columns.filter(|(_, name)| name.contains(" - "));
     let relative = differences.map(|(column, name)| {
-        // The column to the left has the value of the second design.
+        // The column to the left contains the value of the second design.
         (
             name.to_owned(),
             largest(column) / largest(column - 1).max(1e-3),
@@ -203,7 +203,7 @@ fn a_fixed_rack_is_part_of_the_station() {
     }
     for (sources, rows) in [
         (["fixed.toml", "other.toml"], 3),
-        // The run lacks two of the racks, so its study is solved again.
+        // The run has no curves at two of the rack displacements, so its study is solved again.
         (["all", "other"], 9),
         (["other", "all"], 3),
     ] {
@@ -211,7 +211,7 @@ fn a_fixed_rack_is_part_of_the_station() {
     }
 }
 
-/// `compare` shows forces in pounds-force in the newtons of the first study, and the reverse.
+/// `compare` converts forces in pounds-force to the newtons of the first study, and the reverse.
 #[test]
 fn a_design_is_the_same_in_other_units() {
     let directory = tempfile::tempdir().unwrap();
@@ -291,7 +291,8 @@ fn studies_follow_the_drive_of_the_first_study() {
         let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(said.contains(reason), "{said}");
     }
-    // A run follows the first motion by the study that it keeps. Without its study it cannot be solved again.
+    // A run that contains its study is solved again over the motion of the first one. A run without its study cannot be
+    // solved again.
     run(at, &["--quiet", "solve", "angle.toml", "--out", "run"], 0);
     assert_same(at, ["run", "travel.toml"], 5, 10);
     assert_same(at, ["travel.toml", "run"], 41, 9);
@@ -304,8 +305,8 @@ fn studies_follow_the_drive_of_the_first_study() {
     );
 }
 
-/// Results of rig tests at the same physical rack positions are equal, and `compare` shows them at the positions of the
-/// first run.
+/// Results of rig tests at the same physical rack positions are equal. `compare` lists them at the rack positions of
+/// the first run.
 #[test]
 fn rig_tests_are_the_same_in_other_axes() {
     let directory = tempfile::tempdir().unwrap();
@@ -412,7 +413,8 @@ fn a_car_is_the_same_in_other_axes() {
     );
 }
 
-/// Exported curves equal the curves of the converted study: components of points and forces, and the rack.
+/// Exported curves equal the curves of the converted study. The test covers components of points and forces, and the
+/// rack.
 #[test]
 fn exported_curves_are_those_of_the_converted_study() {
     let directory = tempfile::tempdir().unwrap();
@@ -480,8 +482,8 @@ fn rounded(cell: &str) -> String {
     number.map_or(cell.to_owned(), |number| format!("{:.7}", number + 0.0))
 }
 
-/// A run with other stations is solved again, so the comparison has every station of the first design. A run that keeps no study is
-/// compared at the common stations, and the command says how many there are.
+/// A run with other stations is solved again, so the comparison has every station of the first design. A run without
+/// its study is compared only at the common stations, and the command states their number.
 #[test]
 fn runs_with_other_stations_are_compared_at_all_stations_of_the_first() {
     let directory = tempfile::tempdir().unwrap();
@@ -527,14 +529,15 @@ fn runs_with_other_stations_are_compared_at_all_stations_of_the_first() {
         &["compare", "first.toml", "other", "--out", "-"],
         0,
     );
-    // Stations -20, 0, 20 and 40 of the first: other has multiples of 10 from -30 on.
+    // The common stations are -20, 0, 20 and 40: `other` has multiples of 10, from -30 on.
     assert_eq!(few.lines().count(), 5, "{few}");
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(
         said.contains("those of 4 common stations only (first has 5, other has 10)"),
         "{said}"
     );
-    // Such a run changes nothing for the studies after it: the command still solves them over the motion of the first.
+    // A run without its study does not affect the studies that follow: the command still solves them over the motion of
+    // the first.
     let three = ["compare", "first.toml", "other", "other.toml", "--out", "-"];
     let [_, said] = run(directory, &three, 0);
     let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -571,8 +574,8 @@ fn another_comparison_replaces_no_earlier_one() {
         of_b
     );
     assert_ne!(fs::read(&first).unwrap(), of_b);
-    // If the user names the directory of the results, the program does not move earlier results aside. It replaces
-    // them only with `--force`.
+    // If the user names the output directory, the program does not move earlier results to another directory. It
+    // replaces these results only with `--force`.
     run(
         directory,
         &["compare", "a.toml", "b.toml", "--out", "mine"],

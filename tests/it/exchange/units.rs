@@ -42,7 +42,7 @@ fn table(text: &str) -> Result<Imported, String> {
     read("points.csv", text, &Said::default())
 }
 
-/// Asserts that the study has the points of the wheel. One unit of the study has this number of mm.
+/// Asserts that the study has the points of the wheel. `mm` is the number of millimetres in the unit of the study.
 fn is_the_wheel(read: &Imported, mm: f64, case: &str) {
     let names = [
         "upper_arm_front",
@@ -107,7 +107,8 @@ fn stated_centimetres_and_feet_are_converted() {
     }
 }
 
-/// The unit of the file also applies to lengths outside the table of points, and to lengths that the user gives.
+/// The unit of the file also applies to lengths outside the table of points, and to lengths that the user gives as
+/// options.
 #[test]
 fn lengths_beside_points_are_converted_too() {
     let head = format!("name,x [cm],y [cm],z [cm]\n{}", rows(10.0));

@@ -74,7 +74,7 @@ fn a_named_motion_that_is_not_reached_is_said_by_all_three() {
 
 #[test]
 fn a_column_without_a_value_is_not_done() {
-    // Two points that define the camber of the paper coincide, so this camber has no value.
+    // Two points that define the camber in the paper's formulation coincide, so this camber has no value.
     let set = "suspension.hardpoints.wheel_centre=[1.47979023854085, 0.3715370715633186, 0.2223007791913243]";
     let spindle = "suspension.hardpoints.spindle_inner=[1.60607, 0.39391, 0.04829]";
     let same = "suspension.hardpoints.strut_upper=[1.47979023854085, 0.3715370715633186, 0.2223007791913243]";
@@ -149,7 +149,7 @@ fn exchanged_pivots_and_offsets_for_coordinates_are_doubted() {
     }
 }
 
-/// The limit of the rack has the sign of the study's axis, as the displacements have.
+/// The limit of the rack displacement has the sign of the study's axis, like the rack displacements themselves.
 #[test]
 fn the_end_of_the_rack_has_its_sign() {
     for (set, end) in [
@@ -190,8 +190,8 @@ fn the_end_of_the_rack_has_its_sign() {
     assert!(said.contains("no further than 113.322620 mm"), "{said}");
 }
 
-/// If the rack cannot reach its displacement, `limits` gives no range there and no range common to all rack
-/// displacements.
+/// At a rack displacement that the rack cannot reach, `limits` states no range. It also states no common range of all
+/// rack displacements.
 #[test]
 fn a_rack_out_of_reach_has_no_range() {
     let output = run(
@@ -217,7 +217,7 @@ fn a_rack_out_of_reach_has_no_range() {
     );
 }
 
-/// The program warns if the motion displaces the rack but no part is attached to it.
+/// The program warns if the motion displaces the rack but no part is attached to the rack.
 #[test]
 fn a_rack_that_nothing_is_on_is_doubted() {
     let moved = "motion.rack=[-10.0, 0.0, 10.0]";
@@ -238,8 +238,8 @@ fn a_rack_that_nothing_is_on_is_doubted() {
     }
 }
 
-/// `limits` names the toggle of a pushrod just beyond the motion: the toggle's travel minus the stated distance is the
-/// end of the motion.
+/// `limits` names the toggle of a pushrod just beyond the motion. The travel at the toggle minus the stated distance is
+/// the end of the motion.
 #[test]
 fn a_toggle_beside_the_motion_is_named() {
     let set = "motion.travel=[0.0, 140.0]";

@@ -1,5 +1,5 @@
-//! Distances of a strut, an upper arm and a tie rod from their singular positions, calculated from points alone as
-//! volumes.
+//! Distances of strut, upper arm and tie rod from their singular positions. These distances are volumes, calculated
+//! from points alone.
 
 use hardpoint::mechanism::{LimitCause, Pose};
 use hardpoint::model::{Body, Mechanism};
@@ -28,7 +28,7 @@ impl Points<'_> {
         }
     }
 
-    /// Singular configurations, each with the sine of the part's distance from it.
+    /// Causes of limits, each with the sine that measures the distance of the part from its singular position.
     pub fn measures(&self) -> Vec<(LimitCause, f64)> {
         let ball_joint = self.at("lower_ball_joint");
         let (upper, part) = if self.mechanism.point("strut_top").is_some() {

@@ -2,7 +2,7 @@
 //!
 //! - [`random`]: in random designs a named part is singular by its measure, and no other part is.
 //! - [`agreement`]: `check`, `solve` and `limits` report the same about a motion.
-//! - [`planted`]: in designs that were moved away from a planted toggle, the program finds and names it.
+//! - [`planted`]: in designs that were moved away from a constructed toggle, the program finds and names this toggle.
 
 mod agreement;
 mod measures;

@@ -1,8 +1,8 @@
-//! Tests in which the program finds planted toggles.
+//! Tests in which the program must find toggles that the test has constructed.
 //!
-//! The test makes a design singular in one part. Then it moves the carrier along the motion that leaves the drive at
-//! rest, by Newton's method on lengths alone. The motion of the resulting design must end at the planted position,
-//! because of that part.
+//! The test constructs a design in a singular position of one part. Then it moves the carrier along the motion that does
+//! not change the drive, by Newton's method on lengths alone. The motion of the moved design must end at the singular
+//! position, and the program must name that part.
 
 use super::sample;
 use crate::support::random::Random;
@@ -15,7 +15,7 @@ use nalgebra::{DMatrix, DVector};
 
 type Points = Vec<Vector3<f64>>;
 
-/// Quantity that drives the motion up to the fold.
+/// Quantity that drives the motion up to its limit.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Quantity {
     Travel,
@@ -23,7 +23,7 @@ enum Quantity {
     Rack,
 }
 
-/// Design at its planted fold, with the name of the limit.
+/// Design in a singular position that the test constructed, with the name of the limit.
 struct Planted {
     mechanism: Mechanism,
     folded: Points,
@@ -59,7 +59,8 @@ impl Planted {
         moved.collect()
     }
 
-    /// Residuals of the five constraints, and the change of the drive from the fold, divided by the suspension size.
+    /// Residuals of the five constraints, and the change of the drive from the singular position. All are divided by
+    /// the suspension size.
     fn residuals(&self, x: &DVector<f64>) -> DVector<f64> {
         let (was, now) = (&self.folded, self.moved(x));
         let mut rows = Vec::new();
@@ -111,7 +112,7 @@ impl Planted {
         })))
     }
 
-    /// Motion of the carrier with the drive at rest.
+    /// Motion of the carrier while the drive stays constant.
     fn free(&self) -> DVector<f64> {
         let jacobian = self.jacobian(&DVector::zeros(7));
         let by_pose = jacobian.columns(0, 6).into_owned();
@@ -121,7 +122,8 @@ impl Planted {
         rows.row(least).transpose()
     }
 
-    /// Design at the distance `far` from the planted fold along the free motion of the carrier, if it exists.
+    /// Design at the distance `far` from the singular position, along the motion of the carrier with a constant drive.
+    /// `None` if there is no such design.
     fn led_away(&self, far: f64) -> Option<Points> {
         let free = self.free();
         let mut x = DVector::zeros(7);
@@ -165,7 +167,8 @@ impl Planted {
         Some(self.moved(&x)).filter(|_| self.residuals(&x).rows(0, 5).norm() < 1e-13)
     }
 
-    /// Returns true if the program finds and names the fold from the distance `far`; `None` if there is no such design.
+    /// Returns true if the program finds and names the singular position from the distance `far`. `None` if there is no
+    /// such design.
     fn is_found(&self, far: f64) -> Option<bool> {
         let design = self.led_away(far)?;
         let mut solver = Solver::new(&self.mechanism, &design).ok()?;
@@ -264,7 +267,7 @@ fn plant(sample: &Suspension, cause: LimitCause, quantity: Quantity, number: u64
         }
     };
     if quantity != Quantity::ArmAngle {
-        // Wheel centre that this motion does not lift.
+        // Axis along which this rotation does not lift the wheel centre.
         let level = Vector3::new(turn.x, turn.y, 0.0).normalised();
         let height = points[wheel].z - base.z;
         points[wheel] = base + level * (0.25 * size) + Vector3::new(0.0, 0.0, height);
@@ -279,7 +282,7 @@ fn plant(sample: &Suspension, cause: LimitCause, quantity: Quantity, number: u64
     }
 }
 
-/// Five-link design in which two links and the toe link meet in one point and lie in one plane.
+/// Five-link design in a singular position: two links and the toe link meet in one point and lie in one plane.
 fn plant_links(sample: &Suspension, number: u64) -> Planted {
     let random = &mut Random(900 + number);
     let size = sample.size();
@@ -335,8 +338,8 @@ fn examine(each: u64) {
             quantities.map(|quantity| plant(sample, *cause, quantity, number))
         });
         for toggle in toggles.chain([plant_links(&links, number)]) {
-            // Another fold may lie between the design at this distance and its planted fold. The test then tries
-            // designs nearer to the planted fold.
+            // Another limit may lie between the design at this distance and the constructed singular position. The test
+            // then tries designs that are nearer to the singular position.
             let nearer = |named| {
                 named
                     || [0.3, 0.1, 0.03]

@@ -1,5 +1,5 @@
-//! Tests of random double wishbones and struts: a named part is singular by its measure, and if no part is named, no
-//! part is singular.
+//! Tests of random double wishbones and struts. If a limit names a part, this part is singular by its measure. If a
+//! limit names no part, no part is singular.
 
 use super::measures::Points;
 use super::sample;
@@ -71,7 +71,7 @@ fn examine(designs: u64, scatter: f64) -> Count {
             look(limits.rack.as_ref().unwrap(), true);
             let arm = limits.arm_angle.as_ref().unwrap();
             look(arm, false);
-            // Every fold of the arm angle names a part.
+            // No limit of the arm angle has the cause `ArmStandsStill`.
             for end in [&arm.lower, &arm.upper] {
                 if let RangeEnd::Fold(limit) = end {
                     assert_ne!(limit.cause, LimitCause::ArmStandsStill, "{number}");

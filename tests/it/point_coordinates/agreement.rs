@@ -1,4 +1,4 @@
-//! Tests that the paper's formulation and the production formulation agree on the same struts.
+//! Tests that the paper's formulation and the production formulation (the program's default) agree on the same struts.
 
 use super::scatter::Scatter;
 use super::unsuitable;
@@ -71,7 +71,7 @@ fn paper(strut: &Strut) -> Option<([Option<Pose<f64>>; 4], f64)> {
     Some((poses, condition))
 }
 
-/// Distance between two poses, divided by `size`; a rotation counts as the displacement that it causes at the distance
+/// Distance between two poses, divided by `size`. A rotation counts as the displacement of a point at the distance
 /// `size`.
 fn distance(a: &Pose<f64>, b: &Pose<f64>, size: f64) -> f64 {
     let columns = a.rotation.columns.iter().zip(b.rotation.columns);
@@ -94,8 +94,8 @@ fn both_formulations_find_the_same_poses_of_ten_thousand_struts() {
 /// size.
 ///
 /// The test moves each hardpoint of a road car by up to 20 mm along every axis. It skips struts for which the paper's
-/// equations have a condition number of 1e4 or more (the road car's is about a hundred). One or two in a hundred are
-/// skipped, mostly with the ball joint close to the strut axis; production solves them like the others.
+/// equations have a condition number of 1e4 or more (the road car's is about a hundred). The test skips one or two in a
+/// hundred, mostly with the ball joint close to the strut axis. The production formulation also solves these struts.
 fn agreement_of(struts: u32) {
     let mut scatter = Scatter(2003);
     let (mut worst, mut compared, mut unfit) = (0.0_f64, 0, 0);
@@ -118,13 +118,14 @@ fn agreement_of(struts: u32) {
     assert!(50 * unfit < struts, "{unfit}");
 }
 
-/// If the suspension is sound but the paper's equations are singular, the paper's formulation refuses it and names the
-/// singularity. The production formulation solves it: every length and the strut's line hold at +-80 mm.
+/// The paper's equations can be singular although the suspension is sound. The paper's formulation then refuses the
+/// suspension and names the singularity. The production formulation solves it: at +-80 mm, every length is kept, and
+/// the strut's line passes through its mount.
 #[test]
 fn production_solves_what_the_paper_s_equations_cannot_describe() {
     for (what, strut) in unsuitable() {
         assert!(paper(&strut).is_none());
-        // A level strut hardly changes its length and soon reaches its limit, so its travel is short.
+        // If the strut is level, its length hardly changes and soon reaches its limit, so the travel is short.
         let travels = match what {
             Singular::HorizontalStrut => [-0.01, 0.01],
             _ => [-0.08, 0.08],
@@ -162,8 +163,8 @@ fn check_assembly(strut: &Strut, pose: &Pose<f64>, travel: f64) {
         let stretched = (now(outer) - inner).norm() - (outer - inner).norm();
         assert!(stretched.abs() < rounding, "{stretched:e}");
     }
-    // The mount is on the turned axis, which passes through the knuckle point that was at the mount in the design
-    // position.
+    // The mount lies on the strut's axis. This axis is turned with the knuckle, and passes through the knuckle point
+    // that was at the mount in the design position.
     let axis = pose.rotation.apply(strut.axis());
     let off = (strut.strut_top - now(strut.strut_top)).cross(axis).norm();
     assert!(off < rounding, "{off:e}");

@@ -25,10 +25,10 @@ const HARDPOINTS: [(&str, &str); 10] = [
     ("spindle_inner", "p11"),
 ];
 
-/// Spring seat on the lower arm, off its axis and off its plane.
+/// Spring seat on the lower arm. It lies neither on the arm's axis nor in the arm's plane.
 const SEAT: Vector3<f64> = Vector3::new(-0.02, 0.56, 0.17);
 
-/// Study of the road car over these travels, with the reference's extra points.
+/// Study of the road car at these travels, with the reference's extra points.
 fn study(case: &Value, travels: &[f64], formulation: &str) -> Study {
     let coordinates = |name: &str| {
         let p = vector(&case["hardpoints"][name]);

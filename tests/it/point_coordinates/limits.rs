@@ -8,8 +8,8 @@ use hardpoint::attia::{Strut, StrutPoints};
 use hardpoint::number::Vector3;
 use std::f64::consts::PI;
 
-/// The drive reverses at theta = pi (t = 1.2985 s). The solver refuses this station and follows the motion on either
-/// side of it.
+/// The paper's drive reverses at theta = pi (t = 1.2985 s). The solver refuses this station, and solves the stations
+/// before and after it.
 #[test]
 fn the_paper_s_drive_bounces_at_its_dead_centre() {
     let strut = strut(&reference("attia-example"));
@@ -42,8 +42,8 @@ fn the_paper_s_drive_bounces_at_its_dead_centre() {
     }
 }
 
-/// With point 1 half a metre farther forward, d51 exceeds the arm's radius. There is no solution near pi, and
-/// afterwards the arm is on the same side.
+/// If point 1 is half a metre farther forward, d51 is larger than the arm's radius. There is no solution near theta =
+/// pi. After this gap, the arm is on the same side as before.
 #[test]
 fn where_the_arm_is_shorter_than_d51_stations_near_pi_are_refused() {
     let mut strut = strut(&reference("attia-example"));
@@ -75,9 +75,9 @@ fn where_the_arm_is_shorter_than_d51_stations_near_pi_are_refused() {
     assert!(last.station().value > PI && last.moving()[0].y > strut.lower_arm_front.y);
 }
 
-/// Near the end of a branch, the equations hold to rounding even beyond it; this zone grows with the coordinates. The
-/// solver returns no pose beyond the end, however close and from whatever start. Before the end, a returned pose is
-/// accurate to the conditioning.
+/// Near the end of a solution branch, the equations are satisfied to rounding even slightly beyond the end. This zone
+/// grows with the coordinates. The solver returns no pose beyond the end, however close to the end and from whatever
+/// start. Before the end, the error of a returned pose is within the conditioning of the equations.
 #[test]
 fn what_rounding_alone_solves_is_refused() {
     for distance in [0.0, 1.0, 128.0, 8192.0] {
@@ -86,7 +86,8 @@ fn what_rounding_alone_solves_is_refused() {
         let far =
             |strut: Strut| with_points(&strut, |p| p + Vector3::new(distance, -distance, distance));
 
-        // The paper's drive with d51 above the arm's radius: its end is not where the sine of theta is zero.
+        // The paper's drive, with d51 larger than the arm's radius: the range of the drive does not end where
+        // sin(theta) is zero.
         let mut strut = strut(&reference("attia-example"));
         strut.lower_arm_front.x += 0.5;
         let d51 = (strut.lower_ball_joint - strut.lower_arm_front).norm();
@@ -99,7 +100,7 @@ fn what_rounding_alone_solves_is_refused() {
             (pose.moving()[0].z - depth).abs()
         });
 
-        // Folds of travel of a road car in bump and droop, to 110 digits.
+        // Limits of travel of a road car in bump and droop, to 110 digits. At these limits the travel reverses.
         let strut = far(nominal());
         let mechanism = PointCoordinates::new(&strut, StrutPoints::Spread, Drive::Travel).unwrap();
         for limit in [0.3496678070358349, -0.3657959368312455] {
@@ -109,7 +110,7 @@ fn what_rounding_alone_solves_is_refused() {
             });
         }
 
-        // Toggle of the tie rod over the rack displacement, with the arm held.
+        // Toggle of the tie rod over the rack displacement, at a constant arm angle.
         let mechanism =
             PointCoordinates::new(&strut, StrutPoints::Spread, Drive::ArmAngle).unwrap();
         let by_rack = |rack| Station { value: 0.0, rack };
@@ -121,8 +122,8 @@ fn what_rounding_alone_solves_is_refused() {
     }
 }
 
-/// Asserts that stations more than `rounding` beyond the limit are refused. Stations from a thousand times that
-/// distance before it are solved, with an `error` that the conditioning explains.
+/// Asserts that stations beyond the limit by more than `rounding` are refused. Stations before the limit by a thousand
+/// times `rounding` must be solved, with an `error` within the conditioning.
 fn check_end(
     mechanism: &PointCoordinates,
     station: impl Fn(f64) -> Station,
@@ -153,8 +154,8 @@ fn check_end(
     }
 }
 
-/// Inward rack displacement at which the nominal car's tie rod just reaches the circle of its outer end about the
-/// steering axis.
+/// Inward rack displacement of the nominal car at the toggle of the tie rod. There, the tie rod just reaches the circle
+/// on which its outer end moves about the steering axis.
 fn rack_at_toggle() -> f64 {
     let s = nominal();
     let axis = (s.strut_top - s.lower_ball_joint).normalised();
@@ -235,8 +236,8 @@ fn beyond_the_travel_limits_there_is_no_pose() {
         match solve_travel(&nominal(), request, 0.0).unwrap_err() {
             Refusal::Unreachable { value, limit: what } => {
                 assert_eq!(what, Singular::TravelLimit);
-                // The solver stops where the slope is about 1/condition with half of the digits. The height is accurate
-                // to the square of this: well within a micrometre.
+                // The solver stops where the slope is about 1/condition, with half of the digits. The error of the
+                // height is the square of this: well below a micrometre.
                 assert!((value - limit).abs() < 1e-6, "{value}");
             }
             other => panic!("{other:?}"),

@@ -1,4 +1,4 @@
-//! Tests of the paper's formulation against its table, against reference values of 110 digits, and at its limits.
+//! Tests of the paper's formulation against the paper's table, against reference values of 110 digits, and at limits.
 
 mod agreement;
 mod extra_points;
@@ -58,7 +58,7 @@ fn unsuitable() -> [(Singular, Strut); 3] {
     );
     let offset = (steering - axis * steering.dot(axis)).normalised();
     [
-        // The strut's line is level, with its top mount above the arm.
+        // The strut's line is level, and its top mount is above the arm.
         (
             Singular::HorizontalStrut,
             Strut {
@@ -113,10 +113,10 @@ fn nominal() -> Strut {
 
 /// Bound on the rounding error of a derivative of this order. `largest` is the size of the terms.
 ///
-/// At a solution each of the fifteen equations holds to 8 D M eps, the solver's bound, with the largest distance D and
-/// the largest coordinate M. The error of the unknowns is at most the norm of the inverse Jacobian times sqrt(15) 8 D M
-/// eps. The Jacobian's norm is at least 2 D, so the error is at most 16 eps M times the condition number. A derivative
-/// also inherits the errors of all lower orders, which adds this factor once for each order.
+/// At a solution, each of the fifteen equations is satisfied to 8 D M eps (the solver's bound). D is the largest
+/// distance, M the largest coordinate. The error of the unknowns is at most the norm of the inverse Jacobian times
+/// sqrt(15) 8 D M eps. The Jacobian's norm is at least 2 D, so the error is at most 16 eps M times the condition
+/// number. A derivative also inherits the errors of all lower orders, which adds this factor once for each order.
 fn bound(mechanism: &PointCoordinates, pose: &Pose, order: usize, largest: f64) -> f64 {
     16.0 * (order + 1) as f64 * f64::EPSILON * mechanism.condition(pose) * largest.max(1.0)
 }

@@ -1,4 +1,4 @@
-//! Tests against reference values of 110 digits.
+//! Tests of the paper's formulation against reference values of 110 digits.
 
 use super::{bound, number, reference, size, strut, vector, with_points};
 use hardpoint::attia::Drive;
@@ -27,13 +27,13 @@ fn solved(case: &Value, state: &Value, points: StrutPoints) -> (PointCoordinates
     (mechanism, pose)
 }
 
-/// Point or its derivative, mirrored to the left wheel, for which the equations are written.
+/// Mirrors a point or its derivative to the left wheel, for which the equations are written.
 fn to_left_wheel(case: &Value, v: Vector3<f64>) -> Vector3<f64> {
     let side = case.get("side").map_or(1.0, number);
     Vector3::new(v.x, side * v.y, v.z)
 }
 
-/// Angular velocity or acceleration, mirrored to the left wheel; its mirror image has the opposite sense.
+/// Mirrors an angular velocity or acceleration to the left wheel. The mirror image has the opposite sense of rotation.
 fn turning_to_left_wheel(case: &Value, v: Vector3<f64>) -> Vector3<f64> {
     let side = case.get("side").map_or(1.0, number);
     to_left_wheel(case, v) * side
@@ -145,8 +145,8 @@ fn angular_velocity_in_the_plane_of_6_7_8_is_no_obstacle() {
     compare("angular-velocity-in-plane");
 }
 
-/// Equation (25) fails if omega lies in the plane of points 6, 7 and 8, because it divides about 1e-16 by about 1e-16.
-/// From the same velocities the least squares method finds omega to rounding.
+/// Equation (25) fails if omega lies in the plane of points 6, 7 and 8, because it then divides about 1e-16 by about
+/// 1e-16. The method of least squares finds omega from the same velocities, to rounding.
 #[test]
 fn equation_25_fails_where_omega_lies_in_the_plane_of_6_7_8() {
     let case = reference("angular-velocity-in-plane");
@@ -164,14 +164,15 @@ fn equation_25_fails_where_omega_lies_in_the_plane_of_6_7_8() {
     assert!(worst > 0.01, "{worst}");
 }
 
-/// If points 6 and 7 of the study are a millimetre apart, they reduce the accuracy, and the condition number shows by
-/// how much. Spread points do not reduce it.
+/// If points 6 and 7 of the study are only a millimetre apart, they reduce the accuracy. The condition number shows by
+/// how much. If the formulation spreads the points, they do not reduce the accuracy.
 #[test]
 fn close_strut_points_cost_accuracy_unless_they_are_spread() {
     let case = reference("strut-points-1mm");
     let condition = |points| {
         let mut strut = strut(&case);
-        // The case's line runs from point 6 to point 4. Point 7 is on it, a millimetre from 6.
+        // In this case, the strut's line runs from point 6 to point 4. Point 7 is on this line, a millimetre from point
+        // 6.
         strut.strut_upper =
             (points == StrutPoints::Study).then(|| vector(&case["hardpoints"]["p7"]));
         let mechanism = PointCoordinates::new(&strut, points, Drive::Travel).unwrap();

@@ -38,7 +38,7 @@ impl Table {
         Vector3::new(x, y, z)
     }
 
-    /// Position of a point with its velocity and acceleration, the derivatives with respect to time.
+    /// Position of a point with its velocity and acceleration (derivatives with respect to time).
     fn point(&self, row: usize, name: &str) -> [Vector3<f64>; 3] {
         [("", "m"), ("v", "m_per_s"), ("a", "m_per_s2")]
             .map(|(letter, unit)| self.vector(row, |axis| format!("{name}_{letter}{axis}_{unit}")))
@@ -107,8 +107,8 @@ fn the_sample_study_writes_table_2() {
     }
 }
 
-/// At the table's times, both formulations agree with 110-digit values within their conditioning, including the paper's
-/// two angles of Fig. 5.
+/// At the times of the table, both formulations agree with 110-digit values within their conditioning. This includes
+/// the paper's two angles of Fig. 5.
 #[test]
 fn the_sample_study_is_right_to_the_accuracy_of_its_conditioning() {
     let case = reference("attia-example");
@@ -170,7 +170,7 @@ fn the_sample_study_is_right_to_the_accuracy_of_its_conditioning() {
 }
 
 /// Fig. 4 over the whole motion: the wheel falls until the arm reverses at theta = pi, t = 1.2985 s (its centre is
-/// lowest 0.02 s before and after that). The formulations agree along the whole motion.
+/// lowest 0.02 s before and after that). Both formulations agree along the whole motion.
 ///
 /// Every derivative with respect to theta divides once more by its sine, in addition to the condition number of the
 /// equations. Angular rates are velocities divided by the shortest lever, 50 mm.
@@ -199,8 +199,9 @@ fn the_formulations_agree_through_the_bounce() {
     }
 }
 
-/// The drive accepts angles in degrees and gives derivatives with respect to them. The solver refuses a station at a
-/// multiple of 180 degrees with the reason, and solves the stations beside it. Beyond this angle the arm moves back.
+/// The drive accepts angles in degrees, and derivatives are with respect to these angles. The solver refuses a station
+/// at a multiple of 180 degrees with the reason. It solves the stations beside this angle. Beyond this angle the arm
+/// moves back.
 #[test]
 fn dead_centres_are_refused_with_the_reason() {
     for (formulation, reason) in FORMULATIONS
@@ -237,7 +238,8 @@ fn dead_centres_are_refused_with_the_reason() {
     }
 }
 
-/// For a road car, whose arm axis is neither level nor beside point 1, theta is the angle of (15) in both formulations.
+/// In a road car, the arm axis is neither level nor beside point 1. For such a car, theta is the angle of (15) in both
+/// formulations.
 #[test]
 fn theta_of_a_road_car_is_that_of_equation_15() {
     let motion = "motion={ drive = \"paper_theta\", theta = [88.0, 90.0, 92.0, 95.0], rack = 5.0 }";
@@ -271,7 +273,7 @@ fn theta_of_a_road_car_is_that_of_equation_15() {
 }
 
 /// `check` shows the design position with derivatives with respect to theta, the study's drive. The derivative of z5 is
-/// -d51 sin(theta), so the ball joint falls as theta grows.
+/// -d51 sin(theta), so the ball joint falls when theta increases.
 #[test]
 fn check_differentiates_by_theta() {
     let strut = strut(&reference("attia-example"));
@@ -293,7 +295,8 @@ fn check_differentiates_by_theta() {
     }
 }
 
-/// The program refuses outputs that the formulation or the drive cannot give, by line, before it solves anything.
+/// If the formulation or the drive cannot give an output, the program refuses it with the line number, before it solves
+/// anything.
 #[test]
 fn what_cannot_be_given_is_refused_by_line() {
     let paper = "solver.formulation=point_coordinates";
@@ -357,8 +360,8 @@ fn what_cannot_be_given_is_refused_by_line() {
     }
 }
 
-/// The paper's formulation refuses a design that its equations cannot describe and names the cause; the default
-/// formulation solves it.
+/// The paper's formulation refuses a design that its equations cannot describe, and names the cause. The default
+/// formulation solves this design.
 #[test]
 fn a_ball_joint_on_the_strut_axis_is_named() {
     let study = study_file("macpherson_solve");

@@ -7,7 +7,7 @@ use hardpoint::attia::Rates;
 use hardpoint::attia::StrutPoints;
 use hardpoint::number::Vector3;
 
-/// Paper's example with its drive at a time of Table 2: eleven vectors in the table's order.
+/// Eleven vectors of the paper's example at a time of Table 2, in the table's order. The drive is `theta`.
 fn table_row(theta: [f64; 3]) -> Vec<Vector3<f64>> {
     let strut = strut(&reference("attia-example"));
     let mechanism = PointCoordinates::new(&strut, StrutPoints::Study, Drive::PaperTheta).unwrap();
@@ -28,8 +28,9 @@ fn table_row(theta: [f64; 3]) -> Vec<Vector3<f64>> {
     row
 }
 
-/// Entries of Table 2 that differ by more than half a unit of the last printed digit, for eleven vectors at each time:
-/// name, printed, computed to four decimals.
+/// Entries of Table 2 that differ from the computed values by more than half a unit of the last printed digit. There
+/// are eleven vectors at each time. Each entry has its name, the printed value, and the computed value with four
+/// decimals.
 fn misses(row: impl Fn(f64) -> Vec<Vector3<f64>>) -> Vec<(String, f64, String)> {
     let table = std::fs::read_to_string(format!("{DATA}/attia-table-2.csv")).unwrap();
     let lines: Vec<Vec<&str>> = table
@@ -59,7 +60,7 @@ fn misses(row: impl Fn(f64) -> Vec<Vector3<f64>>) -> Vec<(String, f64, String)> 
     missed
 }
 
-/// Asserts that ninety of the ninety-nine entries agree, and that these nine do not.
+/// Asserts that ninety of the ninety-nine entries agree, and that the nine listed entries do not.
 pub(super) fn check_table(row: impl Fn(f64) -> Vec<Vector3<f64>>) {
     let missed = misses(row);
     let missed: Vec<_> = missed
@@ -85,8 +86,8 @@ fn ninety_entries_of_table_2_come_out_and_nine_do_not() {
     check_table(|t| table_row([1.0 + t + 0.5 * t * t, 1.0 + t, 1.0]));
 }
 
-/// The printed drive, 1 + t + t^2, is a misprint. At the start it has the correct angle and rate, so only accelerations
-/// differ. At 1 s and 2 s almost no entry of the table agrees.
+/// The printed drive, 1 + t + t^2, is a misprint. At the start, this drive has the correct angle and rate, so only
+/// accelerations differ. At 1 s and 2 s, almost no entry of the table agrees.
 #[test]
 fn with_the_printed_drive_the_table_does_not_come_out() {
     let missed = misses(|t| table_row([1.0 + t + t * t, 1.0 + 2.0 * t, 2.0]));

@@ -21,7 +21,7 @@ fn attribute<'a>(tag: &'a str, name: &str) -> Option<&'a str> {
 }
 
 /// Asserts that identifiers are unique, references have a target, pictures have a name, and scrolling regions can have
-/// the focus. Headings skip no level, and screen readers do not announce values that follow the pointer.
+/// the focus. Headings skip no level. Screen readers do not announce values that follow the pointer.
 fn assert_accessible(page: &str) {
     assert!(page.contains("<html lang=\"en\">"));
     assert!(page.contains("name=\"viewport\""));

@@ -41,7 +41,7 @@ impl Shown {
         }
     }
 
-    /// The document after its scripts, and the browser's log.
+    /// The document after its scripts have run, and the browser's log.
     fn dom(browser: &Path, run: &Run, hash: &str) -> (String, String) {
         let scratch = tempfile::tempdir().unwrap();
         let [dom, log] = ["dom", "log"].map(|name| scratch.path().join(name));
@@ -110,8 +110,8 @@ fn a_browser_draws_a_sweep_and_shows_a_design() {
         assert!(shown.console.is_empty(), "{:#?}", shown.console);
         assert_eq!(shown.attribute("errors"), "0", "{}", shown.root);
         assert_eq!(shown.attribute("ready"), "true");
-        // Plots: the scatter, the parallel coordinates and two of effects, plus curves and mechanism of designs that
-        // have them.
+        // Plots: the scatter, the parallel coordinates and two plots of effects. In addition, curves and mechanism of
+        // designs that have them.
         let plots = shown.attribute("plots-drawn");
         assert_eq!(shown.attribute("plots-expected"), plots);
         assert!(plots.parse::<usize>().unwrap() >= 4);
@@ -126,7 +126,7 @@ fn a_browser_draws_a_sweep_and_shows_a_design() {
     }
 }
 
-/// Below a chart, the page draws the deviations from the target for the shown designs only.
+/// Below a chart, the page draws the deviations from the target. It draws them only for the shown designs.
 #[test]
 fn the_strip_of_a_chart_is_of_the_shown_design() {
     let Some(browser) = browser() else {
@@ -191,7 +191,7 @@ fn a_browser_draws_everything_and_moves_the_wheel() {
         assert!(shown.console.is_empty(), "{:#?}", shown.console);
         assert_eq!(shown.attribute("errors"), "0", "{}", shown.root);
         assert_eq!(shown.attribute("ready"), "true");
-        // Plots: the curves, the mechanism, the history, two of sensitivities, and misfit against size of change.
+        // Plots: the curves, the mechanism, the history, two plots of sensitivities, and misfit against size of change.
         assert_eq!(shown.attribute("plots-drawn"), (outputs + 5).to_string());
         assert_eq!(shown.attribute("station"), station.to_string());
         let centre: Vec<f64> = shown
@@ -211,7 +211,8 @@ fn a_browser_draws_everything_and_moves_the_wheel() {
     }
 }
 
-/// A browser draws both wheels, the path of the roll centre and the turn from above, at the positions of both sliders.
+/// A browser draws both wheels, the path of the roll centre, and the turn seen from above. It draws them at the
+/// positions of both sliders.
 #[test]
 fn a_browser_draws_an_axle() {
     let Some(browser) = browser() else {
@@ -227,8 +228,8 @@ fn a_browser_draws_an_axle() {
     assert_eq!(shown.attribute("ready"), "true");
     let data = run.data();
     let outputs = data["record"]["outputs"].as_array().unwrap();
-    // Both wheels share a chart, and each coordinate of the motion has one. The mechanism and the turn are two more
-    // plots.
+    // Both wheels share a chart. Each coordinate of the motion also has a chart. The mechanism and the turn are two
+    // more plots.
     let column = |output: &serde_json::Value| output["column"].as_str().unwrap().to_owned();
     let right = |output: &&serde_json::Value| column(output).starts_with("right_");
     let along = 1 + data["record"]["further"].as_array().unwrap().len();
@@ -238,8 +239,8 @@ fn a_browser_draws_an_axle() {
     assert_eq!(shown.attribute("station"), "12");
 }
 
-/// On a phone the rows of wide tables are blocks within the window. In a usual window the table of effects is as wide as it needs
-/// to be, since there is space.
+/// On a phone, each row of a wide table becomes a block within the window. In a window of usual width, the table of
+/// effects is as wide as its content, because there is space.
 #[test]
 fn tables_use_the_width_of_the_window() {
     let Some(browser) = crate::studio::webdriver::Browser::start() else {

@@ -19,7 +19,7 @@ struct Run {
 }
 
 impl Run {
-    /// Runs a command on a study with this name and text, with `--report` and, if it has curves, `--plots`.
+    /// Runs a command on a study with this name and text, with `--report`. Adds `--plots` if the command makes curves.
     fn of(command: &str, name: &str, study: &str, more: &[&str]) -> Run {
         let directory = tempfile::tempdir().unwrap();
         let path = directory.path().join(format!("{name}.toml"));
@@ -59,7 +59,7 @@ impl Run {
         serde_json::from_str(&page[start..end]).unwrap()
     }
 
-    /// CSV file: its header, and its cells by column.
+    /// Header of a CSV file, and its cells as one list per column.
     fn csv(&self, name: &str) -> (Vec<String>, Vec<Vec<String>>) {
         let mut reader = csv::Reader::from_path(self.path().join(name)).unwrap();
         let header: Vec<String> = reader

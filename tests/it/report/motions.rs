@@ -4,8 +4,8 @@ use super::*;
 
 const TURN: &str = "motions.turn={ roll = [-2.0, -1.0, 0.0, 1.0, 2.0] }";
 
-/// `solve` and `optimise` write the curves of each design over each named motion. The page has a chart of every output over
-/// them, and the targets of the motion.
+/// `solve` and `optimise` write the curves of each design over each named motion. For each named motion, the page has a
+/// chart of every output, and the targets of this motion.
 #[test]
 fn the_page_has_the_curves_of_named_motions() {
     let text = study("macpherson_axle_front.toml");
@@ -76,7 +76,8 @@ fn the_page_has_the_curves_of_named_motions() {
     }
 }
 
-/// The program refuses the name of a motion whose file would be that of the design before a tuning.
+/// The curves before a tuning are in `curves_before.csv`. So the program refuses names of motions that begin with
+/// "before".
 #[test]
 fn a_motion_cannot_have_the_name_of_another_file() {
     let text = study("macpherson_solve.toml");

@@ -2,7 +2,8 @@
 
 use super::*;
 
-/// Page without the SVG namespace, which is no web address, and without references within the page.
+/// Text of a page without references within the page. Also without the SVG namespace, which looks like a web address
+/// but is none.
 pub fn own_text(page: &str) -> String {
     page.replace("http://www.w3.org/2000/svg", "")
         .replace("url(#", "")
@@ -78,8 +79,8 @@ fn its_values_are_those_of_the_files() {
     assert!(run.page().contains("at lower bound"));
 }
 
-/// Every chart of the page names rows and columns of its tables, and its scales show all of their values. The page
-/// contains each chart as SVG.
+/// Every chart of the page names rows and columns of the page's tables. The scales of the chart show all of these
+/// values. The page contains each chart as SVG.
 #[test]
 fn charts_show_all_values_of_their_tables() {
     let run = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]);
@@ -202,7 +203,7 @@ fn a_failed_station_is_a_gap_with_a_reason() {
 }
 
 /// If a drop link of an axle no longer reaches its lever, the page omits the drawing of that station and gives the
-/// reason. At all other stations every point is drawn.
+/// reason. At all other stations, the page draws every point.
 #[test]
 fn an_axle_is_drawn_as_far_as_its_rockers_go() {
     let text = study("macpherson_axle.toml").replace(
@@ -262,8 +263,8 @@ fn numbers(value: &Value) -> Vec<f64> {
     list.iter().map(|v| v.as_f64().unwrap()).collect()
 }
 
-/// The page draws the centres at the positions of the characteristics. The roll centre is on the line from the contact
-/// point to the centre in front view.
+/// The page draws the roll centre and the instant centres at the positions given by the characteristics. In front view,
+/// the roll centre is on the line from the contact point to the instant centre.
 #[test]
 fn centres_are_where_the_characteristics_say() {
     let outputs = "outputs.characteristics=[\"roll_centre_height\",\"front_view_swing_arm\",\"side_view_swing_arm\",\
@@ -337,13 +338,13 @@ fn missed_targets_are_marked() {
     assert!(own.contains("<span class=\"bad\">1</span> of 2 <small>targets</small>"));
     let picture = fs::read_to_string(run.plots().join("camber_deg.svg")).unwrap();
     assert!(picture.contains("class=\"missed\"") && picture.contains(">missed</text>"));
-    // A target at one travel shows its tolerance as a bar with two ends.
+    // The picture shows the tolerance of a target at a single travel as a bar with two ends.
     assert_eq!(picture.matches("class=\"bar\"").count(), 3);
     let good = fs::read_to_string(run.plots().join("toe_deg.svg")).unwrap();
     assert!(!good.contains("class=\"missed\""));
 }
 
-/// A printed page names the sections that it omits. It contains the table of the side effects once.
+/// A printed page names the sections that it omits. It contains the table of side effects once.
 #[test]
 fn paper_names_the_sections_that_it_omits() {
     let tuned = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]).page();

@@ -10,7 +10,7 @@ fn there_is_one_for_each_output_and_an_overview() {
         .unwrap()
         .map(|f| f.unwrap().file_name().into_string().unwrap())
         .collect();
-    // `run.json` names the run of the pictures, and `charts.json` contains their layouts.
+    // `run.json` names the run that made the pictures, and `charts.json` contains their layouts.
     names.retain(|name| name != "run.json" && name != "charts.json");
     names.sort();
     assert_eq!(
@@ -38,7 +38,7 @@ fn there_is_one_for_each_output_and_an_overview() {
     ] {
         assert!(overview.contains(part), "{part}");
     }
-    // Bands of three targets, plus the deviation strips of the two targets that are values.
+    // Bands of three targets, and deviation strips of two targets. These two targets are values.
     assert_eq!(overview.matches("class=\"band\"").count(), 3 + 2);
 }
 
@@ -91,7 +91,7 @@ fn colour(png: &Pixmap, [x, y]: [f64; 2]) -> [u8; 3] {
     [pixel.red(), pixel.green(), pixel.blue()]
 }
 
-/// Width in pixels of the ink in a part of a PNG.
+/// Width in pixels of the dark pixels in a part of a PNG.
 fn width_of_ink(png: &Pixmap, across: [u32; 2], down: [u32; 2]) -> u32 {
     let dark = |x: u32, y: u32| png.pixel(x, y).unwrap().red() < 0x80;
     let inked = |x: &u32| (down[0]..down[1]).any(|y| dark(*x, y));
@@ -102,8 +102,8 @@ fn width_of_ink(png: &Pixmap, across: [u32; 2], down: [u32; 2]) -> u32 {
     }
 }
 
-/// The PNG shows the SVG at twice its size: white background, the curve at its position and with its colour. The widths
-/// of the labels fit the numbers of their letters.
+/// The PNG shows the SVG at twice the size: white background, the curve at the correct position and in the correct
+/// colour. The widths of the labels fit their numbers of letters.
 #[test]
 fn the_png_shows_what_the_svg_does() {
     let run = Run::of("optimise", "plain", &study("macpherson_front.toml"), &[]);
@@ -127,7 +127,7 @@ fn the_png_shows_what_the_svg_does() {
         places += 1;
     }
     assert_eq!(places, 41);
-    // The title of the horizontal axis: as wide as its 17 letters, 24 pixels high.
+    // The title of the horizontal axis has the width of 17 letters, and a height of 24 pixels.
     let below = |png: &Pixmap| width_of_ink(png, [128, 800], [664, 700]);
     let kingpin = png("kingpin_inclination_deg");
     let widths = [below(&camber), below(&kingpin)];
@@ -188,8 +188,9 @@ fn a_tuning_is_shown_with_its_mechanism_and_side_effects() {
     }
 }
 
-/// In the front view the left wheel is on the right. In the side view forward is to the left, and in the top view it is
-/// up. A right wheel is on the left in the front view, and in its side view forward is to the right.
+/// In the front view, the left wheel is on the right. In the side view of a left wheel, forward is to the left. In the
+/// top view, forward is up. A right wheel is on the left in the front view, and in its side view forward is to the
+/// right.
 #[test]
 fn views_are_as_their_titles_say() {
     let left = study("double_wishbone_solve.toml");
@@ -254,8 +255,8 @@ fn racks_are_told_apart() {
     assert!(picture.contains("9 of 21 values of rack"));
 }
 
-/// A picture draws limits where they apply and shades the area between two limits. It marks values that are outside by
-/// more than the tolerance.
+/// A picture draws limits where they apply, and shades the area between two limits. It marks values that exceed a limit
+/// by more than the tolerance.
 #[test]
 fn bands_are_drawn_and_what_is_outside_is_marked() {
     let out_of_reach = "between = [[[-60.0, 0.2], [60.0, 0.2]], [[-60.0, 1.5], [60.0, 1.5]]]";
@@ -319,8 +320,8 @@ fn attribute(line: &str, name: &str) -> f64 {
     value.split('"').next().unwrap().parse().unwrap()
 }
 
-/// Every sample study has a picture for each of its charts, and no two charts share a file. In the drawings of the mechanism a
-/// name is nearest to its own point, or a line leads to it.
+/// Every sample study has a picture for each of its charts, and each chart has its own file. In the drawings of the
+/// mechanism, each name is nearest to its own point, or a line connects the name and the point.
 #[test]
 fn every_sample_has_all_pictures_and_its_names_are_at_their_points() {
     let mut studies: Vec<String> = fs::read_dir(studies())
@@ -352,7 +353,7 @@ fn every_sample_has_all_pictures_and_its_names_are_at_their_points() {
         for kind in ["svg", "png"] {
             let files = fs::read_dir(directory.path()).unwrap();
             let files = files.filter(|f| f.as_ref().unwrap().path().extension().unwrap() == kind);
-            // The others are the overview and the mechanism.
+            // The other pictures are the overview and the mechanism.
             let others = 1 + usize::from(!charts.is_empty());
             assert_eq!(files.count(), charts.len() + others, "{name}, {kind}");
         }

@@ -1,4 +1,4 @@
-//! Tests of refused reports: directories that are not runs, and calls without meaning.
+//! Tests of refused reports: directories that are not runs, and calls with invalid combinations of options.
 
 use super::*;
 
@@ -103,7 +103,8 @@ fn a_sweep_whose_files_do_not_belong_together_is_refused() {
     let none = "no part of the sweep is complete";
     refused(hardpoint(&["report"]).arg(run.path()), none);
     assert!(!page.exists(), "nothing is written");
-    // Without its summary the page can still be made: the result follows from the statistics of the shards.
+    // The page can be made without the run's summary: the program computes the result from the statistics of the
+    // shards.
     fs::write(&designs, text).unwrap();
     fs::remove_file(&summary).unwrap();
     hardpoint(&["report"]).arg(run.path()).assert().success();

@@ -156,7 +156,7 @@ fn a_hostile_name_of_a_sweep_is_text() {
     assert!(!own.contains("<img") && !own.contains("<script>alert"));
 }
 
-/// The curves of a chosen design equal those of its study.
+/// The page shows curves for a chosen design. These curves equal those of the design's study.
 #[test]
 fn a_chosen_design_has_its_curves_and_its_mechanism() {
     let run = sweep("plain", &["--set", "sweep.samples=64"]);
@@ -199,7 +199,7 @@ fn a_chosen_design_has_its_curves_and_its_mechanism() {
     );
 }
 
-/// The page lists no effects for outputs that no variable changes, because they would only be rounding errors.
+/// The page lists no effects for outputs that no variable changes, because these effects would only be rounding errors.
 #[test]
 fn what_nothing_moves_has_no_effects() {
     let run = sweep("plain", &["--set", "sweep.samples=64"]);

@@ -3,7 +3,7 @@
 use super::{Served, columns, sample, solved};
 use serde_json::{Value, json};
 
-/// The columns of an answer, by name.
+/// Columns of an answer, by name.
 pub(super) fn answered(answer: &Value) -> Vec<(String, Vec<Option<f64>>)> {
     let columns = answer["columns"].as_array().unwrap().iter();
     let values = |c: &Value| {
@@ -35,7 +35,7 @@ fn solve(served: &Served, of: &Value) -> Value {
     served.post("solve", &message).json()
 }
 
-/// Study of an axle with a coarser grid of stations.
+/// Study of an axle with fewer stations.
 fn of_few_stations(text: &str) -> String {
     let mut text = text.to_owned();
     for (many, few) in [
@@ -49,15 +49,15 @@ fn of_few_stations(text: &str) -> String {
     text
 }
 
-/// File that `hardpoint export` makes of a study.
+/// File that `hardpoint export` writes for a study.
 fn exported(study: &std::path::Path, format: &str) -> Vec<u8> {
     let mut command = assert_cmd::Command::cargo_bin("hardpoint").unwrap();
     command.arg("export").arg(study).args(["--to", format]);
     command.assert().success().get_output().stdout.clone()
 }
 
-/// The curves of a moved design equal those that `hardpoint solve` prints for the saved study, to the last bit, and
-/// so does the CSV. The test covers several topologies and frames, for one wheel and for both.
+/// The curves of a moved design equal those that `hardpoint solve` prints for the saved study, to the last bit. The CSV
+/// on the page also equals them. The test covers several topologies and frames, for one wheel and for both wheels.
 #[test]
 fn answers_are_those_of_solve() {
     for (name, point, axis) in [
@@ -102,7 +102,7 @@ fn answers_are_those_of_solve() {
 }
 
 /// The gradient of the misfit with respect to coordinates equals differences of fourth order of the misfit. The test
-/// covers one wheel, both wheels, and a right wheel with its own point.
+/// covers one wheel, both wheels, and an axle whose right wheel has its own points.
 #[test]
 fn gradients_of_the_misfit_are_its_slopes() {
     let own = "[axle.right.hardpoints]\ntie_rod_inner = [-110.0, -331.0, 243.5]\n";
@@ -134,11 +134,12 @@ fn gradients_of_the_misfit_are_its_slopes() {
     }
 }
 
-/// Margins have the unit in which the study writes the limits. If the same numbers are read as inches, the margins have
-/// the same values in inches; only angles stay in degrees.
+/// Margins have the unit in which the study writes the limits. If the study's numbers are read as inches instead of
+/// millimetres, the margins have the same numbers, now in inches. Only angles stay in degrees.
 #[test]
 fn margins_have_the_unit_of_the_study() {
-    // With two stations the program does not search for extremes between stations, which it does only near limits.
+    // Near limits, the program searches for extremes between stations. With two stations far from the limits, it does
+    // not search.
     let sample = sample("formula_student_front.toml");
     let lines = sample.lines().map(|line| match line.split_once(" = ") {
         Some(("travel", _)) => "travel = [-30.0, 30.0]",
@@ -219,7 +220,8 @@ fn the_report_of_a_design_is_served() {
         assert_eq!(page.status, 200, "{name}");
         let text = page.text();
         assert!(text.contains("Content-Security-Policy"), "{name}");
-        // The report page has the moved coordinate. If the study has targets, the page also states how many are met.
+        // The report page contains the moved coordinate. If the study has targets, the report page also states how many
+        // targets are met.
         let points = served.overview()["points"].clone();
         let points = points.as_array().unwrap();
         let centre = points.iter().position(|p| p["name"] == "wheel_centre");

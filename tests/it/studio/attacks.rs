@@ -1,4 +1,4 @@
-//! Tests that requests from strangers get no data.
+//! Tests of requests from programs or pages that do not know the page's token. Such requests get no data.
 
 use super::client::{answer, request, send};
 use super::{Served, sample};
@@ -84,7 +84,7 @@ fn strangers_are_refused() {
 #[test]
 fn only_the_loopback_interface_is_listened_on() {
     let served = Served::of(&sample("macpherson_front.toml"));
-    // Every address of 127/8 is a loopback address; the server must leave the others free.
+    // Every address of 127/8 is a loopback address. The server must use only 127.0.0.1.
     TcpListener::bind(("127.0.0.2", served.port())).expect("only 127.0.0.1 is taken");
     assert!(TcpListener::bind(("127.0.0.1", served.port())).is_err());
 }
@@ -162,7 +162,7 @@ fn oversized_and_malformed_requests_are_refused() {
         Some(400)
     );
     assert_eq!(status(b"GET / SPDY/9\r\n\r\n"), Some(400));
-    // Half a request, then the connection closes.
+    // The client sends half a request, then closes the connection.
     drop(
         TcpStream::connect(("127.0.0.1", port))
             .unwrap()
@@ -225,7 +225,7 @@ fn oversized_and_malformed_requests_are_refused() {
     assert_eq!(served.files(), ["study.toml"]);
 }
 
-/// The server keeps a connection open for further requests, also when several arrive at once.
+/// The server keeps a connection open for further requests, also if several requests arrive at once.
 #[test]
 fn connections_are_kept() {
     let served = Served::of(&sample("macpherson_front.toml"));
@@ -244,7 +244,8 @@ fn connections_are_kept() {
     assert_eq!(answer(&mut stream).unwrap().body, first.body);
 }
 
-/// Idle connections of strangers do not block the page permanently, and the server holds only a limited number.
+/// Idle connections of strangers do not block the page permanently. The server holds only a limited number of
+/// connections.
 #[test]
 fn a_crowd_of_connections_is_survived() {
     let served = Served::of(&sample("macpherson_front.toml"));
@@ -286,7 +287,7 @@ fn idle_strangers_do_not_lock_the_owner_out() {
     page.set_read_timeout(Some(Duration::from_secs(4))).unwrap();
     page.write_all(own.as_bytes()).unwrap();
     assert_eq!(answer(&mut page).expect("an answer").status, 200);
-    // The page's connection no longer counts as a stranger's, so later strangers do not close it.
+    // The page's connection no longer counts as a stranger's, so later strangers do not end this connection.
     crowd.extend((0..100).map(|_| TcpStream::connect(&host).unwrap()));
     page.write_all(own.as_bytes()).unwrap();
     assert_eq!(answer(&mut page).expect("an answer").status, 200);
@@ -308,8 +309,8 @@ fn idle_strangers_do_not_lock_the_owner_out() {
     assert_eq!(answer(&mut page).expect("an answer").status, 200);
 }
 
-/// The page's address is not an argument of the browser, because every user of the machine can read the arguments of a
-/// program.
+/// The page's address is not an argument of the browser, because every user of the machine can read a program's
+/// arguments.
 #[cfg(target_os = "linux")]
 #[test]
 fn the_address_is_no_argument_of_the_browser() {
@@ -379,8 +380,8 @@ fn assert_private_invitation(is_visited: bool) {
             place.display()
         );
     }
-    // The server deletes the file with the address after the browser has requested the page, or else when the server
-    // ends.
+    // A file contains the address of the page. The server deletes this file after the browser has requested the page,
+    // or when the server ends.
     let folder_of_it = invitation.parent().unwrap().to_owned();
     if is_visited {
         let port = address.split([':', '/']).nth(4).unwrap().parse().unwrap();
@@ -401,7 +402,8 @@ fn assert_private_invitation(is_visited: bool) {
     assert!(!folder_of_it.exists());
 }
 
-/// A stale address shows the user the next step. Requests of pages get plain text.
+/// If a browser opens an outdated address, the server sends a page with the next step. Requests that a page sends to an
+/// outdated address get plain text.
 #[test]
 fn a_stale_address_says_what_to_do() {
     let served = Served::of(&sample("macpherson_front.toml"));

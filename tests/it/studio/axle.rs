@@ -4,7 +4,7 @@ use super::{Served, car, sample};
 use serde_json::{Value, json};
 use std::process::Command;
 
-/// A study that `hardpoint new` prints.
+/// Study that `hardpoint new` prints.
 fn new(arguments: &[&str]) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_hardpoint"))
         .args(["new", "--quiet"])
@@ -35,7 +35,7 @@ fn shown(served: &Served) -> Vec<(String, String)> {
         .collect()
 }
 
-/// Only suspensions with a rack or a drag link have a slider for it.
+/// The page has a slider for the steering only if the suspension has a rack or a drag link.
 #[test]
 fn steered_axles_alone_have_a_rack_slider() {
     let rack = |name: &str| vec![("rack".to_owned(), name.to_owned())];
@@ -110,9 +110,9 @@ const OF_BODY: [&str; 8] = [
     "right_spring_lower",
 ];
 
-/// A solid axle is drawn as one rigid body on its links: in heave with roll, with a Panhard rod or a Watt linkage, and
-/// in an equilibrium of five elastic links. Both sides agree on every point, and the wheel centres have the travels of
-/// the sliders.
+/// A solid axle is drawn as one rigid body on its links. The test covers heave with roll, a Panhard rod, a Watt
+/// linkage, and an equilibrium of five elastic links. Both sides agree on every point, and the wheel centres have the
+/// travels of the sliders.
 #[test]
 fn a_solid_axle_is_drawn_as_one_body() {
     let travels = "travel_left = [-40.0, 0.0, 40.0]\ntravel_right = [-40.0, 0.0, 40.0]\n";
@@ -147,7 +147,7 @@ fn a_solid_axle_is_drawn_as_one_body() {
                 for (was, is) in was.iter().zip(is) {
                     assert!((was - is).abs() < 1e-9, "{at:?}, {name}: {was} {is}");
                 }
-                // The right half has the same point, with the name of the left half.
+                // The right half has the same point under the name of the left half.
                 if let Some(near) = name.strip_prefix("right_") {
                     assert!(distance(left.at(name), right.at(near)) < 1e-9, "{name}");
                 }
@@ -164,8 +164,8 @@ fn a_solid_axle_is_drawn_as_one_body() {
     }
 }
 
-/// Elastic links are drawn with their deformed length: the change of a tension is the stiffness times the drawn
-/// elongation.
+/// Elastic links are drawn with their deformed length: the change of a link's tension is its stiffness times the
+/// elongation in the drawing.
 #[test]
 fn drawn_links_have_the_stretch_of_their_tension() {
     let served = Served::of(&sample("solid_axle_five_links.toml"));
@@ -173,7 +173,7 @@ fn drawn_links_have_the_stretch_of_their_tension() {
     let asked = links.map(|link| format!("{link}_tension"));
     let asked: Vec<&str> = asked.iter().map(String::as_str).collect();
     let answer = solve(&served, &asked, &[0.0; 3]);
-    // 8000 N/mm, as the study gives for every link.
+    // The study gives 8000 N/mm for every link.
     let stiffness = 8000.0;
     let design = Drawn::of(&served, &answer["frame"]);
     let groups = answer["groups"].as_array().unwrap();
@@ -202,7 +202,7 @@ fn drawn_links_have_the_stretch_of_their_tension() {
             let expected = tension(station) - tension(home);
             let found = stiffness * (length(drawn) - length(&design));
             largest = largest.max(expected.abs());
-            // The bound is the rounding of coordinates of 1 m times the stiffness.
+            // The bound is the rounding error of coordinates of 1 m, times the stiffness.
             assert!(
                 (found - expected).abs() < 1e-7,
                 "{link}: {found} {expected}"
@@ -250,8 +250,8 @@ fn elastic_wheels_are_drawn_in_equilibrium() {
     }
 }
 
-/// While a point moves, the page asks only for the shown stations. They have the values of the full answer, to
-/// rounding, because the solver reaches them by another path.
+/// While a point moves, the page requests only the shown stations. The values agree with those of the full answer to
+/// rounding. The solver reaches these stations by another path.
 #[test]
 fn shown_stations_alone_have_the_values_of_the_whole_answer() {
     let wheel = sample("double_wishbone_solve.toml");
@@ -313,8 +313,8 @@ fn shown_stations_alone_have_the_values_of_the_whole_answer() {
     }
 }
 
-/// The page shows the curves of a named motion over its own coordinates. Its values are those of `curves_NAME.csv`, and its
-/// targets name it.
+/// The page shows the curves of a named motion over the coordinates of this motion. The values are those of
+/// `curves_NAME.csv`. The targets state the name of the motion.
 #[test]
 fn named_motions_have_curves_and_sliders() {
     let text = sample("macpherson_axle_front.toml");

@@ -6,15 +6,15 @@ use serde_json::{Value, json};
 use std::fs;
 
 pub(super) const READY: &str = "document.documentElement.dataset.ready === 'true' && window.studio.state.answer && window.studio.state.ghost";
-/// Condition: the shown answer belongs to the present design.
+/// Condition: the shown answer belongs to the current design.
 pub(super) const SETTLED: &str = "studio.isSettled()";
 
 pub(super) fn handle(view: &str, point: &str) -> String {
     format!("[data-view={view}] .handle[data-name={point}]:not([data-other])")
 }
 
-/// Asserts that every drawn column is the one that `hardpoint solve` prints for the study in a file. Returns their
-/// number.
+/// Asserts that every drawn curve has the values that `hardpoint solve` prints for the study in a file. Returns the
+/// number of curves.
 pub(super) fn assert_drawn_as_solved(browser: &Browser, study: &std::path::Path) -> usize {
     let drawn = browser.run("return studio.drawnValues()");
     let printed = columns(&solved(study));
@@ -80,8 +80,8 @@ fn points_are_dragged_and_curves_follow() {
     assert!(assert_drawn_as_solved(&browser, &served.study) >= 6);
     assert_line_is_at_values(&browser, "camber_deg");
 
-    // The user makes two steps, a drag in another view and an arrow key. The user then undoes them one by one and
-    // redoes them.
+    // The user makes two steps: a drag in another view, and an arrow key. The user then undoes both steps one by one
+    // and redoes them.
     browser.drag(&handle("top", "tie_rod_outer"), [6, 5], 5);
     let dragged = browser.run("return studio.state.design");
     assert_ne!(dragged, moved);
@@ -165,7 +165,7 @@ fn tabs_servers_and_files_come_and_go() {
     browser.go_to(&first);
     assert_eq!(browser.run("return studio.state.design"), moved);
 
-    // If the file changes, the page asks a question, and then applies the moves to the present file.
+    // If the file changes, the page asks what to do. It then applies the moves to the changed file.
     let edited = format!("# by hand\n{}", served.text());
     fs::write(&served.study, &edited).unwrap();
     browser.click("#save");
@@ -190,7 +190,7 @@ fn tabs_servers_and_files_come_and_go() {
     std::thread::sleep(std::time::Duration::from_millis(400));
     served.restart();
     browser.wait("document.documentElement.dataset.server === 'other'");
-    // Chromium itself writes refused connections and error responses to the console.
+    // Chromium itself writes refused connections and error responses to the console, so the test ignores these lines.
     let own = |line: &String| !line.contains("ERR_CONNECTION") && !line.contains("403 (Forbidden)");
     assert_eq!(
         browser
@@ -219,8 +219,8 @@ fn tabs_servers_and_files_come_and_go() {
     );
 }
 
-/// The page shows hostile names as plain text. Names inside a study consist of letters and digits; the name of its file
-/// is free.
+/// The page shows hostile names as plain text. Names inside a study consist of letters and digits. The file name of a
+/// study can contain anything.
 #[cfg(unix)]
 #[test]
 fn hostile_names_are_shown_as_text() {
@@ -241,8 +241,8 @@ fn hostile_names_are_shown_as_text() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// The page compares a pinned design with the present one. If a slot is occupied, it warns that the pinned design would
-/// be replaced.
+/// The page compares a pinned design with the current one. If a slot is occupied, the page warns that the design in
+/// this slot would be replaced.
 #[test]
 fn pinned_designs_are_compared() {
     let Some(browser) = Browser::start() else {
@@ -308,7 +308,7 @@ fn a_reload_keeps_unsaved_work() {
     let work = "return [studio.state.design, studio.state.overview.digest]";
     let (told, done) = (browser.run(deeds), browser.run(work));
     assert_eq!(told.as_array().unwrap().len(), 4, "{told}");
-    // The page stores work after a short delay.
+    // The page stores unsaved work after a short delay.
     std::thread::sleep(std::time::Duration::from_millis(500));
 
     browser.open(&served.address);
@@ -333,7 +333,7 @@ fn a_reload_keeps_unsaved_work() {
     assert_eq!(browser.run(work), done);
     std::thread::sleep(std::time::Duration::from_millis(500));
 
-    // Another tab has no history, but offers the work.
+    // Another tab has no history, but offers the unsaved work.
     browser.run("sessionStorage.clear()");
     browser.open(&served.address);
     browser.wait(READY);
@@ -371,7 +371,7 @@ fn a_drag_shifts_no_layout() {
         assert!(after.as_f64().unwrap() >= before.as_f64().unwrap() + 3.0);
         assert_eq!(browser.run("return window.shifted"), json!([]), "{name}");
         assert_eq!(browser.console(), Vec::<String>::new());
-        // A page sends requests until it is left, and the server ends here.
+        // A page sends requests until the browser leaves the page, and the server ends here.
         browser.open("about:blank");
     }
 }

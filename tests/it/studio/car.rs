@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use std::fs;
 use std::path::PathBuf;
 
-/// Served sample car with its axles.
+/// Starts the server for a sample car and its axles.
 pub(super) fn served(name: &str, changed: impl Fn(&str, String) -> String) -> Served {
     let ends = ["_front", "_rear", ""];
     Served::of_files(ends.map(|end| {
@@ -30,7 +30,7 @@ fn read(served: &Served, name: &str) -> String {
     fs::read_to_string(file(served, name)).unwrap()
 }
 
-/// Characteristics that the page requests first.
+/// Characteristics that the page requests when it opens.
 pub(super) fn asked(overview: &Value) -> Vec<Value> {
     let all = overview["characteristics"].as_array().unwrap().iter();
     let asked = all.filter(|c| c["asked"] == true && c["available"] == true);
@@ -44,7 +44,7 @@ pub(super) fn solve(served: &Served, of: &Value) -> Value {
     served.post("solve", &message).json()
 }
 
-/// Moves further coordinates of a design.
+/// Moves further coordinates of a design, one for each entry of `moves`.
 pub(super) fn moved(served: &Served, moves: &[(&str, usize, f64)]) -> Value {
     let overview = served.overview();
     let points = overview["points"].as_array().unwrap();
@@ -62,8 +62,8 @@ fn save(served: &Served, of: &Value, anyway: bool) -> super::client::Answer {
     served.post("save", &message)
 }
 
-/// After points of both axles, including wheel centres, have moved, each number of the page equals that of the saved
-/// files, to the last bit. The table of load cases is equal too.
+/// The test moves points of both axles, including wheel centres. Each number of the page then equals that of the saved
+/// files, to the last bit. The table of load cases also equals them.
 #[test]
 fn answers_are_those_of_solve() {
     for name in ["car", "formula_student_car"] {
@@ -106,8 +106,8 @@ fn slope(at: impl Fn(f64) -> f64, h: f64) -> f64 {
     (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h)
 }
 
-/// The misfit has targets of load cases, and in one car a target of a single axle. Its gradient and those of its
-/// targets equal slopes, also with respect to the wheel centres, which the wheelbase ties to the other axle.
+/// The misfit has targets of load cases, and in one car a target of a single axle. The gradients of the misfit and of
+/// each target equal slopes. The test includes the wheel centres, because the wheelbase couples them to the other axle.
 #[test]
 fn gradients_of_the_misfit_are_its_slopes() {
     for name in ["car", "formula_student_car"] {
@@ -189,8 +189,8 @@ fn influences_are_slopes_of_the_results() {
     assert_eq!(compared, 5 * (4 + 4 + 1 + 2));
 }
 
-/// The server does not overwrite an axle's file that another program changed, until the user merges the page's changes
-/// into it. The changes of the other program stay.
+/// If another program changed an axle's file, the server does not overwrite this file. The user can merge the page's
+/// changes into it. The changes of the other program stay.
 #[test]
 fn changed_files_are_kept_and_merged() {
     let served = served("car", as_it_is);
@@ -257,7 +257,7 @@ fn nothing_is_written_halfway() {
     assert!(read(&served, "new.toml").contains("front = \"new_front.toml\""));
 }
 
-/// The server refuses points that form no suspension immediately, with the reason, as it does in a file.
+/// The server immediately refuses points that form no suspension. It gives the same reason as for a file.
 #[test]
 fn implausible_points_are_refused() {
     let served = served("car", as_it_is);
@@ -273,8 +273,8 @@ fn implausible_points_are_refused() {
     );
 }
 
-/// If one file describes both axles, the server refuses a change of only one end, because it would change the other end
-/// as well.
+/// If one file describes both axles, the server refuses a change of only one axle, because the other axle would change
+/// too.
 #[test]
 fn one_file_for_both_axles_is_not_torn() {
     let served = served("car", |end, text| match end {
@@ -295,8 +295,8 @@ fn one_file_for_both_axles_is_not_torn() {
     assert_eq!(save(&served, &moved(&served, &both), false).status, 200);
 }
 
-/// A tuning starts from the moved design, but its ranges are relative to the file. If the design is outside a range,
-/// the proposal reports this. A locked coordinate keeps its value.
+/// A tuning starts from the moved design, but its ranges are relative to the design in the file. If the moved design is
+/// outside a range, the proposal reports this. A locked coordinate keeps its value.
 #[test]
 fn tunings_keep_locks_and_tell_wide_ranges() {
     let served = served("car", as_it_is);
@@ -344,12 +344,12 @@ fn tunings_keep_locks_and_tell_wide_ranges() {
 const READY: &str = "document.documentElement.dataset.ready === 'true' && window.studio.state.answer && window.studio.state.ghost";
 const SETTLED: &str = "studio.isSettled()";
 
-/// Script that returns the values of the table of load cases as the page shows them.
+/// Script that returns the values in the table of load cases.
 const SHOWN: &str = "return Object.fromEntries([...document.querySelectorAll('#cases tbody tr')].map((row) => [row.dataset.column, [...row.querySelectorAll('b')].map((cell) => cell.textContent)]))";
 
 /// Asserts that every value in the table equals the one that `hardpoint solve` prints, to four digits.
 fn assert_shown_as_solved(browser: &Browser, served: &Served) {
-    // The page renews hidden rows after a short delay.
+    // The page updates hidden rows after a short delay.
     browser.wait("[...document.querySelectorAll('#cases tbody tr')].every((row) => !row.isLate)");
     let shown = browser.run(SHOWN);
     let printed = columns(&solved(&served.study));
@@ -392,7 +392,8 @@ fn a_car_is_dragged_edited_tuned_and_saved() {
     choose("case", "1");
     browser.wait(SETTLED);
 
-    // In the front view a point keeps its x, and stays under the pointer although the body rolls.
+    // In the front view, dragging a point does not change its x. The point stays under the pointer although the body
+    // rolls.
     let point = "[data-view=front] .handle[data-name=front_tie_rod_inner]:not([data-other])";
     let place = format!(
         "const box = document.querySelector(\"{point}\").getBoundingClientRect(); return [box.x + box.width / 2, box.y + box.height / 2]"
@@ -422,7 +423,7 @@ fn a_car_is_dragged_edited_tuned_and_saved() {
     browser.keys(&["4", "5", "0", "0", "0", "0", "\u{e007}"]);
     browser.wait("studio.state.overview.written.rear.anti_roll_bar.rate === 450000");
     browser.wait(SETTLED);
-    // Changes are relative to the file, not to the edited text.
+    // Changes are relative to the file, not to the design before the edit.
     browser.wait(&format!("{changes} > 20"));
 
     browser.click("#tune");
@@ -447,7 +448,7 @@ fn a_car_is_dragged_edited_tuned_and_saved() {
     assert_eq!(browser.run("return studio.state.design"), saved);
     assert_shown_as_solved(&browser, &served);
 
-    // The page gives the reason for a case without equilibrium, and shows no value of an earlier design.
+    // If a case has no equilibrium, the page gives the reason and shows no value of an earlier design.
     browser.click("#tab-parts");
     browser.run("document.querySelector('[aria-label=\"turn ay\"]').select()");
     browser.keys(&["2", ".", "5", "\u{e007}"]);
@@ -459,8 +460,8 @@ fn a_car_is_dragged_edited_tuned_and_saved() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// In the table of load cases the user adds a target for a result in one case. The page marks its cell, and the saved
-/// study has the target.
+/// In the table of load cases, the user adds a target for the result of a case. The page marks the cell of this result,
+/// and the saved study contains the target.
 #[test]
 fn a_result_of_a_case_gets_a_target() {
     let Some(browser) = Browser::start() else {

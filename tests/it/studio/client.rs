@@ -1,4 +1,4 @@
-//! Minimal HTTP client for well-formed and malformed requests.
+//! Minimal HTTP client. It sends well-formed and malformed requests.
 
 use super::Served;
 use serde_json::{Value, json};
@@ -24,7 +24,7 @@ impl Answer {
     }
 }
 
-/// Sends bytes to a port and reads the answer; `None` if the connection is closed without an answer.
+/// Sends bytes to a port and reads the answer. `None` if the server closes the connection without an answer.
 pub fn send(port: u16, bytes: &[u8]) -> Option<Answer> {
     let mut stream = TcpStream::connect(("127.0.0.1", port)).unwrap();
     stream
@@ -67,7 +67,7 @@ pub fn answer(stream: &mut TcpStream) -> Option<Answer> {
     Some(Answer { status, head, body })
 }
 
-/// Request with these headers in addition to its length.
+/// Bytes of a request with these headers. The function also writes the length of the body.
 pub fn request(method: &str, path: &str, headers: &[(&str, &str)], body: &[u8]) -> Vec<u8> {
     let mut head = format!(
         "{method} {path} HTTP/1.1\r\nContent-Length: {}\r\n",
@@ -92,7 +92,7 @@ impl Served {
         let path = format!("/{}/{what}", self.token());
         let bytes = request("POST", &path, &headers, message.to_string().as_bytes());
         let mut answer = send(self.port(), &bytes).expect("an answer");
-        // Some refusals are not errors of the request; their body has the status.
+        // Some refusals are not errors of the request. In this case, the body contains the status.
         if let Ok(body) = serde_json::from_slice::<Value>(&answer.body)
             && let Some(refused) = body["refused"].as_u64()
         {

@@ -1,4 +1,4 @@
-//! Tests of two tabs and other programs that change one study.
+//! Tests of two tabs, or of a tab and another program, that change one study.
 
 use super::browser::{READY, SETTLED, handle};
 use super::webdriver::Browser;
@@ -41,7 +41,7 @@ fn deeds(browser: &Browser) -> Value {
     browser.run("return [...document.querySelectorAll('.deeds button')].map((b) => b.textContent)")
 }
 
-/// Another tab saves a move. The first tab then reads the file again and keeps its own move and edit as one step of the
+/// Another tab saves a move. The first tab then reads the file again. It keeps its own move and edit as one step of the
 /// history, also after a reload. A save writes the changes of both tabs.
 #[test]
 fn a_file_is_read_again_under_the_changes_of_the_page() {
@@ -109,8 +109,7 @@ fn a_file_is_read_again_under_the_changes_of_the_page() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// If the page's changes cannot be applied to the changed file, the page does not read the file again and keeps its
-/// changes.
+/// If the page's changes do not fit the changed file, the page does not read the file again and keeps its changes.
 #[test]
 fn changes_that_a_file_cannot_take_stay_on_the_page() {
     let Some(browser) = Browser::start() else {
@@ -128,8 +127,9 @@ fn changes_that_a_file_cannot_take_stay_on_the_page() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// After another program's change, a save asks what to do before it shows lines. The changed lines, in the history and
-/// before a save, never contain changes of the other program. The user can undo changes that were merged into the file.
+/// After another program's change, a save asks what to do before it shows any lines. The page lists changed lines in
+/// the history and before a save. This list never contains changes of the other program. The user can undo changes that
+/// were merged into the file.
 #[test]
 fn lines_of_another_program_are_no_changes_of_the_page() {
     let Some(browser) = Browser::start() else {

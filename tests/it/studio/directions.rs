@@ -3,8 +3,8 @@
 use super::{Served, car, sample};
 use serde_json::{Value, json};
 
-/// Car with more hardpoint variables than rows of targets: each of two load cases has one row, and toe on the front
-/// axle has two.
+/// Car with more hardpoint variables than residuals. In each of two load cases, a target has one residual. A target for
+/// toe on the front axle has two residuals.
 fn car_with_freedom() -> Served {
     let variable = |axle: &str, point: &str, axis: &str| {
         format!(
@@ -64,8 +64,9 @@ fn slope(served: &Served, direction: &Value) -> f64 {
     slopes.fold(0.0, |most, slope| slope.abs().max(most))
 }
 
-/// Along a free direction no target changes to first order. Across its range, the largest deviation of three equal
-/// targets changes by at most sqrt(3) of 0.01 tolerances. Along a single variable some target changes far more.
+/// Along a free direction, no target changes to first order. Over the range of the direction, the deviation of three
+/// equal targets changes by at most sqrt(3) times 0.01 of the tolerance. Along a single variable, some target changes
+/// far more.
 #[test]
 fn targets_do_not_change_along_free_directions() {
     for served in [

@@ -6,7 +6,7 @@ use super::{Served, sample};
 use serde_json::json;
 use std::process::Command;
 
-/// Script that records the names and texts of downloads instead of saving them.
+/// Script that records the names and texts of downloads, and does not save them.
 const RECORD: &str = "window.names = []; window.texts = []; \
      URL.createObjectURL = (blob) => { blob.text().then((text) => texts.push(text)); return 'about:blank'; }; \
      URL.revokeObjectURL = () => {}; HTMLAnchorElement.prototype.click = function () { names.push(this.download); };";
@@ -45,7 +45,7 @@ fn the_shown_motion_is_exported_and_printed() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// In exported curves the outline of each label is painted below its letters. Labels are beside the lines and do not
+/// In exported curves, the outline of each label is drawn behind the letters. Labels are beside the lines and do not
 /// overlap.
 #[test]
 fn labels_of_lines_can_be_read() {
@@ -79,8 +79,8 @@ fn labels_of_lines_can_be_read() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// A printed page shows the initial misfit beside the present one, and the range of a chart does not touch the value of
-/// the next chart.
+/// A printed page shows the initial misfit beside the current misfit. The printed range of a chart does not touch the
+/// value of the next chart.
 #[test]
 fn paper_has_the_first_misfit_and_separate_numbers() {
     let Some(browser) = Browser::start() else {
@@ -94,7 +94,7 @@ fn paper_has_the_first_misfit_and_separate_numbers() {
         "const field = document.querySelector('input[aria-label=\"strut_top y\"]'); field.value = '585'; field.dispatchEvent(new Event('change'))",
     );
     browser.wait(SETTLED);
-    // The shown value keeps the number of digits that it had before the move.
+    // The shown value has as many digits as before the move.
     let caster = browser.run(
         "return document.querySelector('[data-column=kingpin_inclination_deg] output').textContent",
     );

@@ -15,7 +15,7 @@ fn opened(name: &str) -> Option<(Browser, Served)> {
     Some((browser, served))
 }
 
-/// Coordinates of a point in the present design.
+/// Coordinates of a point in the current design.
 fn design(browser: &Browser, point: &str) -> [f64; 3] {
     let found = browser.run(&format!(
         "const p = studio.state.overview.points.findIndex(({{ name }}) => name === {point:?}); return studio.state.design[p]"
@@ -23,7 +23,7 @@ fn design(browser: &Browser, point: &str) -> [f64; 3] {
     [0, 1, 2].map(|k| found[k].as_f64().unwrap())
 }
 
-/// If the table is renewed while the user types a coordinate, the typed text stays.
+/// The user types a coordinate, and the page updates the table. The typed text stays.
 #[test]
 fn typed_text_stays_while_the_table_is_renewed() {
     let Some((browser, _served)) = opened("macpherson_front.toml") else {
@@ -43,7 +43,7 @@ fn typed_text_stays_while_the_table_is_renewed() {
     browser.keys(&["\u{e007}"]);
     browser.wait(SETTLED);
     assert_eq!(design(&browser, "strut_lower")[1], 623.37);
-    // The field follows the design again after an arrow key, and after the user cancels the text.
+    // The field shows the design's current value again after an arrow key, or after the user cancels the typing.
     browser.keys(&["\u{e013}"]);
     browser.wait(SETTLED);
     let value = design(&browser, "strut_lower")[1];
@@ -78,7 +78,8 @@ fn a_finger_moves_a_point() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// The right half of a solid axle follows the left half. It has no input fields, and its handles move the left half.
+/// The points of the right half of a solid axle move with those of the left half. The right half has no input fields,
+/// and its handles move the left half.
 #[test]
 fn the_right_half_of_a_solid_axle_follows() {
     let Some((browser, served)) = opened("solid_axle_rear.toml") else {
@@ -126,8 +127,8 @@ fn the_right_half_of_a_solid_axle_follows() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// No field truncates its number and no chip its text, in a normal and a wide window and on a phone. On a phone the
-/// table of points has its headings.
+/// No field truncates its number, and no label truncates its text. This holds in a normal window, in a wide window and
+/// on a phone. On a phone, the table of points has its headings.
 #[test]
 fn fields_are_as_wide_as_their_numbers() {
     let Some(browser) = Browser::start() else {
@@ -164,7 +165,7 @@ fn fields_are_as_wide_as_their_numbers() {
     }
 }
 
-/// A text that is no decimal number is refused in every field for a number, with the reason in words.
+/// Every field for a number refuses a text that is no decimal number, with the reason in words.
 #[test]
 fn a_text_that_is_no_number_is_refused_in_words() {
     let Some((browser, served)) = opened("macpherson_front.toml") else {
@@ -229,8 +230,8 @@ fn a_text_that_is_no_number_is_refused_in_words() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// The legend names the state with which the page compares: as opened, and saved after a save. A refused name leaves the dialog
-/// open with what was typed.
+/// The page compares the design with a saved state, and the legend names this state: "as opened", or "saved" after a
+/// save. If a name is refused, the dialog stays open with the typed text.
 #[test]
 fn words_follow_a_save() {
     let Some((browser, served)) = opened("macpherson_front.toml") else {
@@ -260,7 +261,8 @@ fn words_follow_a_save() {
 }
 
 /// While the user drags an edge of a band, the page shows the value of the edge beside it. If the user drags a locked
-/// point, the page says that it is locked, and the point stays. The axis of a chart shows the bands of its targets.
+/// point, the page says that the point is locked, and does not move the point. The axis of a chart shows the bands of
+/// its targets.
 #[test]
 fn a_drag_says_what_it_does() {
     let Some((browser, _served)) = opened("macpherson_sweep.toml") else {

@@ -43,7 +43,7 @@ fn points_targets_and_proposals_need_no_mouse() {
     let design = "JSON.stringify(studio.state.design)";
     let before = browser.run(&format!("return {design}"));
 
-    // Several keys in a row are one step, which the page announces once with its result.
+    // Several keys in a row are one step. The page announces this step once, with its result.
     focus(
         &browser,
         "[data-view=front] .handle[data-name=strut_top]:not([data-other])",
@@ -52,7 +52,7 @@ fn points_targets_and_proposals_need_no_mouse() {
     browser.wait("document.getElementById('said').textContent.includes('z +0.3')");
     let said = browser.run("return document.getElementById('said').textContent");
     assert!(said.as_str().unwrap().contains("Misfit"), "{said}");
-    // Goes to the fields of the point, and back.
+    // Moves the focus to the fields of the point, and back.
     browser.keys(&[ENTER]);
     assert_eq!(focused(&browser), "strut_top x");
     browser.keys(&[ESCAPE]);
@@ -72,7 +72,7 @@ fn points_targets_and_proposals_need_no_mouse() {
         "document.querySelector('[data-view=space] .bodies').innerHTML !== {picture}"
     ));
 
-    // A dialog returns the focus when it closes.
+    // When a dialog closes, the focus returns to the control that opened it.
     focus(&browser, "[data-column=camber_deg] .adder");
     browser.keys(&[ENTER]);
     browser.wait("document.getElementById('dialog').open");
@@ -80,7 +80,7 @@ fn points_targets_and_proposals_need_no_mouse() {
     browser.wait("!document.getElementById('dialog').open");
     assert_eq!(focused(&browser), "+ target for camber");
 
-    // A rebuilt list keeps the focus.
+    // A list keeps the focus when the page rebuilds it.
     browser.click("#tab-targets");
     focus(&browser, "#pane-targets .name");
     let name = focused(&browser);
@@ -107,8 +107,8 @@ fn points_targets_and_proposals_need_no_mouse() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// F6 cycles through the regions of the page. Every control has a name and is at least 24 pixels large, except fields
-/// within a label and bars that are wider than they look.
+/// F6 cycles through the regions of the page. Every control has a name and is at least 24 pixels large. Exceptions are
+/// fields within a label, and bars that react on a larger area than they show.
 #[test]
 fn controls_are_named_large_and_reachable() {
     let Some(browser) = Browser::start() else {

@@ -25,7 +25,7 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-/// Served study in a temporary folder.
+/// Server of a study in a temporary folder.
 struct Served {
     folder: tempfile::TempDir,
     study: PathBuf,
@@ -50,7 +50,7 @@ impl Served {
         Served::of_files([(name.to_owned(), text.to_owned())])
     }
 
-    /// Writes files with these texts and serves the last one.
+    /// Writes files with these texts, and starts a server for the last one.
     fn of_files<const N: usize>(files: [(String, String); N]) -> Served {
         let folder = tempfile::tempdir().unwrap();
         let mut study = PathBuf::new();
@@ -107,7 +107,7 @@ impl Served {
     }
 }
 
-/// Serves a study on a separate port, because parallel tests must not use each other's server.
+/// Starts a server for a study on a port of its own, because parallel tests must not use each other's server.
 fn serve(study: &Path, port: u16) -> (Child, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_hardpoint"));
     command.arg("studio").arg(study);

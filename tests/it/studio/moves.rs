@@ -1,4 +1,4 @@
-//! Tests of requests for moved points: one request for each move, and the latest one wins.
+//! Tests of requests for moved points: the page sends one request for each move, and draws only the latest answer.
 
 use super::browser::{READY, SETTLED, assert_drawn_as_solved, handle};
 use super::webdriver::Browser;
@@ -37,7 +37,7 @@ fn a_later_request_stops_an_earlier_one() {
     });
 }
 
-/// The page sends one request for each move. A table that was hidden shows the present design when it opens.
+/// The page sends one request for each move. A hidden table shows the current design as soon as it opens.
 #[test]
 fn a_move_is_asked_for_once() {
     let Some(browser) = Browser::start() else {
@@ -82,8 +82,8 @@ fn a_move_is_asked_for_once() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// While an answer is late, the point stays under the pointer and the page marks the old curves. A later design does
-/// not wait for the late answer, and the page never draws that answer.
+/// While an answer is late, the point stays under the pointer, and the page marks the old curves. A later design does
+/// not wait for the late answer. The page never draws the late answer.
 #[test]
 fn a_late_answer_gives_way() {
     let Some(browser) = Browser::start() else {
@@ -130,8 +130,8 @@ fn a_late_answer_gives_way() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// After a move, the page first draws the shown curves. Until the other curves of the family follow, the earlier ones are
-/// marked as stale; then all of them are those of the moved design.
+/// After a move, the page first draws the shown curves. The other curves of a chart, for other values of the sliders,
+/// are marked as stale. When their values arrive, all curves are those of the moved design.
 #[test]
 fn curves_of_other_racks_are_stale_until_they_follow() {
     let Some(browser) = Browser::start() else {
@@ -141,7 +141,7 @@ fn curves_of_other_racks_are_stale_until_they_follow() {
     browser.open(&served.address);
     browser.wait(READY);
     browser.wait(SETTLED);
-    // The request for all curves waits until the test releases it.
+    // The test delays the request for all curves until it releases this request.
     browser.run(
         "const send = window.fetch; const gate = new Promise((open) => { window.release = open; }); \
          window.fetch = async (what, own) => { if (what === 'solve' && !JSON.parse(own.body).shown_only) await gate; return send(what, own); }",
@@ -159,7 +159,7 @@ fn curves_of_other_racks_are_stale_until_they_follow() {
     assert_eq!(browser.run("return studio.isSettled()"), false);
     browser.run("window.release()");
     browser.wait(SETTLED);
-    // Hidden charts follow after a short delay.
+    // Hidden charts are updated after a short delay.
     browser.wait(&format!("!{stale}.some(Boolean)"));
     assert_ne!(browser.run(&format!("return {drawn}")), before);
     browser.click("#save");
@@ -169,9 +169,8 @@ fn curves_of_other_racks_are_stale_until_they_follow() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// The page lays out separately the parts that change while a point moves: their boxes have a size that does not depend
-/// on their content. Views and charts have few layers: none of their elements is transformed, and each chart clips its
-/// curves once.
+/// The parts that change while a point moves have boxes of fixed size, so the browser lays out each part alone. Views
+/// and charts have few layers: no element in them is transformed, and each chart clips its curves once.
 #[test]
 fn moving_parts_are_laid_out_alone() {
     let Some(browser) = Browser::start() else {

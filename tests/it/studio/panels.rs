@@ -38,7 +38,7 @@ fn rates_of_an_elastic_axle_are_typed_tuned_and_saved() {
     browser.click("#undo");
     browser.wait(SETTLED);
 
-    // A typed rate changes the curves, and the user can undo this step.
+    // A typed rate changes the curves. The user can undo this step.
     browser.click("#tab-parts");
     let figure = "return studio.drawnValues()['left_toe_by_lateral_force_trail_30_deg_per_kN'][1]";
     let before = browser.run(figure).as_f64().unwrap();
@@ -75,13 +75,13 @@ fn rates_of_an_elastic_axle_are_typed_tuned_and_saved() {
     assert!(!saved.contains("[3000.0, 4000.0, 2500.0"), "{saved}");
     assert_eq!(assert_drawn_as_solved(&browser, &served.study), 4);
     let after = browser.run(figure).as_f64().unwrap();
-    // Accepted coordinates are rounded to 0.01 mm, which is half a tolerance.
+    // Accepted coordinates are rounded to 0.01 mm. This can change the result by half a tolerance.
     assert!((after + 0.01).abs() < 5e-4, "{after}");
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// For one wheel with elastic parts, the page draws characteristics in equilibrium and test results as `hardpoint
-/// solve` prints them.
+/// For one wheel with elastic parts, the page draws characteristics in equilibrium and test results. Both equal the
+/// output of `hardpoint solve`.
 #[test]
 fn one_elastic_wheel_is_drawn_as_solved() {
     let Some(browser) = Browser::start() else {

@@ -6,8 +6,8 @@ use super::webdriver::Browser;
 use super::{Served, sample};
 use serde_json::json;
 
-/// Half of a car's proposal applies half of each move and of each tuned value. The user accepts and undoes it in one
-/// step.
+/// The user applies half of a car's proposal. This applies half of each move and of each tuned value. The user accepts
+/// this change, and undoes it, in one step.
 #[test]
 fn half_of_a_proposal_has_half_of_its_tuned_values() {
     let Some(browser) = Browser::start() else {
@@ -29,7 +29,7 @@ fn half_of_a_proposal_has_half_of_its_tuned_values() {
     let shown = "return [...document.querySelectorAll('#rates tbody tr')].map((row) => Number(row.lastChild.textContent))";
     let full = numbers(shown);
     browser.run("const share = document.getElementById('share'); share.value = 50; share.dispatchEvent(new Event('input'))");
-    // Accepts immediately, while the page still waits for the values of this share.
+    // Accepts immediately, while the page still waits for the values of the half proposal.
     browser.click("#accept");
     browser.wait("document.getElementById('accept') === null");
     browser.wait(SETTLED);
@@ -99,7 +99,7 @@ fn an_undo_tells_of_an_open_proposal() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// A refused value does not stay in its field. A refused target stays in its dialog with the reason. The next accepted
+/// A refused value does not stay in its field. A refused target stays in its dialog, with the reason. The next accepted
 /// change removes the message.
 #[test]
 fn refusals_are_told_where_they_are_corrected() {
@@ -159,7 +159,7 @@ fn refusals_are_told_where_they_are_corrected() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// Every number beside a curve is complete, and each horizontal axis has at least two labels that do not touch.
+/// No number beside a curve is truncated. Each horizontal axis has at least two labels that do not touch.
 #[test]
 fn numbers_beside_curves_are_whole() {
     let Some(browser) = Browser::start() else {
@@ -197,7 +197,7 @@ fn numbers_beside_curves_are_whole() {
         );
         assert_eq!(bare, json!([]), "{name}");
         assert_eq!(browser.console(), Vec::<String>::new());
-        // A page sends requests until it is left, and the server ends here.
+        // A page sends requests until the browser leaves the page, and the server ends here.
         browser.open("about:blank");
     }
 }

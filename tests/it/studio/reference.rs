@@ -1,4 +1,5 @@
-//! Tests of the reference state of the page: the file as opened or last saved, with its rates and targets.
+//! Tests of the reference state, with which the page compares the current design. The reference is the file as opened
+//! or last saved, with its rates and targets.
 
 use super::browser::{READY, SETTLED};
 use super::webdriver::Browser;
@@ -25,8 +26,9 @@ fn type_in(browser: &Browser, label: &str, text: &str) {
     ));
 }
 
-/// The page compares a changed rate and a moved point with the file: the change has a dashed curve. A save makes the
-/// saved state the reference. An undo after the save restores the earlier values, and a second save writes them.
+/// The page compares a changed rate and a moved point with the file. The curve of the file is dashed. A save makes the
+/// saved state the reference. An undo after the save restores the earlier values, and a second save writes these
+/// values.
 #[test]
 fn a_changed_rate_is_compared_with_the_file() {
     let Some(browser) = Browser::start() else {
@@ -73,8 +75,8 @@ fn a_changed_rate_is_compared_with_the_file() {
     assert_eq!(browser.console(), Vec::<String>::new());
 }
 
-/// After Tune has changed points and bushings, the page compares the misfit with that of the file. The proposal shows the same
-/// two numbers.
+/// Tune changes points and bushings. The page then compares the misfit with that of the file. The proposal shows the
+/// same two numbers.
 #[test]
 fn tuned_bushings_are_compared_with_the_file() {
     let Some(browser) = Browser::start() else {
@@ -103,7 +105,7 @@ targets = [{ characteristic = "toe", points = [[-40.0, 0.0], [0.0, 0.0], [40.0, 
         browser.run("return studio.state.ghost.misfit.value"),
         opened
     );
-    // The drawing of the file's mechanism uses the bushings of the file too.
+    // The drawing of the file's mechanism also uses the bushings of the file.
     let drawn = browser
         .run("return document.querySelector('[data-view=front] .ghost path').getAttribute('d')");
     assert_ne!(drawn, json!(""));

@@ -19,7 +19,7 @@ fn a_save_keeps_comments_and_the_rest() {
         .filter(|(a, b)| a != b)
         .count();
     assert_eq!((text.lines().count(), differ), (after.lines().count(), 1));
-    // A second move follows, with the digest of the written text.
+    // The answer contains the digest of the written text. The page needs this digest to save further moves.
     assert_eq!(saved["digest"], served.overview()["digest"]);
     // The server warns a tab that still has the earlier text.
     let late = served.post("save", &json!({"of": of, "name": null, "anyway": false}));
@@ -38,7 +38,7 @@ fn a_file_that_was_changed_is_not_overwritten() {
     let message = |anyway: bool| json!({"of": of, "name": null, "anyway": anyway});
     assert_eq!(served.post("save", &message(false)).status, 409);
     assert_eq!(served.text(), edited);
-    // If the user agrees, only the moved coordinate goes into the present file.
+    // If the user agrees, the server writes only the moved coordinate into the changed file.
     assert_eq!(served.post("save", &message(true)).status, 200);
     let merged = served.text();
     assert!(merged.contains("# by hand"));
@@ -99,8 +99,8 @@ fn other_names_stay_beside_the_study() {
     );
 }
 
-/// If a file in the study's folder is a link to another folder, the server replaces the link and does not write to its
-/// target.
+/// A file in the study's folder can be a link to another folder. Then the server replaces the link, and does not write
+/// to the target of the link.
 #[cfg(unix)]
 #[test]
 fn links_do_not_lead_out_of_the_folder() {
@@ -115,7 +115,8 @@ fn links_do_not_lead_out_of_the_folder() {
     assert_eq!(fs::read_to_string(&precious).unwrap(), "precious");
 }
 
-/// The server writes a study with several names in place, so that every name has the saved text.
+/// If a study file has several names (hard links), the server writes the file in place. So every name has the saved
+/// text.
 #[cfg(unix)]
 #[test]
 fn every_name_of_a_study_has_what_was_saved() {
@@ -128,7 +129,7 @@ fn every_name_of_a_study_has_what_was_saved() {
     assert_eq!(served.post("save", &save).status, 200);
     assert_ne!(served.text(), before);
     assert_eq!(fs::read_to_string(&other).unwrap(), served.text());
-    // A study with several names is also written in place when it is saved under another name.
+    // The server also writes a file with several names in place if the user saves it under another name.
     fs::write(&third, "third").unwrap();
     let fourth = served.folder.path().join("fourth.toml");
     fs::hard_link(&third, &fourth).unwrap();
@@ -148,7 +149,8 @@ fn edited(served: &Served, digest: &Value, edits: Value) -> Value {
     answer.json()
 }
 
-/// Values changed in the page reach the file only with a save, and only in their own lines.
+/// Values that are changed in the page are written to the file only by a save. The save changes only the lines of these
+/// values.
 #[test]
 fn changed_values_are_saved_with_their_comments() {
     let served = Served::of(&sample("double_wishbone_front.toml"));
@@ -185,7 +187,7 @@ fn changed_values_are_saved_with_their_comments() {
     assert_eq!(served.overview()["digest"], saved.json()["digest"]);
 }
 
-/// A refused edit changes nothing. If another program has changed the file, the server applies the edits to its new
+/// A refused edit changes nothing. If another program has changed the file, the server applies the edits to the changed
 /// text.
 #[test]
 fn edits_are_refused_or_merged() {
@@ -218,7 +220,8 @@ fn edits_are_refused_or_merged() {
     );
 }
 
-/// Removing a target removes its comment. A comment above the first target may belong to all targets, so it stays.
+/// Removing a target also removes its comment. A comment above the first target may describe all targets, so this
+/// comment stays.
 #[test]
 fn a_comment_above_all_targets_stays() {
     let served = Served::of(&sample("macpherson_front.toml"));
@@ -266,8 +269,8 @@ fn a_comment_above_all_targets_stays() {
     );
 }
 
-/// A message about a name states what is wrong with it. After saving a car, the message names the files whose texts
-/// have changed.
+/// If a name is refused, the message states what is wrong with the name. After saving a car, the message names the
+/// files whose texts have changed.
 #[test]
 fn messages_name_the_fault_and_the_files() {
     let served = super::car::served("car", super::car::as_it_is);

@@ -1,5 +1,5 @@
-//! Tests of a server without a study: on the page the user chooses a topology and pastes points, and the server writes
-//! a new study.
+//! Tests of a server without a study. On the page, the user chooses a topology and pastes points. The server then
+//! writes a new study.
 
 use super::{Served, columns, free_port, sample, serve_in, solved};
 use serde_json::{Value, json};
@@ -54,7 +54,8 @@ fn every_topology_starts_from_its_picture() {
     }
 }
 
-/// Cells of a sheet, as a browser pastes them, give the curves of the study that has these points.
+/// The user pastes cells of a sheet, in the form that a browser inserts. The new study has these points, to the bit,
+/// and it can be solved.
 #[test]
 fn pasted_points_become_a_study() {
     let text = sample("double_wishbone_solve.toml");
@@ -81,7 +82,7 @@ fn pasted_points_become_a_study() {
         assert_eq!(numbers(&own[name]), numbers(place), "{name}");
     }
     assert!(columns(&solved(&served.study)).len() > 3);
-    // Without a radius the study has no quantities at the ground; the form asks for the radius.
+    // Without a radius, the study has no quantities at the ground. The form requests the radius.
     let wheel = written.get("wheel");
     assert!(wheel.is_none_or(|wheel| wheel.get("radius").is_none()));
     let served = empty();
@@ -93,7 +94,7 @@ fn pasted_points_become_a_study() {
     assert_eq!(written["wheel"]["radius"].as_float(), Some(305.0));
     let offered = served.overview()["characteristics"].to_string();
     assert!(offered.contains("roll_centre_height"), "{offered}");
-    // Numbers in front of the names are the numbers of the rows.
+    // The pasted rows may have row numbers in front of the names.
     let served = empty();
     let rows = pasted.lines().enumerate();
     let numbered: String = rows.map(|(k, row)| format!("{}\t{row}\n", k + 1)).collect();
@@ -104,7 +105,7 @@ fn pasted_points_become_a_study() {
         again["suspension"]["hardpoints"],
         written["suspension"]["hardpoints"]
     );
-    // For an unknown name, the message says which points to rename, because the form accepts no file of names.
+    // If a name is unknown, the message says which points to rename, because the form accepts no file of names.
     let served = empty();
     let renamed = pasted.replace("wheel_centre", "hub point");
     let refused = served.post("start", &request("double_wishbone", "new.toml", &renamed));
@@ -144,12 +145,12 @@ fn a_start_that_is_refused_writes_nothing() {
     assert_eq!(served.files(), ["mine.toml"]);
     let mine = fs::read_to_string(served.folder.path().join("mine.toml"));
     assert_eq!(mine.unwrap(), "mine");
-    // Without a study the server refuses requests about a study.
+    // Without a study, the server refuses requests that need one.
     assert_eq!(served.post("study", &Value::Null).status, 409);
 }
 
-/// A table of OptimumKinematics has no wheel centre. The refusal names the fields of the form from which the wheel
-/// centre follows. With these fields filled in, the server makes a study.
+/// A table of OptimumKinematics has no wheel centre. The refusal names the fields of the form from which the program
+/// computes the wheel centre. When these fields contain values, the server makes a study.
 #[test]
 fn half_track_and_radius_give_the_wheel_centre() {
     let points = "CHAS_LowFor\t150\t205\t118\nCHAS_LowAft\t-150\t205\t130\nCHAS_UppFor\t140\t250\t300\n\

@@ -1,10 +1,10 @@
-//! Tests of tunings that the page starts: their limits, proposals and remarks.
+//! Tests of tunings that the page starts: their limits, proposals and messages.
 
 use super::{Served, sample};
 use serde_json::{Value, json};
 use std::fs;
 
-/// Every request has the same bounds for coordinates as a study. After a refused request the next tuning starts
+/// Every request has the same bounds for coordinates as a study. After a refused request, the next tuning starts
 /// normally.
 #[test]
 fn coordinates_beyond_those_of_a_study_are_refused_everywhere() {
@@ -57,7 +57,7 @@ fn tuned(served: &Served, of: &Value, locked: &[[bool; 3]]) -> Value {
     state
 }
 
-/// Tune proposes the design that `hardpoint optimise` writes for the same study.
+/// *Tune* proposes the design that `hardpoint optimise` writes for the same study.
 #[test]
 fn a_tuning_is_that_of_optimise() {
     let served = Served::of(&sample("macpherson_bump_steer.toml"));
@@ -84,7 +84,7 @@ fn a_tuning_is_that_of_optimise() {
         read(&served.folder.path().join("tuned.toml")),
         read(&out.join("optimised.toml"))
     );
-    // If all coordinates are locked, there is nothing to tune, and the server refuses.
+    // If all coordinates are locked, no variable is left for the tuning, and the server refuses.
     let locked = vec![[true; 3]; points];
     assert_eq!(
         served
@@ -95,8 +95,8 @@ fn a_tuning_is_that_of_optimise() {
     assert_eq!(served.post("progress", &json!({"job": 99})).status, 404);
 }
 
-/// Ranges are relative to the design in the file, wherever the page has moved its points. A proposal names active
-/// limits of ranges.
+/// Ranges are relative to the design in the file, wherever the user has moved the points on the page. A proposal names
+/// active limits of ranges.
 #[test]
 fn ranges_count_from_the_file() {
     let text = sample("macpherson_bump_steer.toml");
@@ -110,9 +110,10 @@ fn ranges_count_from_the_file() {
     let locked = vec![[false; 3]; points.len()];
     let state = tuned(&served, &of, &locked);
     let proposal = &state["proposal"];
-    // The rack is lower than the range allows: the file has z = 228.
+    // The file has z = 228, so the range ends at 230.
     let z = proposal["design"][inner.unwrap()][2].as_f64().unwrap();
-    // A range relative to the moved point would end at 228.5. Among nearly equal designs the tuning keeps the nearest.
+    // A range relative to the moved point would end at 228.5. Among nearly equal designs, the tuning keeps the nearest
+    // one.
     assert!(z > 229.9 && z <= 230.0, "{z}");
     let remarks = proposal["remarks"].to_string();
     assert!(
@@ -122,8 +123,8 @@ fn ranges_count_from_the_file() {
     assert!(remarks.contains("missed: toe_deg, by up to"), "{remarks}");
 }
 
-/// The page shows the nominal design: a robust study has the misfits, deviations and slopes of the same study without
-/// builds. When the page rounds a design, it uses the same misfit.
+/// The page shows the nominal design: misfit, deviations and slopes of a robust study equal those of the same study
+/// without builds. When the page rounds a design, it uses the same misfit.
 #[test]
 fn the_misfit_of_a_robust_study_is_that_of_its_nominal_design() {
     let robust = sample("double_wishbone_robust.toml");
@@ -155,8 +156,8 @@ fn the_misfit_of_a_robust_study_is_that_of_its_nominal_design() {
     assert_eq!(of_rounding(&robust), of_rounding(&plain));
 }
 
-/// The proposal of a robust tuning states that its deviations come from builds, and shows the yields of `hardpoint
-/// optimise`.
+/// The proposal of a robust tuning states that its deviations come from builds. It shows the yields that `hardpoint
+/// optimise` computes.
 #[test]
 fn a_robust_proposal_has_the_yields_of_optimise() {
     let text = sample("double_wishbone_robust.toml").replace("builds = 20000", "builds = 2000");
@@ -199,7 +200,7 @@ fn a_robust_proposal_has_the_yields_of_optimise() {
     }
     assert_eq!(page.matches("target missed by up to").count(), 2);
     assert!(page.matches(" in one of 64 builds").count() >= 2);
-    // A change that rounds to 0 is no side effect.
+    // A change that rounds to 0 is not listed as a side effect.
     let (_, tables) = page.split_once("<h3>Side effects</h3>").unwrap();
     let (tables, _) = tables.split_once("id=\"convergence\"").unwrap();
     let is_row = |row: &&str| row.contains("scrub_<wbr>radius");

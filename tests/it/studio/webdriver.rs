@@ -1,4 +1,4 @@
-//! The part of WebDriver (W3C Recommendation, 2018) that is needed to use a page in Chromium.
+//! Part of WebDriver (W3C Recommendation, 2018) that the tests need to use a page in Chromium.
 
 use super::client::{answer, request};
 use serde_json::{Value, json};
@@ -129,7 +129,7 @@ impl Browser {
         self.command("window", &json!({"handle": tab}));
     }
 
-    /// Shows pages in print layout.
+    /// Shows pages in the layout for print.
     pub fn print(&self) {
         self.emulate("setEmulatedMedia", &json!({"media": "print"}));
     }
@@ -221,7 +221,7 @@ impl Browser {
         self.point(kind, Value::from(actions));
     }
 
-    /// Presses keys one after the other; special ones by their WebDriver code points.
+    /// Presses keys one after another. Special keys are given by their WebDriver code points.
     pub fn keys(&self, keys: &[&str]) {
         let mut actions = Vec::new();
         for key in keys {

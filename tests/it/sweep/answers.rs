@@ -1,4 +1,4 @@
-//! Tests of sweeps with known results, and of counted failures.
+//! Tests of sweeps with known results, and of the counts of failed designs.
 
 use super::*;
 
@@ -45,7 +45,7 @@ fn a_planted_design_is_found() {
     let bench = Bench::new(&study);
     bench.sweep("run", &[]).success();
     let summary = bench.json("run/summary.json");
-    // -4 is value 3 of the first variable, and 12 is value 8 of the second, which is the inner loop.
+    // -4 is value number 3 of the first variable. 12 is value number 8 of the second variable, which changes fastest.
     let best = &summary["best"][0];
     assert_eq!(best["design"], 3 * 11 + 8);
     assert_eq!(best["variables"], serde_json::json!([-4.0, 12.0]));
@@ -53,7 +53,7 @@ fn a_planted_design_is_found() {
     assert!(summary["best"][1]["misfit"].as_f64().unwrap() > 0.1);
     assert_eq!(summary["pareto"], serde_json::json!([41]));
     assert_eq!(Table::read(&bench.path("run/pareto.csv")).rows.len(), 1);
-    // The study of this design has the planted curves.
+    // The study of this design has the curves from which the targets were taken.
     let (text, _) = said(
         &bench
             .run(&["sweep", "study.toml", "--design", "41"])
@@ -67,7 +67,7 @@ fn a_planted_design_is_found() {
     assert_eq!(best.rows, planted.rows);
 }
 
-/// The misfit of a sweep equals that of the optimisation, and its summary equals that of the curves.
+/// A row of a sweep has the misfits of the optimisation, and the minimum, maximum and design value of the curves.
 #[test]
 fn a_row_says_what_solve_and_optimise_say() {
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/macpherson_front.toml");
@@ -97,7 +97,8 @@ fn a_row_says_what_solve_and_optimise_say() {
     let designs = bench.designs("run");
     let summary = bench.json("tuned/summary.json");
     let misfit = summary["misfit_before"].as_f64().unwrap();
-    // Sweeps run in lanes, whose wheel centres agree with the travel to 1e-12 of the suspension size.
+    // The sweep is evaluated in SIMD lanes. There, the wheel centres agree with the travel to 1e-12 of the suspension
+    // size.
     assert!((designs.numbers("misfit")[0] / misfit - 1.0).abs() < 1e-11);
     for target in summary["targets"].as_array().unwrap() {
         let name = target["output"].as_str().unwrap().trim_end_matches("_deg");
@@ -118,12 +119,13 @@ fn a_row_says_what_solve_and_optimise_say() {
     assert_eq!(designs.numbers("strut_top_dy_mm"), [0.0, 5.0]);
     assert_eq!(designs.numbers("tie_rod_inner_z_mm"), [243.0, 244.5]);
     assert_ne!(designs.rows[0], designs.rows[1]);
-    // The origin of the rows is unknown, so the summary has no shares of variance.
+    // The program does not know how the rows were sampled, so the summary has no shares of variance.
     let summary = bench.json("run/summary.json");
     assert!(output(&summary, "misfit")["effects"][0]["share"].is_null());
 }
 
-/// Targets at rack displacements of the motion have the deviations of the optimisation, at each of these displacements.
+/// Targets apply at rack displacements of the motion. At each of these displacements, they have the deviations of the
+/// optimisation.
 #[test]
 fn targets_at_racks_of_the_motion_are_compared() {
     let from = STUDY.find("targets = [").unwrap();
@@ -138,7 +140,8 @@ fn targets_at_racks_of_the_motion_are_compared() {
             "{{ characteristic = \"toe\", points = [[-60.0, 0.1], [60.0, 0.1]], rack = {rack}, tolerance = 0.01 }}"
         )
     };
-    // This motion has no rack displacement 0, where every sweep has its design position.
+    // This motion does not contain the rack displacement 0. But the design position of every sweep is at rack
+    // displacement 0.
     let targets = [toe("-10.0"), toe("[-10.0, 10.0]"), toe("0.0")].join(", ");
     let bench = with(&targets);
     bench.sweep("run", &[]).success();
@@ -194,8 +197,8 @@ fn targets_that_a_sweep_cannot_evaluate_are_named() {
     assert!(summary["best"].as_array().unwrap().is_empty());
 }
 
-/// The gain of a quantity made of velocities is its derivative with respect to travel, equal to that of `solve`. A
-/// quantity that is itself a gain has no gain.
+/// The gain of a quantity made of velocities is its derivative with respect to travel, and equals the derivative of
+/// `solve`. A quantity that is itself a gain has no gain.
 #[test]
 fn gains_of_what_is_made_of_velocities_are_those_of_solve() {
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/double_wishbone_pushrod.toml");
@@ -243,8 +246,8 @@ fn gains_of_what_is_made_of_velocities_are_those_of_solve() {
     }
 }
 
-/// A coordinate without effect on an output has no share of it, however few the designs are. Neither a rack joint nor a
-/// strut's mount can raise the wheel in the design position.
+/// A coordinate without effect on an output has no share of the output's variance, however few the designs are. In the
+/// design position, neither a joint of the rack nor a strut's mount can raise the wheel.
 #[test]
 fn what_moves_nothing_has_no_share() {
     let from = STUDY.find("[sweep]").unwrap();
@@ -278,8 +281,8 @@ variables = [
     }
 }
 
-/// The height of the wheel centre in the design position is a + 2 b, with a over 6 mm and b over 4 mm. So b has 16/25
-/// of the variance, and a has 9/25.
+/// The height of the wheel centre in the design position is a + 2 b. The range of a is 6 mm wide, and that of b 4 mm.
+/// So b has 16/25 of the variance, and a has 9/25.
 #[test]
 fn main_effects_of_a_linear_response_are_known() {
     let from = STUDY.find("[sweep]").unwrap();
@@ -344,8 +347,8 @@ variables = [
     }
 }
 
-/// If some designs cannot reach the whole motion, the sweep counts them by reason. They keep their existing values and
-/// have empty cells, never a range over a part of the motion.
+/// If some designs cannot reach the whole motion, the sweep counts them by reason. Values that cannot be computed have
+/// empty cells. The sweep never reports a range over a part of the motion.
 #[test]
 fn what_fails_is_counted_and_left_empty() {
     let bench = Bench::new(STUDY);
@@ -380,7 +383,8 @@ fn what_fails_is_counted_and_left_empty() {
     let reasons = summary["failures"].as_array().unwrap();
     let counted: u64 = reasons.iter().map(|r| r["designs"].as_u64().unwrap()).sum();
     assert_eq!(counted, failed.len() as u64);
-    // Lanes certify no design that fails on its path.
+    // The evaluation in SIMD lanes accepts no design that fails during the motion. The program evaluates such designs
+    // one by one.
     let one_by_one = summary["one_by_one"].as_u64().unwrap();
     assert!((counted..=300).contains(&one_by_one), "{one_by_one}");
     assert_eq!(reasons[0]["examples"][0], failed[0]);
@@ -398,7 +402,7 @@ fn what_fails_is_counted_and_left_empty() {
     for row in curves.rows.iter().filter(|row| row.last().unwrap() != "ok") {
         assert_eq!(row[2..4], ["", ""]);
     }
-    // This design is no mechanism: the arm's outer joint is on its axis.
+    // This design is not a mechanism, because the arm's outer joint is on the arm's axis.
     let point =
         "lower_ball_joint_x,lower_ball_joint_y,lower_ball_joint_z\n120,360,195\n5,705,190\n";
     fs::write(bench.path("rows.csv"), point).unwrap();
@@ -414,8 +418,8 @@ fn what_fails_is_counted_and_left_empty() {
     assert_eq!(designs.text("failed_at_mm")[0], "");
 }
 
-/// A design that cannot reach the whole motion is neither among the best nor on the Pareto front, even if its misfit at
-/// one station is smaller. A note states the number of such designs.
+/// A design that cannot reach the whole motion is neither among the best designs nor on the Pareto front. This holds
+/// even if its misfit at one station is smaller. A note states the number of such designs.
 #[test]
 fn only_solved_designs_are_ranked() {
     let bench = Bench::new(STUDY);
@@ -469,7 +473,8 @@ fn only_solved_designs_are_ranked() {
     assert!(words.join(" ").contains(&note), "{text}");
 }
 
-/// A file of designs may number them. The results use row numbers, and a note states that the numbers differ.
+/// A file of designs may contain numbers of designs. The results use row numbers, and a note states that the two
+/// numbers differ.
 #[test]
 fn other_numbers_in_a_file_of_designs_are_reported() {
     let from = STUDY.find("method = \"latin").unwrap();

@@ -22,8 +22,8 @@ fn study() -> Study {
     .unwrap()
 }
 
-/// Values of one-by-one evaluation equal those of `hardpoint solve`, to the bit. A design's values depend neither on
-/// its neighbours nor on earlier work of the evaluator.
+/// Values of designs that are evaluated one by one equal those of `hardpoint solve`, to the bit. The values of a design
+/// depend neither on neighbouring designs nor on earlier work of the evaluator.
 #[test]
 fn values_are_those_of_the_curves_whatever_the_neighbours() {
     let study = study();
@@ -32,7 +32,7 @@ fn values_are_those_of_the_curves_whatever_the_neighbours() {
     let mut evaluator = Evaluator::new(suspension, &stations, &QUANTITIES).unwrap();
     let mut block = Block::new(QUANTITIES.len(), stations.count());
     let mut flat = suspension.design.clone();
-    // The outer joint is on the axis of the inner ones, so the arm has zero length.
+    // The arm's outer joint is on the axis of its inner joints, so the arm has zero length.
     let mechanism = &suspension.mechanism;
     let [front, outer] =
         ["lower_arm_front", "lower_ball_joint"].map(|name| mechanism.point(name).unwrap().0);

@@ -1,8 +1,8 @@
-//! Tests that a sweep has the same bytes however it is run.
+//! Tests that a sweep writes the same bytes, however it is run.
 
 use super::*;
 
-/// Study of the design position alone, with enough designs for two parts.
+/// Study of the design position alone. It has enough designs for two parts of results.
 fn two_parts() -> String {
     let from = STUDY.find("[optimise]").unwrap();
     STUDY[..from]
@@ -19,7 +19,7 @@ fn threads_and_shards_give_the_same_bytes() {
     bench.sweep("one", &["--threads", "1"]).success();
     bench.sweep("two", &["--threads", "2"]).success();
     bench.assert_same("one", "two");
-    // The sweep has one part, so all shards except one are empty.
+    // The results have only one part, so all shards except one are empty.
     for i in ["1/7", "7/7", "2/7"] {
         bench.sweep("shards", &["--shard", i]).success();
     }
@@ -42,9 +42,8 @@ fn threads_and_shards_give_the_same_bytes() {
     assert_eq!(curves.rows.len(), 700 * 4);
 }
 
-/// A sweep has the same parts in three cases: in one run, in shards by two simultaneous processes in one directory, and
-/// after a loss. The loss is that of a part and of its neighbour's statistics. Joined, the parts equal the standard
-/// output.
+/// A sweep writes the same parts in three cases. Case 1: one run. Case 2: shards by two simultaneous processes in one
+/// directory. Case 3: a part is lost, and the sweep is resumed. The joined parts equal the result of a merge.
 #[test]
 fn parts_are_the_same_whoever_does_them() {
     let bench = Bench::new(&two_parts());
@@ -55,7 +54,7 @@ fn parts_are_the_same_whoever_does_them() {
         command.current_dir(bench.0.path()).args(arguments);
         command.stdout(std::process::Stdio::null()).spawn().unwrap()
     };
-    // Runs the same shard twice, as when a job is queued again while its first process still runs.
+    // The shard "2/2" runs twice, as when a job is queued again while its first process still runs.
     let running = ["2/2", "1/2", "2/2"].map(shard);
     for mut process in running {
         assert_eq!(process.wait().unwrap().code(), Some(0));
@@ -79,7 +78,7 @@ fn parts_are_the_same_whoever_does_them() {
     joined.extend(&rows[header + 1..]);
     assert!(read("merged/designs.csv") == joined);
     assert!(read("merged/summary.json") == read("whole/summary.json"));
-    // The program makes a page for both result directories, and also for an incomplete sweep.
+    // The program makes a page for both result directories. It also makes a page for an incomplete sweep.
     fs::remove_file(bench.path("whole/part-000000000.csv")).unwrap();
     for run in ["shards", "merged", "whole"] {
         bench.run(&["report", run]).success();
@@ -101,7 +100,8 @@ fn the_designs_alone_go_to_standard_output() {
     assert!(error.contains("700 designs, all solved"), "{error}");
 }
 
-/// If a sequence gets more samples, existing parts stay, and the bytes equal those of a sweep with all samples.
+/// If a sequence gets more samples, the existing parts stay. The bytes equal those of a sweep with all samples from the
+/// start.
 #[test]
 fn a_finished_sweep_grows() {
     let bench = Bench::new(&two_parts());
@@ -129,13 +129,13 @@ fn a_finished_sweep_grows() {
     sweep("grown", "131200", &["--resume"]).code(2);
 }
 
-/// Ctrl-C leaves complete parts and no others, and prints how to continue.
+/// Ctrl-C leaves complete parts and no others. The program prints how to continue.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_sweep_leaves_whole_parts() {
     let bench = Bench::new(&two_parts());
     let mut command = std::process::Command::new(assert_cmd::cargo::cargo_bin("hardpoint"));
-    // The sweep uses a sequence, so its parts equal those of the shorter sweep.
+    // The sweep uses a sequence of samples, so its parts equal those of the shorter sweep.
     let many = ["--set", "sweep.samples=100000000"];
     command
         .args(["sweep", "study.toml", "--out", "run"])

@@ -1,4 +1,4 @@
-//! Tests that sweeps name mistakes and write nothing.
+//! Tests that sweeps name mistakes in their input, and write nothing.
 
 use super::*;
 
@@ -35,7 +35,7 @@ fn only_the_same_sweep_is_taken_up_again() {
     assert!(error.contains("--resume"), "{error}");
     bench.sweep("run", &["--force"]).success();
     assert_eq!(fs::read_to_string(&path).unwrap(), written);
-    // The program does not restart an unfinished sweep without being asked.
+    // The program does not restart an unfinished sweep unless the user requests it.
     let manifest = bench.path("run/run.json");
     let ended = fs::read_to_string(&manifest).unwrap();
     let begun = ended.replace("\"finished\": true", "\"finished\": false");
@@ -295,7 +295,8 @@ fn a_sweep_of_nothing_is_refused() {
     }
 }
 
-/// A sweep contains no infinite numbers: the program refuses tolerances below the rounding of values.
+/// A sweep contains no infinite numbers: the program refuses tolerances that are smaller than the rounding errors of
+/// values.
 #[test]
 fn tolerances_below_rounding_are_refused() {
     let bench = Bench::new(&STUDY.replace("tolerance = 0.01", "tolerance = 1e-300"));
@@ -332,8 +333,8 @@ fn devices_are_no_inputs() {
     assert!(error.contains("it is a device"), "{error}");
 }
 
-/// Only two designs of every group of Saltelli's samples are independent. The mean uses only these two designs, and
-/// the program reports this.
+/// Only two designs of every group of Saltelli's samples are independent. The statistics use only these two designs,
+/// and the program reports this.
 #[test]
 fn it_is_said_which_designs_statistics_are_of() {
     let bench = Bench::new(STUDY);

@@ -1,5 +1,5 @@
-//! Tests of sweeps as a user runs them: the same bytes however they are run, known results found, failures counted,
-//! mistakes named.
+//! Tests of sweeps as a user runs them: the same bytes however they are run, known results, counts of failures, and
+//! messages about mistakes.
 
 mod answers;
 mod blocks;

@@ -1,4 +1,4 @@
-//! Tests that no external text reaches the terminal as a command, and that colours appear only where wanted.
+//! Tests that no external text acts on the terminal as a command. Colours appear only on terminals that request them.
 
 use super::{Called, study};
 use std::fs;
@@ -55,7 +55,7 @@ fn control_characters_of_files_are_shown_and_not_obeyed() {
     for command in ["check", "solve"] {
         obeys_nothing(&Called::with(&[command, path], &[]));
     }
-    // File names appear in the names of columns and in cells there.
+    // In these files, file names appear in the names of columns and in cells.
     let sound = study("macpherson_solve");
     for format in ["text", "csv", "json"] {
         let arguments = ["compare", path, sound.to_str().unwrap(), "--format", format];
@@ -65,7 +65,8 @@ fn control_characters_of_files_are_shown_and_not_obeyed() {
     obeys_nothing(&Called::with(&arguments, &[]));
 }
 
-/// `script`, where it is installed, gives the program a terminal.
+/// Colours appear on a terminal, but not with `NO_COLOR` or a dumb terminal. The program `script`, if installed,
+/// provides the terminal.
 #[test]
 fn colours_are_for_terminals_that_want_them() {
     let directory = tempfile::tempdir().unwrap();

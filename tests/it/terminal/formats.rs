@@ -3,7 +3,7 @@
 use super::Called;
 use serde_json::Value;
 
-/// Calls whose tables the tests compare, and the names of their tables.
+/// Calls whose tables the tests compare, each with the names of its tables.
 const CALLS: [(&str, &str, &[&str], &[&str]); 14] = [
     (
         "solve",
@@ -117,7 +117,7 @@ fn blocks(text: &str) -> Vec<(String, Vec<String>, Vec<Vec<String>>)> {
     text.split("\n\n").map(block).collect()
 }
 
-/// Both formats contain the same tables, cell by cell: numbers have the same bits.
+/// Both formats contain the same tables, with equal cells. Numbers have the same bits.
 #[test]
 fn json_and_csv_say_the_same() {
     for (command, study, more, names) in CALLS {
@@ -129,7 +129,7 @@ fn json_and_csv_say_the_same() {
                 "{}",
                 called.complained()
             );
-            // Other messages are separate lines on standard error, with no heading without its table.
+            // Other messages are separate lines on standard error. There is no heading without its table.
             for line in called.complained().lines() {
                 let is_remark = !line.trim().is_empty() && !line.ends_with(':');
                 assert!(is_remark, "{command}: {}", called.complained());
@@ -140,7 +140,7 @@ fn json_and_csv_say_the_same() {
         let tables = json.as_object().unwrap();
         assert_eq!(tables.keys().map(String::as_str).collect::<Vec<_>>(), names);
         let blocks = blocks(&formats[1]);
-        // In CSV a table without rows has no line under its name, so it is absent.
+        // In CSV, a table without rows is absent, because there would be no line under its name.
         let has_rows = |name: &&&str| !tables[**name].as_array().unwrap().is_empty();
         let filled: Vec<&str> = names.iter().filter(has_rows).copied().collect();
         let mut found: Vec<&str> = blocks.iter().map(|block| block.0.as_str()).collect();
@@ -175,7 +175,7 @@ fn json_and_csv_say_the_same() {
     }
 }
 
-/// The numbers equal those of the files, to the bit.
+/// The numbers in these formats equal those in the files, to the bit.
 #[test]
 fn the_tables_have_the_numbers_of_the_files() {
     let solved = Called::on("solve", "macpherson_solve", &["--format", "json"]);
@@ -264,7 +264,7 @@ fn the_misfit_of_a_car_is_a_table() {
     let misfit = |key: &str| tables["misfit"][0][key].as_f64().unwrap();
     assert_eq!(Some(misfit("after")), summary["misfit"].as_f64());
     assert!(misfit("before") > misfit("after"));
-    // The tuned car is the given car of the next run.
+    // The tuned car is the input of the next run.
     let more = ["--set", "optimise.max_iterations=1", "--format", "json"];
     let tuned = called.directory.path().join("run/optimised.toml");
     let arguments = ["optimise", tuned.to_str().unwrap(), "--out", "again"];
@@ -336,8 +336,8 @@ fn a_comparison_is_complete_for_programs() {
     }
 }
 
-/// An output that no design changes has no effects. Every design keeps the given toe up to rounding, and shares of
-/// rounding errors would be random.
+/// If no design changes an output, the output has no effects. Here every design keeps the given toe up to rounding
+/// errors, and shares of rounding errors would be random.
 #[test]
 fn rounding_has_no_effects() {
     if !crate::support::has_lanes() {

@@ -32,7 +32,7 @@ impl Called {
         Called { directory, output }
     }
 
-    /// Runs a command on a sample study, with its results in `run`.
+    /// Runs a command on a sample study, and writes the results to the directory `run`.
     fn on(command: &str, name: &str, more: &[&str]) -> Called {
         let path = study(name);
         let mut arguments = vec![command, path.to_str().unwrap()];

@@ -9,7 +9,7 @@ fn longest(text: &str) -> usize {
         .unwrap_or(0)
 }
 
-/// Design with many free directions and starts: the printed text stays short.
+/// Design with many free directions and many starts. The printed text must stay short.
 const FREE: [&str; 6] = [
     "--set",
     "optimise.starts=30",

@@ -1,4 +1,4 @@
-//! Tests of messages for a person: suggestions for common names, and targets in their own unit.
+//! Tests of messages for a person: suggestions for common names, and targets in the unit of the target.
 
 use super::{Called, study};
 use serde_json::Value;

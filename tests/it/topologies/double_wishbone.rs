@@ -1,4 +1,4 @@
-//! Tests of the double wishbone in closed form.
+//! Tests of the double wishbone, which the program solves in closed form.
 
 use super::truth::Errors;
 use super::{characteristics, template, travel};
@@ -17,7 +17,8 @@ fn ten_thousand_random_designs_agree_with_thirty_digits() {
     random_designs(10_000);
 }
 
-/// Compares this many random designs around the template, each at one position within +-80 mm travel and +-40 mm rack.
+/// Compares this many random designs. They are scattered around the template, each at one position within +-80 mm
+/// travel and +-40 mm rack.
 fn random_designs(designs: usize) {
     let suspension = template("double_wishbone");
     let mut random = Random(1);
@@ -54,7 +55,7 @@ fn static_characteristics_are_those_of_the_hardpoints() {
         let spin = centre - inner;
         let length = (spin.x * spin.x + spin.y * spin.y + spin.z * spin.z).sqrt();
         let level = (spin.x * spin.x + spin.y * spin.y).sqrt();
-        // The contact point is one radius down in the wheel plane, perpendicular to the spin axis.
+        // The contact point is one radius below the wheel centre, in the wheel plane.
         let radius = suspension.wheel_radius.unwrap();
         let (sine, cosine) = (spin.z / length, level / length);
         let contact = Vector3::new(

@@ -1,4 +1,4 @@
-//! Tests of the five-link suspension with the general closure.
+//! Tests of the five-link suspension, which the program solves with the general closure (six unknowns).
 
 use super::truth::{Errors, PLACES, Truth, lift, place, slope};
 use super::{at, template, travel};
@@ -24,7 +24,8 @@ fn ten_thousand_random_linkages_agree_with_thirty_digits() {
     random_linkages(10_000);
 }
 
-/// Compares this many random designs around the template, each at one position within +-80 mm travel and +-20 mm rack.
+/// Compares this many random designs. They are scattered around the template, each at one position within +-80 mm
+/// travel and +-20 mm rack.
 fn random_linkages(designs: usize) {
     for (name, seed) in [("five_link", 5), ("integral_link", 51), ("h_arm", 52)] {
         random_designs(name, seed, designs);
@@ -63,9 +64,10 @@ fn ten_thousand_planted_poses_are_found() {
     planted_poses(10_000);
 }
 
-/// Plants a pose of the knuckle, then moves the chassis end of every rod. Each end moves into the plane whose points
-/// have equal distances to the knuckle end in the design position and in that pose. So the pose is known except for
-/// rounding of the chassis ends. The test counts it if small steps from the design position reach it.
+/// The test chooses a pose of the knuckle, and then moves the chassis end of every rod. Afterwards, the rod has the
+/// same length in the design position and in the chosen pose. For this, the chassis end moves to the nearest point with
+/// equal distances to both positions of the knuckle end. So the pose is known except for rounding of the chassis ends.
+/// The test counts a design if small steps from the design position reach the chosen pose.
 fn planted_poses(designs: usize) {
     let suspension = template("five_link");
     let mechanism = &suspension.mechanism;
@@ -113,8 +115,8 @@ fn planted_poses(designs: usize) {
         })
         .unwrap()
         .unwrap();
-        // Planting and solving make about five roundings each, of coordinates up to 1.7 sizes. The solved pose may
-        // differ by the condition number times the sum of these roundings.
+        // Constructing and solving a pose make about five rounding errors each, of coordinates up to 1.7 sizes. The
+        // solved pose may differ by the sum of these errors times the condition number.
         assert!(apart < 1e-6, "another pose, {apart} sizes away");
         worst.note(apart);
         worst_unit.note(apart / (condition * f64::EPSILON));
@@ -127,8 +129,8 @@ fn planted_poses(designs: usize) {
     assert!(worst_unit.0 < 16.0, "{}", worst_unit.0);
 }
 
-/// tan(caster), tan(kingpin inclination), kingpin offset and spindle trail of the instantaneous axis, from the motion
-/// that the rack causes in thirty-digit poses.
+/// Tangents of caster and kingpin inclination, kingpin offset and spindle trail of the instantaneous axis. They follow
+/// from the motion that the rack causes, in poses with thirty digits.
 fn steering(
     truth: &Truth,
     mechanism: &Mechanism,
@@ -157,8 +159,8 @@ fn steering(
 
 const STEP: f64 = 1e-3;
 
-/// The outputs of the instantaneous steering axis agree with thirty digits: their values, their rates and the
-/// sensitivities of both.
+/// The outputs of the instantaneous steering axis agree with a solution of thirty digits. The test compares the values,
+/// the rates, and the sensitivities of values and rates.
 #[test]
 fn instantaneous_steering_axis_agrees_with_thirty_digits() {
     let suspension = template("five_link");

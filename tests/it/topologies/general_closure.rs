@@ -1,4 +1,4 @@
-//! Tests of the general closure, followed step by step, against the closed forms.
+//! Tests of the general closure (six unknowns), solved in small steps, against the solutions in closed form.
 
 use super::{at, template, travel};
 use crate::support::Worst;
@@ -9,7 +9,8 @@ use hardpoint::mechanism::Pose;
 use hardpoint::model::{Drive, Mechanism};
 use hardpoint::number::{Jet, Vector3};
 
-/// Results at a station: pose, then characteristics with two derivatives and the sensitivities of all three.
+/// Results at a station: the pose; values of characteristics with two derivatives; and the sensitivities of values and
+/// derivatives.
 struct Reading {
     pose: Pose<f64>,
     values: Vec<[f64; 3]>,

@@ -1,5 +1,5 @@
-//! Tests that results do not depend on the car's position, orientation or scale, and that a mirrored car steers in the
-//! opposite direction.
+//! Tests that results do not depend on the car's position, orientation or scale. Also tests that a mirrored car steers
+//! in the opposite direction.
 
 use super::{characteristics, template, travel};
 use crate::support::random::Random;
@@ -18,7 +18,7 @@ const TOPOLOGIES: [&str; 7] = [
     "h_arm",
 ];
 
-/// Scatter of points and largest wheel travel: a racing car's rocker is small and has less travel.
+/// Scatter of points, and largest wheel travel. A racing car's rocker is small and allows less travel.
 fn extent(name: &str) -> (f64, f64) {
     match name {
         "double_wishbone_pushrod" => (8.0, 30.0),
@@ -63,7 +63,7 @@ fn compare(
     name: &str,
     found: &[Jet<f64, 3>],
     wanted: &[Jet<f64, 3>],
-    // Factor of all lengths.
+    // Factor by which all lengths differ.
     scale: f64,
     read: &[C],
 ) {
@@ -122,8 +122,8 @@ fn shift_and_scale() {
     }
 }
 
-/// If the car turns about the vertical with the rack at rest, heights, camber and values in the wheel's directions stay
-/// equal; toe changes by the car's rotation.
+/// The car is turned about the vertical, with the rack at rest. Heights, camber and values in the wheel's directions
+/// stay equal. Toe changes by the rotation of the car.
 #[test]
 fn turn_about_the_vertical() {
     for name in TOPOLOGIES {
@@ -153,8 +153,8 @@ fn turn_about_the_vertical() {
     }
 }
 
-/// The solver knows only left wheels. A mirror image must have the mirrored motion, including the rack, whatever the
-/// order of the two pivots of an arm.
+/// A design is mirrored front to rear. At the same travel and rack displacement, its motion must be mirrored too. The
+/// order of the two pivots of an arm must not matter.
 #[test]
 fn mirror() {
     for name in TOPOLOGIES {

@@ -1,4 +1,4 @@
-//! Tests of link forces: equilibrium calculated by hand, and virtual work with the motion ratio.
+//! Tests of link forces against equilibrium calculated by hand. Tests of virtual work with the motion ratio.
 
 use super::{at, template, travel};
 use crate::support::Worst;

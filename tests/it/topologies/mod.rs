@@ -62,7 +62,7 @@ fn travel(value: f64, rack: f64) -> MotionPoint<f64> {
     }
 }
 
-/// Values of characteristics with their first derivative with respect to travel.
+/// Values of characteristics, each with its first derivative with respect to travel.
 fn characteristics(
     suspension: &Suspension,
     design: &[Vector3<f64>],

@@ -61,7 +61,7 @@ fn trailing_arm(rod: &str) -> Mechanism {
     (topology.build)(topology, &names)
 }
 
-/// Reads a trailing arm that is rotated by an angle and so raises its wheel centre.
+/// Reads results of a trailing arm that is rotated by an angle. A positive angle raises the wheel centre.
 fn read_arm(
     mechanism: &Mechanism,
     design: &[Vector3<f64>],
@@ -87,10 +87,10 @@ fn read_arm(
     .unwrap()
 }
 
-/// The solver finds planted angles of an arm and a rocker whose connecting rod has equal lengths before and after,
-/// wherever the axes are. Let p on the rocker's axis be the origin, i the inner end, o and o' the outer end before and
-/// after, and R the rocker's rotation. The lengths agree if 2 i.(R'o' - o) = o'.o' - o.o, which is the equation of a
-/// plane for i.
+/// The test chooses angles of an arm and a rocker, and constructs a rod with equal lengths before and after the motion.
+/// The solver must find these angles, wherever the axes are. Let p on the rocker's axis be the origin, i the inner end,
+/// o and o' the outer end before and after, and R the rocker's rotation. The lengths are equal if 2 i.(R'o' - o) =
+/// o'.o' - o.o, which is the equation of a plane for i.
 #[test]
 fn planted_angles_come_back() {
     let mut random = Random(21);
@@ -130,7 +130,7 @@ fn planted_angles_come_back() {
             }
             design[inner] = base + lever;
 
-            // The rod must not have passed a toggle: the sign of its moment about the axis stays.
+            // The rod must not pass a toggle: the moment of the rod about the rocker's axis keeps its sign.
             let moment = |inner: Vector3<f64>, outer: Vector3<f64>| {
                 let axis = (design[second] - base).normalised();
                 axis.cross(inner - base).dot(inner - outer)
@@ -163,8 +163,8 @@ fn planted_angles_come_back() {
     println!("{tried} planted, worst {worst:.1e}");
 }
 
-/// A planar bell crank follows from the law of cosines: with the rocker's pivot p, the angle at p between the outer and
-/// the inner end is acos((q^2 + r^2 - L^2)/(2 q r)).
+/// In a planar bell crank, angles follow from the law of cosines. With the rocker's pivot p, the angle at p between the
+/// outer and the inner end is acos((q^2 + r^2 - L^2)/(2 q r)).
 #[test]
 fn a_plane_bell_crank_is_a_triangle() {
     let mechanism = trailing_arm("pushrod");
@@ -222,7 +222,7 @@ fn a_plane_bell_crank_is_a_triangle() {
     }
 }
 
-/// Rods keep their lengths, whatever body carries them and however the wheel is steered.
+/// Rods keep their lengths, whatever body they are attached to and however the wheel is steered.
 #[test]
 fn rods_keep_their_lengths() {
     let mut random = Random(22);
@@ -252,9 +252,9 @@ fn rods_keep_their_lengths() {
     }
 }
 
-/// Points of rockers agree with thirty digits, including their first and second derivatives and the sensitivities of
-/// all three to every hardpoint. An error of the outer end is multiplied by the inverse of the leverages, which are
-/// above a fifth here. For derivatives this factor applies once more for each order.
+/// Points of rockers agree with a solution of thirty digits. The test compares values, first and second derivatives,
+/// and the sensitivities of these three to every hardpoint. The inverse of the leverages multiplies an error of the
+/// outer end. The leverages are above 0.2 here. For derivatives, this factor applies once more for each order.
 #[test]
 fn points_of_rockers_agree_with_thirty_digits() {
     let mut random = Random(23);
@@ -278,11 +278,12 @@ fn points_of_rockers_agree_with_thirty_digits() {
     }
 }
 
-/// Reported outputs, as functions with known exact values: spring length, and tangents of half the angles.
+/// Compared outputs, as functions that the test can compute exactly: the spring length, and tangents of half the
+/// angles.
 const REPORTED: [C; 3] = [C::SpringLength, C::RockerAngle, C::AntiRollBarAngle];
 
-/// Compares angles and spring length, their rates and the sensitivities of both to every hardpoint with thirty digits.
-/// Then compares the motion ratios, which are these rates by another method.
+/// Compares angles and spring length with thirty digits: values, rates, and the sensitivities of values and rates to
+/// every hardpoint. Then compares the motion ratios, because these are the same rates, computed by another method.
 #[test]
 fn angles_lengths_and_ratios_agree_with_thirty_digits() {
     const H: f64 = 1e-4;
@@ -400,7 +401,7 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
                     }
                 }
 
-                // With the travel as drive, W_z' is 1 for every design.
+                // If the travel is the drive, W_z' is 1 for every design.
                 for (ratio, of, sign) in [
                     (C::MotionRatio, 0, -1.0),
                     (C::AntiRollBarMotionRatio, 2, 1.0),
@@ -430,8 +431,9 @@ fn angles_lengths_and_ratios_agree_with_thirty_digits() {
     }
 }
 
-/// The lower arm is in equilibrium about its hinge under pushrod and ball joint, and the rocker about its axis under
-/// pushrod and spring. The spring force times the motion ratio equals the wheel force.
+/// The lower arm is in equilibrium about its hinge, under the forces of pushrod and ball joint. The rocker is in
+/// equilibrium about its axis, under the forces of pushrod and spring. The spring force times the motion ratio equals
+/// the wheel force.
 #[test]
 fn pushrod_arm_and_rocker_are_in_equilibrium() {
     let suspension = template(STUDY);
@@ -464,7 +466,8 @@ fn pushrod_arm_and_rocker_are_in_equilibrium() {
             let tension = found.rod.unwrap();
             assert!(tension < 0.0 && found.support > 0.0);
 
-            // Force of the wheel carrier on the arm's joint: the opposite of the forces of its legs and of the rod.
+            // Force of the wheel carrier on the arm's joint. The opposite force is the sum of the forces of the arm's
+            // legs and of the rod.
             let arm = mechanism.arms[0];
             let mut on_carrier = found.support_force;
             for reaction in found.constraints {
@@ -506,8 +509,8 @@ fn pushrod_arm_and_rocker_are_in_equilibrium() {
     }
 }
 
-/// A pullrod is a pushrod in tension: the same points under the other name give the same results, with the opposite
-/// sign of the angle.
+/// A pullrod is a pushrod in tension: the same points under the other name give the same results, but the angle has the
+/// opposite sign.
 #[test]
 fn a_pullrod_differs_from_a_pushrod_by_its_sign() {
     let pushrod = template(STUDY);

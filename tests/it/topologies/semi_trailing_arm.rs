@@ -1,4 +1,4 @@
-//! Tests of the semi-trailing arm, whose motion is a rotation about one axis and is calculated by hand.
+//! Tests of the semi-trailing arm. Its motion is a rotation about one axis, which the tests calculate by hand.
 
 use super::{at, characteristics, template, travel};
 use crate::support::Worst;
@@ -11,8 +11,9 @@ use hardpoint::number::{Dual, Jet, Real, Vector3};
 use hardpoint::study::Study;
 use std::path::Path;
 
-/// Wheel centre and inner end of its spindle, rotated about the axis until the centre has risen by `travel`. With the
-/// centre's lever l about the axis and the axis direction e, z.(l cos + (e x l) sin) is known.
+/// Wheel centre and inner end of the spindle, rotated about the axis until the centre has risen by `travel`. The angle
+/// follows from the height z.(l cos + (e x l) sin) of the centre, with the centre's lever l about the axis and the axis
+/// direction e.
 fn turned<T: Real>(p: &[Vector3<T>], travel: T) -> [Vector3<T>; 2] {
     let [first, second, centre, spindle] = [p[0], p[1], p[2], p[3]];
     let axis = (second - first).normalised();
@@ -20,7 +21,7 @@ fn turned<T: Real>(p: &[Vector3<T>], travel: T) -> [Vector3<T>; 2] {
     let (a, b) = (lever(centre), axis.cross(lever(centre)));
     let height = a.z + travel;
     let h = a.z * a.z + b.z * b.z;
-    // The root that starts from angle zero is a, not its mirror image.
+    // Of the two roots, this one has the angle zero at travel zero.
     let root = (h - height * height).sqrt();
     let root = root * b.z.sign();
     let (cosine, sine) = (
@@ -77,7 +78,7 @@ fn turns_about_its_axis() {
                     let quantity = Quantity::Coordinate(hardpoint::model::PointId(id), axis);
                     let found = view.value(&linearised.at, quantity);
                     for k in 0..3 {
-                        // Powers of the size as scales: lengths, ratios, curvatures.
+                        // Scales are powers of the size, for lengths, ratios and curvatures.
                         let scale = solver.size().powi(1 - k as i32);
                         worst[k].note((found[k] - wanted.value[k]) / scale);
                     }
@@ -111,8 +112,8 @@ fn turns_about_its_axis() {
     }
 }
 
-/// If its axis is along y, the arm is a trailing arm: no camber change, no toe change, no track change, and the arm
-/// angle is a plain rotation.
+/// If the axis is along y, the arm is a trailing arm: no camber change, no toe change, no track change. The arm angle
+/// is then a plain rotation.
 #[test]
 fn a_transverse_axis_makes_a_trailing_arm() {
     let mut suspension = template("semi_trailing_arm");
@@ -149,7 +150,7 @@ fn a_transverse_axis_makes_a_trailing_arm() {
     assert!((found[3][0] - forward).abs() < 1e-12);
 }
 
-/// The travel ends where the arm is vertical: the wheel cannot rise farther than the length of the arm.
+/// The travel ends where the arm is vertical: the wheel cannot rise farther than the arm's length.
 #[test]
 fn travel_ends_where_the_arm_stands_upright() {
     let suspension = template("semi_trailing_arm");
@@ -165,7 +166,7 @@ fn travel_ends_where_the_arm_stands_upright() {
     );
 }
 
-/// The program refuses outputs that need a steering axis by name; without `[outputs]` it omits them.
+/// The program refuses outputs that need a steering axis, and names them. Without `[outputs]`, it omits them.
 #[test]
 fn has_no_steering_axis() {
     let text = include_str!("../../../studies/semi_trailing_arm_solve.toml");

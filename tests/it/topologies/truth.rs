@@ -1,7 +1,7 @@
 //! Compares the library with twelve quadratic equations in double-double precision, for knuckles on five rods.
 //!
-//! Derivatives of the reference are differences over h = 1e-4 mm of solutions with 30 digits, extrapolated once. Their
-//! own error has the order of h^4 times the fifth derivative.
+//! Derivatives of the reference are differences over h = 1e-4 mm of solutions with 30 digits, extrapolated once. The
+//! error of these derivatives has the order of h^4 times the fifth derivative.
 
 use super::{at, travel};
 use crate::support::Worst;
@@ -16,7 +16,8 @@ use std::array::from_fn;
 
 const H: f64 = 1e-4;
 
-/// Largest errors: values relative to the size, derivatives relative to the largest of their kind.
+/// Largest errors: of values relative to the suspension size, and of derivatives relative to the largest derivative of
+/// their kind.
 #[derive(Default, Debug)]
 pub struct Errors {
     pub by_order: [Worst; 3],
@@ -30,7 +31,7 @@ pub fn lift(v: Vector3<f64>) -> Vector3<Dd> {
     v.map(Dd::from)
 }
 
-/// Reference around one station of one design.
+/// Reference solutions near one station of one design.
 pub struct Truth<'a> {
     mechanism: &'a Mechanism,
     factors: nalgebra::LU<f64, nalgebra::Const<12>, nalgebra::Const<12>>,
@@ -92,12 +93,12 @@ fn reciprocal(value: f64) -> Dd {
     Dd::from(1.0) / Dd::from(value)
 }
 
-/// Extrapolation from differences over H and 2 H, whose errors have the ratio 1 to 4.
+/// Extrapolation from central differences with the steps H and 2 H. Their errors have the ratio 1 to 4.
 fn extrapolated(near: Vector3<Dd>, far: Vector3<Dd>) -> Vector3<Dd> {
     near + (near - far) * reciprocal(3.0)
 }
 
-/// Positions of the values for a slope, in steps.
+/// Positions for the values from which [`slope`] computes a derivative, in steps.
 pub const PLACES: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
 
 /// Derivative from values at [`PLACES`].
@@ -108,8 +109,8 @@ pub fn slope([far_below, below, above, far_above]: [Vector3<Dd>; 4], step: f64) 
     )
 }
 
-/// Position of a point from formulas that differ from the library's. Points of arms follow from the triads of axis and
-/// joint, those of rockers from Newton's method on the length of the rod.
+/// Position of a point from formulas that differ from the library's. A point of an arm follows from the axis and the
+/// outer joint of the arm. A point of a rocker follows from Newton's method on the length of the rod.
 pub fn place(
     mechanism: &Mechanism,
     design: &[Vector3<Dd>],
@@ -143,7 +144,7 @@ pub fn place(
     }
 }
 
-/// Point rotated with a rocker, by the tangent of half the angle.
+/// Point rotated with a rocker. `u` is the tangent of half the angle.
 fn turn_about(design: &[Vector3<Dd>], rocker: &Rocker, u: Dd, point: Vector3<Dd>) -> Vector3<Dd> {
     let [first, second] = [rocker.first, rocker.second].map(|p| design[p.0]);
     let rodrigues = (second - first).normalised() * u;
@@ -180,7 +181,8 @@ pub fn half_tangent(
 }
 
 impl Errors {
-    /// Compares one design at one station; with `sensitivities`, also those of every order.
+    /// Compares one design at one station. If `sensitivities` is true, also compares the sensitivities of values and
+    /// derivatives.
     pub fn check(
         &mut self,
         mechanism: &Mechanism,
@@ -191,7 +193,7 @@ impl Errors {
     ) {
         let quadratics = Quadratics::new(mechanism, design);
         let start = design_pose(mechanism, design);
-        // Repeats with fine steps, because coarse ones may have jumped to another branch.
+        // Repeats the path with fine steps, because coarse steps may have jumped to another solution branch.
         let track = |steps| quadratics.track(start, value, rack, steps);
         let point = travel(value, rack);
         let design_series = DesignSeries::<3>::new(mechanism, design).with_steering_axis(false);

@@ -1,4 +1,5 @@
-//! Tests of joint angles, against studs that rotate with three points of the carrier, and of the price of a degree.
+//! Tests of joint angles against studs that rotate with three points of the carrier. Tests of the price of a degree of
+//! joint angle.
 
 use super::edited;
 use hardpoint::mechanism::Configuration;
@@ -36,7 +37,7 @@ fn about(axis: Vector3<f64>, [from, to]: [Vector3<f64>; 2], v: Vector3<f64>) -> 
     v * turn.cos() + axis.cross(v) * turn.sin() + axis * (axis.dot(v) * (1.0 - turn.cos()))
 }
 
-/// Joint of the carrier, with the arm or rod that it connects.
+/// Joint of the carrier with the arm or rod on the other side of the joint.
 enum Joint {
     /// Arm, by the points of its axis.
     Arm(&'static str, [&'static str; 2]),
@@ -44,8 +45,8 @@ enum Joint {
     Rod(&'static str, &'static str),
 }
 
-/// Angles of a joint in every pose of some travels and one rack displacement. The stud is fixed in the carrier and
-/// rotates like three points of the carrier.
+/// Angles of a joint in every pose, for some travels at one rack displacement. The stud is fixed in the carrier and
+/// rotates with three points of the carrier.
 fn angles(
     suspension: &Suspension,
     joint: &Joint,
@@ -88,9 +89,9 @@ const STRUT_ARM: Joint = Joint::Arm("lower_ball_joint", ["lower_arm_front", "low
 const UPPER_ARM: Joint = Joint::Arm("upper_ball_joint", ["upper_arm_front", "upper_arm_rear"]);
 const ROD: Joint = Joint::Rod("tie_rod_outer", "tie_rod_inner");
 
-/// Margins in degrees equal those of studs fixed in the carrier, in lanes and station by station. The test covers
-/// struts and wishbones, and as references the steering axis and studs of the study. It uses a moved design, both ends
-/// of the travel and two rack displacements.
+/// The margins in degrees equal those of studs that are fixed in the carrier. This holds in SIMD lanes and station by
+/// station. The test covers struts and wishbones. The stud is along the steering axis or given by the study. The test
+/// uses a moved design, both ends of the travel and two rack displacements.
 #[test]
 fn margins_are_those_of_studs_fixed_in_the_carrier() {
     let travels = [-60.0, 65.0];
@@ -152,7 +153,8 @@ fn margins_are_those_of_studs_fixed_in_the_carrier() {
     }
 }
 
-/// Margins of a drive shaft's joints follow from the coordinates of its ends and from the spin axis, in degrees.
+/// Margins of a drive shaft's joints are in degrees. The test computes them from the coordinates of the shaft's ends
+/// and from the spin axis.
 #[test]
 fn margins_of_a_drive_shaft_are_degrees() {
     let [inner, outer] = super::DRIVE_SHAFT;
@@ -198,7 +200,7 @@ fn margins_of_a_drive_shaft_are_degrees() {
     }
 }
 
-/// The joint angle has a kink at 0. At this angle the margin equals the limit, and the row still has a derivative.
+/// The joint angle has a kink at 0. There, the margin equals the limit, and the row still has a derivative (zero).
 #[test]
 fn a_joint_that_does_not_turn_has_its_whole_limit() {
     let constraint = "optimise.constraints=[{ articulation = \"lower_ball_joint\", at_most = 18.5, at = \"design\" }]";
@@ -215,7 +217,7 @@ fn a_joint_that_does_not_turn_has_its_whole_limit() {
     assert!(at.rows.jacobian.iter().all(|slope| slope.abs() < 1e-7));
 }
 
-/// Strut whose ball joint turns too far, tuned with this limit.
+/// Strut whose ball joint turns too far, with a limit on this joint angle.
 fn limited(limit: f64) -> Study {
     edited(
         "macpherson_front.toml",
@@ -230,8 +232,8 @@ fn limited(limit: f64) -> Study {
     )
 }
 
-/// The tuned design meets an active limit everywhere. The price of the limit is the slope of the misfit with respect to
-/// the limit in degrees.
+/// The tuned design satisfies the limit everywhere, and the limit is active. The price of the limit is the slope of the
+/// misfit with respect to the limit in degrees.
 #[test]
 fn the_price_of_a_joint_is_per_degree() {
     let tuned = |limit: f64| {
@@ -261,7 +263,7 @@ fn the_price_of_a_joint_is_per_degree() {
     assert!((price - slope).abs() < 2e-3 * slope, "{price} {slope}");
 }
 
-/// Largest angle of the ball joint between the ends of the motion.
+/// Largest angle of the ball joint in the range of the motion.
 fn largest_angle(moved: &Suspension) -> f64 {
     let design = |name| moved.design[moved.mechanism.point(name).unwrap().0];
     let stud = design("strut_top") - design("lower_ball_joint");

@@ -1,4 +1,4 @@
-//! Tests of the derivatives and of the definition of builds.
+//! Tests of builds in a robust tuning: their derivatives, and their relation to the nominal design.
 
 use super::edited;
 use hardpoint::number::Width;
@@ -33,7 +33,7 @@ fn with_problem<R>(
     f(&mut |x| {
         let mut at = Linearisation::new(count, x.len());
         LeastSquares::evaluate(&mut problem, x, &mut at).unwrap();
-        // Lanes accept most builds.
+        // SIMD lanes solve most builds.
         let (in_lanes, name) = (
             problem.builds_in_lanes(),
             suspension.mechanism.topology.name,
@@ -44,8 +44,8 @@ fn with_problem<R>(
     })
 }
 
-/// Derivatives of builds equal differences of sixth order. The test covers a strut, and a wishbone with a pushrod, both
-/// as assembled and with toe and camber aligned.
+/// Derivatives of builds equal differences of sixth order. The test covers a strut, and a wishbone with a pushrod.
+/// Builds are as assembled, or with toe and camber aligned.
 #[test]
 fn derivatives_of_builds_are_exact() {
     for (file, more) in [
@@ -94,7 +94,8 @@ fn derivatives_of_builds_are_exact() {
     }
 }
 
-/// Builds with very small scatter equal the nominal design; aligned builds keep its toe and camber.
+/// With very small scatter, builds equal the nominal design. Aligned builds keep the toe and camber of the nominal
+/// design.
 #[test]
 fn builds_of_exact_parts_are_the_drawing() {
     let exact = "tolerance.scatter=[{ hardpoint = \"upper_arm_front\", sigma = 1e-9 }]";
@@ -119,9 +120,9 @@ fn builds_of_exact_parts_are_the_drawing() {
     }
 }
 
-/// Lanes of any width give the residuals and derivatives of builds one by one. The test covers every topology,
-/// rockers, bands, several rack displacements, and builds as assembled or aligned. The bits are equal at every width.
-/// The test also compares the nominal design, with its stations in lanes and one by one.
+/// SIMD lanes of any width give the residuals and derivatives of builds one by one, with the same bits at every width.
+/// The test covers every topology, rockers, bands, several rack displacements, and builds as assembled or aligned. It
+/// also compares the nominal design, with stations in lanes and one by one.
 #[test]
 fn what_is_found_in_lanes_is_what_is_found_one_by_one() {
     let angles = "optimise.targets=[\
@@ -240,7 +241,7 @@ fn assert_same_at_every_width(what: &str, find: impl Fn(Option<Width>) -> Linear
 }
 
 /// If angles define the spin axis, a scattered wheel centre translates the axis. So the wheel radius has no effect on
-/// camber and toe of robust builds, also if the variables have moved the nominal design.
+/// camber and toe of robust builds. This also holds if the variables have moved the nominal design.
 #[test]
 fn the_radius_has_no_effect_on_robust_builds() {
     let scatter = "tolerance.scatter=[{ hardpoint = \"wheel_centre\", sigma = 1.0 }]";

@@ -1,11 +1,11 @@
-//! Tests of constraints in lanes against constraints station by station.
+//! Tests of constraints in SIMD lanes against constraints station by station.
 
 use super::{DRIVE_SHAFT, edited};
 use hardpoint::number::Width;
 use hardpoint::optimise::{Assessment, Constrained, Objective, TargetLayout};
 use nalgebra::DVector;
 
-/// Every kind of constraint that lanes support, on a wishbone with a drive shaft.
+/// Every kind of constraint that is available in SIMD lanes, on a wishbone with a drive shaft.
 const CONSTRAINTS: &str = "optimise.constraints=[\
     { characteristic = \"toe\", between = [-9.0, 9.0] }, \
     { length = [\"tie_rod_outer\", \"lower_arm_front\"], at_least = 10.0 }, \
@@ -21,7 +21,8 @@ const CONSTRAINTS: &str = "optimise.constraints=[\
     { plunge = \"drive_shaft\", between = [-30.0, 20.0] }, \
     { coplanar = [\"lower_arm_front\", \"lower_arm_rear\", \"lower_ball_joint\", \"tie_rod_outer\"] }]";
 
-/// Rows and their derivatives in lanes equal those of one station after another, with the same bits at every width.
+/// Constraint values and their derivatives in SIMD lanes equal those of one station after another. They have the same
+/// bits at every lane width.
 #[test]
 fn rows_in_lanes_are_those_of_station_by_station() {
     let [inner, outer] = DRIVE_SHAFT;

@@ -1,5 +1,5 @@
-//! Tests of the search for the smallest change: the misfit of the design that it keeps, and the statements of the
-//! program about this design.
+//! Tests of the search for the smallest change: the misfit of the design that it keeps, and the messages about this
+//! design.
 
 use super::edited;
 use super::still::{best, stored, tuned};
@@ -16,7 +16,8 @@ const TIE_ROD: &str = "optimise.variables=[\
 const TOE: &str = "optimise.targets=[\
     { characteristic = \"toe\", at = 30.0, value = 0.2, tolerance = 0.01 }]";
 
-/// A converged tuning keeps its design, however small `good_enough` is. The misfit is met to 1e-7 tolerances.
+/// A converged tuning keeps its design, however small `good_enough` is. The misfit exceeds `good_enough` by at most
+/// 1e-7.
 #[test]
 fn a_tiny_good_enough_keeps_the_design_found() {
     for good_enough in [1e-13, 1e-12, 1e-10, 1e-9, 1e-8, 1e-7, 1e-4] {
@@ -31,8 +32,8 @@ fn a_tiny_good_enough_keeps_the_design_found() {
     }
 }
 
-/// Where a target that no variable affects prevents a good enough design, the design kept is within 1 % of the smallest misfit of
-/// all targets together. The summary names the target.
+/// A target that no variable affects prevents a good enough design. Then the misfit of the kept design is at most 1 %
+/// above the smallest misfit of all targets together. The summary names the target that no variable affects.
 #[test]
 fn the_allowance_counts_targets_that_nothing_affects() {
     for (name, target) in [
@@ -57,7 +58,7 @@ fn the_allowance_counts_targets_that_nothing_affects() {
     }
 }
 
-/// Misfit at the end of a descent from the design that a tuning kept, within the same ranges.
+/// Misfit after a further descent from the design that a tuning kept, within the same ranges.
 fn below(study: &Study, optimise: &Optimise, offsets: &[f64]) -> f64 {
     let mut lowered = Optimise {
         good_enough: 0.0,
@@ -73,7 +74,7 @@ fn below(study: &Study, optimise: &Optimise, offsets: &[f64]) -> f64 {
 }
 
 /// If no design is good enough, a further descent from the kept design lowers the misfit by at most 1 %. So the search
-/// for the smallest change stayed in the valley of the smallest misfit, or used a deeper valley that it reached.
+/// for the smallest change did not leave the minimum with the smallest misfit, or it found a deeper minimum.
 #[test]
 fn a_descent_from_the_design_kept_gains_no_more_than_the_allowance() {
     for name in ["two_valleys.toml", "unaffected_camber.toml"] {
@@ -87,7 +88,8 @@ fn a_descent_from_the_design_kept_gains_no_more_than_the_allowance() {
     }
 }
 
-/// Searches along the limit of a constraint converge: the residual of their optimality conditions is below 1e-6.
+/// Searches for the smallest change converge along the limit of a constraint: the residual of the optimality conditions
+/// is below 1e-6.
 #[test]
 fn smallest_changes_on_limits_are_known() {
     for name in [
@@ -107,7 +109,8 @@ fn smallest_changes_on_limits_are_known() {
     }
 }
 
-/// The smallest misfit is at a bound. The smallest change lies between the bound and the design, where the misfit is 1 % larger.
+/// The smallest misfit is at a bound. The design with the smallest change lies between this bound and the nominal
+/// design, where the misfit is 1 % larger.
 #[test]
 fn the_way_back_from_a_bound_uses_the_whole_allowance() {
     let least = best(&tuned(&stored("corner.toml", &["optimise.good_enough=0"]))).clone();
@@ -122,7 +125,8 @@ fn the_way_back_from_a_bound_uses_the_whole_allowance() {
     );
 }
 
-/// A search that is cut short claims no smallest change, and reports no residual of conditions that it did not reach.
+/// If a search is cut short, the tuning does not report its result as the smallest change. It also reports no residual
+/// of optimality conditions.
 #[test]
 fn a_search_cut_short_has_no_residual() {
     let tuning = tuned(&stored(
@@ -136,7 +140,7 @@ fn a_search_cut_short_has_no_residual() {
     assert_eq!(fit.ended(), words);
 }
 
-/// The printed moves raise the misfit by at most 0.1 and violate no constraint, also in a study whose constraint binds.
+/// The printed moves raise the misfit by at most 0.1 and violate no constraint, also if a constraint is active.
 #[test]
 fn printed_moves_keep_constraints() {
     let mut moves = 0;
@@ -168,7 +172,7 @@ fn printed_moves_keep_constraints() {
     assert!(moves > 0, "no move to check");
 }
 
-/// A direction against an axis has the name of a direction: the coordinate falls as the offset rises.
+/// A direction opposite to an axis is named as a direction, because the coordinate falls when the offset rises.
 #[test]
 fn a_direction_against_an_axis_is_no_axis() {
     let study = edited(
@@ -184,8 +188,8 @@ fn a_direction_against_an_axis_is_no_axis() {
     assert_eq!(labels, ["tie_rod_inner_dz", "tie_rod_inner_along"]);
 }
 
-/// A tuning that ends at `good_enough` says why its binding constraint has no price. A tuning that ends at the
-/// smallest misfit states the price.
+/// If a tuning ends at `good_enough`, it says why an active constraint has no price. If a tuning ends at the smallest
+/// misfit, it states the price.
 #[test]
 fn a_binding_constraint_without_a_price_is_explained() {
     let of = |good_enough: &str| {

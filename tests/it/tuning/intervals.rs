@@ -1,4 +1,5 @@
-//! Tests that confidence intervals of fits that end at bounds contain the planted truth.
+//! Tests of confidence intervals of fits that end at bounds: the intervals contain the true values, which the test
+//! knows.
 
 use super::{edited, hardpoint, noise, normal, planted};
 use hardpoint::optimise::{
@@ -7,7 +8,7 @@ use hardpoint::optimise::{
 use hardpoint::study::{Optimise, Study, Wanted};
 use nalgebra::DMatrix;
 
-/// Fit of measured curves: study, variables, ranges in mm, and the measured characteristics.
+/// Kind of fit to measured curves: study, variables, ranges in mm, and the measured characteristics.
 struct Kind {
     file: &'static str,
     variables: &'static [(&'static str, &'static str)],
@@ -87,7 +88,7 @@ const KINDS: [Kind; 6] = [
     },
 ];
 
-/// Standard deviation of a measurement, in degrees and in tolerances.
+/// Standard deviation of a measurement: in degrees, and in multiples of the tolerance.
 const DEVIATION: [f64; 2] = [0.01, 0.5];
 
 impl Kind {
@@ -116,7 +117,7 @@ impl Kind {
     }
 }
 
-/// Number of intervals, and number of intervals that contain the true value.
+/// Counts of confidence intervals, and of intervals that contain the true value.
 #[derive(Clone, Copy, Default)]
 struct Count {
     free: usize,
@@ -124,14 +125,15 @@ struct Count {
     held: usize,
     /// Number of two-sided intervals with both ends within the range.
     inner: usize,
-    /// Number of intervals that contain the truth if variables at bounds are taken as known.
+    /// Number of intervals that would contain the true value if variables at bounds counted as known.
     naive: usize,
     limits: usize,
     limits_held: usize,
     fits: usize,
 }
 
-/// Half widths of the free variables' intervals if those at bounds are taken as known: plain linear regression.
+/// Half widths of the confidence intervals of free variables if variables at bounds count as known. This is plain
+/// linear regression.
 fn naive(study: &Study, optimise: &Optimise, offsets: &[f64], active: &[ActiveBound]) -> Vec<f64> {
     let suspension = study.wheel();
     let layout = TargetLayout::of(optimise, &study.vehicle);
@@ -152,14 +154,15 @@ fn naive(study: &Study, optimise: &Optimise, offsets: &[f64], active: &[ActiveBo
     halves
 }
 
-/// Counts by number of variables at bounds, for this many fits that ended with one to three variables at bounds.
+/// Counts for this many fits that ended with one to three variables at bounds. The index of a count is the number of
+/// variables at bounds. Index 0 counts all fits.
 fn counted(fits: usize) -> [Count; 4] {
     let mut counts = [Count::default(); 4];
     let mut seed = 0x9E37_79B9_7F4A_7C15;
     let studies = KINDS.map(|kind| (kind.study(), kind.range));
     'fits: for number in 0.. {
         let (study, range) = &studies[number % studies.len()];
-        // Truth is at a bound for 40 of 100 coordinates, and anywhere in the range for the others.
+        // The true value is at a bound for 40 of 100 coordinates. For the others, it is anywhere in the range.
         let k = study.optimise.as_ref().unwrap().variables.len();
         let mut coordinate = || match noise(&mut seed) {
             x if x < -0.6 => -range,
@@ -243,7 +246,8 @@ fn counted(fits: usize) -> [Count; 4] {
 
 #[test]
 fn intervals_beside_bounds_hold_the_truth() {
-    // Between 132 and 150 of about 150 intervals at 95 % contain the truth, except in one run of 1000.
+    // The bound allows for chance. Of about 150 intervals at 95 %, 132 to 150 contain the true value, except in one run
+    // of 1000.
     let all = counted(60)[0];
     assert!(all.two_sided as f64 >= 0.8 * all.free as f64);
     assert!(all.held as f64 >= 0.88 * all.two_sided as f64);
@@ -254,7 +258,7 @@ fn intervals_beside_bounds_hold_the_truth() {
 #[ignore = "a thousand fits"]
 fn intervals_beside_bounds_of_a_thousand_fits_hold_the_truth() {
     let counts = counted(1000);
-    // If variables at bounds are taken as known, fewer intervals contain the truth.
+    // If variables at bounds count as known, fewer intervals contain the true value.
     assert!((counts[0].naive as f64) < 0.92 * counts[0].free as f64);
     for count in counts {
         assert!(count.two_sided as f64 >= 0.8 * count.free as f64);

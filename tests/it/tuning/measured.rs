@@ -1,4 +1,4 @@
-//! Tests of targets from measured curves: each row applies at its own rack displacement and travel.
+//! Tests of targets from measured curves. Each row of a measured sheet applies at its own rack displacement and travel.
 
 use hardpoint::curves::curves;
 use hardpoint::optimise::{Control, tune};
@@ -8,7 +8,7 @@ use std::path::Path;
 
 const SOLVE: &str = include_str!("../../../studies/double_wishbone_solve.toml");
 
-/// Wishbone with two rack displacements, and these targets for the height of the inner joint of its tie rod.
+/// Study of a wishbone with two rack displacements. The variable is the height of the tie rod's inner joint.
 fn text(targets: &str) -> String {
     let of_racks = SOLVE.replace("\nrack = 0.0 ", "\nrack = [0.0, 10.0] ");
     assert_ne!(of_racks, SOLVE);
@@ -70,8 +70,8 @@ fn a_sheet_of_several_racks_has_a_curve_for_each() {
 }
 
 /// With `fit = true`, the points of a target are measurements. The program refuses a measured point outside the motion
-/// and names its line in the file. It also refuses a target for a single travel outside the motion. Without `fit`, it
-/// ignores the points of a target curve outside the motion.
+/// and names its line in the file. The program also refuses a target for a single travel outside the motion. Without
+/// `fit`, it ignores the points of a target curve outside the motion.
 #[test]
 fn measurements_outside_of_the_motion_are_refused() {
     let directory = tempfile::tempdir().unwrap();

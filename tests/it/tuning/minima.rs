@@ -12,13 +12,13 @@ use hardpoint::study::Study;
 use nalgebra::DVector;
 use std::cell::RefCell;
 
-/// Largest excess of a misfit over another method's misfit, in tolerances.
+/// Largest difference of two misfits that count as equal, in multiples of the tolerance.
 const AS_LOW: f64 = 1e-6;
-/// Violation up to which a row counts as satisfied, for all methods.
+/// Violation up to which a constraint counts as satisfied, for all methods.
 const KEPT: f64 = 1e-7;
 
-/// Random tuning of a strut or wishbone: two to twelve variables, two curves or a curve and a band, and constraints
-/// through 41 stations. One random design just satisfies the limits.
+/// Random tuning of a strut or wishbone: two to twelve variables, two curves or a curve and a band, and constraints at
+/// 41 stations. One random design satisfies the limits.
 pub(super) struct Random {
     study: Study,
     pub(super) layout: TargetLayout,
@@ -64,7 +64,7 @@ impl Limit {
         }
     }
 
-    /// Limits so wide that no design approaches them.
+    /// Limits so wide that no design reaches them.
     fn wide(kind: Kind) -> Self {
         let (low, high) = match kind {
             Kind::Length => (1.0, 1000.0),
@@ -130,7 +130,7 @@ impl Random {
                 .map(|k| more[k]),
         );
         let mut limits: Vec<Limit> = kinds.into_iter().map(Limit::wide).collect();
-        // A design that satisfies the constraints, with margins from almost zero to large.
+        // A random design satisfies the constraints. In some problems its margins are almost zero, in others large.
         let most = 0.05 * 40.0_f64.powf(0.5 + off(0.5));
         let keeps = DVector::from_fn(count, |_, _| off(9.0));
         let wide = Random::of(with(&limits));
@@ -149,9 +149,10 @@ impl Random {
         Random::of(with(&limits))
     }
 
-    /// Random design of a strut or wishbone, with every coordinate up to 15 mm from the study's. Its eight most
-    /// effective coordinates shall reach the camber and kingpin inclination of another reachable design, plus an
-    /// unreachable deviation. Limits through 41 stations, 126 rows, are such that a third design just satisfies them.
+    /// Random design of a strut or wishbone, with every coordinate within 15 mm of the study's. Its variables are the
+    /// eight coordinates with the largest effects. The targets are camber and kingpin inclination of another design
+    /// that can be reached, plus a deviation that cannot. The limits apply at 41 stations (126 constraint values). A
+    /// third design just satisfies them.
     fn of_design(number: u64) -> Self {
         let mut seed = 0x2545_F491_4F6C_DD1D ^ (number + 1).wrapping_mul(0xD134_2543_DE82_EF95);
         let mut off = |by: f64| by * noise(&mut seed);
@@ -216,7 +217,7 @@ impl Random {
         let mut limits = [Kind::Length, Kind::Rim, Kind::Band].map(Limit::wide);
         let nought = || vec![[-60.0, 0.0], [60.0, 0.0]];
         let wide = with(&[nought(), nought()], &limits);
-        // The target curves are the deviations of the target design from zero, divided by tolerances.
+        // The target curves are deviations of the target design from zero, in multiples of the tolerance.
         let wanted = wide.assessed(&DVector::from_fn(8, |_, _| off(20.0)));
         let wanted = &wanted.goal.residuals;
         let stations = &wide.study.motion().values;
@@ -264,12 +265,13 @@ impl Random {
         at
     }
 
-    /// Margin to the lower and upper limit of each constraint; for several rows, the smallest margin.
+    /// Margins to the lower and upper limit of each constraint. If a constraint has several values, the smallest margin
+    /// counts.
     fn rooms(&self, at: &Assessment) -> Vec<[f64; 2]> {
         let count = self.study.optimise.as_ref().unwrap().constraints.len();
         let mut rooms = vec![[f64::INFINITY; 2]; count];
         for (label, value) in self.layout.labels().iter().zip(at.rows.residuals.iter()) {
-            // Uses only the radius of a rim, not its ends.
+            // Uses only the radius of a rim, not the ends of the rim.
             if label.part == self.first_part(label.constraint) {
                 let room = &mut rooms[label.constraint][usize::from(label.is_upper)];
                 *room = room.min(-value);
@@ -303,10 +305,11 @@ pub(super) struct End {
 }
 
 impl End {
-    /// Number of points that the method evaluated until it stayed within this distance of its end, in half ranges.
+    /// Number of points that the method evaluated before all later points were within this distance of its end, in half
+    /// ranges.
     fn evaluations_to(&self, near: f64) -> u64 {
         let last = self.away.iter().rposition(|away| *away > near);
-        // The next point is the first one within the distance.
+        // The point after the last one beyond this distance is the first one within it.
         last.map_or(1, |k| k as u64 + 2).min(self.away.len() as u64)
     }
 
@@ -341,7 +344,7 @@ impl<'p> Looked<'p> {
         }
     }
 
-    /// Evaluates a point, in half ranges, unless it is the last evaluated one.
+    /// Evaluates a point, in half ranges, unless it is the point of the last evaluation.
     fn look(&mut self, z: &[f64]) {
         if self.z == z {
             return;
@@ -352,7 +355,7 @@ impl<'p> Looked<'p> {
         self.points.push(self.z.clone());
     }
 
-    /// Squared misfit and its slopes.
+    /// Squared misfit. Writes its slopes into `gradient`.
     fn goal(&mut self, z: &[f64], gradient: Option<&mut [f64]>) -> f64 {
         self.look(z);
         if self.refused {
@@ -402,7 +405,8 @@ impl<'p> Looked<'p> {
     }
 }
 
-/// Runs the crate `slsqp` from `start`, in half ranges, until its own criteria are met at ten digits.
+/// Runs the crate `slsqp` from `start`, in half ranges. The run ends when the crate's own criteria are met at ten
+/// digits.
 pub(super) fn slsqp(random: &Random, start: &DVector<f64>) -> End {
     let looked = RefCell::new(Looked::new(random));
     let n = start.len();
@@ -439,7 +443,7 @@ pub(super) fn slsqp(random: &Random, start: &DVector<f64>) -> End {
 }
 
 /// Runs the method of multipliers from `start` (D. P. Bertsekas, Constrained optimization and Lagrange multiplier
-/// methods, 1982) with projected BFGS steps, which is slow but reliable.
+/// methods, 1982) with projected BFGS steps. This method is slow but reliable.
 fn multipliers(random: &Random, start: &DVector<f64>) -> End {
     let mut looked = Looked::new(random);
     let n = start.len();
@@ -452,7 +456,7 @@ fn multipliers(random: &Random, start: &DVector<f64>) -> End {
     let mut weights = vec![0.0; rows];
     let mut penalty = 10.0;
     let mut z = clamped(DVector::from_fn(n, |j, _| start[j] / half[j]));
-    // Squared misfit plus augmented Lagrangian terms of the rows, and the slope.
+    // Squared misfit plus augmented Lagrangian terms of the constraints, and the slope of this sum.
     let value = |looked: &mut Looked, z: &DVector<f64>, weights: &[f64], penalty: f64| {
         let mut slope = vec![0.0; n];
         let mut value = looked.goal(z.as_slice(), Some(&mut slope));
@@ -526,7 +530,7 @@ fn multipliers(random: &Random, start: &DVector<f64>) -> End {
     looked.ended(z.as_slice(), "multipliers".to_owned())
 }
 
-/// Comparison of this program's end with those of the other methods.
+/// Comparison of the end of this program's search with the ends of the other methods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Verdict {
     /// The ends coincide, or have equally low misfits at different points.
@@ -539,8 +543,8 @@ enum Verdict {
     /// The other method has a lower misfit at another point. When started at that point, this program keeps or lowers
     /// the misfit.
     Elsewhere,
-    /// No method satisfied the constraints. Or only this program did, and the others violated them even when started
-    /// at its end.
+    /// No method satisfied the constraints. Or only this program did, and the other methods violated them even when
+    /// started at the end of this program's search.
     Undecided,
     /// The other method has a lower misfit. When started at the end of the other method, this program ends with a
     /// higher misfit.
@@ -650,14 +654,14 @@ fn forty_constrained_minima_are_those_of_independent_methods() {
     }
 }
 
-/// Numbers of evaluations of a problem. `ours` counts all evaluations of this program. `other` counts those of the
-/// other method until it reaches six digits of the ranges, and all of them.
+/// Numbers of evaluations of a problem. `ours` counts all evaluations of this program. `other` has two counts of the
+/// other method: until it reaches six digits of the ranges, and in total.
 struct Evaluations {
     ours: u64,
     other: Option<[u64; 2]>,
 }
 
-/// Results of many problems.
+/// Results of the solved problems.
 #[derive(Default)]
 struct Course {
     kept: usize,
@@ -668,7 +672,7 @@ struct Course {
 }
 
 impl Course {
-    /// Solves the problems with these numbers; with `others` also by the crate `slsqp`.
+    /// Solves the problems with these numbers. If `others` is true, also solves them with the crate `slsqp`.
     fn of(numbers: std::ops::Range<u64>, problem: fn(u64) -> Random, others: bool) -> Self {
         let mut course = Course::default();
         for number in numbers {
@@ -707,7 +711,7 @@ impl Course {
     }
 
     /// Median numbers of evaluations: of this program, of the other method to six digits, and of the other method in
-    /// total. Only problems that both solved within the constraints count.
+    /// total. Counts only problems that both methods solved within the constraints.
     fn medians(&self) -> [u64; 3] {
         let both = self.evaluations.iter();
         let both: Vec<[u64; 3]> = both
@@ -736,8 +740,8 @@ impl Course {
     }
 }
 
-/// A design that satisfies the constraints at nine stations and at the extremes between them satisfies them everywhere.
-/// Some limits are active at two positions at once, others within the first or last interval.
+/// A design that satisfies the constraints at nine stations, and at the extremes between them, satisfies them
+/// everywhere. Some limits are active at two positions at once. Others are active within the first or last interval.
 #[test]
 fn nothing_is_violated_between_stations() {
     let mut between = 0;
@@ -755,7 +759,7 @@ fn nothing_is_violated_between_stations() {
         let at = fine.assessed(&ours.x);
         let violation = at.violation(0, &[]);
         assert!(violation < 1e-6, "{number}: {violation:e}");
-        // Looks for active limits that none of the nine stations reaches.
+        // Counts limits that are active only between the nine stations.
         let rows = fine.layout.labels().iter().zip(at.rows.residuals.iter());
         let reached = |row: usize| ours.multipliers[row] > 0.0;
         let labels = coarse.layout.labels();
@@ -781,7 +785,8 @@ fn nothing_is_violated_between_stations() {
     assert!(between >= 6, "{between}");
 }
 
-/// If the constraints can be satisfied, the multipliers balance to a millionth.
+/// If the constraints can be satisfied, the optimality conditions hold to a millionth: the multipliers balance the
+/// gradient.
 #[test]
 fn multipliers_balance() {
     for problem in [Random::new, Random::of_design] {
@@ -791,8 +796,8 @@ fn multipliers_balance() {
     }
 }
 
-/// Prints the time of tuning six hundred random designs, in milliseconds: a start to the smallest misfit, and the
-/// return towards the nominal design.
+/// Prints the time of tuning six hundred random designs, in milliseconds. Prints separately: one start to the smallest
+/// misfit, and the search back towards the nominal design.
 #[test]
 #[ignore = "six hundred designs, to be timed"]
 fn times_of_six_hundred_designs() {
@@ -829,8 +834,8 @@ fn times_of_six_hundred_designs() {
     }
 }
 
-/// At least 99 % of six hundred random designs end with multipliers that balance to a millionth. The median of their
-/// evaluations is at most a fifth of that of `slsqp`.
+/// For at least 99 % of six hundred random designs, the multipliers balance the gradient to a millionth. The median
+/// number of evaluations is at most a fifth of that of `slsqp`.
 #[test]
 #[ignore = "six hundred problems by two methods"]
 fn multipliers_of_six_hundred_designs_balance() {
@@ -844,7 +849,8 @@ fn multipliers_of_six_hundred_designs_balance() {
     assert!(ended >= 500 && 5 * ours <= all, "{ours} {near} {all}");
 }
 
-/// At least 99 % of six hundred problems of two to twelve variables end with multipliers that balance to a millionth.
+/// For at least 99 % of six hundred problems of two to twelve variables, the multipliers balance the gradient to a
+/// millionth.
 #[test]
 #[ignore = "six hundred problems"]
 fn multipliers_of_six_hundred_problems_balance() {

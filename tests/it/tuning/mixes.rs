@@ -1,5 +1,5 @@
-//! Tests of random mixes of targets and constraints over all topologies: with rows that no variable changes, with
-//! dependent rows, and with rows that exclude each other.
+//! Tests of random mixes of targets and constraints over all topologies. Some constraints change with no variable, some
+//! depend on others, and some exclude each other.
 
 use super::minima::{Random, slsqp};
 use super::noise;
@@ -56,9 +56,9 @@ impl Draw {
 pub(super) enum Kind {
     /// Any mix, including mixes that cannot be satisfied.
     Any,
-    /// Constraints that the study's nominal design satisfies and that variables change.
+    /// Constraints that the study's nominal design satisfies and that the variables affect.
     Kept,
-    /// Like `Kept`, with at least one row that no variable changes or that depends on another row.
+    /// Like `Kept`, with at least one constraint that no variable affects or that depends on another constraint.
     Degenerate,
 }
 
@@ -66,7 +66,7 @@ pub(super) enum Kind {
 pub(super) struct Mix {
     pub study: Study,
     pub file: &'static str,
-    /// Overrides of the file.
+    /// Overrides of the study file.
     pub overrides: Vec<String>,
     /// Kinds of the constraints of the mix.
     pub kinds: Vec<&'static str>,
@@ -86,7 +86,7 @@ fn curve(values: impl Iterator<Item = f64>) -> String {
 
 /// Values of a characteristic at the travels.
 fn column(curves: &Curves, name: &str) -> Vec<f64> {
-    // The shortest matching name has only the unit after the characteristic.
+    // Of the names that begin with the characteristic, the shortest one has only the unit after it.
     let columns = curves.columns.iter().enumerate();
     let own = columns.filter(|(_, c)| c.name.starts_with(name));
     let (index, _) = own.min_by_key(|(_, c)| c.name.len()).unwrap();
@@ -140,7 +140,7 @@ impl Mix {
         tune(&self.study.vehicle, optimise, Control::default()).unwrap()
     }
 
-    /// Distance from the nominal design, in ranges.
+    /// Distance from the nominal design, in multiples of the range.
     pub(super) fn distance(&self, fit: &Fit) -> f64 {
         let variables = &self.study.optimise.as_ref().unwrap().variables;
         let moves = fit.x.iter().zip(variables);
@@ -149,7 +149,7 @@ impl Mix {
     }
 }
 
-/// Overrides that turn a file into a mix.
+/// Overrides that turn a study file into a mix.
 fn drawn(file: &'static str, draw: &mut Draw, kind: Kind) -> (Vec<String>, Vec<&'static str>) {
     let travels: Vec<String> = TRAVELS.iter().map(|t| format!("{t:?}")).collect();
     let names: Vec<String> = CHARACTERISTICS
@@ -237,7 +237,7 @@ fn constraints(
         let choice = match (kind, place) {
             (Kind::Degenerate, 0) => 6 + draw.of(2),
             (Kind::Any, _) => draw.of(11),
-            // The choice omits equalities, which the other solver does not support.
+            // Omits equalities, because the other solver does not support them.
             (Kind::Degenerate, _) => 1 + draw.of(5),
             _ => draw.of(6),
         };
@@ -281,7 +281,7 @@ fn constraints(
                 );
                 (text, "sphere")
             }
-            // Lengths that no variable changes, at their limits.
+            // Lengths that no variable affects, at their limits.
             6 if degenerate && still.len() > 1 => {
                 let (c, d) = (still[0], still[1 + draw.of(still.len() - 1)]);
                 let long = apart(all[c].1, all[d].1);
@@ -296,7 +296,7 @@ fn constraints(
                 );
                 (text, "still")
             }
-            // The same constraint twice.
+            // Repeats a constraint.
             7 | 6 => match (written.last(), kind) {
                 (Some(last), _) => (last.clone(), "twice"),
                 (None, _) => {
@@ -306,7 +306,7 @@ fn constraints(
                     (text, "twice")
                 }
             },
-            // A violated constraint that no variable changes.
+            // A violated constraint that no variable affects.
             8 if still.len() > 1 => {
                 let (c, d) = (still[0], still[1 + draw.of(still.len() - 1)]);
                 let most = apart(all[c].1, all[d].1) - draw.between(0.5, 5.0);
@@ -330,8 +330,8 @@ fn constraints(
                 let four: Vec<usize> = if all.len() > 3 {
                     vec![a, other(0), other(1), other(2)]
                 } else {
-                    // The wheel has at most three movable points, and the constraint uses all of them. They always lie
-                    // in a plane.
+                    // The wheel has at most three movable points, and the constraint uses all of them. Three points
+                    // always lie in a plane.
                     (0..all.len()).collect()
                 };
                 let names: Vec<String> =
@@ -342,7 +342,7 @@ fn constraints(
                 )
             }
         };
-        // A text with braces is a copy of an earlier one.
+        // A text that begins with a brace is a copy of an earlier constraint.
         written.push(if text.starts_with('{') {
             text
         } else {
@@ -362,7 +362,7 @@ struct Tally {
     failed: Vec<String>,
 }
 
-/// Tunes mixes and counts their kinds of end.
+/// Tunes mixes, and counts how the tunings end.
 fn tally(seed: u64, numbers: std::ops::Range<u64>) -> Tally {
     let mut tally = Tally::default();
     let out = std::env::var("HARDPOINT_MIXES").ok();
@@ -424,7 +424,8 @@ fn check(tally: &Tally, least_share: f64) {
     for line in &tally.failed {
         println!("  {line}");
     }
-    // Most runs end within twenty times the median. A few follow a narrow valley of misfits far below a tolerance.
+    // Most runs need less than twenty times the median number of evaluations. A few runs move slowly along a narrow
+    // valley, where the misfit changes by far less than a tolerance.
     let many = tally
         .evaluations
         .iter()
@@ -436,7 +437,7 @@ fn check(tally: &Tally, least_share: f64) {
     assert!(tally.converged as f64 >= least_share * tally.feasible as f64);
 }
 
-/// Forty mixes of seed 1 all end, and those that can be satisfied converge.
+/// Forty mixes of seed 1 all end. Mixes that can be satisfied converge.
 #[test]
 fn mixes_end_and_converge() {
     if !crate::support::has_lanes() {
@@ -445,15 +446,15 @@ fn mixes_end_and_converge() {
     check(&tally(1, 0..40), 0.97);
 }
 
-/// A thousand mixes of seed 2 all end, and those that can be satisfied converge.
+/// A thousand mixes of seed 2 all end. Mixes that can be satisfied converge.
 #[test]
 #[ignore = "takes minutes; .ci/long"]
 fn a_thousand_mixes_end_and_converge() {
     check(&tally(2, 0..1000), 0.97);
 }
 
-/// Tunes with rising levels of `good_enough`. Counts how often the distance grows, and how often the program warns that
-/// it may.
+/// Tunes with rising values of `good_enough`. Counts how often the distance from the nominal design grows, and how
+/// often the program warns that it may grow.
 fn rising_levels(seed: u64, problems: std::ops::Range<u64>, levels: usize) -> [usize; 4] {
     let (mut grown, mut silent, mut labelled, mut count) = (0, 0, 0, 0);
     for number in problems {
@@ -509,7 +510,7 @@ fn rising_levels(seed: u64, problems: std::ops::Range<u64>, levels: usize) -> [u
     [count, grown, silent, labelled]
 }
 
-/// With a rising level the kept design comes nearer to the nominal one, in eight problems of seed 4.
+/// If `good_enough` rises, the kept design comes nearer to the nominal design, in eight problems of seed 4.
 #[test]
 fn a_higher_level_is_no_farther() {
     let [count, grown, silent, labelled] = rising_levels(4, 0..8, 5);
@@ -517,7 +518,7 @@ fn a_higher_level_is_no_farther() {
     assert!(labelled * 100 <= 3 * count, "{labelled} of {count}");
 }
 
-/// With three hundred rising levels in thirty problems of seed 4, the kept design comes nearer.
+/// The same holds for three hundred rising values of `good_enough`, in thirty problems of seed 4.
 #[test]
 #[ignore = "takes minutes; .ci/long"]
 fn three_hundred_rising_levels_are_no_farther() {
@@ -526,9 +527,9 @@ fn three_hundred_rising_levels_are_no_farther() {
     assert!(labelled * 100 <= 3 * count, "{labelled} of {count}");
 }
 
-/// Compares misfits of this program with those of the crate `slsqp` from the same design. Each case has rows that no
-/// variable changes, or dependent rows. This program may end with a higher misfit only if the end of `slsqp` is
-/// another minimum: started there, it stays there.
+/// Compares misfits of this program with those of the crate `slsqp` from the same design. Each case has constraints
+/// that no variable affects, or dependent constraints. This program may end with a higher misfit only if the end of
+/// `slsqp` is another minimum: if this program is started there, it stays there.
 fn against_slsqp(seed: u64, numbers: std::ops::Range<u64>) {
     let (mut compared, mut others) = (0, 0);
     for number in numbers {
@@ -566,7 +567,7 @@ fn against_slsqp(seed: u64, numbers: std::ops::Range<u64>) {
     assert!(compared > 0);
 }
 
-/// In forty cases of seed 5, no misfit is above that of `slsqp`.
+/// In forty cases of seed 5, no misfit of this program is above that of `slsqp`.
 #[test]
 fn no_misfit_is_above_that_of_slsqp() {
     against_slsqp(5, 0..40);

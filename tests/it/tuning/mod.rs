@@ -1,4 +1,4 @@
-//! Tests that a tuning recovers a planted geometry.
+//! Tests of tunings. Many of them compute targets from a known design: the tuning must find this design again.
 
 mod articulation;
 mod builds;
@@ -42,7 +42,7 @@ fn two_curves(mut study: Study) -> Study {
     study
 }
 
-/// Tuning of the study whose targets are the values of its own design.
+/// Tuning of the study whose targets are the values of the study's own design.
 fn planted(study: &Study) -> Optimise {
     let suspension = study.wheel();
     let mut optimise = study.optimise.clone().unwrap();
@@ -70,8 +70,8 @@ fn planted(study: &Study) -> Optimise {
     optimise
 }
 
-/// With the camber and kingpin curves of a design as targets, the search recovers the design to 1e-9 m from 20 starts.
-/// The starts are up to 10 mm away in six coordinates, and the search takes tens of iterations.
+/// The targets are the camber and kingpin curves of a known design. The search finds this design to 1e-9 m from 20
+/// starts. The starts are up to 10 mm away in six coordinates, and the search takes tens of iterations.
 #[test]
 fn a_planted_design_is_recovered_from_every_start() {
     let study = strut();
@@ -79,7 +79,7 @@ fn a_planted_design_is_recovered_from_every_start() {
     let mut optimise = planted(&study);
     let variables = optimise.variables.clone();
     for seed in 0..20_u32 {
-        // A simple generator is enough: the starts only have to be spread and repeatable.
+        // A simple generator is enough: the starts only have to be spread and reproducible.
         let mut state = u64::from(seed).wrapping_mul(0x9E37_79B9_7F4A_7C15) + 1;
         let mut offset = || {
             state ^= state << 13;
@@ -134,7 +134,7 @@ fn a_planted_design_is_recovered_from_every_start() {
     }
 }
 
-/// A tuning recovers points that moved together: a raised and tilted arm, with the rack.
+/// The test moves several points together: a raised and tilted arm, with the rack. A tuning finds these moves.
 #[test]
 fn points_moved_together_come_back() {
     let variables = "optimise.variables=[
@@ -174,7 +174,7 @@ fn points_moved_together_come_back() {
     }
 }
 
-/// If a bound keeps the planted design out of reach, the bound is active at the solution. The other coordinates are
+/// A bound keeps the known design out of reach. The bound is then active at the solution. The other coordinates are
 /// optimal: no feasible move lowers the misfit.
 #[test]
 fn an_active_bound_is_where_it_stops() {
@@ -195,8 +195,8 @@ fn an_active_bound_is_where_it_stops() {
         } else if fit.x[k] == lower {
             assert!(slope > 0.0, "{k}: {slope}");
         } else {
-            // The search stops at a relative reduction of 1e-10, so the remaining slope has the order of its square
-            // root.
+            // The search stops at a relative reduction of 1e-10. So the remaining slope has the order of the square
+            // root of 1e-10.
             assert!(slope.abs() < 1e-3, "{k}: {slope}");
         }
     }
@@ -208,7 +208,7 @@ fn an_active_bound_is_where_it_stops() {
     );
 }
 
-/// Only the ratios of weights and of tolerances matter: scaling all of them changes nothing.
+/// Only the ratios of the weights matter: scaling all weights changes nothing.
 #[test]
 fn only_the_proportion_of_weights_matters() {
     let study = strut();
@@ -236,7 +236,7 @@ fn only_the_proportion_of_weights_matters() {
     assert_eq!(a.offsets, b.offsets);
 }
 
-/// Study of a file with some edits.
+/// Reads a study file with some overrides.
 fn edited(file: &str, overrides: &[&str]) -> Study {
     let path = Path::new(env!("CARGO_MANIFEST_DIR"))
         .join("studies")
@@ -251,8 +251,8 @@ const DRIVE_SHAFT: [&str; 2] = [
     "suspension.extra_points.drive_shaft_outer={ body = \"knuckle\", position = [3.0, 690.0, 300.0] }",
 ];
 
-/// The derivatives of every kind of target and constraint equal differences of sixth order, to 1e-9 of the largest of
-/// their kind. The test uses designs away from the nominal one, at stations and between them.
+/// The derivatives of every kind of target and constraint equal differences of sixth order, to 1e-9 of the largest
+/// derivative of the same kind. The test uses designs away from the nominal design, at stations and between stations.
 #[test]
 fn derivatives_of_targets_and_constraints_are_exact() {
     let rim = "{ point = \"tie_rod_outer\", inside = { rim = 150.0, from = -90.0, to = 20.0 }, clearance = 4.0 }";
@@ -312,7 +312,7 @@ fn derivatives_of_targets_and_constraints_are_exact() {
     }
 }
 
-/// Compares the derivatives of residuals and rows at `x` with differences of sixth order.
+/// Compares the derivatives of residuals and constraint values at `x` with differences of sixth order.
 fn check_derivatives(
     name: &str,
     problem: &mut Objective<'_>,
@@ -353,7 +353,7 @@ fn check_derivatives(
                     .sum::<f64>()
                     / h;
                 let of = if is_goal { &here.goal } else { &here.rows };
-                // At the edge of a band a derivative is one-sided, so the test skips it.
+                // At the edge of a band, a derivative is one-sided, so the test omits it.
                 let inside = |at: &Assessment| part(at, row) == 0.0;
                 if is_goal && (inside(&here) || steps.iter().any(|(u, d)| inside(u) || inside(d))) {
                     continue;
@@ -385,7 +385,7 @@ fn check_derivatives(
     }
 }
 
-/// Repeatable random number in [-1, 1].
+/// Reproducible random number in [-1, 1].
 fn noise(seed: &mut u64) -> f64 {
     *seed ^= *seed << 13;
     *seed ^= *seed >> 7;
@@ -393,7 +393,7 @@ fn noise(seed: &mut u64) -> f64 {
     2.0 * ((*seed >> 11) as f64 / (1_u64 << 53) as f64) - 1.0
 }
 
-/// Derivatives of targets and constraints that every topology has, for a point of its carrier, are exact. The design is
+/// Derivatives of targets and constraints that every topology has are exact, for a point of the carrier. The design is
 /// random, within 6 mm of the study's in every coordinate of six points.
 #[test]
 fn derivatives_are_exact_at_a_random_design_of_every_topology() {
@@ -464,7 +464,7 @@ fn derivatives_are_exact_at_a_random_design_of_every_topology() {
         );
         let loads = "outputs.loads=[{ name = \"kerb\", at = \"contact_point\", force = [-900.0, 400.0, 3000.0], \
             moment = [2e4, -3e4, 5e4] }]";
-        // The wheel centre is on the spin axis, so its distance from the axis has no derivative.
+        // The wheel centre is on the spin axis. So the distance of the wheel centre from this axis has no derivative.
         let rim = match carried {
             "wheel_centre" => String::new(),
             _ => format!(
@@ -497,14 +497,14 @@ fn derivatives_are_exact_at_a_random_design_of_every_topology() {
     }
 }
 
-/// The Pareto front of two targets of a strut has the requested number of points, and none dominates another. Each
-/// point is within its ranges and equals the result of a separate tuning in which the second target is held at the
-/// value of the point.
+/// The Pareto front of two targets of a strut has the requested number of points. No point dominates another. Each
+/// point is within its ranges, and equals the result of a separate tuning that holds the second target at the value of
+/// the point.
 #[test]
 fn a_front_of_two_targets_is_traced() {
     let goals = "optimise.front=[\"camber\", \"kingpin_inclination\"]";
     let study = two_curves(edited("macpherson_front.toml", &[SIX, goals]));
-    // The tolerances are so tight that both targets cannot be met.
+    // The test changes the target curves so that both targets cannot be met.
     let optimise = study.optimise.as_ref().unwrap();
     let (suspension, vehicle) = (study.wheel(), &study.vehicle);
     let wanted = |target: &Target| match &target.wanted {
@@ -544,7 +544,7 @@ fn a_front_of_two_targets_is_traced() {
             assert!((variable.range[0]..=variable.range[1]).contains(offset));
         }
     }
-    // The table's entry for a point equals the evaluation of its design.
+    // The front's values for a point equal the evaluation of the point's design.
     let middle = &found.choices[found.choices.len() / 2];
     let layout = TargetLayout::of(&optimise, vehicle);
     let mut problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();
@@ -558,7 +558,7 @@ fn a_front_of_two_targets_is_traced() {
     {
         assert!((deviation.rms - amount).abs() < 1e-9 * amount.max(1.0));
     }
-    // The ratio of the weights equals the slope between neighbouring points.
+    // The ratio of the weights equals the slope between neighbouring points of the front.
     let near = found.choices.windows(3).map(|three| {
         let [a, b, c] = three else { panic!() };
         let rise = (c.amounts[1] - a.amounts[1]) / (c.amounts[0] - a.amounts[0]);
@@ -567,7 +567,7 @@ fn a_front_of_two_targets_is_traced() {
     let off = near.filter(|(rise, slope)| (rise - slope).abs() > 0.25 * rise.abs());
     assert!(off.count() <= found.choices.len() / 5);
 
-    // Misfit against size of change: the misfit falls as the change grows, and the first design is the nominal one.
+    // Misfit against size of change: the misfit falls as the change grows. The first design is the nominal one.
     let list = price_list(vehicle, &optimise, &tuning, control).unwrap();
     assert!(list.len() >= 10, "{}", list.len());
     assert_eq!(list[0].amounts[1], 0.0);
@@ -577,7 +577,7 @@ fn a_front_of_two_targets_is_traced() {
     }
 }
 
-/// The tuning names two lengths that exclude each other, and nothing else.
+/// Two lengths exclude each other. The tuning names these two lengths, and nothing else.
 #[test]
 fn a_planted_contradiction_is_named() {
     let study = edited(
@@ -598,7 +598,7 @@ fn a_planted_contradiction_is_named() {
     assert!(best.constraints[1].room < -1.0 || best.constraints[2].room < -1.0);
 }
 
-/// A constraint detects an extreme value between stations, which three stations alone would miss.
+/// A constraint also applies to an extreme value between stations, which the four stations alone would miss.
 #[test]
 fn constraints_hold_between_stations() {
     let constraint =
@@ -640,8 +640,8 @@ fn constraints_hold_between_stations() {
     assert!(most < 1.0 + 1e-4, "{most}");
 }
 
-/// The tuning keeps the design with the smallest change among those that are good enough. Its change is smaller than
-/// that of the design with the smallest misfit, and variables without effect on the targets stay.
+/// The tuning keeps the design with the smallest change among those that are good enough. This change is smaller than
+/// that of the design with the smallest misfit. Variables without effect on the targets stay.
 #[test]
 fn the_nearest_good_design_is_kept() {
     let variables = "optimise.variables=[\
@@ -687,9 +687,9 @@ fn normal(seed: &mut u64) -> f64 {
     (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
 }
 
-/// Shares of fits whose interval contains the truth, one for each coordinate of a strut, in well-determined fits of
-/// measured curves. With random noise on both curves it is 93 to 97 of 100 fits. The truth is up to three and more
-/// standard errors from the start of the search.
+/// Fraction of fits whose confidence interval contains the true value, one for each coordinate of a strut. The fits use
+/// measured curves that determine the coordinates well. With random noise on both curves, the fraction is 93 to 97 of
+/// 100 fits. The true value is up to three and more standard errors from the start of the search.
 fn coverage(fits: usize) -> Vec<f64> {
     let variables = "optimise.variables=[\
         { hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-30.0, 30.0] }, \
@@ -718,7 +718,7 @@ fn coverage(fits: usize) -> Vec<f64> {
                 .map(|[x, y]| [*x, y + 0.4 * target.tolerance * normal(&mut seed)]);
             target.wanted = Wanted::Points(noisy.collect());
         }
-        // The start of the search is several standard errors from the truth.
+        // The start of the search is several standard errors from the true design.
         let mut start = study.wheel().clone();
         let away = nalgebra::DVector::from_fn(3, |_, _| 6.0 * noise(&mut seed));
         let (frame, design) = (&study.wheel().frame, &study.wheel().design);
@@ -745,7 +745,7 @@ fn coverage(fits: usize) -> Vec<f64> {
 
 #[test]
 fn intervals_of_fits_hold_the_truth() {
-    // Between 51 and 60 of 60 fits at 95 % contain the truth, except in one run of 300.
+    // The bound allows for chance. Of 60 intervals at 95 %, 51 to 60 contain the true value, except in one run of 300.
     for share in coverage(60) {
         assert!(share >= 0.85, "{share}");
     }
@@ -769,8 +769,8 @@ fn hardpoint(arguments: &[&str]) -> assert_cmd::assert::Assert {
         .assert()
 }
 
-/// The program writes a Pareto front as a file, a table and a part of the page. It prints misfit against size of
-/// change, and writes it into the summary.
+/// The program writes a Pareto front as a file, a table and a part of the page. It also prints misfit against size of
+/// change, and writes this into the summary.
 #[test]
 fn fronts_and_price_lists_are_written_and_shown() {
     let directory = tempfile::tempdir().unwrap();
@@ -833,7 +833,7 @@ fn fronts_and_price_lists_are_written_and_shown() {
     curves_of_a_point_are_those_of_its_study(&out);
 }
 
-/// A point of the front has the curves of its study, with six digits.
+/// A point of the front has the same curves as its study, to six digits.
 fn curves_of_a_point_are_those_of_its_study(run: &std::path::Path) {
     let record = std::fs::read(run.join("report.json")).unwrap();
     let record: serde_json::Value = serde_json::from_slice(&record).unwrap();
@@ -883,7 +883,7 @@ fn curves_of_a_point_are_those_of_its_study(run: &std::path::Path) {
     assert!(compared > 4, "{names:?}");
 }
 
-/// The program reports missing inputs of front, scatter and constraints with the line.
+/// If inputs of the front, of the scatter or of constraints are missing, the program reports them with the line.
 #[test]
 fn mistakes_in_front_scatter_and_constraints_are_refused() {
     for (edit, wanted) in [
@@ -917,7 +917,8 @@ fn mistakes_in_front_scatter_and_constraints_are_refused() {
 }
 
 /// A tuning reaches a target force in the tie rod, as `solve` of the tuned design confirms. The force of the steering
-/// arm stays below a limit everywhere, also between stations. Without loads the program refuses a target force.
+/// arm stays below a limit everywhere, also between stations. If the study has no loads, the program refuses a target
+/// force.
 #[test]
 fn forces_under_loads_are_tuned_and_held() {
     let loads = "outputs.loads=[{ name = \"braking\", at = \"contact_point\", force = [-3000.0, 0.0, 4000.0] }]";
@@ -1020,7 +1021,7 @@ fn mistakes_in_shafts_and_rims_are_refused() {
     }
 }
 
-/// A variable along a direction equals its coordinates moved together: the tuned design has the combined moves, and the
+/// A variable along a direction equals its coordinates moved together: the tuned design has the combined moves. The
 /// table names the direction. The program refuses an invalid direction.
 #[test]
 fn a_variable_along_a_direction_is_its_coordinates_together() {

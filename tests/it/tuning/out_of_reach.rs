@@ -1,4 +1,4 @@
-//! Tests of constraints and targets that cannot be met: messages name them, before and after the tuning.
+//! Tests of constraints and targets that cannot be met. Messages name them before and after the tuning.
 
 use super::edited;
 use hardpoint::optimise::{Control, tune};
@@ -11,8 +11,8 @@ fn summary(study: &Study) -> TuningSummary {
     TuningSummary::of(study, optimise, &tuning, None)
 }
 
-/// No start satisfies a length that is a metre off. The kept start has the smallest violation, and the message states
-/// this with the amount.
+/// A length must differ by a metre, which no start can satisfy. The tuning keeps the start with the smallest violation.
+/// The message states this violation with its amount.
 #[test]
 fn an_impossible_constraint_is_named_with_its_violation() {
     let far = "optimise.constraints=[{ length = \"tie_rod\", between = [1340.0, 1380.0] }]";
@@ -42,7 +42,7 @@ fn an_impossible_constraint_is_named_with_its_violation() {
         !ended.iter().any(|ended| ended.contains("contradict")),
         "{ended:?}"
     );
-    // The nominal design determines the length, so the program reports it before any tuning.
+    // The nominal length already violates this limit, so the program reports it before the tuning.
     let before = violated_constraints(&study).unwrap();
     let [line] = &before[..] else {
         panic!("{before:?}")
@@ -56,7 +56,8 @@ fn an_impossible_constraint_is_named_with_its_violation() {
     assert!(violated_constraints(&study).unwrap().is_empty());
 }
 
-/// The program warns of target points in another unit than the motion, but not of points slightly beyond the motion.
+/// The program warns if target points are far beyond the motion, as when they are in another unit. It does not warn of
+/// points slightly beyond the motion.
 #[test]
 fn a_target_that_spans_much_more_than_its_motion_is_doubted() {
     for (end, is_doubted) in [(1500.0, true), (100.0, false)] {
@@ -73,7 +74,7 @@ fn a_target_that_spans_much_more_than_its_motion_is_doubted() {
     }
 }
 
-/// The first tuning that a user sees, that of a new study, meets its targets.
+/// The tuning of a new study is the first one that a user sees. It meets its targets.
 #[test]
 fn tunings_of_new_studies_meet_their_targets() {
     for topology in [

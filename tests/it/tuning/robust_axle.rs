@@ -8,10 +8,10 @@ use nalgebra::DVector;
 use std::ops::ControlFlow;
 use std::path::Path;
 
-/// Half the width of the scatter range; it is so narrow that the deviation of a part is known.
+/// Half the width of the scatter range. The range is so narrow that the deviation of a part is known.
 const NARROW: f64 = 1e-12;
 
-/// Uniform scatter about a known deviation.
+/// Entry with uniform scatter in a very narrow range about a known deviation.
 pub fn known(part: &str, deviation: f64) -> String {
     let [low, high] = [deviation - NARROW, deviation + NARROW];
     format!("{{ {part}, limits = [{low:?}, {high:?}] }}")
@@ -21,7 +21,7 @@ fn read(text: &str) -> Study {
     Study::from_text("case.toml", text, Path::new("")).unwrap_or_else(|e| panic!("{e}\n{text}"))
 }
 
-/// Residuals of the builds of a study at `x`.
+/// Residuals of a study's builds, with derivatives, at `x`.
 pub fn builds_at(study: &Study, x: &DVector<f64>) -> Linearisation {
     let optimise = study.optimise.as_ref().unwrap();
     let layout = TargetLayout::of(optimise, &study.vehicle);
@@ -33,7 +33,7 @@ pub fn builds_at(study: &Study, x: &DVector<f64>) -> Linearisation {
     found
 }
 
-/// Residuals of a design without scatter.
+/// Residuals of a study's design without scatter.
 fn nominal(study: &Study, optimise: &Optimise) -> DVector<f64> {
     let plain = Optimise {
         scatter: None,
@@ -46,8 +46,8 @@ fn nominal(study: &Study, optimise: &Optimise) -> DVector<f64> {
     found.residuals
 }
 
-/// Asserts that the derivatives of the builds equal their difference quotients. Richardson's extrapolation combines
-/// two quotients of fourth order, with `steps` and with half of `steps`, into one of sixth order.
+/// Asserts that the derivatives of the builds equal difference quotients. Richardson's extrapolation combines two
+/// quotients of fourth order, with `steps` and with half of `steps`, into one of sixth order.
 pub fn assert_derivatives_are_slopes(study: &Study, x: &[f64], steps: &[f64], bound: f64) {
     let x = DVector::from_column_slice(x);
     let here = builds_at(study, &x);
@@ -60,7 +60,7 @@ pub fn assert_derivatives_are_slopes(study: &Study, x: &[f64], steps: &[f64], bo
             builds_at(study, &moved).residuals
         };
         let moved = [-2.0, -1.0, -0.5, 0.5, 1.0, 2.0].map(at);
-        // The scale of a derivative is its largest effect in the column.
+        // The scale of a derivative is the largest derivative in its column.
         let size = here.jacobian.column(column).amax();
         for (row, gradient) in here.jacobian.row_iter().enumerate() {
             let value = |k: usize| moved[k][row];
@@ -117,7 +117,7 @@ const SCATTER: &str = r#"scatter = [
 ]
 "#;
 
-/// Axle with this right wheel, this motion and these targets.
+/// Study of an axle with this right wheel, this motion, these targets and this scatter.
 fn axle(right: &str, motion: &str, targets: &str, tolerance: &str) -> Study {
     read(&format!(
         "{}{right}[steering]\nc_factor = -52.0\n[spring]\nrate = 30.0\nforce = 4000.0\n[wheel]\nradius = 300.0\n[vehicle]\nwheelbase = 2650.0\nposition = \"front\"\n[motion]\n{motion}\n\
@@ -141,7 +141,7 @@ const ROLLED: &str =
     "roll = [-2.0, 0.0, 2.0]\nheave = [0.0, 20.0]\nsteering_wheel_angle = [0.0, 300.0]";
 const ON_PADS: &str = "travel_left = [-30.0, 0.0, 30.0]\ntravel_right = 0.0";
 
-/// The derivatives are exact for mirrored and for different wheels, with aligned and unaligned builds.
+/// The derivatives are exact for mirrored and for different wheels, and for aligned and unaligned builds.
 #[test]
 fn derivatives_of_builds_of_axles_are_exact() {
     let x = [1.5, -2.0, 0.5, -1.0, 0.7, 0.3, -0.4, 0.2];
@@ -182,7 +182,7 @@ fn builds_of_an_axle_are_those_of_tolerance() {
 }
 
 /// If only the left wheel scatters and has targets, the builds equal those of the study without `[axle]`. If both
-/// wheels scatter in mirror image, both have the residuals of that wheel.
+/// wheels scatter in mirror image, each wheel has the residuals of the single wheel.
 #[test]
 fn wheels_of_an_axle_scatter_like_a_single_wheel() {
     let x = DVector::from_column_slice(&[1.5, -2.0, 0.5, -1.0, 0.7, 0.3, -0.4, 0.2]);
@@ -238,7 +238,7 @@ fn wheels_of_an_axle_scatter_like_a_single_wheel() {
     let found = builds_at(&both, &x);
     assert_eq!(found.residuals.len(), 3 * 12);
     for row in 0..36 {
-        // Camber and toe have a row for each wheel at each station.
+        // Camber and toe have one residual for each wheel at each station.
         same(&found, row, &wheel, row / 2);
     }
 }
@@ -248,8 +248,8 @@ const TUNED: &str = r#"
   { characteristic = "mean_steer", over = "roll", at = 2.0, value = 0.0, tolerance = 0.02 },
 "#;
 
-/// One thread and two threads give the same bits. The misfit over the builds is at most that of the optimum without
-/// scatter, and below that of the given axle.
+/// A tuning on one thread and on two threads has the same bits. The misfit over the builds is at most that of the
+/// optimum without scatter. It is also below that of the given axle.
 #[test]
 fn a_tuned_axle_is_the_same_on_any_number_of_threads() {
     let motion = "roll = [-2.0, 0.0, 2.0]\nheave = [-30.0, 0.0, 30.0]";
@@ -287,7 +287,7 @@ fn a_tuned_axle_is_the_same_on_any_number_of_threads() {
 }
 
 /// The target is near an end of the band, so the optimum without scatter has a low yield. Builds of `tolerance`, which
-/// the tuning did not use, meet the bands more often after the robust tuning. Their share agrees with the expected one
+/// the tuning did not use, meet the bands more often after the robust tuning. This yield agrees with the expected yield
 /// within five standard errors of both samples. One band applies at a heave, the other over the whole motion.
 #[test]
 fn the_robust_axle_has_the_larger_yield() {

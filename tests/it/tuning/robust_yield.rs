@@ -1,4 +1,4 @@
-//! Tests of tunings for yield, judged by builds that the tuning did not use.
+//! Tests of tunings for yield. Builds that the tuning did not use check the result.
 
 use super::edited;
 use hardpoint::optimise::{Control, Tuning, tune};
@@ -11,7 +11,7 @@ const WELDED: &str = "double_wishbone_tolerance.toml";
 const STRUT: &str = "macpherson_tolerance.toml";
 const FRESH: &str = "tolerance.builds=100000";
 
-/// Share of 10^5 builds within all bands. Their seed differs from that of the tuning.
+/// Fraction of 10^5 builds that are within all bands. The seed of these builds differs from that of the tuning.
 fn fresh_yield(study: &Study) -> f64 {
     let fresh = study
         .with_overrides(
@@ -47,7 +47,7 @@ const VARIABLES: &str = "optimise.variables=[
   { hardpoint = \"lower_ball_joint\", axis = \"z\", range = [-15.0, 15.0] }]";
 const YIELD: [&str; 2] = ["optimise.robust=\"yield\"", "optimise.scatter=256"];
 
-/// Eleven studies: three suspensions with different bands and scatter.
+/// Eleven studies: three suspensions with different bands and scatters.
 fn studies() -> Vec<Study> {
     let welded = |bump: &str, camber: &str, sigma: &str| {
         let bands = format!(
@@ -112,8 +112,8 @@ fn the_yield_of_eleven_studies_is_raised() {
     judged_by_fresh_builds(&all.iter().collect::<Vec<_>>(), 8);
 }
 
-/// The yield of fresh builds falls below that of the optimum without scatter by at most its standard error, and it is
-/// larger where the bands allow it. The expected yield agrees with that of the fresh builds within their standard
+/// The yield of new builds falls below that of the optimum without scatter by at most its standard error. Where the
+/// bands allow it, the yield is larger. The expected yield agrees with the yield of the new builds within five standard
 /// errors.
 fn judged_by_fresh_builds(studies: &[&Study], raised_at_least: usize) {
     let mut raised = 0;
@@ -142,7 +142,8 @@ fn judged_by_fresh_builds(studies: &[&Study], raised_at_least: usize) {
     assert!(raised >= raised_at_least, "{raised}");
 }
 
-/// If alignment holds toe at the limit of a band, every build meets this band, so the yield search ignores it.
+/// If alignment holds toe at the limit of a band, every build meets this band. So the search for the largest yield
+/// ignores this band.
 #[test]
 fn a_value_held_at_a_limit_costs_no_yield() {
     let study = edited(

@@ -1,4 +1,4 @@
-//! Tests of constraints and targets that no variable changes, and of the return to the nearest design.
+//! Tests of constraints and targets that no variable affects. Tests of the search back to the nearest design.
 
 use super::edited;
 use hardpoint::optimise::{Control, Fit, Price, Tuning, tune};
@@ -32,7 +32,7 @@ fn assert_converged(fit: &Fit) {
     assert!(fit.residual.is_some_and(|r| r < 1e-6), "{:?}", fit.residual);
 }
 
-/// Squared change from the nominal design, in ranges.
+/// Squared change from the nominal design, with each change in multiples of its range.
 fn moved(study: &Study, fit: &Fit) -> f64 {
     let variables = &study.optimise.as_ref().unwrap().variables;
     let moves = fit.x.iter().zip(variables);
@@ -41,7 +41,7 @@ fn moved(study: &Study, fit: &Fit) -> f64 {
         .sum()
 }
 
-/// Satisfied constraints that no variable changes have no effect on a tuning, even at their limits.
+/// If constraints are satisfied and no variable affects them, they have no effect on a tuning, even at their limits.
 #[test]
 fn kept_constraints_that_stand_still_change_nothing() {
     let plain = tuned(&edited(ROCKER, &[]));
@@ -71,7 +71,8 @@ fn kept_constraints_that_stand_still_change_nothing() {
     assert!(best(&carrier).evaluations() < 60);
 }
 
-/// The program names a violated constraint that no variable changes, and tunes the rest as without it.
+/// The program names a violated constraint that no variable affects. It tunes the rest as if this constraint did not
+/// exist.
 #[test]
 fn a_violated_constraint_that_stands_still_is_named() {
     let plain = tuned(&edited(ROCKER, &[]));
@@ -88,14 +89,14 @@ fn a_violated_constraint_that_stands_still_is_named() {
     assert!((moved(&study, best(&tuning)) - moved(&study, best(&plain))).abs() < 1e-6);
 }
 
-/// A length of the carrier that no variable changes must not stop the search short of the optimum. In an earlier
-/// version, such a length stopped the search, and the program stated a price for it.
+/// No variable affects a length of the carrier. Such a length must not stop the search before the optimum. In an
+/// earlier version it stopped the search, and the program stated a price for the length.
 #[test]
 fn a_length_that_stands_still_hides_no_optimum() {
     let wrong = tuned(&stored("unmovable_length_wrong_optimum.toml", &[]));
     let fit = best(&wrong);
     assert_converged(fit);
-    // Value from IPOPT, to its known digits.
+    // Value from the solver IPOPT, to its known digits.
     assert!(fit.misfit() < 0.378_535, "{}", fit.misfit());
     let outcomes = &wrong.best.as_ref().unwrap().constraints;
     assert!(
@@ -106,11 +107,11 @@ fn a_length_that_stands_still_hides_no_optimum() {
     assert_converged(best(&tuned(&stored("unmovable_length_hangs.toml", &[]))));
 }
 
-/// A target that no variable changes, missed by a hundred tolerances, changes neither the optimum of the other targets
-/// nor the good-enough level.
+/// A target that no variable affects is missed by a hundred tolerances. It changes neither the optimum of the other
+/// targets nor the good-enough level.
 #[test]
 fn a_missed_target_that_stands_still_hides_no_other() {
-    // Static toe fixes toe in the design position, whatever moves.
+    // Static toe determines toe in the design position, whatever the variables are.
     let other = "{ characteristic = \"camber_gain\", at = 0.0, value = -0.03, tolerance = 0.0005 }";
     let still = "{ characteristic = \"toe\", at = 0.0, value = 5.0, tolerance = 0.05 }";
     for good_enough in ["optimise.good_enough=0.0", "optimise.good_enough=0.5"] {
@@ -125,7 +126,7 @@ fn a_missed_target_that_stands_still_hides_no_other() {
         assert_eq!(both.unmoved, [1]);
         let (alone, both) = (alone.best.unwrap(), both.best.unwrap());
         let [alone, both] = [alone, both].map(|best| best.after.targets[0].rms);
-        // The good-enough level applies to the misfit of both targets, so a single target may have up to sqrt(2) times
+        // The good-enough level applies to the misfit of both targets. So a single target may have up to sqrt(2) times
         // this level.
         assert!(
             both <= 0.5 * 2.0_f64.sqrt() + 1e-6,
@@ -138,7 +139,8 @@ fn a_missed_target_that_stands_still_hides_no_other() {
     }
 }
 
-/// Three tunings whose return to the nearest design once failed now reach the squared distances that IPOPT finds.
+/// In three tunings, an earlier version did not find the way back to the nearest design. Now they reach the squared
+/// distances that IPOPT finds.
 #[test]
 fn ways_back_that_failed_reach_the_nearest_design() {
     for (name, least) in [
@@ -151,7 +153,7 @@ fn ways_back_that_failed_reach_the_nearest_design() {
         let fit = best(&tuning);
         assert_converged(fit);
         let found = moved(&study, fit);
-        // The values of IPOPT have three digits.
+        // The reference values from IPOPT have three digits.
         assert!(found < least + 0.0005, "{name}: {found}");
         assert!(
             fit.ended().starts_with("converged: smallest change"),

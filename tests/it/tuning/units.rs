@@ -1,5 +1,5 @@
-//! Tests that margins and prices have the units in which a study writes its limits, and that the output names these
-//! units.
+//! Tests of the units of margins and prices. Margins and prices have the units in which a study writes its limits, and
+//! the output names these units.
 
 use hardpoint::optimise::Control;
 use hardpoint::report::{TuningSummary, as_written};
@@ -7,7 +7,7 @@ use hardpoint::study::Study;
 use serde_json::Value;
 use std::path::Path;
 
-/// Strut with constraints in every unit; lengths in millimetres are multiplied by `per`.
+/// Strut with constraints in every unit. Lengths in millimetres are multiplied by `per`.
 fn strut(unit: &str, per: f64) -> Study {
     let point = |v: [f64; 3]| format!("{:?}", v.map(|c| c * per));
     let length = |v: f64| format!("{:?}", v * per);
@@ -111,7 +111,7 @@ fn margins_and_prices_are_in_the_study_s_unit() {
         let lists = [&wanted, &found].map(|summary| summary["constraints"].as_array().unwrap());
         assert_eq!(lists[0].len(), 7);
         for (number, (mm, own)) in lists[0].iter().zip(lists[1]).enumerate() {
-            // Factor from the study in millimetres for a number of this unit.
+            // Factor that converts a number of this unit from the study in millimetres.
             let (symbol, factor) = match number {
                 0 | 1 => (unit.to_owned(), per),
                 2 => (format!("deg/{unit}"), 1.0 / per),
@@ -142,8 +142,8 @@ fn margins_and_prices_are_in_the_study_s_unit() {
     }
 }
 
-/// The manual's example of a planar rocker works in the study of a rocker: the points stay in one plane, although the
-/// variables could move them out of it.
+/// The manual's example of a planar rocker works in the study of a rocker. The points stay in one plane, although the
+/// variables alone could move them out of it.
 #[test]
 fn the_manual_s_planar_rocker_is_tuned() {
     let manual = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/tuning.md");

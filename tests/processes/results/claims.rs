@@ -2,8 +2,7 @@
 
 use super::*;
 
-/// The same command with the same study replaces its files. The program refuses any other replacement, and loses
-/// nothing.
+/// A command with the same study replaces its own files. The program refuses any other replacement. No file is lost.
 #[test]
 fn only_the_same_study_and_command_replace_results() {
     let bench = Bench::new();
@@ -35,7 +34,7 @@ fn only_the_same_study_and_command_replace_results() {
         }
         assert_eq!(contents(&bench.path(command)), before);
     }
-    // With --force, other commands replace the results, and no file of the former run stays.
+    // With `--force`, another command replaces the results. No file of the earlier run stays.
     let forced = ["solve", "study.toml", "--out", "sweep", "--force"];
     bench.run(&forced).success();
     let names = |run: &str| -> Vec<String> {
@@ -45,7 +44,7 @@ fn only_the_same_study_and_command_replace_results() {
     assert_eq!(names("sweep"), names("solve"));
 }
 
-/// In the default directory the program moves older results aside and keeps them.
+/// In the default directory, the program moves older results to another directory and keeps them.
 #[test]
 fn in_the_default_directory_older_results_are_moved_aside() {
     let bench = Bench::new();
@@ -59,7 +58,7 @@ fn in_the_default_directory_older_results_are_moved_aside() {
     bench.run(&["solve", "study.toml"]).success();
     assert_eq!(contents(&bench.path("out/study")), solved);
     assert_eq!(contents(&bench.path("out/study.2")), tuned);
-    // The program refuses to move results aside if the directory contains a file of another program, or an input.
+    // The program refuses to move results if their directory contains a file of another program, or an input.
     fs::write(bench.path("out/study/notes.txt"), "mine").unwrap();
     let other = ["--set", "motion.travel=[-30.0, 0.0, 30.0]"];
     bench.refused(
@@ -106,7 +105,8 @@ fn foreign_files_are_never_touched() {
         bench.run(&[&call[..], &["--force"]].concat()).success();
         assert_ne!(fs::read(&path).unwrap(), b"mine");
     }
-    // The program keeps a foreign page if no page is requested, and refuses to replace it if one is.
+    // If no page is requested, the program keeps a page that it did not write. If a page is requested, the program
+    // refuses to replace that page.
     let bench = Bench::new();
     fs::create_dir(bench.path("out")).unwrap();
     fs::write(bench.path("out/report.html"), "mine").unwrap();
@@ -121,7 +121,7 @@ fn foreign_files_are_never_touched() {
     assert_eq!(bench.read("out/report.html"), "mine");
     bench.run(&["report", "out", "--force"]).success();
     bench.run(&["report", "out"]).success();
-    // The program also keeps foreign pictures, and refuses to replace them.
+    // The program also keeps pictures that it did not write, and refuses to replace them.
     fs::create_dir(bench.path("drawn")).unwrap();
     fs::write(bench.path("drawn/overview.svg"), "mine").unwrap();
     bench.refused(&["report", "out", "--plots", "drawn"], &["overview.svg"]);
@@ -157,7 +157,7 @@ fn inputs_are_never_overwritten() {
         &["designs.csv is an input"],
     );
     assert_eq!(bench.read("designs.csv"), rows);
-    // A tuned study may run in its own directory.
+    // A tuned study can run in the directory in which it is.
     bench
         .run(&["optimise", "optimised.toml", "--out", "a"])
         .success();
@@ -173,7 +173,7 @@ fn inputs_are_never_overwritten() {
     assert_eq!(bench.read("a/optimised.toml"), tuned);
 }
 
-/// If the study's name consists of dots, the program does not derive a directory from it.
+/// If the study's name consists of dots, the program does not use it as the name of a directory.
 #[test]
 fn a_study_called_by_dots_writes_nowhere_else() {
     let bench = Bench::new();
@@ -188,7 +188,8 @@ fn a_study_called_by_dots_writes_nowhere_else() {
     }
 }
 
-/// If two runs need one directory at the same time, the second one is told which run uses it.
+/// Two runs need the same directory at the same time. The message of the second run names the run that uses the
+/// directory.
 #[test]
 fn one_run_at_a_time_writes_to_a_directory() {
     let bench = Bench::new();
@@ -210,7 +211,7 @@ fn one_run_at_a_time_writes_to_a_directory() {
             ],
         );
     }
-    // Releases the lock, as when its owner dies.
+    // Releases the lock, as the system does when the process that holds the lock ends.
     drop(lock);
     bench
         .run(&["solve", "study.toml", "--out", "out"])
@@ -218,8 +219,8 @@ fn one_run_at_a_time_writes_to_a_directory() {
     assert!(!path.exists());
 }
 
-/// A sweep keeps a copy of its study, so that the sweep can run again. If the results go into the directory of the
-/// study, the program does not change the study.
+/// A sweep keeps a copy of its study, so that the sweep can run again. If the results are written into the directory of
+/// the study, the program does not change the study.
 #[test]
 fn a_sweep_keeps_its_study() {
     let bench = Bench::new();
@@ -242,7 +243,7 @@ fn a_sweep_keeps_its_study() {
         assert_eq!(bench.read("run/study.toml"), kept);
         assert_eq!(bench.read("run/designs.csv"), rows);
     }
-    // A solve keeps a copy of its study too, also if it replaces results of an earlier version of the study.
+    // A solve also keeps a copy of its study, even if it replaces results of an earlier version of the study.
     bench
         .run(&["solve", "study.toml", "--out", "solved"])
         .success();
@@ -253,7 +254,7 @@ fn a_sweep_keeps_its_study() {
     assert_eq!(bench.read("solved/study.toml"), STUDY);
 }
 
-/// The kept copy finds the designs that the study names, wherever it is.
+/// The study names a file of designs. The kept copy of the study finds this file, wherever the copy is.
 #[test]
 fn a_kept_study_finds_its_designs() {
     let bench = Bench::new();
@@ -280,7 +281,7 @@ fn a_kept_study_finds_its_designs() {
     );
 }
 
-/// A reader of the printed text may stop early: the results exist, and their record says finished.
+/// A reader of the printed text may stop early. The results are still complete, and their record says "finished".
 #[test]
 fn a_closed_pipe_leaves_a_finished_run() {
     let bench = Bench::new();
@@ -312,8 +313,8 @@ fn a_closed_pipe_leaves_a_finished_run() {
     }
 }
 
-/// The program refuses pictures that it cannot write before it writes anything, and names the option that sets their
-/// directory.
+/// If the program cannot write the pictures, it refuses the run before it writes anything. The message names the option
+/// that sets the directory of the pictures.
 #[test]
 fn pictures_in_the_way_are_refused_before_a_run() {
     let bench = Bench::new();
@@ -342,7 +343,7 @@ fn pictures_in_the_way_are_refused_before_a_run() {
         bench.refused(&call("new/pictures", &[]), &["summary.json", "with --out"]);
         assert!(!bench.path("new").exists(), "{command}");
         fs::remove_dir_all(bench.path("run")).unwrap();
-        // Pictures in the results directory count as results and are replaced in later runs.
+        // Pictures in the results directory belong to the results, so later runs replace them.
         for _ in 0..2 {
             bench.run(&call("run", &[])).success();
         }
@@ -373,8 +374,8 @@ fn pictures_in_the_way_are_refused_before_a_run() {
     );
 }
 
-/// The program does not replace pictures of another study. It removes stale pictures of the same study, and those that
-/// `--force` replaces.
+/// The program does not replace pictures of another study. It removes outdated pictures of the same study. With
+/// `--force` it also removes the pictures of the other study.
 #[test]
 fn pictures_of_two_studies_are_not_mixed() {
     let bench = Bench::new();
@@ -388,7 +389,7 @@ fn pictures_of_two_studies_are_not_mixed() {
     bench.refused(&call("two", &other), &["pictures holds", "with --plots"]);
     assert_eq!(contents(&bench.path("pictures")), before);
     assert!(!bench.path("two").exists());
-    // A later command may make the page and pictures of the same run again.
+    // Another command can make the page and pictures of the same run again.
     bench
         .run(&["report", "one", "--plots", "pictures"])
         .success();
@@ -399,8 +400,8 @@ fn pictures_of_two_studies_are_not_mixed() {
     assert!(!bench.path("pictures/camber_deg.svg").exists());
 }
 
-/// A run without a page or pictures removes those of an earlier run, because they would not match the new results. It
-/// names the removed files, and the option that writes them again.
+/// A run without a page or pictures removes those of an earlier run, because they would not match the new results. The
+/// message names the removed files, and the option that writes them again.
 #[test]
 fn removed_pages_and_pictures_are_named() {
     let bench = Bench::new();
@@ -435,8 +436,8 @@ fn removed_pages_and_pictures_are_named() {
     assert!(said(&["--plots", "pictures"]).contains("pictures: camber_deg.svg"));
 }
 
-/// If a sweep occupies the directory, another command cannot tell whether the sweep used the same study. The message
-/// states the command and the study of the existing results, and does not compare the studies.
+/// If the directory contains a sweep, another command cannot tell whether the sweep used the same study. The message
+/// states the command and the study of the existing results. It does not compare the studies.
 #[test]
 fn results_in_the_way_are_called_what_is_known_of_them() {
     let bench = Bench::new();

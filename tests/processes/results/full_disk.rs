@@ -1,9 +1,9 @@
-//! Tests of a full disk, simulated by a limit on the size of files.
+//! Tests of a full disk. A limit on the size of files simulates the full disk.
 
 use super::*;
 
-/// Complete files stay complete, partial files do not count as results, and the sweep continues once the disk has space
-/// again.
+/// The disk gets full. Complete files stay complete, and partial files do not count as results. When the disk has space
+/// again, the sweep continues.
 #[cfg(unix)]
 #[test]
 fn a_full_disk_loses_nothing_that_was_whole() {
@@ -13,7 +13,7 @@ fn a_full_disk_loses_nothing_that_was_whole() {
         .success();
     let limited = |blocks: u32, call: &str| {
         let program = assert_cmd::cargo::cargo_bin("hardpoint");
-        // SIGXFSZ would kill the process, but a full disk would not, so the test ignores the signal.
+        // SIGXFSZ would kill the process, which a full disk would not do. So the test ignores this signal.
         let script = format!(
             "trap '' XFSZ; ulimit -f {blocks}; exec '{}' {call}",
             program.display()
@@ -26,7 +26,7 @@ fn a_full_disk_loses_nothing_that_was_whole() {
             String::from_utf8_lossy(&output.stderr).into_owned(),
         )
     };
-    // Blocks have 512 or 1024 bytes: enough space for the record of the run, but not for the rows.
+    // Blocks have 512 or 1024 bytes. This is enough space for the record of the run, but not for the rows.
     let (code, said) = limited(6, "sweep study.toml --out full");
     assert_eq!(code, Some(1), "{said}");
     assert!(
@@ -47,8 +47,8 @@ fn a_full_disk_loses_nothing_that_was_whole() {
         contents(&bench.path("whole"))
     );
 
-    // A tuning and a solve replace their own earlier results while the disk fills. Each file is then either complete
-    // and old, or complete and new.
+    // A tuning and a solve replace their own earlier results while the disk gets full. Each file is then either
+    // complete and old, or complete and new.
     for command in ["solve", "optimise"] {
         let call = [command, "study.toml", "--out", command];
         bench.run(&call).success();
@@ -66,7 +66,7 @@ fn a_full_disk_loses_nothing_that_was_whole() {
     }
 }
 
-/// Help and version that cannot be printed are an error.
+/// If the program cannot print help or version, it reports an error.
 #[cfg(target_os = "linux")]
 #[test]
 fn help_that_cannot_be_printed_is_an_error() {

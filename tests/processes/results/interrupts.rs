@@ -1,4 +1,4 @@
-//! Tests of signals: the first one ends a run, and its files record that.
+//! Tests of signals: the first signal ends a run, and the written files record the interruption.
 
 use super::*;
 use serde_json::Value;
@@ -30,8 +30,8 @@ fn sample(bench: &Bench, name: &str) {
     fs::copy(path, bench.path(name)).unwrap();
 }
 
-/// An interrupted run keeps its finished builds: the numbers equal those of a run with that many builds, and no file
-/// claims to be finished.
+/// An interrupted run keeps its finished builds. The numbers equal those of a run with that number of builds. No file
+/// says that the run has finished.
 #[test]
 fn an_interrupted_tolerance_is_a_shorter_one_and_says_so() {
     let bench = Bench::new();
@@ -53,7 +53,7 @@ fn an_interrupted_tolerance_is_a_shorter_one_and_says_so() {
             assert_eq!([&state["finished"], &state["interrupted"]], [false, true]);
         }
         let Some(builds) = summary["builds"].as_u64() else {
-            // On a very busy machine no block of builds may be finished.
+            // On a very busy machine, possibly no block of builds is finished.
             bench.run(&["report", "run"]).code(2);
             continue;
         };
@@ -84,7 +84,7 @@ fn an_interrupted_tolerance_is_a_shorter_one_and_says_so() {
     }
 }
 
-/// An interrupted run without partial results ends immediately; the next run computes everything.
+/// An interrupted run without partial results ends immediately. The next run computes everything.
 #[test]
 fn an_interrupted_solve_has_no_results_and_is_run_again() {
     let bench = Bench::new();
@@ -122,7 +122,7 @@ fn an_interrupted_solve_has_no_results_and_is_run_again() {
     assert_eq!(json(&bench, "run/summary.json")["finished"], true);
 }
 
-/// If a report of a finished run is interrupted, the run stays finished. A second signal also takes effect.
+/// If a report of a finished run is interrupted, the run still counts as finished. A second signal also takes effect.
 #[test]
 fn signals_do_not_unmake_a_finished_run() {
     let bench = Bench::new();
@@ -134,7 +134,7 @@ fn signals_do_not_unmake_a_finished_run() {
         signal(&process, "-INT");
         signal(&process, "-INT");
         let ended = process.wait_with_output().unwrap().status;
-        // Before the program installs its handler, the signal itself ends it.
+        // Before the program has installed its handler, the operating system ends the program at the signal.
         assert!(matches!(ended.code(), Some(0 | 130) | None), "{ended}");
         let run = json(&bench, "run/run.json");
         assert_eq!(run["runs"][0]["finished"], true);
@@ -143,13 +143,14 @@ fn signals_do_not_unmake_a_finished_run() {
     bench.run(&["report", "run"]).success();
 }
 
-/// State of the only run of a directory: finished, interrupted.
+/// State of the only run in a directory: `finished` and `interrupted`.
 fn state(bench: &Bench) -> [Value; 2] {
     let run = json(bench, "run/run.json");
     ["finished", "interrupted"].map(|key| run["runs"][0][key].clone())
 }
 
-/// Interrupts a command on the road car after a file appeared and some time passed. Returns its exit code and output.
+/// Runs a command on the road car. Sends a signal some time after a file has appeared. Returns the exit code and the
+/// output.
 fn interrupted_car(bench: &Bench, call: &[&str], begun: &str, seconds: f64) -> (i32, String) {
     for name in ["car.toml", "car_front.toml", "car_rear.toml"] {
         sample(bench, name);
@@ -166,7 +167,8 @@ fn interrupted_car(bench: &Bench, call: &[&str], begun: &str, seconds: f64) -> (
     (ended.status.code().unwrap(), said.concat())
 }
 
-/// An interrupted tuning of a car keeps its best design so far: three studies that run, with tuned rates.
+/// An interrupted tuning of a car keeps the best design so far. This design consists of three studies that can be
+/// solved, with tuned rates.
 #[test]
 fn an_interrupted_tuning_of_a_car_keeps_its_best_design() {
     let bench = Bench::new();
@@ -185,14 +187,14 @@ fn an_interrupted_tuning_of_a_car_keeps_its_best_design() {
     assert!(tuned != bench.read("car_front.toml"));
     assert!(said.contains("interrupted"), "{said}");
     let summary = json(&bench, "run/summary.json");
-    // On a slow machine the run may have written only the studies before the signal.
+    // On a slow machine, the run may have written only the studies before the signal.
     if let Some(interrupted) = summary["interrupted_starts"].as_u64() {
         assert!((1..1000).contains(&interrupted) && said.contains(" of 1000 starts done"));
         assert!(summary["misfit"].as_f64().unwrap() < 1.0);
     }
 }
 
-/// An interrupted map keeps its finished rows. They equal the rows of a whole map.
+/// An interrupted map keeps its finished rows. These rows equal those of a complete map.
 #[test]
 fn an_interrupted_map_keeps_its_finished_rows() {
     let bench = Bench::new();
@@ -228,7 +230,7 @@ fn an_interrupted_sweep_of_a_car_keeps_its_parts() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/car.toml");
     let text = fs::read_to_string(path).unwrap();
     let part = |from: &str, to: &str| &text[text.find(from).unwrap()..text.find(to).unwrap()];
-    // Leaves out the load cases, so that the car has only its static position.
+    // Omits the load cases, so that the car has only its static position.
     let few = "[outputs]\ncharacteristics = [\"roll\"]\n";
     let text = [
         part("[car]", "[[cases]]"),
@@ -248,8 +250,8 @@ fn an_interrupted_sweep_of_a_car_keeps_its_parts() {
     }
 }
 
-/// If a comparison reports its interruption, it has the exit code of a signal. If it finishes before the signal, it
-/// reports no interruption.
+/// If a comparison reports an interruption, its exit code is that of a signal. If the comparison finishes before the
+/// signal, it reports no interruption.
 #[test]
 fn a_comparison_is_interrupted_or_finished() {
     let bench = Bench::new();

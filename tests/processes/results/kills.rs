@@ -1,4 +1,4 @@
-//! Tests of runs killed at random moments.
+//! Tests of runs that are killed at random moments.
 
 use super::*;
 use std::thread::sleep;
@@ -12,8 +12,8 @@ fn fraction(seed: &mut u64) -> f64 {
     (*seed >> 33) as f64 / (1_u64 << 31) as f64
 }
 
-/// Asserts that the directory of a killed run contains only files of a complete run, equal to the byte, the progress
-/// record, and leftovers.
+/// Asserts that the directory of a killed run contains no other files than these: files of a complete run (equal to the
+/// byte), the record of the progress, and leftovers.
 fn assert_nothing_is_torn(directory: &Path, whole: &[(String, Vec<u8>)]) {
     for (name, text) in contents(directory) {
         if name.starts_with(".hardpoint-") || name == "run.json" {
@@ -36,16 +36,17 @@ fn assert_nothing_is_torn(directory: &Path, whole: &[(String, Vec<u8>)]) {
     }
 }
 
-/// Disk space for the files of the second run.
+/// Disk space for the files of the second run in a directory.
 #[derive(Clone, Copy, PartialEq)]
 enum Disk {
     Empty,
-    /// The disk fills at random: some runs find no space before the first write, others in the last file.
+    /// The disk gets full at a random moment: some runs find no space before the first write, others during the last
+    /// file.
     Fills,
 }
 
-/// Kills sweeps and tunings at random moments, each with a second run in the same directory. Their files are complete,
-/// foreign files are unchanged, and the next run ends with the bytes of an undisturbed one.
+/// Kills sweeps and tunings at random moments, each with a second run in the same directory. The files of both runs are
+/// complete, and files of other programs are unchanged. The next run ends with the same bytes as an undisturbed run.
 fn kill(rounds: u64, samples: &str, disk: Disk) {
     let bench = Bench::new();
     let many = format!("sweep.samples={samples}");
@@ -92,7 +93,7 @@ fn kill(rounds: u64, samples: &str, disk: Disk) {
                 sleep(Duration::from_millis((30.0 * fraction(&mut seed)) as u64));
                 first.kill().unwrap();
                 first.wait().unwrap();
-                // The second run found the directory in use, or free and as the first run left it.
+                // The second run found the directory either in use, or as the killed run left it.
                 let second = second.wait_with_output().unwrap();
                 let said = String::from_utf8_lossy(&second.stderr);
                 let is_full = said.contains("cannot write");
@@ -128,14 +129,14 @@ fn a_dozen_kills_lose_nothing() {
     kill(3, "20000", Disk::Empty);
 }
 
-/// With a full disk for the second run, as a limit on the size of files, kills lose nothing.
+/// The disk is full for the second run (simulated by a limit on the size of files). Kills lose nothing.
 #[cfg(unix)]
 #[test]
 fn kills_on_a_full_disk_lose_nothing() {
     kill(2, "20000", Disk::Fills);
 }
 
-/// Long run by `.ci/long`: each round kills two sweeps or tunings, some in the middle of a second part.
+/// Long test of `.ci/long`: each round kills two sweeps or tunings, some of them in the middle of a second part.
 #[test]
 #[ignore = "takes minutes"]
 fn a_hundred_kills_lose_nothing() {

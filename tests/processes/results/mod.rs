@@ -1,4 +1,4 @@
-//! Tests of the allowed and forbidden losses in a results directory, with any writer and any end of a run.
+//! Tests of which files of a results directory may be lost, whatever program writes there and however a run ends.
 
 mod claims;
 mod full_disk;
@@ -12,7 +12,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 
-/// Strut with two travels for speed, with a sweep and a tuning.
+/// Study of a strut with two travels (to save time), with a sweep and a tuning.
 const STUDY: &str = r#"[suspension]
 topology = "macpherson"
 
@@ -73,9 +73,9 @@ impl Bench {
         command.spawn().unwrap()
     }
 
-    /// Starts a command whose files may have at most this many blocks of 512 or 1024 bytes.
+    /// Starts a command. Each file that it writes may have at most this many blocks of 512 or 1024 bytes.
     fn start_with_room(&self, arguments: &[&str], blocks: u64) -> Child {
-        // SIGXFSZ would kill the process, but a full disk would not, so the test ignores the signal.
+        // SIGXFSZ would kill the process, which a full disk would not do. So the test ignores this signal.
         let script = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$0\" \"$@\"");
         let mut shell = Command::new("sh");
         shell.current_dir(self.0.path()).args(["-c", &script]);
@@ -85,7 +85,7 @@ impl Bench {
         shell.spawn().unwrap()
     }
 
-    /// Runs a call that must be refused with a message that has all the phrases.
+    /// Runs a call that must be refused. The message must contain all the phrases.
     fn refused(&self, arguments: &[&str], phrases: &[&str]) {
         let assert = self.run(arguments).code(2);
         let said = String::from_utf8_lossy(&assert.get_output().stderr).into_owned();

@@ -1,10 +1,10 @@
-//! Tests that a refused study writes nothing and does not hang.
+//! Tests that the program writes nothing and does not hang if it refuses a study.
 
 use super::*;
 use std::time::{Duration, Instant};
 
-/// Strut that the point coordinates can solve but the pose of its knuckle cannot, because its design position is
-/// singular.
+/// Strut whose design position is singular for the pose of the knuckle. The formulation in point coordinates can solve
+/// this strut.
 const SINGULAR: &str = r#"[suspension]
 topology = "macpherson"
 length_unit = "m"
@@ -58,8 +58,8 @@ fn commands_agree_on_what_they_refuse() {
         .success();
 }
 
-/// Motions have a limited number of stations, so that all results fit in memory. The refusal names the key, the
-/// largest allowed number of stations (100000) and the requested number.
+/// Motions have a limited number of stations, so that all results fit in memory. The refusal states the key, the
+/// largest number of stations (100000), and the requested number.
 #[test]
 fn ten_million_stations_are_refused() {
     let bench = Bench::new();
@@ -71,7 +71,7 @@ fn ten_million_stations_are_refused() {
     assert!(!bench.path("out").exists());
 }
 
-/// The program refuses endless devices and pipes without a writer wherever it expects a file.
+/// Devices without end, and pipes to which nobody writes, are refused wherever the program expects a file.
 #[cfg(unix)]
 #[test]
 fn devices_and_named_pipes_are_no_files() {
@@ -113,12 +113,12 @@ fn devices_and_named_pipes_are_no_files() {
     }
 }
 
-/// The program does not read a file to its end if it is longer than any such file.
+/// If a file is longer than any useful file, the program does not read the file to its end.
 #[test]
 fn long_files_are_not_read_to_their_end() {
     let bench = Bench::new();
     let file = fs::File::create(bench.path("long")).unwrap();
-    // The file is sparse and takes no space on the disk.
+    // The file is sparse, so it takes no space on the disk.
     file.set_len(3 << 30).unwrap();
     for call in [
         &["check", "long"][..],
@@ -137,7 +137,7 @@ fn long_files_are_not_read_to_their_end() {
     }
 }
 
-/// If someone has replaced a lock by a link, the program names it and does not wait.
+/// If someone has replaced a lock file by a link, the message names this link. The program does not wait.
 #[cfg(unix)]
 #[test]
 fn a_link_in_place_of_a_lock_is_named() {

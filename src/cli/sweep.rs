@@ -284,6 +284,10 @@ fn left_out(study: &Study) -> Vec<&'static str> {
             ("sensitivities", !own.outputs.sensitivities.is_empty()),
             ("certify", own.outputs.certify),
             ("loads", !own.outputs.loads.is_empty()),
+            (
+                "lengths, plunges, articulations and clearances",
+                !own.outputs.measures.is_empty(),
+            ),
         ],
         Vehicle::Axle(both) => vec![
             ("sensitivities", !both.plan.sensitivities.is_empty()),

@@ -199,6 +199,32 @@ fn derivatives_are_slopes() {
     }
 }
 
+/// The angle of a joint has a kink at 0, in the design position. There it has no derivatives, although rounding gives the angle
+/// a value of about 1e-15. Near this position, the slopes on both sides are opposite.
+#[test]
+fn an_angle_of_zero_has_no_derivatives() {
+    let joints = ["upper_ball_joint", "lower_ball_joint", "tie_rod_outer"];
+    let outputs = format!("order = \"acceleration\"\narticulations = {joints:?}");
+    let sample = study(&outputs, "[-0.001, 0.0, 0.001]");
+    let design = &sample.wheel().design;
+    for shift in 0..20 {
+        // Every design has other rounding errors.
+        let moved = |point: &hardpoint::number::Vector3<f64>| *point * (1.0 + 1e-3 * f64::from(shift));
+        let found = solve(&sample.at_design(design.iter().map(moved).collect()));
+        let value = |name: String, station: usize| {
+            let place = found.columns.iter().position(|c| c.name == name).unwrap();
+            found.stations[station].values[place]
+        };
+        for joint in joints {
+            let slope = |station| value(format!("{joint}_articulation_d1_deg_per_mm"), station);
+            let curvature = format!("{joint}_articulation_d2_deg_per_mm2");
+            assert!(slope(1).is_err() && value(curvature, 1).is_err(), "{joint}");
+            let sides = [slope(0), slope(2)].map(Result::unwrap);
+            assert!((sides[0] + sides[1]).abs() < 1e-5, "{joint}: {sides:?}");
+        }
+    }
+}
+
 /// Sensitivities equal difference quotients of values and rates with respect to a coordinate of the nominal design.
 #[test]
 fn sensitivities_are_slopes_by_the_hardpoints() {

@@ -289,11 +289,26 @@ impl Measure {
     /// Reason for a missing derivative of an angle.
     pub const KINK: &'static str = "the angle of the joint is 0, where it has a kink";
 
+    /// Smallest angle in rad with derivatives. Rounding errors turn the direction of the stud by about 1e-15 rad. Below this
+    /// angle, they would change the derivatives by more than 1e-6 of their value.
+    const LEAST_ANGLE: f64 = 1e-9;
+
+    /// Versine of an angle that has derivatives: exactly 0, without derivatives, below [`Self::LEAST_ANGLE`].
+    fn versine_of_angle<T: Scalar>(versine: T) -> T {
+        let least = 0.5 * Self::LEAST_ANGLE * Self::LEAST_ANGLE;
+        if versine.value() < least {
+            versine.zero()
+        } else {
+            versine
+        }
+    }
+
     /// Value that outputs show: the angle in rad if the measure is 1 minus its cosine, else the value itself. 1 - cos a = v
     /// gives a = 2 asin(sqrt(v/2)), which is accurate for small angles, too.
     pub fn shown<T: Scalar>(&self, at: &Configuration<T>) -> T {
         let value = self.value(at);
         if self.is_versine() {
+            let value = Self::versine_of_angle(value);
             value.scaled(0.5).sqrt().asin().scaled(2.0)
         } else {
             value
@@ -322,7 +337,7 @@ impl Measure {
         }
         let mut slope = Jet::constant(1.0);
         if self.is_versine() {
-            let value = self.formula(&vectors);
+            let value = Self::versine_of_angle(self.formula(&vectors));
             slope = slope / (value * (Jet::constant(2.0) - value)).sqrt();
         }
         buffer.fill(zero);

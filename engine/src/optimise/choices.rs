@@ -10,8 +10,8 @@ use crate::mechanism::DesignFault;
 use crate::study::{Optimise, Scatter, Vehicle};
 use nalgebra::DVector;
 
-/// Limits the misfit of the targets outside the front to this multiple of their misfit after the tuning of all targets. If
-/// one tolerance is larger, the limit is one tolerance.
+/// Limits the misfit of each target outside the front to this multiple of its misfit after the tuning of all targets. If one
+/// tolerance is larger, the limit is one tolerance.
 const AS_GOOD: f64 = 1.01;
 /// Number of steps in a price list.
 const STEPS: usize = 10;
@@ -84,7 +84,7 @@ impl Tuner<'_> {
         let others: Vec<usize> = (0..self.optimise.targets.len())
             .filter(|target| !goals.iter().any(|goal| goal.targets.contains(target)))
             .collect();
-        let tracer = |rest: Option<(Criterion, f64)>| Tracer {
+        let tracer = |rest: Vec<(Criterion, f64)>| Tracer {
             problem: || self.problem(),
             bounds: &self.bounds,
             distance: &distance,
@@ -96,15 +96,15 @@ impl Tuner<'_> {
             options: &options,
             control: self.control,
         };
-        let rest = (!others.is_empty()).then(|| {
-            let aim = self.layout.aim(&others);
-            let all = Tracer {
-                aims: vec![aim.clone()],
-                ..tracer(None)
-            };
-            let best = tuning.starts.best_fit().and_then(|fit| all.amounts(&fit.x));
-            (aim, best.map_or(1.0, |best| (AS_GOOD * best[0]).max(1.0)))
-        });
+        let aims: Vec<Criterion> = others.iter().map(|own| self.layout.aim(&[*own])).collect();
+        let all = Tracer {
+            aims: aims.clone(),
+            ..tracer(Vec::new())
+        };
+        let best = tuning.starts.best_fit().and_then(|fit| all.amounts(&fit.x));
+        let best = best.unwrap_or_else(|| vec![1.0; aims.len()]);
+        let levels = best.iter().map(|best| (AS_GOOD * best).max(1.0));
+        let rest = aims.into_iter().zip(levels).collect();
         let traced = tracer(rest).front(&starts, self.optimise.good_enough);
         Front {
             choices: traced
@@ -126,7 +126,7 @@ impl Tuner<'_> {
             bounds: &self.bounds,
             distance: &distance,
             aims: vec![self.all_targets(), Criterion::movement()],
-            rest: None,
+            rest: Vec::new(),
             options: &options,
             control: self.control,
         };

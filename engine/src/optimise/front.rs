@@ -42,6 +42,8 @@ const LEVELS: usize = 6;
 /// Ratio of a criterion to its least value, up to which the criterion counts as equally low. A limit at exactly the least
 /// value would leave no freedom to lower the other criteria: no neighbouring design satisfies such a limit.
 const AS_LOW: f64 = 1.0001;
+/// Violation that a step may add, in tolerances.
+const NEAR_LEVEL: f64 = 1.0;
 /// Smallest level.
 const LEAST_LEVEL: f64 = 1e-6;
 /// Smallest improvement that counts, as a share of the front's extent.
@@ -72,8 +74,8 @@ pub(super) struct Tracer<'a, F> {
     pub bounds: &'a Bounds,
     pub distance: &'a Distance<'a>,
     pub aims: Vec<Criterion>,
-    /// Criterion that always has a limit, with its level.
-    pub rest: Option<(Criterion, f64)>,
+    /// Criteria that always have a limit, with their levels.
+    pub rest: Vec<(Criterion, f64)>,
     pub options: &'a Options,
     pub control: Control<'a>,
 }
@@ -93,18 +95,22 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         found.min_by(|a, b| a.amounts[aim].total_cmp(&b.amounts[aim]))
     }
 
+    /// Lowers a criterion from one start. A step that exceeds a level by far can lead to a part of the space without feasible
+    /// designs, so the run refuses such steps.
     fn lower_from(&self, aim: usize, held: &[(usize, f64)], start: &DVector<f64>) -> Option<Found> {
-        let mut levels: Vec<(&Criterion, f64)> = held
-            .iter()
-            .map(|(h, level)| (&self.aims[*h], *level))
-            .collect();
-        levels.extend(self.rest.as_ref().map(|(rest, level)| (rest, *level)));
+        let own = held.iter().map(|(h, level)| (&self.aims[*h], *level));
+        let rest = self.rest.iter().map(|(rest, level)| (rest, *level));
+        let levels = own.chain(rest).collect();
         let trade = ConstrainedTrade::new((self.problem)(), self.distance, &self.aims[aim], levels);
         let control = Control {
             watch: None,
             ..self.control
         };
-        let fit = constrained_fit(0, trade, self.bounds, start, self.options, control).ok()?;
+        let options = Options {
+            violation_below: NEAR_LEVEL,
+            ..self.options.clone()
+        };
+        let fit = constrained_fit(0, trade, self.bounds, start, &options, control).ok()?;
         if !fit.is_feasible() {
             return None;
         }

@@ -14,13 +14,15 @@ use crate::study::{
 };
 
 /// Characteristics that are compared in addition to the study's outputs.
-const COMPARED: [Characteristic; 6] = [
+const COMPARED: [Characteristic; 8] = [
     Characteristic::Camber,
     Characteristic::Toe,
     Characteristic::Caster,
     Characteristic::KingpinInclination,
     Characteristic::ScrubRadius,
     Characteristic::HalfTrackChange,
+    Characteristic::RollCentreHeight,
+    Characteristic::MotionRatio,
 ];
 
 /// Computes the study's outputs and the compared characteristics over a motion.

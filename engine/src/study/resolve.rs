@@ -1,6 +1,7 @@
 //! Resolves the file as written to a study.
 
 use super::compliance::{BushingText, NamedBushing, NamedParts};
+use super::constraints::check_studs;
 use super::error::{Problems, Source, StudyError, StudyErrors};
 use super::targets::FromFile;
 use super::{
@@ -183,6 +184,7 @@ fn resolve(
         named_motions::of_wheel(&file, of_axle, &mut problems);
         return problems.finish(None);
     };
+    check_studs(&file, &suspension, &mut problems);
     let main = MainSections::read(&file, &suspension, (parts, directory), &mut problems);
     let context = main.context(&file, &suspension, directory);
     let tasks = Tasks::read(&context, main.is_known(), main.formulation, &mut problems);

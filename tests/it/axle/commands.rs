@@ -376,6 +376,48 @@ fn an_axle_is_tuned() {
     assert!(said.contains("18 of 18 stations solved"), "{said}");
 }
 
+/// The front of two goals has a design that is at least as good as the tuned design in both goals, up to the distance of two
+/// points.
+#[test]
+fn no_tuned_design_is_better_than_its_front() {
+    let path = study("macpherson_axle_front.toml");
+    let out = folder("front_of_two");
+    let [path, directory] = [&path, &out].map(|p| p.to_str().unwrap());
+    let sets = [
+        "optimise.starts=1",
+        "motion.roll=[-3.0, 0.0, 3.0]",
+        "motion.heave=[-40.0, 0.0, 40.0]",
+        "motion.steering_wheel_angle=[-360.0, 0.0, 360.0]",
+        "optimise.front=[\"ackermann_error\", \"force_roll_centre_height\"]",
+    ];
+    let sets = sets.iter().flat_map(|set| ["--set", set]);
+    let arguments = ["optimise", path, "--out", directory].into_iter();
+    run(&arguments.chain(sets).collect::<Vec<_>>(), 0);
+    let summary = fs::read_to_string(out.join("summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let mean_square = |name: &str| {
+        let all = summary["targets"].as_array().unwrap().iter();
+        let own = all.filter(|target| target["output"].as_str().unwrap().starts_with(name));
+        let squares: Vec<f64> = own
+            .map(|target| target["after"]["rms"].as_f64().unwrap().powi(2))
+            .collect();
+        (squares.iter().sum::<f64>() / squares.len() as f64).sqrt()
+    };
+    let kept = ["ackermann_error", "force_roll_centre_height"].map(mean_square);
+    let file = fs::read(out.join("front.csv")).unwrap();
+    let points: Vec<[f64; 2]> = crate::support::rows_by_column(&file)
+        .iter()
+        .map(|row| {
+            ["misfit_ackermann_error", "misfit_force_roll_centre_height"]
+                .map(|column| row[column].parse().unwrap())
+        })
+        .collect();
+    let (first, last) = (points[0], points[points.len() - 1]);
+    let apart = [last[0] - first[0], first[1] - last[1]].map(|extent| extent / 25.0);
+    let is_as_good = |point: &[f64; 2]| (0..2).all(|k| point[k] <= kept[k] + apart[k]);
+    assert!(points.iter().any(is_as_good), "{kept:?} {points:?}");
+}
+
 /// A sweep of axles writes identical files with one thread and with two threads. It also writes a page.
 #[test]
 fn axles_are_swept() {

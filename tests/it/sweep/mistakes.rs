@@ -47,6 +47,17 @@ fn only_the_same_sweep_is_taken_up_again() {
     assert_eq!(fs::read_to_string(&path).unwrap(), written);
 }
 
+/// A sweep does not compute lengths, plunges, joint angles and clearances. A note names these keys.
+#[test]
+fn keys_that_a_sweep_ignores_are_named() {
+    let bench = Bench::new(STUDY);
+    let lengths = "outputs.lengths=[\"tie_rod\"]";
+    let (_, said) = said(&bench.sweep("run", &["--set", lengths]).success());
+    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let note = "A sweep ignores lengths, plunges, articulations and clearances of [outputs]";
+    assert!(said.contains(note), "{said}");
+}
+
 #[test]
 fn only_whole_sweeps_are_merged() {
     let bench = Bench::new(STUDY);

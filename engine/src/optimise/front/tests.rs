@@ -28,7 +28,7 @@ fn traced(
         aims: (0..aims)
             .map(|aim| Criterion::misfit((aim * each..(aim + 1) * each).collect(), 1.0))
             .collect(),
-        rest: None,
+        rest: Vec::new(),
         options: &options,
         control: Control::default(),
     };

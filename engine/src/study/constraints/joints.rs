@@ -2,14 +2,15 @@
 
 use super::super::Limited;
 use super::super::error::Problems;
-use super::super::file::File;
+use super::super::file::{Coordinates, File};
+use super::super::names::choose;
 use super::super::subject::{length, point};
 use super::super::suspension::three;
 use super::super::value::{MemberName, Text};
 use super::{LIMITS, Reader, words};
 use crate::characteristics::{Measure, Stud};
 use crate::model::{Body, Constraint as Holds, Mechanism, PointId, SteeringAxis, Suspension};
-use crate::number::Each;
+use crate::number::{Each, Vector3};
 use toml::Spanned;
 
 /// Names of the extra points at the joints of a drive shaft.
@@ -134,6 +135,35 @@ impl Housing {
     }
 }
 
+/// Checks the names and directions of `[suspension.studs]`, including studs that no output or constraint uses.
+pub(crate) fn check_studs(file: &File, suspension: &Suspension, problems: &mut Problems) {
+    let mechanism = &suspension.mechanism;
+    let joints: Vec<(&str, ())> = (0..mechanism.points.len())
+        .map(PointId)
+        .filter(|point| Housing::of(*point, mechanism).is_some())
+        .map(|point| (mechanism.name(point), ()))
+        .collect();
+    for (name, direction) in &file.suspension.studs {
+        choose(name, "joint of the wheel carrier", &joints, problems);
+        if three(direction, "coordinates", problems).is_some()
+            && stud_direction(direction, suspension).is_none()
+        {
+            problems.add(direction.span(), "expected a direction other than 0");
+        }
+    }
+}
+
+/// Direction of a stud in the kernel's frame, with length 1. `None` for a direction that [`check_studs`] refuses.
+fn stud_direction(written: &Coordinates, suspension: &Suspension) -> Option<Vector3<f64>> {
+    let [x, y, z] = written.get_ref().as_slice() else {
+        return None;
+    };
+    let along = suspension
+        .frame
+        .vector(Vector3::new(x.value, y.value, z.value));
+    (along.norm() > 0.0).then(|| along * (1.0 / along.norm()))
+}
+
 /// Joints with a limit on their angle: joints of the wheel carrier with an arm or a rod, and both joints of a drive shaft.
 pub fn named_joints(suspension: &Suspension) -> Vec<PointId> {
     let mechanism = &suspension.mechanism;
@@ -186,13 +216,7 @@ fn stud(
         .iter()
         .find(|(key, _)| key.get_ref() == name.get_ref());
     if let Some((_, direction)) = given {
-        let along = suspension
-            .frame
-            .vector(three(direction, "coordinates", problems)?);
-        if along.norm() == 0.0 {
-            return problems.refuse(direction.span(), "expected a direction other than 0");
-        }
-        return Some(Stud::Along(along * (1.0 / along.norm())));
+        return stud_direction(direction, suspension).map(Stud::Along);
     }
     match mechanism.steering_axis {
         Some(SteeringAxis::Through { lower, upper }) => Some(Stud::Between(lower, upper)),

@@ -83,8 +83,8 @@ pub use fitted::FittedOffset;
 pub use kc::{KcResults, OtherProgram, elastic_parts, no_equilibrium, weakest_motion};
 pub(crate) use orientation::{Directions, Reading, Verdict};
 pub use page::{
-    LimitsSheet, PageDesign, car_page, comparison_page, kc_page, limits_page, page, page_of_design,
-    set_up_page, sweep_page,
+    LimitsSheet, PageDesign, car_page, car_page_of_design, comparison_page, kc_page, limits_page,
+    page, page_of_design, set_up_page, sweep_page,
 };
 pub use picture::{Picture, picture_names, pictures};
 pub use places::{Clearance, Places, Rim, Shape};

@@ -155,6 +155,29 @@ fn asking_for(plan: &AxlePlan, axle: &Axle, names: &[String]) -> Result<AxlePlan
     })
 }
 
+/// Holds the rack of a motion at a displacement in the kernel's axes. Each row of a table has its own rack displacement.
+fn hold_rack(motion: &mut AxleMotion, rack: f64) {
+    let racks = if motion.has_rows() {
+        motion.stations()
+    } else {
+        1
+    };
+    motion.racks = vec![rack; racks];
+    motion.steering_wheel = None;
+}
+
+/// Printed values of all coordinates at each station of a motion.
+fn places(motion: &AxleMotion, axle: &Axle) -> Vec<Vec<f64>> {
+    let all = coordinates(motion);
+    let place = |placement: &Placement| {
+        let values = all.iter();
+        values
+            .map(|c| printed(*c, placement.along(*c), axle))
+            .collect()
+    };
+    motion.placements().iter().map(place).collect()
+}
+
 /// Solves an axle after a point was dragged.
 pub(super) fn solved(
     opened: &Opened,
@@ -164,17 +187,9 @@ pub(super) fn solved(
 ) -> Result<SolvedAnswer, String> {
     let start = Instant::now();
     let left = &axle.left;
-    let sign = left.frame.sign(Axis::Y);
     let mut plan = asking_for(plan, axle, &request.characteristics)?;
     if let Some(rack) = request.curves_rack {
-        // Each row has its own rack displacement.
-        let racks = if plan.motion.has_rows() {
-            plan.motion.stations()
-        } else {
-            1
-        };
-        plan.motion.racks = vec![rack * sign; racks];
-        plan.motion.steering_wheel = None;
+        hold_rack(&mut plan.motion, rack * left.frame.sign(Axis::Y));
     }
     let all = coordinates(&plan.motion);
     if request.at.len() != all.len() || request.over >= all.len() {
@@ -193,21 +208,12 @@ pub(super) fn solved(
     let (misfit, found) = beside(stop, misfit, curves)?;
     let (misfit, found) = (misfit?, found?);
     let over = request.over;
-    let places = |motion: &AxleMotion| -> Vec<Vec<f64>> {
-        let place = |placement: &Placement| {
-            let numbers = all.iter();
-            numbers
-                .map(|c| printed(*c, placement.along(*c), axle))
-                .collect()
-        };
-        motion.placements().iter().map(place).collect()
-    };
-    let drive = places(&plan.motion).into_iter();
+    let drive = places(&plan.motion, axle).into_iter();
     let drive: Vec<Option<f64>> = drive.map(|place| Some(place[over])).collect();
     let groups = if whole.has_rows() {
-        Groups::one(&places(&whole))
+        Groups::one(&places(&whole, axle))
     } else {
-        Groups::of(&places(&whole), over, &request.at)
+        Groups::of(&places(&whole, axle), over, &request.at)
     };
     let is_partial = drive.len() < whole.stations();
     let groups = if is_partial {

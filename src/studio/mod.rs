@@ -27,6 +27,7 @@ mod message;
 mod misfit;
 mod overview;
 mod page;
+mod page_design;
 mod rates;
 mod reading;
 mod routes;

@@ -5,12 +5,13 @@ use super::message::{
     Coordinates, Designed, DirectionsAnswer, InfluenceAnswer, InfluenceRequest, LimitsAnswer,
     Overview, SolveRequest, SolvedAnswer, TextChange, TuneRequest,
 };
+use super::page_design::page_design;
 use super::study_file::{NotSaved, Opened, Over, StudyFile};
 use super::turns::Stop;
 use super::{answer, car, directions, influence, misfit, overview};
 use crate::in_motions::InMotion;
 use crate::model::PointId;
-use crate::report::{Cell, CurveTable, PageDesign, Record, Run, Table, brief, curves_csv};
+use crate::report::{CurveTable, PageDesign, Record, Run, curves_csv};
 use crate::solved::Solved;
 use crate::study::{CarStudy, Study, ValueEdit};
 use std::io;
@@ -105,41 +106,12 @@ impl Opened {
     fn page_design(&self, study: &Study, design: &Coordinates) -> Result<PageDesign, String> {
         let suspension = study.wheel();
         let points = suspension.mechanism.points.iter().zip(design).enumerate();
-        let unit = suspension.length_unit.symbol();
-        let axes = ["x", "y", "z"].map(|axis| format!("{axis} [{unit}]"));
-        let mut hardpoints = Table::with_columns(["point".to_owned()].into_iter().chain(axes));
         // The right half of a solid axle follows the left half.
-        for (_, (point, place)) in
-            points.filter(|(id, _)| !suspension.mechanism.is_far(PointId(*id)))
-        {
-            let name = Cell::from(point.name.as_str());
-            hardpoints.push_row([name].into_iter().chain(place.map(Cell::from)));
-        }
+        let points = points.filter(|(id, _)| !suspension.mechanism.is_far(PointId(*id)));
+        let points = points.map(|(_, (point, place))| (point.name.as_str(), *place));
         let found = misfit::misfit(self, study).map_err(|fault| fault.to_string())?;
-        let Some(found) = found else {
-            return Ok(PageDesign {
-                misfit: None,
-                verdict: None,
-                targets: None,
-                hardpoints,
-            });
-        };
-        let mut targets = Table::new(["target", "rms", "largest", "at"]);
-        for target in &found.targets {
-            let at = target.worst_at.map_or(String::new(), |at| brief(at) + " ");
-            targets.push([
-                Cell::from(target.column.as_str()),
-                Cell::by(target.rms, brief),
-                Cell::by(target.worst, brief),
-                Cell::from(at + &target.worst_at_unit),
-            ]);
-        }
-        Ok(PageDesign {
-            misfit: found.value,
-            verdict: Some(found.verdict()),
-            targets: (!targets.is_empty()).then_some(targets),
-            hardpoints,
-        })
+        let unit = suspension.length_unit.symbol();
+        Ok(page_design(points, unit, found.as_ref()))
     }
 }
 

@@ -209,7 +209,8 @@ fn an_angle_of_zero_has_no_derivatives() {
     let design = &sample.wheel().design;
     for shift in 0..20 {
         // Every design has other rounding errors.
-        let moved = |point: &hardpoint::number::Vector3<f64>| *point * (1.0 + 1e-3 * f64::from(shift));
+        let moved =
+            |point: &hardpoint::number::Vector3<f64>| *point * (1.0 + 1e-3 * f64::from(shift));
         let found = solve(&sample.at_design(design.iter().map(moved).collect()));
         let value = |name: String, station: usize| {
             let place = found.columns.iter().position(|c| c.name == name).unwrap();

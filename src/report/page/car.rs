@@ -6,6 +6,7 @@ mod views;
 use super::STYLE;
 use super::escape::{html, prose};
 use super::policy::policy;
+use super::run::PageDesign;
 use crate::report::car::{CarCase, CarRecord, CarStateRecord};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::{
@@ -39,10 +40,22 @@ fn titled(case: &CarCase) -> String {
 
 /// The page of a car.
 pub fn car_page(record: &CarRecord) -> String {
+    with_design(record, None)
+}
+
+/// Report page of a car's design from the live page. The page begins with the misfit and the hardpoints of the design.
+pub fn car_page_of_design(record: &CarRecord, design: &PageDesign) -> String {
+    with_design(record, Some(design))
+}
+
+fn with_design(record: &CarRecord, design: Option<&PageDesign>) -> String {
     let misfit = record.tuning.iter().map(|tuning| {
         let misfits = html(&tuning.misfits_in_words().replace("->", "→"));
         format!("<div><dt>Misfit</dt><dd>{misfits} <small>tolerances</small></dd></div>")
     });
+    let of_design = design.and_then(PageDesign::fact);
+    let of_design =
+        of_design.map(|(name, value)| format!("<div><dt>{name}</dt><dd>{value}</dd></div>"));
     let facts = record.facts.iter().map(|fact| {
         let name = fact.name.replace('_', " ");
         let value = shown(fact.value, &fact.unit);
@@ -71,6 +84,7 @@ pub fn car_page(record: &CarRecord) -> String {
         .map(|remark| format!("<p class=\"note\">{}</p>", prose(remark)))
         .collect();
     let sections = [
+        design.map_or_else(String::new, PageDesign::section),
         targets(record),
         variables(record),
         side_effects(record),
@@ -90,7 +104,11 @@ pub fn car_page(record: &CarRecord) -> String {
         style = style,
         about = html(&about(record)),
         verdict = prose(&verdict(record)),
-        facts = misfit.chain(facts).collect::<String>(),
+        facts = of_design
+            .into_iter()
+            .chain(misfit)
+            .chain(facts)
+            .collect::<String>(),
         failures = failures,
         remarks = remarks,
         main = sections.concat(),

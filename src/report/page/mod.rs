@@ -21,7 +21,7 @@ mod table;
 mod tuning_charts;
 mod tuning_sections;
 
-pub use car::car_page;
+pub use car::{car_page, car_page_of_design};
 pub use compare::comparison_page;
 pub use kc::kc_page;
 pub use run::{PageDesign, page, page_of_design};

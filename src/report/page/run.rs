@@ -60,7 +60,16 @@ pub struct PageDesign {
 }
 
 impl PageDesign {
-    fn section(&self) -> String {
+    /// Misfit for the head of the page. `None` without a misfit.
+    pub(super) fn fact(&self) -> Option<(&'static str, String)> {
+        let misfit = brief(self.misfit?);
+        Some((
+            "Misfit",
+            format!("{} <small>tolerances</small>", html(&misfit)),
+        ))
+    }
+
+    pub(super) fn section(&self) -> String {
         let verdict = self.verdict.as_ref().map_or_else(String::new, |verdict| {
             format!("<p class=\"verdict\">{}</p>", prose(verdict))
         });
@@ -113,43 +122,10 @@ fn with_design(run: &Run, design: Option<&PageDesign>) -> String {
     let mut facts = facts(run);
     let mut sections = sections(run);
     if let Some(design) = design {
-        let misfit = design.misfit.map(|misfit| {
-            let misfit = format!("{} <small>tolerances</small>", html(&brief(misfit)));
-            ("Misfit", misfit)
-        });
-        facts.splice(0..0, misfit);
+        facts.splice(0..0, design.fact());
         sections.insert(0, ("answer", "Design"));
     }
-    let (tuning, ranges) = match &run.summary {
-        Summary::Optimise(tuning) => {
-            let front = match &run.record.front {
-                Some(front) => {
-                    let kept = tuning.kept_point(front);
-                    format!(
-                        include_str!("front.html"),
-                        charts = front_charts(front, kept, &mut charts)
-                    )
-                }
-                None => String::new(),
-            };
-            let history = run.history.as_ref().map(|h| h.thinned(MOST_NUMBERS / 9));
-            let history = history.map_or_else(String::new, |history| {
-                history_chart(history, tuning.kept_start(), &mut charts)
-            });
-            (
-                front + &tuning_sections(tuning, history, &mut charts),
-                String::new(),
-            )
-        }
-        Summary::Tolerance(tolerance) => (
-            String::new(),
-            tolerance_sections(tolerance, &record.motion.drive),
-        ),
-        solve => {
-            let ranges = solve.tables().map(|[ranges, ..]| ranges.html());
-            (String::new(), ranges.unwrap_or_default())
-        }
-    };
+    let (tuning, ranges) = of_summary(run, &mut charts);
     let main = format!(
         include_str!("run.html"),
         answer = answer,
@@ -187,6 +163,36 @@ fn with_design(run: &Run, design: Option<&PageDesign>) -> String {
         scripts: &SCRIPTS,
     };
     page.html()
+}
+
+/// Sections of the run's own results: those of a tuning, and those of other commands.
+fn of_summary(run: &Run, charts: &mut Charts) -> (String, String) {
+    let record = &run.record;
+    match &run.summary {
+        Summary::Optimise(tuning) => {
+            let front = record.front.as_ref().map_or_else(String::new, |front| {
+                let kept = tuning.kept_point(front);
+                format!(
+                    include_str!("front.html"),
+                    charts = front_charts(front, kept, charts)
+                )
+            });
+            let history = run.history.as_ref().map(|h| h.thinned(MOST_NUMBERS / 9));
+            let history = history.map_or_else(String::new, |history| {
+                history_chart(history, tuning.kept_start(), charts)
+            });
+            let sections = front + &tuning_sections(tuning, history, charts);
+            (sections, String::new())
+        }
+        Summary::Tolerance(tolerance) => (
+            String::new(),
+            tolerance_sections(tolerance, &record.motion.drive),
+        ),
+        solve => {
+            let ranges = solve.tables().map(|[ranges, ..]| ranges.html());
+            (String::new(), ranges.unwrap_or_default())
+        }
+    }
 }
 
 fn tuning_of(run: &Run) -> Option<&TuningSummary> {

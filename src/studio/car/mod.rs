@@ -17,13 +17,14 @@ use super::message::{
     Coordinates, Designed, DirectionsAnswer, InfluenceAnswer, InfluenceRequest, LimitsAnswer,
     Overview, SidePlacement, SolveRequest, SolvedAnswer, TextChange, TuneRequest,
 };
+use super::page_design::page_design;
 use super::reading::{Reading, Written};
 use super::study_file::{NotSaved, Over, check_geometry, in_kernel};
 use super::turns::Stop;
 use crate::car::{AXLE_NAMES, CarSolver};
 use crate::exchange::{car_point_pages, car_points_csv};
 use crate::number::Vector3;
-use crate::report::{CarResults, car_limits, car_page, lift_limits_table};
+use crate::report::{CarResults, car_limits, car_page_of_design, lift_limits_table};
 use crate::results::digest_of_texts;
 use crate::study::{CarStudy, Study, StudyErrors, ValueEdit, Variable};
 use std::path::Path;
@@ -180,13 +181,16 @@ impl Reading for OpenedCar {
         let study = self.moved(&of.design)?;
         let mut solver = solver(&study)?;
         let results = CarResults::solve(&study, &mut solver, study.cases.len());
+        let rigs = misfit::assessed_rigs(self, &study);
+        let found = misfit::misfit(&study, &mut solver, &results, rigs);
+        let overview = overview::overview(self);
+        let points = overview.points.iter().zip(&of.design);
+        let points = points.filter(|(point, _)| !point.follows);
+        let points = points.map(|(point, place)| (point.name.as_str(), *place));
+        let design = page_design(points, &overview.unit, found.as_ref());
         let remarks = results.remarks();
-        Ok(car_page(&results.record(
-            "solve",
-            &mut solver,
-            None,
-            &remarks,
-        )))
+        let record = results.record("solve", &mut solver, None, &remarks);
+        Ok(car_page_of_design(&record, &design))
     }
 
     fn tuning(self: Arc<Self>, request: &TuneRequest) -> Result<Tuning, String> {

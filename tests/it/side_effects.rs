@@ -171,6 +171,65 @@ fn a_target_of_a_gain_is_one_of_the_curve() {
     assert_eq!(toe.at[0].value, at);
 }
 
+/// A target for bump steer at one station requests a change of toe in proportion to the distance. Toe then changes as requested
+/// at all other stations, except for a small curvature.
+#[test]
+fn a_gain_at_one_station_asks_for_the_slope_of_the_curve() {
+    let target = "optimise.targets=[{ characteristic = \"bump_steer\", at = 0.0, value = 0.01, tolerance = 0.0001 }]";
+    let variables = "optimise.variables=[{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-20.0, 20.0] }]";
+    let outputs = "outputs.characteristics=[\"toe\", \"camber\"]";
+    let (before, after, effects) = tuned("macpherson_front", &[target, variables, outputs]);
+    let changes = changes(&before, &after, Characteristic::Toe);
+    let [was, is] = [&before, &after].map(|study| {
+        let found = values(study, Characteristic::BumpSteer);
+        found.iter().find(|(at, _)| *at == 0.0).unwrap().1
+    });
+    assert!((is - was).abs() > 0.001, "{was} {is}");
+    let rest = changes.iter().filter(|(at, _)| *at != 0.0);
+    let rest: Vec<(f64, f64)> = rest
+        .map(|(at, c)| (*at, beyond(*c, (is - was) * at)))
+        .collect();
+    let (_, change) = largest(&rest);
+    let toe = named(&effects, "toe");
+    assert!((toe.largest_change.unwrap() - change).abs() < 1e-9);
+    let whole = largest(&changes).1.abs();
+    assert!(toe.asked_change.abs() > 0.5 * whole, "{toe:?} {whole}");
+    assert!(change.abs() < 0.5 * whole, "{toe:?} {whole}");
+    // The gain is no output of the study, so it is not compared.
+    assert!(effects.iter().all(|e| e.output != "bump_steer"));
+}
+
+/// On an axle in heave, a target for the bump steer of both wheels requests the slope of each wheel's toe, and of the sum.
+#[test]
+fn a_gain_of_an_axle_asks_for_the_slope_of_both_wheels() {
+    let overrides = [
+        "motion={ heave = { from = -20.0, to = 20.0, steps = 9 }, steering_wheel_angle = [0.0] }",
+        "outputs.characteristics=[\"toe\", \"total_toe\"]",
+        "optimise.targets=[{ characteristic = \"bump_steer\", over = \"heave\", at = 0.0, value = 0.01, tolerance = 0.0001 }]",
+        "optimise.variables=[{ hardpoint = \"tie_rod_inner\", axis = \"z\", range = [-20.0, 20.0] }]",
+        "optimise.side_effects=true",
+    ];
+    let (before, after, effects) = tuned("macpherson_axle_front", &overrides);
+    for output in ["left_toe_deg", "total_toe_deg"] {
+        let [was, is] = [&before, &after].map(|study| axle_values(study, output));
+        let changes = was
+            .iter()
+            .zip(&is)
+            .map(|(a, b)| (b.unwrap() - a.unwrap()).abs());
+        let whole = changes.fold(0.0, f64::max);
+        let name = output.trim_end_matches("_deg").trim_start_matches("left_");
+        let effect = named(&effects, name);
+        assert!(
+            effect.asked_change.abs() > 0.8 * whole && whole > 0.02,
+            "{effect:?}"
+        );
+        assert!(
+            effect.largest_change.unwrap().abs() < 0.2 * whole,
+            "{effect:?}"
+        );
+    }
+}
+
 /// A tuned rocker does not affect the wheel: camber, toe and steering axis do not change at all. The spring length has a
 /// target in the design position. At other travels the target of the motion ratio applies to it.
 #[test]

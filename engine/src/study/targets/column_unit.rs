@@ -51,7 +51,8 @@ fn stated<'n>(name: &'n str, own: &'n str) -> Option<&'n str> {
     }
     let is_length = own.is_empty() || own.split('_').any(|part| ["mm", "m", "in"].contains(&part));
     let (stem, last) = name.rsplit_once('_')?;
-    if let Some((before, above)) = stem.strip_suffix("_per").and_then(|s| s.rsplit_once('_')) {
+    if let Some(stem) = stem.strip_suffix("_per") {
+        let (before, above) = stem.rsplit_once('_')?;
         let is_unit = [above, last].iter().all(|part| UNITS.contains(part));
         return is_unit.then(|| &name[before.len() + 1..]);
     }

@@ -2,9 +2,8 @@
 
 use super::figure::brief;
 use crate::mechanism::DesignFault;
-use crate::optimise::{TargetLayout, assessed};
+use crate::optimise::{Margin, TargetLayout, assessed};
 use crate::study::{Optimise, Study};
-use nalgebra::DVector;
 use serde::Serialize;
 
 /// Violation below which a constraint counts as satisfied, in visible units: 1 is a millimetre or a degree.
@@ -23,27 +22,17 @@ pub(crate) struct ConstraintMargin {
     pub is_violated: bool,
 }
 
-/// Smallest margin of each constraint over all stations at which it is checked.
-pub(crate) fn constraint_margins(
-    optimise: &Optimise,
-    layout: &TargetLayout,
-    rows: &DVector<f64>,
-) -> Vec<ConstraintMargin> {
-    let constraints = optimise.constraints.iter().enumerate();
-    let margin = |number: usize| {
-        let labels = layout.labels().iter().enumerate();
-        let own = labels.filter(|(_, label)| label.constraint == number);
-        own.map(|(row, _)| layout.margin(row, rows[row]))
-            .fold(f64::INFINITY, f64::min)
-    };
+/// Margins of the constraints of a study, as shown.
+pub(crate) fn constraint_margins(optimise: &Optimise, margins: &[Margin]) -> Vec<ConstraintMargin> {
+    let constraints = optimise.constraints.iter().zip(margins);
     constraints
-        .map(|(number, constraint)| {
-            let (margin, part) = (margin(number), &constraint.parts[0]);
+        .map(|(constraint, Margin { room, .. })| {
+            let part = &constraint.parts[0];
             ConstraintMargin {
                 name: constraint.name.clone(),
-                margin: margin + 0.0,
+                margin: room + 0.0,
                 unit: part.unit.clone(),
-                is_violated: margin < -VIOLATED * part.visible,
+                is_violated: *room < -VIOLATED * part.visible,
             }
         })
         .collect()
@@ -63,7 +52,7 @@ pub fn violated_constraints(study: &Study) -> Result<Vec<String>, DesignFault> {
     let Ok(found) = assessed(study.wheel(), &optimise.variables, &layout)? else {
         return Ok(Vec::new());
     };
-    let margins = constraint_margins(optimise, &layout, &found.rows.residuals);
+    let margins = constraint_margins(optimise, &found.margins);
     let violated = margins.into_iter().filter(|own| own.is_violated);
     let words = violated.map(|own| {
         format!(

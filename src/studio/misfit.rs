@@ -21,7 +21,7 @@
 use super::message::{Coordinates, Misfit, TargetMisfit};
 use super::study_file::Opened;
 use crate::mechanism::DesignFault;
-use crate::optimise::{Assessment, TargetLayout, assessed};
+use crate::optimise::{Assessed, TargetLayout, assessed};
 use crate::report::constraint_margins;
 use crate::study::{Optimise, Study};
 use nalgebra::{DMatrix, DVector};
@@ -53,7 +53,7 @@ pub(super) fn of_assessment(
     study: &Study,
     optimise: &Optimise,
     layout: &TargetLayout,
-    found: &Assessment,
+    found: &Assessed,
 ) -> Misfit {
     let (drive, length) = (study.motion().drive, study.wheel().length_unit);
     let (residuals, jacobian) = (&found.goal.residuals, &found.goal.jacobian);
@@ -88,7 +88,7 @@ pub(super) fn of_assessment(
         reason: None,
         gradient: gradient(residuals, jacobian, &all, all.len() as f64 * value),
         targets: targets.collect(),
-        constraints: constraint_margins(optimise, layout, &found.rows.residuals),
+        constraints: constraint_margins(optimise, &found.margins),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::state::Motion;
 use super::{Axle, AxleMotion, Placement, WheelMotion};
-use crate::model::{Axis, LengthUnit};
+use crate::model::{Axis, LengthUnit, Side};
 use crate::sorting::{sort_by_key, sort_numbers};
 
 /// Coordinate of an axle's motion.
@@ -100,6 +100,14 @@ impl Coordinate {
 }
 
 impl Placement {
+    /// Travel of a wheel. `None` in roll, because the travels then depend on the design.
+    pub fn travel(&self, side: Side) -> Option<f64> {
+        match self {
+            Placement::Travels { travels, .. } => Some(travels[side as usize]),
+            Placement::Roll { .. } | Placement::AtLoad { .. } => None,
+        }
+    }
+
     /// Returns the value of a coordinate in the units of a motion. The result is 0 if the placement is not defined by
     /// this coordinate.
     pub fn along(&self, coordinate: Coordinate) -> f64 {

@@ -56,9 +56,14 @@ impl<'a> RigRows<'a> {
 
     /// Computes residuals and constraints of the axle for values `x` of the car's variables.
     pub(super) fn assess(&mut self, x: &DVector<f64>) -> Result<(), Infeasible> {
-        let own = self.goals.columns.iter().map(|column| x[*column]);
-        let own = DVector::from_iterator(self.goals.columns.len(), own);
+        let own = self.own(x);
         self.objective.assess(&own, &mut self.assessment)
+    }
+
+    /// Values of the axle's variables, from the values `x` of the car's variables.
+    fn own(&self, x: &DVector<f64>) -> DVector<f64> {
+        let own = self.goals.columns.iter().map(|column| x[*column]);
+        DVector::from_iterator(self.goals.columns.len(), own)
     }
 
     /// Writes the residuals to the rows from `first` on. The axle's own problem scales residuals for the misfit of the
@@ -118,17 +123,12 @@ impl RigGoals {
         let mut rows =
             RigRows::new(vehicle, self, &layout).map_err(|fault| format!("{fault:?}"))?;
         let x = DVector::from_column_slice(x);
-        rows.assess(&x).map_err(|why| why.to_string())?;
-        let values = &rows.assessment.rows.residuals;
-        let labels = rows.layout.labels().iter().enumerate();
-        let mut margins = vec![f64::INFINITY; self.optimise.constraints.len()];
-        for (row, label) in labels {
-            let margin = &mut margins[label.constraint];
-            *margin = margin.min(layout.margin(row, values[row]));
-        }
+        let own = rows.own(&x);
+        let margins = rows.objective.margins(&own, &mut rows.assessment);
+        let margins = margins.map_err(|why| why.to_string())?;
         Ok(RigOutcome {
             targets: layout.deviations(&rows.assessment.goal.residuals),
-            margins,
+            margins: margins.iter().map(|margin| margin.room).collect(),
         })
     }
 }

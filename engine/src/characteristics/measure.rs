@@ -121,9 +121,20 @@ pub enum Measure {
     Plunge([PointId; 2]),
     /// Signed distance of the fourth point from the plane through the other three, in the design position.
     OffPlane([PointId; 4]),
-    /// Offset of the third point from the line through the other two, along the axis with this index. All three are in
-    /// the design position.
-    OffLine([PointId; 3], usize),
+    /// Component of the third point's distance from the line through the other two. All three are in the design position.
+    OffLine([PointId; 3], Across),
+}
+
+/// Direction normal to a line.
+///
+/// The first direction is normal to the line and to an axis. The second is normal to the line and to the first. The norm of
+/// a vector's two components is therefore the vector's distance from the line.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Across {
+    /// Index of the axis. It must not be parallel to the line.
+    pub axis: usize,
+    /// True for the second direction.
+    pub is_second: bool,
 }
 
 /// Largest number of vectors that a formula reads.
@@ -178,6 +189,15 @@ impl Measure {
             Measure::OffPlane(_) | Measure::OffLine(..) => true,
             _ => false,
         }
+    }
+
+    /// Both components of the distance, if the value is a component of a distance.
+    pub(crate) fn components(&self) -> Option<[Measure; 2]> {
+        let Measure::OffLine(points, Across { axis, .. }) = *self else {
+            return None;
+        };
+        let along = |is_second| Measure::OffLine(points, Across { axis, is_second });
+        Some([false, true].map(along))
     }
 
     /// Returns true if the value is 1 minus the cosine of an angle.

@@ -18,6 +18,14 @@ pub enum Quantity {
 }
 
 impl Quantity {
+    /// The characteristic. `None` for a coordinate or an angular velocity.
+    pub fn characteristic(self) -> Option<Characteristic> {
+        match self {
+            Quantity::Characteristic(of) => Some(of),
+            _ => None,
+        }
+    }
+
     /// Order of the derivatives with respect to the drive that the value contains: 1 for a quantity that contains
     /// velocities, else 0.
     #[inline]

@@ -1,12 +1,24 @@
 //! Targets and constraints at one given design, with their Jacobians, without tuning.
 
 use super::{
-    Assessment, Constrained, Infeasible, LeastSquares, Linearisation, Objective, TargetLayout,
+    Assessment, Constrained, Infeasible, LeastSquares, Linearisation, Margin, Objective,
+    TargetLayout,
 };
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
 use crate::study::Variable;
 use nalgebra::DVector;
+
+/// Targets and constraints at a design.
+#[derive(Clone, Debug)]
+pub struct Assessed {
+    /// Residuals of the targets, with their derivatives.
+    pub goal: Linearisation,
+    /// Rows of the constraints, with their derivatives. Each row holds the extreme between stations, if there is one.
+    pub rows: Linearisation,
+    /// Smallest margin of each constraint.
+    pub margins: Vec<Margin>,
+}
 
 /// Returns the deviations from the targets at the design plus these offsets of the variables. If the deviations cannot be
 /// computed, returns the reason. The outer error says why the design itself cannot be solved.
@@ -23,18 +35,27 @@ pub fn evaluated(
     Ok(evaluated.map(|()| evaluation))
 }
 
-/// Returns targets and constraints of the design itself, with their derivatives with respect to these variables. If these
-/// values cannot be computed, returns the reason. The outer error says why the design itself cannot be solved.
+/// Returns targets and constraints of the design itself, with their derivatives with respect to these variables, and the
+/// margins of the constraints. If these values cannot be computed, returns the reason. The outer error says why the design
+/// itself cannot be solved.
 pub fn assessed(
     suspension: &Suspension,
     variables: &[Variable],
     layout: &TargetLayout,
-) -> Result<Result<Assessment, Infeasible>, DesignFault> {
-    assessed_at(suspension, variables, layout, &vec![0.0; variables.len()])
+) -> Result<Result<Assessed, Infeasible>, DesignFault> {
+    let mut objective = Objective::new(suspension, variables, layout)?;
+    let mut assessment = Assessment::new(&objective.shape());
+    let margins = objective.margins(&DVector::zeros(variables.len()), &mut assessment);
+    let Assessment { goal, rows, .. } = assessment;
+    Ok(margins.map(|margins| Assessed {
+        goal,
+        rows,
+        margins,
+    }))
 }
 
-/// Returns targets and constraints at the design plus these offsets of the variables. If these values cannot be computed,
-/// returns the reason. The outer error says why the design itself cannot be solved.
+/// Returns targets and constraints at the design plus these offsets of the variables, as a tuning evaluates them. If these
+/// values cannot be computed, returns the reason. The outer error says why the design itself cannot be solved.
 pub fn assessed_at(
     suspension: &Suspension,
     variables: &[Variable],

@@ -19,9 +19,9 @@ const PLACED: f64 = 1e-9;
 /// Smallest rise above the station that counts as a separate extreme, in the unit of the rows. This is a hundredth of the
 /// largest violation that still counts as satisfied.
 const FLAT: f64 = 1e-9;
-/// A row needs no search if it is farther than this below its limit, in the unit of the rows. Before this comparison, the
-/// code adds four times the rise of the fitted parabola to the value of the row.
-const FAR: f64 = 1.0;
+/// While the tuning searches, a row needs no extreme if it is farther than this below its limit, in the unit of the rows.
+/// Before this comparison, the code adds four times the rise of the fitted parabola to the value of the row.
+pub(super) const FAR: f64 = 1.0;
 
 /// Search for the position of an extreme, where the slope vanishes.
 pub(super) struct Search {
@@ -45,11 +45,12 @@ pub(super) struct Search {
 }
 
 /// Lists the searches of a leg in `into`, from the values of the leg's parts and the rows of constraints at its stations.
+/// Leaves out rows that are farther than `far` below their limit.
 pub(super) fn searches(
     leg: &Leg,
     parts: &[Part],
     values: &[Vec<f64>],
-    rows: &Linearisation,
+    (rows, far): (&Linearisation, f64),
     into: &mut Vec<Search>,
 ) {
     into.clear();
@@ -69,7 +70,7 @@ pub(super) fn searches(
                 continue;
             };
             let (rise, here) = (search.rise * scale, rows.residuals[*row]);
-            if rise > FLAT && here + 4.0 * rise > -FAR {
+            if rise > FLAT && here + 4.0 * rise > -far {
                 (search.of, search.row, search.at_station) = (of, *row, here);
                 into.push(search);
             }

@@ -1,8 +1,10 @@
 //! Layout of targets and constraints over the stations of the motions.
 
 mod draft;
+mod margins;
 mod rows;
 
+pub use margins::Margin;
 use rows::parts;
 pub(super) use rows::{Check, LimitedValue};
 
@@ -139,7 +141,11 @@ pub struct TargetLayout {
     pub(super) beside: Option<Beside>,
     pub(super) parts: Vec<Part>,
     pub(super) labels: Vec<RowLabel>,
+    /// For each row that is a component of a distance, the row of the other component.
+    others: Vec<Option<usize>>,
     pub(super) equalities: usize,
+    /// Number of constraints of the study.
+    constraints: usize,
     /// Number of builds, each with all the rows. 1 if the tuning is not robust.
     pub(super) builds: usize,
     /// Residual per deviation of one tolerance, for each target.
@@ -284,11 +290,13 @@ impl TargetLayout {
             reads: Slots::of(all().map(|m| m.reads())),
             legs,
             rows,
+            others: margins::other_components(&labels, &parts),
             measures,
             beside,
             parts,
             labels,
             equalities,
+            constraints: optimise.constraints.len(),
             builds: optimise.scatter.as_ref().map_or(1, |s| s.builds),
             shares,
         }
@@ -299,55 +307,9 @@ impl TargetLayout {
         self.rate_order
     }
 
-    /// Drive value of a constraint's row. `None` if the constraint is checked at only one drive value.
-    pub(super) fn place_of(&self, label: &RowLabel) -> Option<f64> {
-        let Some(leg) = self.legs.get(label.leg) else {
-            let Some(Beside::Elastic(elastic)) = &self.beside else {
-                return None;
-            };
-            return elastic.place_of(label.part, label.station);
-        };
-        let values = leg.order.values();
-        (values.len() > 1).then(|| values[label.station])
-    }
-
     /// Number of residuals, over all builds.
     pub fn residuals(&self) -> usize {
         self.rows * self.builds
-    }
-
-    /// Margin between a row's value and its limit, in the constraint's unit; negative if the limit is violated.
-    pub fn margin(&self, row: usize, value: f64) -> f64 {
-        let part = &self.parts[self.labels[row].part].limited;
-        part.margin(self.violation(row, value))
-    }
-
-    /// Violation of a row's limit in the row's unit; negative if there is margin.
-    pub(super) fn violation(&self, row: usize, value: f64) -> f64 {
-        if row < self.equalities {
-            value.abs()
-        } else {
-            value
-        }
-    }
-
-    /// Change of a row's limit, in the constraint's unit, that changes the value of the row by 1 if the limit binds.
-    pub fn visible(&self, row: usize) -> f64 {
-        self.parts[self.labels[row].part].limited.visible
-    }
-
-    /// Absolute values of the limits of the constraints' rows, in the rows' unit.
-    pub(super) fn row_limits(&self) -> Vec<f64> {
-        let limit = |label: &RowLabel| {
-            let part = &self.parts[label.part].limited;
-            let limit = if label.is_upper {
-                part.upper
-            } else {
-                part.lower
-            };
-            limit.map_or(0.0, |limit| (limit / part.scale).abs())
-        };
-        self.labels.iter().map(limit).collect()
     }
 
     /// Returns the meaning of each row of the constraints, equalities first.

@@ -63,7 +63,7 @@ mod tune;
 mod yield_search;
 
 pub use active_set::{ActiveSet, Held, Outcome, Rows};
-pub use at_design::{assessed, assessed_at, evaluated};
+pub use at_design::{Assessed, assessed, assessed_at, evaluated};
 pub use bounded_least_squares::{ActiveBound, BoundedLeastSquares};
 pub use bounds::{Bounds, EmptyRange};
 pub use choices::{Choice, Front, front, price_list};
@@ -72,7 +72,7 @@ pub use constrained::{Assessment, Constrained, ConstrainedFit, Shape, constraine
 pub use fit::{ConstraintState, Control, Fit, Iteration, ProgressCallback, Termination, fit};
 pub use fit_record::ArgminState;
 pub use identifiability::{Direction, Identifiability};
-pub use layout::{Deviation, RowLabel, TargetLayout};
+pub use layout::{Deviation, Margin, RowLabel, TargetLayout};
 pub use levenberg_marquardt::LevenbergMarquardt;
 pub use moves::{PointRate, moved_design, point_rates};
 pub use multistart::{Multistart, Start, constrained_multistart, multistart, starting_point};

@@ -16,9 +16,9 @@ use super::axle::{Moved, RowsBeside, ScatteredRate, axle_rows, moved_points};
 use super::carried::AlongVariables;
 use super::constrained::{Assessment, Constrained, Shape};
 use super::elastic::elastic_rows;
-use super::extremes::{self, SEARCHES, Search};
+use super::extremes::{self, FAR, SEARCHES, Search};
 use super::lane_rows::{Checked, LaneRows};
-use super::layout::{Beside, Extremes, Leg, TargetLayout};
+use super::layout::{Beside, Extremes, Leg, Margin, TargetLayout};
 use super::moved_wheel::MovedWheel;
 use super::robust::Robust;
 use super::station_reader::{
@@ -58,6 +58,10 @@ pub struct Objective<'a> {
     beside: Option<Box<dyn RowsBeside + 'a>>,
     values: PartValues,
     searches: Vec<Search>,
+    /// Distance below its limit from which on a row needs no extreme.
+    far: f64,
+    /// Drive values of the extremes that rows hold.
+    extremes: Vec<Option<f64>>,
 }
 
 impl<'a> Objective<'a> {
@@ -103,6 +107,8 @@ impl<'a> Objective<'a> {
             },
             values: vec![Vec::new(); layout.parts.len()],
             searches: Vec::new(),
+            far: FAR,
+            extremes: vec![None; layout.labels.len()],
         })
     }
 
@@ -202,6 +208,7 @@ impl<'a> Objective<'a> {
         mut rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
         self.move_to(x);
+        self.extremes.fill(None);
         let Some(mut robust) = self.robust.take() else {
             if !self.evaluate_in_lanes(into, rows.as_deref_mut())? {
                 self.evaluate_moved(Some((&mut *into, 0)), rows.as_deref_mut())?;
@@ -219,6 +226,21 @@ impl<'a> Objective<'a> {
         let found = found.and_then(|()| robust.evaluate(self, x, into));
         self.robust = Some(robust);
         found
+    }
+
+    /// Assesses the design at `x` and returns the margin of each constraint. Unlike a search step, this computes the extremes
+    /// between stations for all limits, also for those with a large margin.
+    pub fn margins(
+        &mut self,
+        x: &DVector<f64>,
+        into: &mut Assessment,
+    ) -> Result<Vec<Margin>, Infeasible> {
+        self.far = f64::INFINITY;
+        let assessed = self.assess(x, into);
+        self.far = FAR;
+        assessed?;
+        let values = into.rows.residuals.as_slice();
+        Ok(self.layout.margins(values, &self.extremes))
     }
 
     /// Writes the rows of an axle or of elastic parts for the moved design. `scattered` holds the scattered elastic rates of
@@ -328,7 +350,7 @@ impl<'a> Objective<'a> {
     /// Lists the searches for extremes of a leg, from the values at its stations.
     fn list_searches(&mut self, leg: &Leg, rows: &Linearisation) {
         let (parts, values) = (&self.layout.parts, &self.values);
-        extremes::searches(leg, parts, values, rows, &mut self.searches);
+        extremes::searches(leg, parts, values, (rows, self.far), &mut self.searches);
     }
 
     /// Prepares to solve the moved design station by station.
@@ -365,6 +387,7 @@ impl<'a> Objective<'a> {
             sloped: Some(reader),
             searches,
             moving,
+            extremes,
             ..
         } = self
         else {
@@ -400,6 +423,7 @@ impl<'a> Objective<'a> {
                         moving: moving.as_ref(),
                     });
                     rows.residuals[search.row] = value;
+                    extremes[search.row] = Some(place.value);
                     let slopes = &reader.slopes.by_variable;
                     rows.write_slopes(search.row, slopes, scale);
                 }

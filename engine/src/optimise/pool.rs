@@ -41,7 +41,8 @@ impl<P> PoolGuard<'_, P> {
             .expect("the guard has a problem until it is dropped")
     }
 
-    fn get_mut(&mut self) -> &mut P {
+    /// The lent problem.
+    pub(super) fn get_mut(&mut self) -> &mut P {
         self.problem
             .as_mut()
             .expect("the guard has a problem until it is dropped")

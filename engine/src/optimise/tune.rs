@@ -14,9 +14,9 @@ use super::starts::STARTS_BEFORE_REFUSAL;
 use super::trade::{Criterion, Distance};
 use super::yield_search::{ExpectedYield, tune_for_yield};
 use super::{
-    Assessment, Bounds, Constrained, ConstrainedFit, Control, Deviation, Fit, Identifiability,
-    Infeasible, LeastSquares, Linearisation, Multistart, Objective, Options, StandardErrors,
-    TargetLayout, Termination, moved_design,
+    Assessment, Bounds, Constrained, ConstrainedFit, ConstraintState, Control, Deviation, Fit,
+    Identifiability, Infeasible, LeastSquares, Linearisation, Margin, Multistart, Objective,
+    Options, StandardErrors, TargetLayout, Termination, moved_design,
 };
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
@@ -384,44 +384,51 @@ impl<'a> Tuner<'a> {
         let Some(state) = &fit.constraints else {
             return Vec::new();
         };
-        let labels = self.layout.labels();
-        let count = fit.evaluation.residuals.len() as f64;
-        let constraints = 0..self.optimise.constraints.len();
-        let outcome = |number: usize| {
-            let own = labels
-                .iter()
-                .enumerate()
-                .filter(|(_, l)| l.constraint == number);
-            let (mut room, mut at, mut pulls, mut visible) = (f64::INFINITY, None, [0.0; 2], 1.0);
-            for (row, label) in own {
-                let value = state.values[row];
-                let left = self.layout.margin(row, value);
-                if left < room {
-                    room = left;
-                    at = self.layout.place_of(label);
-                }
-                visible = self.layout.visible(row);
-                // A limit that does not bind has no price.
-                if self.layout.violation(row, value) >= -KEPT && state.movable[row] {
-                    let of = |m: &Option<Vec<f64>>| m.as_ref().map(|m| m[row].abs());
-                    let first = of(&state.multipliers).unwrap_or(0.0);
-                    let other = of(&state.alternatives).unwrap_or(first);
-                    pulls[0] += first;
-                    pulls[1] += other;
-                }
-            }
-            let [price, other] = pulls.map(|pull| pull / (count * fit.misfit()));
-            let most = price.max(other);
-            let price = if most.is_nan() || most <= 1e-6 {
-                Price::Nothing
-            } else if (price - other).abs() > SAME_PRICE * most {
-                Price::NotDetermined
-            } else {
-                Price::PerUnit(price / visible)
-            };
-            ConstraintOutcome { room, at, price }
+        let mut problem = self.problem();
+        let mut at = Assessment::new(&problem.shape());
+        let margins = problem.get_mut().margins(&fit.x, &mut at);
+        let margins = margins.unwrap_or_else(|_| self.layout.margins(state.values.as_slice(), &[]));
+        let price = |number: usize| self.price(fit, state, number);
+        let outcome = |(number, own): (usize, Margin)| ConstraintOutcome {
+            room: own.room,
+            at: own.at,
+            price: price(number),
         };
-        constraints.map(outcome).collect()
+        margins.into_iter().enumerate().map(outcome).collect()
+    }
+
+    /// Returns the price of a constraint's limits.
+    fn price(&self, fit: &Fit, state: &ConstraintState, number: usize) -> Price {
+        let (layout, labels) = (self.layout, self.layout.labels().iter().enumerate());
+        let (mut pulls, mut visible) = ([0.0; 2], 1.0);
+        for (row, _) in labels.filter(|(_, label)| label.constraint == number) {
+            visible = layout.visible(row);
+            let Some(value) = layout.whole(row, |row| state.values[row]) else {
+                continue;
+            };
+            // A limit that does not bind has no price, nor has a row that no variable changes.
+            if layout.violation(row, value) < -KEPT {
+                continue;
+            }
+            let pull = |of: &Option<Vec<f64>>| {
+                let own = |row: usize| of.as_ref().map_or(0.0, |m| m[row].abs());
+                layout.whole(row, |row| if state.movable[row] { own(row) } else { 0.0 })
+            };
+            let first = pull(&state.multipliers).unwrap_or(0.0);
+            let other = state.alternatives.as_ref().and(pull(&state.alternatives));
+            pulls[0] += first;
+            pulls[1] += other.unwrap_or(first);
+        }
+        let count = fit.evaluation.residuals.len() as f64;
+        let [price, other] = pulls.map(|pull| pull / (count * fit.misfit()));
+        let most = price.max(other);
+        if most.is_nan() || most <= 1e-6 {
+            Price::Nothing
+        } else if (price - other).abs() > SAME_PRICE * most {
+            Price::NotDetermined
+        } else {
+            Price::PerUnit(price / visible)
+        }
     }
 
     /// Indices of constraints with a violated row that no variable changes.

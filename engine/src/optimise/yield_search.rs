@@ -458,5 +458,9 @@ pub(super) fn tune_for_yield(
         }
         Err(reason) => Err(reason),
     });
+    if let Some(best) = &mut tuning.best {
+        // These directions were judged by the nominal misfit. A move along them can lower the yield.
+        best.identifiability.unseen.clear();
+    }
     Ok(tuning)
 }

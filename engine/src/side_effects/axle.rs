@@ -1,6 +1,6 @@
 //! Values of both wheels of an axle.
 
-use super::observed::{Grid, Observed, Series, Station};
+use super::observed::{Gain, Grid, Observed, Series, Station};
 use super::{PlaceCoordinate, customary};
 use crate::ask::Unit;
 use crate::axle::{
@@ -9,7 +9,7 @@ use crate::axle::{
 use crate::characteristics::Characteristic;
 use crate::mechanism::DesignFault;
 use crate::model::Side;
-use crate::study::{AxleSample, AxleStudy, Optimise, Study, TargetKind};
+use crate::study::{AxleSample, AxleStudy, Optimise, Study, Target, TargetKind};
 
 /// Names of the quantities that are compared in addition to the study's outputs.
 const COMPARED: [&str; 10] = [
@@ -31,7 +31,9 @@ pub(super) fn observe(
     both: &AxleStudy,
     name: Option<&str>,
 ) -> Result<Observed, DesignFault> {
-    let plan = plan(both);
+    let gains = gains(study, both);
+    let shown = plan(both, &[]).quantities;
+    let plan = plan(both, &gains);
     let found = axle_curves(&both.axle, &plan).map_err(|(_, fault)| fault)?;
     let found = found.curves;
     let placements = plan.motion.placements();
@@ -43,21 +45,15 @@ pub(super) fn observe(
     let grid = Grid::of(&places);
     let positions = places.iter().map(|place| grid.shares(place));
     let stations = stations(&placements, positions.collect(), both, &plan);
-    let mut series = Vec::new();
-    for (number, column) in plan.columns(&both.axle).iter().enumerate() {
-        let Some(of_column) = series_of(column, &stations, study) else {
-            continue;
-        };
+    // Stations of the targets for some quantities.
+    let wanted = |is_own: &dyn Fn(Quantity) -> bool| -> Vec<usize> {
         let targets = study.optimise.iter().flat_map(|o| &o.targets);
-        let mut wanted = Vec::new();
-        for target in targets {
-            let over = target.site.axle.as_ref().map(|site| site.over);
-            let along = coordinates
-                .iter()
-                .position(|c| over.is_some_and(|o| is_same(*c, o)));
-            let samples = target.axle_samples(&both.axle).into_iter();
-            let own = samples.filter(|sample| is_about(sample.quantity, column));
+        let of_target = |target: &Target| {
             let site = target.site.axle.as_ref();
+            let along = site.and_then(|site| {
+                let mut own = coordinates.iter();
+                own.position(|c| is_same(*c, site.over))
+            });
             let motion = site.and_then(|site| site.motion.as_deref());
             let station = |sample: AxleSample| match motion {
                 // In another named motion, the stations have different coordinates. So a target in that motion applies only
@@ -67,11 +63,37 @@ pub(super) fn observe(
                 }
                 _ => grid.station(&place(&sample.placement), along?),
             };
-            wanted.extend(own.filter_map(station));
+            let samples = target.axle_samples(&both.axle).into_iter();
+            let own = samples.filter(|sample| is_own(sample.quantity));
+            own.filter_map(station).collect::<Vec<usize>>()
+        };
+        targets.flat_map(of_target).collect()
+    };
+    let columns = plan.columns(&both.axle);
+    let values = |number: usize| found.stations.iter().map(move |s| s.value(number));
+    let mut series = Vec::new();
+    for (number, column) in columns.iter().enumerate() {
+        let quantity = column.quantity();
+        // Gains that the study does not compare are only read as slopes.
+        if quantity.is_some_and(|own| gains.contains(&own) && !shown.contains(&own)) {
+            continue;
         }
+        let Some(of_column) = series_of(column, &stations, study) else {
+            continue;
+        };
+        let as_slope = |gain: &Quantity| {
+            let slope = slope_by_gain(*gain, quantity?, both)?;
+            let number = columns.iter().position(|c| c.quantity() == Some(*gain))?;
+            Some(Gain {
+                wanted: wanted(&|own| own == *gain).into_iter().collect(),
+                slopes: values(number).map(|v| Some(slope * v?)).collect(),
+                travels: placements.iter().map(|p| p.travel(gain.side()?)).collect(),
+            })
+        };
         series.push(Series {
-            wanted,
-            values: found.stations.iter().map(|s| s.value(number)).collect(),
+            wanted: wanted(&|own| is_about(own, column)),
+            gains: gains.iter().filter_map(as_slope).collect(),
+            values: values(number).collect(),
             ..of_column
         });
     }
@@ -80,6 +102,38 @@ pub(super) fn observe(
         stations,
         series,
     })
+}
+
+/// Gains of the wheels with targets, each once.
+fn gains(study: &Study, both: &AxleStudy) -> Vec<Quantity> {
+    let targets = study.optimise.iter().flat_map(|o| &o.targets);
+    let samples = targets.flat_map(|target| target.axle_samples(&both.axle));
+    let mut gains = Vec::new();
+    for quantity in samples.map(|sample| sample.quantity) {
+        let is_gain =
+            matches!(quantity, Quantity::Corner(_, of) if customary::integral_of(of).is_some());
+        if is_gain && !gains.contains(&quantity) {
+            gains.push(quantity);
+        }
+    }
+    gains
+}
+
+/// Slope of a quantity's curve over the travel of the gain's wheel that a gain of 1 means, in printed units. `None` if the
+/// curve does not follow from the gain.
+fn slope_by_gain(gain: Quantity, of: Quantity, both: &AxleStudy) -> Option<f64> {
+    use AxleQuantity::{TotalToe, TotalToeAtRim};
+    let Quantity::Corner(side, gain) = gain else {
+        return None;
+    };
+    let of = match of {
+        Quantity::Corner(own, of) if own == side => of,
+        // The sum of both wheels.
+        Quantity::Axle(TotalToe) => Characteristic::Toe,
+        Quantity::Axle(TotalToeAtRim) => Characteristic::ToeAtRim,
+        _ => return None,
+    };
+    customary::slope_by_gain(gain, of, both.axle.suspension(side))
 }
 
 /// Returns true if a target for a quantity also applies to a column of the results.
@@ -127,8 +181,8 @@ fn follows_a_target(quantity: Quantity, study: &Study) -> bool {
         })
 }
 
-/// Plans the study without derivatives. Adds the compared quantities that the axle has.
-fn plan(both: &AxleStudy) -> AxlePlan {
+/// Plans the study without derivatives. Adds the compared quantities that the axle has, and `gains`.
+fn plan(both: &AxleStudy, gains: &[Quantity]) -> AxlePlan {
     let mut plan = AxlePlan {
         derivatives: 0,
         ..both.plan.values_alone()
@@ -138,6 +192,11 @@ fn plan(both: &AxleStudy) -> AxlePlan {
         let is_double = matches!(quantity, Quantity::Wheel(..));
         if !is_double && both.axle.has(quantity) && !plan.quantities.contains(&quantity) {
             plan.quantities.push(quantity);
+        }
+    }
+    for gain in gains {
+        if !plan.quantities.contains(gain) {
+            plan.quantities.push(*gain);
         }
     }
     plan

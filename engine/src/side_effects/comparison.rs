@@ -1,7 +1,7 @@
 //! Comparison of two designs, station by station.
 
 use super::SideEffect;
-use super::observed::{Observed, Series, Station};
+use super::observed::{Gain, Observed, Series, Station};
 use crate::sorting::sort_by;
 use std::collections::HashMap;
 
@@ -10,10 +10,21 @@ const ROUNDING: f64 = 1e-9;
 /// Smallest change that does not count as rounding, for an output without a tolerance. In the unit of the output.
 const LEAST_CHANGE: f64 = 1e-12;
 
-/// Changes that targets request over `[motion]`: for each output, pairs of drive value and change, in the order of the drive
-/// value.
+/// Changes that targets request over `[motion]`: for each output, its changes in the order of the drive value.
 #[derive(Default)]
-pub(super) struct RequestedChanges(HashMap<String, Vec<(f64, f64)>>);
+pub(super) struct RequestedChanges(HashMap<String, Vec<RequestedChange>>);
+
+/// Change that a target requests at a station of `[motion]`.
+struct RequestedChange {
+    /// Drive value of the station.
+    drive: f64,
+    /// Name of the drive, if it is the travel over which a requested slope applies.
+    along: Option<String>,
+    /// Change of the output.
+    change: f64,
+    /// Change of the output's slope that a target for a gain requests. 0 without such a target.
+    slope: f64,
+}
 
 impl RequestedChanges {
     /// Finds the changes that targets request over this motion.
@@ -21,25 +32,57 @@ impl RequestedChanges {
         let pairs = before.series.iter().zip(&after.series);
         let asked = pairs.map(|(from, to)| {
             let shifts = Wanted::of(from, to, &before.stations).shifts.into_iter();
-            let drive = |number: usize| before.stations[number].drive();
-            let mut by_drive: Vec<_> = shifts.map(|(_, k, change)| (drive(k), change)).collect();
-            sort_by(&mut by_drive, |a, b| a.0.total_cmp(&b.0));
+            let requested = |(_, number, change): (f64, usize, f64)| {
+                let station = &before.stations[number];
+                let is_drive = |gain: &Gain| gain.travels[number] == Some(station.drive());
+                let place = station.place.first();
+                RequestedChange {
+                    drive: station.drive(),
+                    along: place
+                        .filter(|_| from.gains.iter().all(is_drive))
+                        .map(|drive| drive.name.clone()),
+                    change,
+                    slope: slope_changes(from, to, number)
+                        .map(|(_, slope)| slope)
+                        .sum(),
+                }
+            };
+            let mut by_drive: Vec<_> = shifts.map(requested).collect();
+            sort_by(&mut by_drive, |a, b| a.drive.total_cmp(&b.drive));
             (from.output.clone(), by_drive)
         });
         RequestedChanges(asked.collect())
     }
 
-    /// Requested change of an output at the nearest drive value. 0 if no target requests a change.
-    fn shift_at(&self, output: &str, drive: f64) -> f64 {
+    /// Requested change of an output at a station: that at the nearest drive value, and the requested change of the slope times
+    /// the distance from there. 0 if no target requests a change.
+    fn shift_at(&self, output: &str, station: &Station) -> f64 {
         let Some(shifts) = self.0.get(output) else {
             return 0.0;
         };
-        let start = shifts.partition_point(|shift| shift.0 < drive);
+        let drive = station.drive();
+        let start = shifts.partition_point(|shift| shift.drive < drive);
         let near = &shifts[start.saturating_sub(1)..shifts.len().min(start + 1)];
-        let away = |shift: &(f64, f64)| (shift.0 - drive).abs();
+        let away = |shift: &RequestedChange| (shift.drive - drive).abs();
         let nearest = near.iter().min_by(|a, b| away(a).total_cmp(&away(b)));
-        nearest.map_or(0.0, |shift| shift.1)
+        nearest.map_or(0.0, |shift| {
+            let place = station.place.first();
+            let is_same = place.is_some_and(|own| shift.along.as_ref() == Some(&own.name));
+            let slope = if is_same { shift.slope } else { 0.0 };
+            shift.change + slope * (drive - shift.drive)
+        })
     }
+}
+
+/// Changes of an output's slope that targets for gains request at a station, each with its gain.
+fn slope_changes<'s>(
+    before: &'s Series,
+    after: &'s Series,
+    station: usize,
+) -> impl Iterator<Item = (&'s Gain, f64)> {
+    let pairs = before.gains.iter().zip(&after.gains);
+    let pairs = pairs.filter(move |(gain, _)| gain.wanted.contains(&station));
+    pairs.filter_map(move |(from, to)| Some((from, to.slopes[station]? - from.slopes[station]?)))
 }
 
 /// Returns the side effects over one motion, in the order of the outputs. `asked` contains the changes that targets in
@@ -103,9 +146,9 @@ fn effect(
                 continue;
             };
             let shift = if wanted.shifts.is_empty() {
-                asked.shift_at(&before.output, stations[station].drive())
+                asked.shift_at(&before.output, &stations[station])
             } else {
-                wanted.shift_at(stations, station)
+                wanted.shift_at((before, after), stations, station)
             };
             // A change between zero and the change that a target requests is not a side effect.
             let as_asked = (to - from).clamp(shift.min(0.0), shift.max(0.0));
@@ -187,11 +230,17 @@ impl Wanted {
         Wanted { shifts }
     }
 
-    /// Requested change at the nearest station with a target. 0 without a target.
-    fn shift_at(&self, stations: &[Station], number: usize) -> f64 {
+    /// Requested change at a station: that at the nearest station with a target. If a target for a gain applies there, the
+    /// requested change of the slope times the distance is added. 0 without a target.
+    fn shift_at(
+        &self,
+        (before, after): (&Series, &Series),
+        stations: &[Station],
+        number: usize,
+    ) -> f64 {
         let here = &stations[number].position;
         let start = self.shifts.partition_point(|shift| shift.0 < here[0]);
-        let (mut nearest, mut found) = (f64::INFINITY, 0.0);
+        let (mut nearest, mut found) = (f64::INFINITY, None);
         // Searches outward along the first coordinate. The search ends when the difference in this coordinate alone exceeds
         // the distance to the nearest station found so far.
         let (below, above) = self.shifts.split_at(start);
@@ -206,11 +255,17 @@ impl Wanted {
                 let squares = here.iter().zip(there).map(|(a, b)| (a - b) * (a - b));
                 let away = squares.sum::<f64>();
                 if away < nearest {
-                    (nearest, found) = (away, *shift);
+                    (nearest, found) = (away, Some((*other, *shift)));
                 }
             }
         }
-        found
+        let Some((other, shift)) = found else {
+            return 0.0;
+        };
+        let by_slopes = slope_changes(before, after, other).filter_map(|(gain, slope)| {
+            Some(slope * (gain.travels[number]? - gain.travels[other]?))
+        });
+        shift + by_slopes.sum::<f64>()
     }
 }
 

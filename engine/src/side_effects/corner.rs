@@ -1,11 +1,11 @@
 //! Values of one wheel.
 
-use super::observed::{Grid, Observed, Series, Station};
+use super::observed::{Gain, Grid, Observed, Series, Station};
 use super::{PlaceCoordinate, customary};
 use crate::ask::Unit;
 use crate::characteristics::{Characteristic, Measure, Quantity};
 use crate::compliance::not_of_equilibrium;
-use crate::curves::wheel_curves;
+use crate::curves::{Curves, wheel_curves};
 use crate::mechanism::DesignFault;
 use crate::model::LengthUnit;
 use crate::plan::{Output, Plan};
@@ -32,8 +32,9 @@ pub(super) fn observe(
     name: Option<&str>,
 ) -> Result<Observed, DesignFault> {
     let motion = &own.motion;
+    let gains = gains(study);
     let asked = WheelStudy {
-        outputs: outputs(own),
+        outputs: outputs(own, &gains),
         ..own.clone()
     };
     let plan = Plan::of(&asked);
@@ -41,12 +42,18 @@ pub(super) fn observe(
     let length = asked.suspension.length_unit;
     let (stations, grid) = stations(motion, length);
     let optimise = study.optimise.as_ref();
+    let shown = outputs(own, &[]).characteristics;
     let mut series = Vec::new();
     for (number, column) in found.columns.iter().enumerate() {
         let output = plan.outputs.get(number);
         let quantity = output.and_then(Output::quantity);
         let further = number.checked_sub(plan.outputs.len());
         let figure = further.and_then(|place| plan.figures.get(place));
+        // Gains that the study does not compare are only read as slopes.
+        let is_hidden = |quantity| match quantity {
+            Quantity::Characteristic(of) => !shown.contains(&of),
+            _ => false,
+        };
         let is_moved = |quantity| match quantity {
             Quantity::Coordinate(point, _) => {
                 let variables = optimise.iter().flat_map(|o| &o.variables);
@@ -55,7 +62,7 @@ pub(super) fn observe(
             _ => false,
         };
         // A variable moves these points intentionally, so the move is not a side effect.
-        if quantity.is_some_and(is_moved) {
+        if quantity.is_some_and(|own| is_moved(own) || is_hidden(own)) {
             continue;
         }
         let unit = match (quantity, output) {
@@ -75,7 +82,16 @@ pub(super) fn observe(
             (None, Some(figure)) => at.wanted_figure(figure, optimise),
             (None, None) => Vec::new(),
         });
+        let as_slope = |gain: &Characteristic| {
+            let of = quantity?.characteristic()?;
+            let factor = customary::slope_by_gain(*gain, of, &own.suspension)?;
+            let gain = Quantity::Characteristic(*gain);
+            let mut outputs = plan.outputs.iter();
+            let number = outputs.position(|output| output.quantity() == Some(gain))?;
+            Some(at.gain(gain, (&found, number, factor), optimise?))
+        };
         series.push(Series {
+            gains: gains.iter().filter_map(as_slope).collect(),
             unit: column.unit.clone(),
             wanted: wanted.unwrap_or_default(),
             values: found.stations.iter().map(|s| s.value(number)).collect(),
@@ -90,8 +106,8 @@ pub(super) fn observe(
 }
 
 /// Values (no derivatives) of the study's outputs at all stations, and of those compared characteristics that exist for this
-/// wheel.
-fn outputs(own: &WheelStudy) -> Outputs {
+/// wheel. Adds `gains`.
+fn outputs(own: &WheelStudy, gains: &[Characteristic]) -> Outputs {
     let mut characteristics = own.outputs.characteristics.clone();
     for more in Characteristic::available(&own.suspension) {
         let is_there = own.compliance.is_none() || not_of_equilibrium(more).is_none();
@@ -99,6 +115,9 @@ fn outputs(own: &WheelStudy) -> Outputs {
             characteristics.push(more);
         }
     }
+    let further = gains.iter().filter(|gain| !characteristics.contains(gain));
+    let further: Vec<_> = further.copied().collect();
+    characteristics.extend(further);
     Outputs {
         characteristics,
         knuckle: false,
@@ -107,6 +126,26 @@ fn outputs(own: &WheelStudy) -> Outputs {
         certify: false,
         ..own.outputs.clone()
     }
+}
+
+/// Gains with targets or constraints, each once.
+fn gains(study: &Study) -> Vec<Characteristic> {
+    let optimise = study.optimise.iter();
+    let parts = |optimise: &&Optimise| {
+        let parts = optimise.constraints.iter().flat_map(|own| &own.parts);
+        let limited = parts.filter_map(|part| part.of.quantity()?.characteristic());
+        let targets = optimise.targets.iter();
+        let wanted = targets.filter_map(|target| target.of.as_characteristic());
+        wanted.chain(limited).collect::<Vec<_>>()
+    };
+    let all = optimise.flat_map(|own| parts(&own));
+    let mut gains = Vec::new();
+    for gain in all.filter(|own| customary::integral_of(*own).is_some()) {
+        if !gains.contains(&gain) {
+            gains.push(gain);
+        }
+    }
+    gains
 }
 
 /// Stations of a motion, rack by rack, and their grid over drive and rack.
@@ -149,19 +188,22 @@ struct Looked<'a> {
 impl Looked<'_> {
     /// Stations at which a target or a constraint concerns a measure.
     fn wanted(&self, measure: &Measure, optimise: &Optimise) -> Vec<usize> {
-        let characteristic = |measure: &Measure| match measure {
-            Measure::Quantity(Quantity::Characteristic(of)) => Some(*of),
-            _ => None,
-        };
+        let characteristic = |measure: &Measure| measure.quantity()?.characteristic();
         let is_about = |other: &Measure| match (characteristic(other), characteristic(measure)) {
             (Some(target), Some(of)) => customary::determines(target, of),
             _ => other == measure,
         };
+        self.stations_of(optimise, is_about)
+    }
+
+    /// Stations of the targets and constraints whose measure fulfils a condition.
+    fn stations_of(&self, optimise: &Optimise, is_about: impl Fn(&Measure) -> bool) -> Vec<usize> {
         let targets = optimise.targets.iter();
         let of_targets = targets.filter(|target| {
             let characteristic = target.of.as_characteristic();
             let own = characteristic.map(|c| Measure::Quantity(Quantity::Characteristic(c)));
-            target.of.of_wheel().or(own.as_ref()).is_some_and(is_about)
+            let measure = target.of.of_wheel().or(own.as_ref());
+            measure.is_some_and(&is_about)
         });
         let mut places = self.of_targets(of_targets);
         let limits = |c: &&Constraint| c.parts.iter().any(|part| is_about(&part.of));
@@ -172,6 +214,22 @@ impl Looked<'_> {
             }
         }
         places
+    }
+
+    /// Slope of a curve: `factor` times the gain in a column of the results.
+    fn gain(
+        &self,
+        gain: Quantity,
+        (found, column, factor): (&Curves, usize, f64),
+        optimise: &Optimise,
+    ) -> Gain {
+        let wanted = self.stations_of(optimise, |of| of.quantity() == Some(gain));
+        let values = found.stations.iter().map(|s| s.value(column));
+        Gain {
+            wanted: wanted.into_iter().collect(),
+            slopes: values.map(|value| Some(factor * value?)).collect(),
+            travels: found.along("travel").collect(),
+        }
     }
 
     /// Stations at which a target concerns a test result.

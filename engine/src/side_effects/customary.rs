@@ -2,7 +2,7 @@
 
 use crate::ask::Unit;
 use crate::characteristics::Characteristic;
-use crate::model::LengthUnit;
+use crate::model::{LengthUnit, Suspension};
 
 /// Smallest relevant change of a length, in mm.
 const LENGTH: f64 = 1.0;
@@ -88,8 +88,25 @@ pub(super) fn determines(target: Characteristic, of: Characteristic) -> bool {
     is_same(target, of) || integral_of(target).is_some_and(|own| is_same(own, of))
 }
 
+/// Slope of a characteristic's curve over wheel travel that a gain of 1 means, in printed units. `None` if the curve does not
+/// follow from the gain.
+pub(super) fn slope_by_gain(
+    gain: Characteristic,
+    of: Characteristic,
+    suspension: &Suspension,
+) -> Option<f64> {
+    use Characteristic::{MotionRatio, Toe, ToeAtRim};
+    // A spring becomes shorter in jounce.
+    let sign = if gain == MotionRatio { -1.0 } else { 1.0 };
+    match (integral_of(gain)?, of) {
+        // Toe at the rim is proportional to small angles of toe.
+        (Toe, ToeAtRim) => Some(suspension.rim_diameter?.to_radians()),
+        (own, of) => (own == of).then_some(sign),
+    }
+}
+
 /// Characteristic whose curve over travel follows from a gain, except for the curve's value in the design position.
-fn integral_of(gain: Characteristic) -> Option<Characteristic> {
+pub(super) fn integral_of(gain: Characteristic) -> Option<Characteristic> {
     Some(match gain {
         Characteristic::BumpSteer => Characteristic::Toe,
         Characteristic::CamberGain => Characteristic::Camber,

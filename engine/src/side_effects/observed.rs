@@ -8,7 +8,7 @@ use crate::mechanism::DesignFault;
 use crate::model::LengthUnit;
 use crate::sorting::sort_numbers;
 use crate::study::{Study, Vehicle};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Distance below which two positions are equal, as a share of the motion's range. For a coordinate that does not move, the
 /// distance is in study units.
@@ -55,10 +55,22 @@ pub(super) struct Series {
     pub straight_only: bool,
     /// Name of the wheel, for an axle or a car.
     pub wheel: Option<&'static str>,
-    /// Stations at which a target or a constraint applies to the output.
+    /// Stations at which a target or a constraint applies to the output, or to a gain that is the slope of the output.
     pub wanted: Vec<usize>,
+    /// Gains with targets or constraints that are slopes of the output.
+    pub gains: Vec<Gain>,
     /// Values in printed units.
     pub values: Vec<Option<f64>>,
+}
+
+/// Gain of one wheel that is the slope of an output over the travel of this wheel.
+pub(super) struct Gain {
+    /// Stations at which a target or a constraint applies to the gain.
+    pub wanted: HashSet<usize>,
+    /// Slope of the output at all stations, in printed units.
+    pub slopes: Vec<Option<f64>>,
+    /// Travel of the wheel at all stations. `None` if the motion does not give it.
+    pub travels: Vec<Option<f64>>,
 }
 
 impl Series {
@@ -75,6 +87,7 @@ impl Series {
             straight_only,
             wheel: None,
             wanted: Vec::new(),
+            gains: Vec::new(),
             values: Vec::new(),
         }
     }

@@ -332,7 +332,7 @@ impl RateKeys<'_> {
             let message = "the key \"stiffness\" selects an axis of a bushing, and this part is not a bushing: remove the key";
             return problems.refuse(axis.span(), message);
         }
-        let (name, parameter, design) = match (self.bushing, self.link, self.rate) {
+        let (name, rate) = match (self.bushing, self.link, self.rate) {
             (Some(name), None, None) => {
                 let axis = self.stiffness.as_ref();
                 bushing_rate(name, axis, is_relative, &parts, problems)?
@@ -344,18 +344,19 @@ impl RateKeys<'_> {
                 return problems.refuse(self.place.clone(), message);
             }
         };
-        if of_axle.is_some_and(|own| own.parts.differs(parameter)) {
+        if of_axle.is_some_and(|own| own.parts.differs(rate.parameter)) {
             let message = format!(
                 "{name} has different rates on both wheels: a variable needs the same rate on both"
             );
             return problems.refuse(self.place.clone(), &message);
         }
-        let rate = Rate {
-            parameter,
-            design,
-            is_relative,
-        };
-        Some((name, rate))
+        Some((
+            name,
+            Rate {
+                is_relative,
+                ..rate
+            },
+        ))
     }
 }
 
@@ -400,7 +401,18 @@ pub(super) fn rate(
     })
 }
 
-type Found = (String, Parameter, f64);
+/// Name and rate of a part. The rate is not relative.
+type Found = (String, Rate);
+
+fn absolute(name: &str, parameter: Parameter, design: f64) -> Found {
+    let rate = Rate {
+        parameter,
+        design,
+        is_relative: false,
+        is_per_strain: false,
+    };
+    (name.to_owned(), rate)
+}
 
 fn bushing_rate(
     name: &Text,
@@ -434,22 +446,24 @@ fn bushing_rate(
         let message = "this rate is 0 in the study, so there is nothing to vary";
         return problems.refuse(axis.span(), message);
     }
-    Some((
-        name.get_ref().clone(),
-        Parameter::Stiffness(number, k),
-        design,
-    ))
+    let parameter = Parameter::Stiffness(number, k);
+    Some(absolute(name.get_ref(), parameter, design))
 }
 
 fn link_rate(name: &Text, parts: &NamedParts<'_>, problems: &mut Problems) -> Option<Found> {
     let links = parts.links.iter().enumerate();
     let options: Vec<_> = links.map(|(k, link)| (link.name, k)).collect();
     let number = choose(name, "link", &options, problems)?;
-    let design = match parts.links[number].stiffness {
-        AxialStiffness::Rate(rate) => rate,
-        AxialStiffness::PerStrain(force) => force,
+    let (design, is_per_strain) = match parts.links[number].stiffness {
+        AxialStiffness::Rate(rate) => (rate, false),
+        AxialStiffness::PerStrain(force) => (force, true),
     };
-    Some((name.get_ref().clone(), Parameter::Link(number), design))
+    let (name, rate) = absolute(name.get_ref(), Parameter::Link(number), design);
+    let rate = Rate {
+        is_per_strain,
+        ..rate
+    };
+    Some((name, rate))
 }
 
 fn part_rate(name: &Text, parts: &NamedParts<'_>, problems: &mut Problems) -> Option<Found> {
@@ -459,5 +473,5 @@ fn part_rate(name: &Text, parts: &NamedParts<'_>, problems: &mut Problems) -> Op
     }
     let options: Vec<_> = parts.rates.iter().map(|own| (own.name, own)).collect();
     let own = choose(name, "rate", &options, problems)?;
-    Some((own.name.to_owned(), own.parameter, own.value))
+    Some(absolute(own.name, own.parameter, own.value))
 }

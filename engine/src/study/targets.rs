@@ -1,5 +1,6 @@
 //! `targets` of `[optimise]`: target curves, values and bands.
 
+mod column_unit;
 mod drive_values;
 mod stations;
 
@@ -312,10 +313,7 @@ impl TargetContext<'_> {
                 let drive = self.motion.drive.column(context.suspension.length_unit);
                 let columns = WantedColumns {
                     drive: &drive,
-                    value: written
-                        .column
-                        .as_ref()
-                        .map_or(&*self.of.column, |c| c.get_ref()),
+                    value: column_unit::checked(written.column.as_ref(), self.of, problems)?,
                     length_unit: context.suspension.length_unit,
                     racks: &rack_displacements(site, self.motion),
                     as_measured: is_fit,

@@ -180,6 +180,7 @@ impl Variable {
         if let Some(rate) = &self.rate {
             return match rate.axis_name() {
                 Some(axis) => format!("stiffness {axis}"),
+                None if rate.is_per_strain => "modulus times area".to_owned(),
                 None if matches!(rate.parameter, Parameter::Link(_)) => {
                     "axial stiffness".to_owned()
                 }
@@ -234,6 +235,8 @@ pub struct Rate {
     pub design: f64,
     /// True if the variable is the logarithm of a factor, false if it is a change of the rate.
     pub is_relative: bool,
+    /// True for a link with `modulus` and `area`. Its rate is their product, a force per strain.
+    pub is_per_strain: bool,
 }
 
 /// Names of the axes along and about which a bushing has rates.
@@ -273,6 +276,7 @@ impl Rate {
         let u = length.symbol();
         match (self.is_relative, self.parameter) {
             (true, _) => "factor".to_owned(),
+            (false, _) if self.is_per_strain => "N".to_owned(),
             (false, Parameter::Stiffness(_, 3..) | Parameter::BarRate | Parameter::ColumnRate) => {
                 format!("N_{u}_per_rad")
             }

@@ -260,12 +260,24 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
         outputs: Vec::new(),
         targets: targets.collect(),
         not_swept: Vec::new(),
+        unchecked_constraints: constraints(study),
         curves: false,
         format: match sweep.format {
             FileFormat::Csv => "csv".to_owned(),
             FileFormat::Parquet => "parquet".to_owned(),
         },
     }
+}
+
+/// Names of the constraints of the cases and of the axles on their rigs.
+fn constraints(study: &CarStudy) -> Vec<String> {
+    let Some(optimise) = &study.optimise else {
+        return Vec::new();
+    };
+    let of_cases = optimise.constraints.iter().map(|own| own.name.clone());
+    let rigs = optimise.rigs.iter().flatten();
+    let of_rigs = rigs.flat_map(|rig| rig.optimise.constraints.iter().map(|own| own.name.clone()));
+    of_cases.chain(of_rigs).collect()
 }
 
 /// SHA-256 digest of everything that determines the results. The digest covers the meaning of the study, not its text.

@@ -468,6 +468,9 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
         outputs: Vec::new(),
         targets: targets.collect(),
         not_swept: tuning.map_or_else(Vec::new, |o| o.not_swept(motion, unit)),
+        unchecked_constraints: tuning.map_or_else(Vec::new, |o| {
+            o.constraints.iter().map(|own| own.name.clone()).collect()
+        }),
         curves: sweep.curves,
         format: match sweep.format {
             FileFormat::Csv => "csv".to_owned(),

@@ -59,6 +59,9 @@ pub struct SweepRecord {
     /// Targets for which the sweep cannot compute a misfit, each with its name and the reason.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_swept: Vec<String>,
+    /// Names of the constraints of `[optimise]`. The sweep does not check them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub unchecked_constraints: Vec<String>,
     /// True if the sweep keeps the curves of every design.
     pub curves: bool,
     /// Extension of the files' names: `csv` or `parquet`.

@@ -36,7 +36,7 @@ impl Targets<'_> {
         let found = assessed(&suspension, &[], &self.layout)
             .map_err(|fault| fault.describe(&suspension.mechanism))?
             .map_err(|infeasible| infeasible.to_string())?;
-        let margins = constraint_margins(&self.optimise, &self.layout, &found.rows.residuals);
+        let margins = constraint_margins(&self.optimise, &found.margins);
         Ok((found.goal.misfit(), margins))
     }
 

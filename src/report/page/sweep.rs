@@ -1,7 +1,7 @@
 //! The page of a sweep.
 
 use super::charts::Charts;
-use super::escape::html;
+use super::escape::{html, prose};
 use super::table::stacked;
 use super::{Page, STAGE};
 use crate::report::chart::{AxisLayout, Charted, Layout, Quantity, chart_groups, charts_over};
@@ -348,6 +348,9 @@ fn remarks(run: &SweepRun) -> String {
              plots leave out values that could not be computed.</p>{}{more}</div>",
             table.html()
         );
+    }
+    for note in summary.notes() {
+        remarks += &format!("<p class=\"note\">{}</p>", prose(note));
     }
     remarks
 }

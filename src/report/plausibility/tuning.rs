@@ -5,15 +5,18 @@ use crate::study::{Limit, Study, Target, Wanted};
 
 /// Largest plausible span of a target's points, relative to the span of the motion.
 const SPAN: f64 = 4.0;
-/// Warnings about targets whose points span much more than the motion, one per line. Only a small part of such a target counts.
+/// Smallest part outside of the motion that counts, relative to the span of the motion.
+const ROUNDING: f64 = 1e-9;
+
+/// Warnings about targets whose points are partly outside of the motion, one per line. This part of a target has no effect.
 pub(super) fn target_doubts(study: &Study) -> Vec<String> {
     let targets = study.optimise.iter().flat_map(|o| &o.targets);
     targets
-        .filter_map(|target| span_doubt(study, target))
+        .filter_map(|target| beyond_motion(study, target))
         .collect()
 }
 
-fn span_doubt(study: &Study, target: &Target) -> Option<String> {
+fn beyond_motion(study: &Study, target: &Target) -> Option<String> {
     let curve = |limit: &Option<Limit>| match limit {
         Some(Limit::Curve { points, .. }) => points.clone(),
         _ => Vec::new(),
@@ -32,7 +35,8 @@ fn span_doubt(study: &Study, target: &Target) -> Option<String> {
     let own = ends(points.iter().map(|[at, _]| *at))?;
     let moved = ends(values.iter().copied())?;
     let width = |[low, high]: [f64; 2]| high - low;
-    if width(moved) == 0.0 || width(own) <= SPAN * width(moved) {
+    let outside = (moved[0] - own[0]).max(own[1] - moved[1]);
+    if outside <= ROUNDING * width(moved) || width(moved) == 0.0 {
         return None;
     }
     let range = |ends: [f64; 2]| {
@@ -40,13 +44,18 @@ fn span_doubt(study: &Study, target: &Target) -> Option<String> {
         format!("{low} to {high}")
     };
     let unit = target.unit_at(drive, length);
-    Some(format!(
-        "please check: the points of the target {} run from {} {unit}, its motion only from {} {unit}. Are they in \
-         another unit?",
-        target.of.column,
-        range(own),
-        range(moved)
-    ))
+    let (name, own_range, moved_range) = (&target.of.column, range(own), range(moved));
+    Some(if width(own) > SPAN * width(moved) {
+        format!(
+            "please check: the points of the target {name} run from {own_range} {unit}, its motion only from \
+             {moved_range} {unit}. Are they in another unit?"
+        )
+    } else {
+        format!(
+            "the points of the target {name} run from {own_range} {unit}, its motion from {moved_range} {unit}: the \
+             part outside of the motion has no effect"
+        )
+    })
 }
 
 fn ends(values: impl Iterator<Item = f64> + Clone) -> Option<[f64; 2]> {

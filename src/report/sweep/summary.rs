@@ -276,6 +276,7 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
             record.not_swept.join("; ")
         ));
     }
+    notes.extend(unchecked(record, statistics));
     notes.extend(unranked(record, statistics));
     for (output, range) in record.outputs.iter().zip(&statistics.ranges) {
         let lacking = statistics.solved - range.map_or(0, |r| r.count).min(statistics.solved);
@@ -328,6 +329,18 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
         ));
     }
     notes
+}
+
+/// Sentence about constraints that best designs and designs on the front may violate.
+fn unchecked(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String> {
+    let constraints = &record.unchecked_constraints;
+    (!constraints.is_empty() && !statistics.best.is_empty()).then(|| {
+        format!(
+            "warning: the sweep does not check the constraints of [optimise], so the best designs may violate them: {}. \
+             hardpoint optimise keeps them",
+            constraints.join("; ")
+        )
+    })
 }
 
 /// Sentence about designs with a smaller misfit than the best design. They are not ranked because they are not solved everywhere.

@@ -217,7 +217,7 @@ impl ConstraintSummary {
 
     /// Table cell: drive value with the smallest margin, and its unit.
     fn place(&self) -> Cell {
-        Cell::by(self.at, |at| with_unit(at, &self.at_unit))
+        Cell::by(self.at, |at| with_unit(to_digits(at, 6), &self.at_unit))
     }
 }
 

@@ -214,3 +214,20 @@ fn what_is_of_the_rigid_mechanism_is_refused() {
         assert!(rendered.contains(reason), "{to}: {rendered}");
     }
 }
+
+/// A link given by modulus and area: the varied number is their product, a force. The label and the unit of the variable say
+/// so, in a tuning and in a sweep.
+#[test]
+fn modulus_times_area_is_a_force() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies/five_link_compliance.toml");
+    let text = std::fs::read_to_string(path).unwrap()
+        + "[optimise]\nvariables = [{ link = \"toe_link\", range = [0.5, 2.0], relative = true }]\n\
+           targets = [{ characteristic = \"toe\", at = 0.0, value = 0.0, tolerance = 0.1 }]\n";
+    let study = Study::elastic_from_text("case.toml", &text, Path::new("")).unwrap();
+    let variable = &study.optimise.as_ref().unwrap().variables[0];
+    assert_eq!(variable.way(), "modulus times area");
+    let mut rate = variable.rate.unwrap();
+    assert_eq!(rate.design, 70000.0 * 110.0);
+    rate.is_relative = false;
+    assert_eq!(rate.value_unit(study.wheel().length_unit), "N");
+}

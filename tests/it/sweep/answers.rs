@@ -197,6 +197,33 @@ fn targets_that_a_sweep_cannot_evaluate_are_named() {
     assert!(summary["best"].as_array().unwrap().is_empty());
 }
 
+/// A sweep does not check constraints. If it ranks designs, the terminal, `summary.json` and the page name the constraints.
+#[test]
+fn constraints_that_a_sweep_does_not_check_are_named() {
+    let constraint = "optimise.constraints=[{ length = \"tie_rod\", at_most = 10.0 }]";
+    let bench = Bench::new(&STUDY.replace("samples = 700", "samples = 3"));
+    let (stdout, stderr) = said(
+        &bench
+            .sweep("run", &["--set", constraint, "--report"])
+            .success(),
+    );
+    let words = "does not check the constraints of [optimise], so the best designs may violate them: \
+                 length tie_rod at most 10";
+    let summary = bench.json("run/summary.json");
+    assert!(!summary["best"].as_array().unwrap().is_empty());
+    let page = fs::read_to_string(bench.path("run/report.html")).unwrap();
+    for text in [
+        summary["notes"].to_string(),
+        page,
+        format!("{stdout}{stderr}"),
+    ] {
+        let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(text.contains(words), "{text}");
+    }
+    let (stdout, stderr) = said(&bench.sweep("free", &[]).success());
+    assert!(!format!("{stdout}{stderr}").contains("constraints of [optimise]"));
+}
+
 /// The gain of a quantity made of velocities is its derivative with respect to travel, and equals the derivative of
 /// `solve`. A quantity that is itself a gain has no gain.
 #[test]

@@ -1,5 +1,6 @@
 //! Tests of tunings. Many of them compute targets from a known design: the tuning must find this design again.
 
+mod aligned;
 mod articulation;
 mod builds;
 mod constraints;

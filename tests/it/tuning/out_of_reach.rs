@@ -74,6 +74,49 @@ fn a_target_that_spans_much_more_than_its_motion_is_doubted() {
     }
 }
 
+/// A target curve that is longer than the motion is compared only within the motion. A note states both ranges.
+#[test]
+fn a_part_of_a_target_outside_of_the_motion_is_named() {
+    for (points, is_named) in [
+        ("points = [[-90.0, 0.0], [20.0, 0.0]]", true),
+        ("points = [[-60.0, 0.0], [60.0, 0.0]]", false),
+        ("at_most = [[-10.0, 1.0], [70.0, 1.0]]", true),
+        ("at_most = 1.0", false),
+    ] {
+        let target = format!(
+            "optimise.targets=[{{ characteristic = \"toe\", {points}, tolerance = 0.01 }}]"
+        );
+        let study = edited("double_wishbone_front.toml", &[&target]);
+        let notes = variable_plausibility(&study).join("\n");
+        let words = "its motion from -60 to 60 mm: the part outside of the motion has no effect";
+        assert_eq!(notes.contains(words), is_named, "{points}: {notes}");
+    }
+}
+
+/// The program refuses a column of a target file if its name states another unit than that of the target.
+#[test]
+fn a_column_in_another_unit_is_refused() {
+    let directory = tempfile::tempdir().unwrap();
+    let curve = directory.path().join("curve.csv");
+    std::fs::write(
+        &curve,
+        "travel_mm,toe_rad,toe_in\n-30,0.0035,0.2\n30,0.0035,0.2\n",
+    )
+    .unwrap();
+    let of = |column: &str| {
+        let target = format!(
+            "optimise.targets=[{{ characteristic = \"toe\", file = {curve:?}, column = {column:?}, tolerance = 0.01 }}]"
+        );
+        let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR"));
+        Study::read(&path.join("studies/double_wishbone_front.toml"), &[target])
+    };
+    let refused = of("toe_rad").unwrap_err().to_string();
+    let words =
+        "the column toe_rad is in rad according to its name, and the target toe_deg is in deg";
+    assert!(refused.contains(words), "{refused}");
+    assert!(of("toe_in").is_ok());
+}
+
 /// The tuning of a new study is the first one that a user sees. It meets its targets.
 #[test]
 fn tunings_of_new_studies_meet_their_targets() {

@@ -142,6 +142,22 @@ fn judged_by_fresh_builds(studies: &[&Study], raised_at_least: usize) {
     assert!(raised >= raised_at_least, "{raised}");
 }
 
+/// Four variables and one target: three combinations of variables leave the misfit of the nominal design unchanged. They can
+/// lower the yield, so a tuning for yield does not offer them.
+#[test]
+fn a_tuning_for_yield_offers_no_free_moves() {
+    let bands = "tolerance.bands=[{ characteristic = \"bump_steer\", between = [-0.018, -0.004] }]";
+    let targets = "optimise.targets=[{ characteristic = \"bump_steer\", at = 0.0, value = -0.01, tolerance = 0.002 }]";
+    let overrides = [bands, targets, VARIABLES, YIELD[0], "optimise.scatter=16"];
+    let study = edited(WELDED, &overrides);
+    let free = |optimise: &Optimise| {
+        let (tuning, _) = best(&study, optimise);
+        tuning.best.unwrap().identifiability.unseen.len()
+    };
+    assert!(free(&plain(&study)) > 0);
+    assert_eq!(free(study.optimise.as_ref().unwrap()), 0);
+}
+
 /// If alignment holds toe at the limit of a band, every build meets this band. So the search for the largest yield
 /// ignores this band.
 #[test]

@@ -2,7 +2,7 @@
 //! the output names these units.
 
 use hardpoint::optimise::Control;
-use hardpoint::report::{TuningSummary, as_written};
+use hardpoint::report::{TuningSummary, brief};
 use hardpoint::study::Study;
 use serde_json::Value;
 use std::path::Path;
@@ -137,7 +137,7 @@ fn margins_and_prices_are_in_the_study_s_unit() {
         }
         // The table shows the travel with its unit too.
         let at = lists[1][3]["at"].as_f64().unwrap();
-        let place = format!("{} {unit}", as_written(at));
+        let place = format!("{} {unit}", brief(at));
         assert!(table.contains(&place), "{place}: {table}");
     }
 }

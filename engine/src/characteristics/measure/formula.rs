@@ -1,6 +1,6 @@
 //! Formulas of the geometric measures as functions of vectors.
 
-use super::{Measure, Vectors};
+use super::{Across, Measure, Vectors};
 use crate::number::{Each, Scalar, Vector3, array_of};
 
 impl Measure {
@@ -63,10 +63,17 @@ impl Measure {
                 let normal = (v[1] - v[0]).cross(v[2] - v[0]).normalised();
                 normal.dot(v[3] - v[0])
             }
-            Measure::OffLine(_, axis) => {
+            Measure::OffLine(_, Across { axis, is_second }) => {
                 let along = (v[1] - v[0]).normalised();
-                let away = v[2] - v[0];
-                (away - along * along.dot(away)).to_array()[*axis]
+                let mut unit = [0.0; 3];
+                unit[*axis] = 1.0;
+                let first = along.constant(Vector3::from(unit)).cross(along);
+                let across = if *is_second {
+                    along.cross(first)
+                } else {
+                    first
+                };
+                across.normalised().dot(v[2] - v[0])
             }
         }
     }

@@ -258,6 +258,7 @@ impl<'a> ConvexModel<'a> {
         }
         if outcome != Outcome::Solved {
             let (remaining, culprits) = self.relax();
+            let bounds = culprits.clone();
             proposal = Proposal::Relaxed {
                 remaining,
                 culprits,
@@ -268,11 +269,24 @@ impl<'a> ConvexModel<'a> {
                 self.clear_multipliers();
                 return proposal;
             }
+            self.step_onto(&bounds);
         }
         self.meet_levels(0, curved);
         let found = self.level_multipliers.iter();
         self.last_weights = found.map(|w| (*w > 0.0).then_some(*w)).collect();
         proposal
+    }
+
+    /// Moves the step exactly onto these bounds. The relaxed rows have a small slack, so the program alone can end beside a
+    /// bound that keeps the violation from getting smaller.
+    fn step_onto(&mut self, bounds: &[Held]) {
+        for held in bounds {
+            match *held {
+                Held::Lower(j) => self.step[j] = self.lower[j],
+                Held::Upper(j) => self.step[j] = self.upper[j],
+                Held::Row(_) => {}
+            }
+        }
     }
 
     /// Returns normals and offsets of the rows and bounds that were active (at their limits) in the previous step. They do

@@ -166,6 +166,38 @@ fn a_level_is_met_exactly_even_about_a_zero_of_its_residuals() {
     }
 }
 
+/// No design satisfies the row. The smallest violation is at a corner of the box, and the goal pulls away from this corner. The
+/// run ends exactly at the corner.
+#[test]
+fn an_unreachable_row_ends_exactly_on_the_bounds() {
+    let mut noise = Noise::new(23);
+    for _ in 0..200 {
+        let slopes: Vec<f64> = (0..3)
+            .map(|_| noise.next())
+            .map(|s| s + 0.3 * s.signum())
+            .collect();
+        let ranges: Vec<[f64; 2]> = (0..3)
+            .map(|_| [-0.1 - noise.next().abs(), 0.1 + noise.next().abs()])
+            .collect();
+        let at = |x: &[f64]| {
+            let goal = (0..3).map(|j| {
+                let mut gradient = vec![0.0; 3];
+                gradient[j] = 5.0;
+                (5.0 * (x[j] - slopes[j]), gradient)
+            });
+            let sum: f64 = slopes.iter().zip(x).map(|(s, x)| s * x).sum();
+            let gradient = slopes.iter().map(|s| s * (1.0 + 0.02 * sum));
+            let row = (20.0 + sum + 0.01 * sum * sum, gradient.collect());
+            [goal.collect(), vec![], vec![row]]
+        };
+        let fit = solve(&[0.0; 3], &ranges, 0, f64::INFINITY, at);
+        assert_eq!(fit.termination, Termination::ConstraintsExcludeEachOther);
+        let corner = slopes.iter().zip(&ranges);
+        let corner: Vec<f64> = corner.map(|(s, r)| r[usize::from(*s < 0.0)]).collect();
+        assert_eq!(fit.x.as_slice(), corner);
+    }
+}
+
 /// Random problems with curved residuals and curved rows end at points with balanced multipliers.
 #[test]
 fn random_constrained_problems_end_at_kuhn_tucker_points() {

@@ -1,0 +1,114 @@
+//! Margins of the constraints, from the values of their rows.
+
+use super::{Beside, Part, RowLabel, TargetLayout};
+
+/// Smallest margin of a constraint in one design.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Margin {
+    /// Margin to the nearest limit, in the constraint's unit; negative if the limit is violated.
+    pub room: f64,
+    /// Drive value of the station with the smallest margin, or of the extreme near it. `None` if the constraint does not
+    /// change along the motion.
+    pub at: Option<f64>,
+}
+
+/// For each row that is a component of a distance, finds the row of the other component.
+pub(super) fn other_components(labels: &[RowLabel], parts: &[Part]) -> Vec<Option<usize>> {
+    let other = |own: &RowLabel| {
+        let components = parts[own.part].limited.of.components()?;
+        labels.iter().position(|label| {
+            let is_same = components.contains(&parts[label.part].limited.of);
+            is_same && label.part != own.part && label.constraint == own.constraint
+        })
+    };
+    labels.iter().map(other).collect()
+}
+
+impl TargetLayout {
+    /// Drive value of a constraint's row. `None` if the constraint is checked at only one drive value.
+    fn place_of(&self, label: &RowLabel) -> Option<f64> {
+        let Some(leg) = self.legs.get(label.leg) else {
+            let Some(Beside::Elastic(elastic)) = &self.beside else {
+                return None;
+            };
+            return elastic.place_of(label.part, label.station);
+        };
+        let values = leg.order.values();
+        (values.len() > 1).then(|| values[label.station])
+    }
+
+    /// Combines the numbers of a row and of the other component of its distance: their norm. The number itself if the row is
+    /// no component. `None` for the second component, because the first one counts for both.
+    pub(in crate::optimise) fn whole(&self, row: usize, of: impl Fn(usize) -> f64) -> Option<f64> {
+        match self.others[row] {
+            None => Some(of(row)),
+            Some(other) if row < other => Some(of(row).hypot(of(other))),
+            Some(_) => None,
+        }
+    }
+
+    /// Smallest margin of each constraint, from the values of all rows, and from the drive values of the extremes that rows
+    /// hold.
+    pub(in crate::optimise) fn margins(
+        &self,
+        values: &[f64],
+        extremes: &[Option<f64>],
+    ) -> Vec<Margin> {
+        let none = Margin {
+            room: f64::INFINITY,
+            at: None,
+        };
+        let mut margins = vec![none; self.constraints];
+        for (row, label) in self.labels.iter().enumerate() {
+            let Some(value) = self.whole(row, |row| values[row]) else {
+                continue;
+            };
+            let (room, least) = (self.margin(row, value), &mut margins[label.constraint]);
+            if room < least.room {
+                *least = Margin {
+                    room,
+                    at: extremes
+                        .get(row)
+                        .copied()
+                        .flatten()
+                        .or_else(|| self.place_of(label)),
+                };
+            }
+        }
+        margins
+    }
+
+    /// Margin between a row's value and its limit, in the constraint's unit; negative if the limit is violated.
+    pub fn margin(&self, row: usize, value: f64) -> f64 {
+        let part = &self.parts[self.labels[row].part].limited;
+        part.margin(self.violation(row, value))
+    }
+
+    /// Violation of a row's limit in the row's unit; negative if there is margin.
+    pub(in crate::optimise) fn violation(&self, row: usize, value: f64) -> f64 {
+        if row < self.equalities {
+            value.abs()
+        } else {
+            value
+        }
+    }
+
+    /// Change of a row's limit, in the constraint's unit, that changes the value of the row by 1 if the limit binds.
+    pub fn visible(&self, row: usize) -> f64 {
+        self.parts[self.labels[row].part].limited.visible
+    }
+
+    /// Absolute values of the limits of the constraints' rows, in the rows' unit.
+    pub(in crate::optimise) fn row_limits(&self) -> Vec<f64> {
+        let limit = |label: &RowLabel| {
+            let part = &self.parts[label.part].limited;
+            let limit = if label.is_upper {
+                part.upper
+            } else {
+                part.lower
+            };
+            limit.map_or(0.0, |limit| (limit / part.scale).abs())
+        };
+        self.labels.iter().map(limit).collect()
+    }
+}

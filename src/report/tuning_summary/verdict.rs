@@ -76,12 +76,12 @@ impl SlightEffectRecord {
 }
 
 /// Sentence about a missed target that no variable changes.
-pub fn unmoved_in_words(target: &str) -> String {
+pub(in crate::report) fn unmoved_in_words(target: &str) -> String {
     format!("no variable affects {target}: its deviation from the target stays the same")
 }
 
 /// Sentences about a violated constraint that no variable changes.
-pub fn unmoved_constraint_in_words(constraint: &str) -> String {
+pub(in crate::report) fn unmoved_constraint_in_words(constraint: &str) -> String {
     format!(
         "no variable affects this constraint, which stays violated: {constraint}. Add a variable that affects it, or change \
          its limit"
@@ -89,13 +89,16 @@ pub fn unmoved_constraint_in_words(constraint: &str) -> String {
 }
 
 /// Sentence about the price of a constraint's limit.
-pub fn price_in_words(constraint: &str, price: f64, unit: &str) -> String {
+pub(in crate::report) fn price_in_words(constraint: &str, price: f64, unit: &str) -> String {
     format!("{constraint} costs {} tolerances per {unit}", brief(price))
 }
 
 /// Reason why the start `kept` is kept although it violates constraints. `violated` names them with their violations. `None`
 /// without violations.
-pub fn least_violation_in_words(kept: Option<usize>, violated: &[String]) -> Option<String> {
+pub(in crate::report) fn least_violation_in_words(
+    kept: Option<usize>,
+    violated: &[String],
+) -> Option<String> {
     let kept = kept.filter(|_| !violated.is_empty())?;
     Some(format!(
         "no start satisfied all constraints; start {kept} is kept because its largest violation is the smallest, not because \

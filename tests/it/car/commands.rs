@@ -437,7 +437,7 @@ fn the_key_of_equal_shares_is_named() {
     ] {
         let case = format!("[[cases]]\nname = \"a\"\nay = 10.0\n{shares}\n");
         fs::write(&path, format!("{head}{case}")).unwrap();
-        let said = hardpoint(directory.path(), &["solve", "car.toml", "--out", "run"]).code(1);
+        let said = hardpoint(directory.path(), &["solve", "car.toml", "--force"]).code(1);
         let said = text(&said.get_output().stdout) + &text(&said.get_output().stderr);
         let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(said.contains(remedy), "{said}");

@@ -8,8 +8,8 @@ use crate::threads::{interruptible, on_threads};
 use hardpoint::car::{CarFault, CarRequest, CarSolver, CarVariable};
 use hardpoint::optimise::Control;
 use hardpoint::report::{
-    CarComparison, CarResults, CarState, CarToleranceSummary, car_constraint_names,
-    car_limits as limits_of, contradiction_in_words, lift_limits_table, optimised_car,
+    CarComparison, CarResults, CarState, CarToleranceSummary, CarVerdict, car_limits as limits_of,
+    lift_limits_table, optimised_car,
 };
 use hardpoint::scatter;
 use hardpoint::side_effects::side_effects_of_car;
@@ -241,8 +241,7 @@ pub(crate) fn car_optimise<'py>(
         let TunedCar {
             fit,
             study: tuned,
-            contradiction,
-            ..
+            tuning,
         } = study.tuned(wanted, control)?;
         let records = [study, &tuned].map(|of| {
             let solver = CarSolver::new(&of.car).map_err(|fault| of.car.describe_fault(&fault));
@@ -252,21 +251,26 @@ pub(crate) fn car_optimise<'py>(
         let effects = serde_json::to_string(&effects).map_err(|e| e.to_string())?;
         let [before, after] = records;
         let (before, after) = (before?, after?);
-        let constraints = after.constraint_records(wanted, &before, fit.x.as_slice());
-        let names = car_constraint_names(&constraints, &contradiction);
-        let targets = after.target_records(wanted, &before, fit.x.as_slice());
+        let x = fit.x.as_slice();
+        let constraints = after.constraint_records(wanted, &before, x, &tuning.prices);
+        let targets = after.target_records(wanted, &before, x);
+        let verdict = CarVerdict {
+            targets: &targets,
+            constraints: &constraints,
+            tuning: &tuning,
+        };
+        let mut message = vec![fit.ended().to_string()];
+        message.extend(verdict.remarks());
         let targets = serde_json::to_string(&targets).map_err(|e| e.to_string())?;
         let texts = optimised_car(study, &tuned.car, fit.x.as_slice());
-        let mut message = vec![fit.ended().to_string()];
-        message.extend(contradiction_in_words(&names));
-        Ok::<_, String>((fit, message, targets, effects, texts))
+        let is_kept = fit.termination.at_minimum() && !tuning.falls_short();
+        Ok::<_, String>((fit, is_kept, message, targets, effects, texts))
     };
-    let (tuned, message, targets, effects, texts) =
+    let (tuned, is_kept, message, targets, effects, texts) =
         interruptible(py, threads, work, |_, _| Ok(()))?.map_err(failure)?;
     let x = tuned.x.as_slice();
     let result = PyDict::new(py);
     result.set_item("x", x.to_vec().into_pyarray(py))?;
-    let is_kept = tuned.termination.at_minimum() && tuned.is_feasible();
     result.set_item("success", is_kept)?;
     result.set_item("message", message.join("; "))?;
     result.set_item("misfit", tuned.misfit())?;

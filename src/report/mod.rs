@@ -58,9 +58,9 @@ pub use benchmarks::{
 pub use car::{
     CarCase, CarComparison, CarConstraintRecord, CarFact, CarLimits, CarMap, CarRecord, CarResults,
     CarState, CarStateRecord, CarTargetRecord, CarToleranceSummary, CarTuningRecord,
-    CarVariableRecord, car_constraint_names, car_constraints_table, car_limits, car_targets_json,
-    car_targets_table, car_variables_table, car_with_axles, lift_limits_table, optimised_car,
-    settings_of_car,
+    CarVariableRecord, CarVerdict, car_constraint_names, car_constraints_table, car_limits,
+    car_targets_json, car_targets_table, car_variables_table, car_with_axles, lift_limits_table,
+    optimised_car, settings_of_car,
 };
 pub use choices::{FrontPoint, FrontRecord, PriceRecord, front_csv, front_remarks, front_table};
 pub use column::{ColumnConversion, ConvertedColumn, split_unit};
@@ -117,7 +117,8 @@ pub use table::{Cell, Column, Format, Table, Tables};
 pub use text::{counted, is_printable, printable, unit_in_words, wrapped};
 pub use tolerance_summary::{RankingRecord, RejectRecord, ToleranceSummary, ValueRecord, rejected};
 pub use tuning_summary::{
-    TuningSummary, contradiction_in_words, interrupted_in_words, misfit_in_words, misfit_table,
+    ConstraintStatus, SlightEffectRecord, StartSummary, TuningSummary, contradiction_in_words,
+    interrupted_in_words, misfit_in_words, misfit_table, starts_in_words, starts_table,
 };
 pub use yields::YieldRecord;
 

@@ -40,6 +40,25 @@ pub struct Setting {
     pub tyre_axes: TyreAxes,
 }
 
+impl Setting {
+    /// Change of the keys of a case with which every axle distributes its forces by load. `None` if it already does.
+    pub(super) fn towards_shares_by_load(&self) -> Option<&'static str> {
+        use LongitudinalShares::{ByLoad, Equal};
+        match (self.lateral_shares, self.longitudinal_shares) {
+            (LateralShares::ByLoad, ByLoad) => None,
+            (LateralShares::ByLoad, Equal) => Some("set longitudinal_shares = \"by_load\""),
+            (LateralShares::Equal, ByLoad) => Some("set lateral_shares = \"by_load\""),
+            (LateralShares::Equal, Equal) => {
+                Some("set lateral_shares and longitudinal_shares to \"by_load\"")
+            }
+            (LateralShares::Left(_), ByLoad) => Some("remove lateral_share_left"),
+            (LateralShares::Left(_), Equal) => {
+                Some("remove lateral_share_left and set longitudinal_shares = \"by_load\"")
+            }
+        }
+    }
+}
+
 /// Source of the longitudinal forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Longitudinal {
@@ -118,9 +137,9 @@ pub enum NoEquilibrium {
     NoContactSet {
         /// Wheel for which neither contact nor lift satisfies the equations.
         wheel: WheelPlace,
-        /// True if an axle distributes a force equally between its wheels. The equal distribution may be the reason for
-        /// the failure.
-        equal_shares: bool,
+        /// Change of the case's keys, if an axle distributes a force independently of the wheel loads. Such a distribution
+        /// may be the reason for the failure.
+        remedy: Option<&'static str>,
     },
     /// All wheels have lifted.
     AllLifted,
@@ -165,21 +184,17 @@ impl NoEquilibrium {
                                         travel does not change its height, or no part carries a \
                                         force"
                 .to_owned(),
-            NoEquilibrium::NoContactSet {
-                wheel,
-                equal_shares,
-            } => {
+            NoEquilibrium::NoContactSet { wheel, remedy } => {
                 let reason = format!(
                     "no set of wheels on the ground is possible: with contact, {} would pull on the \
                      ground; lifted, this wheel would be below the ground",
                     wheel.words()
                 );
-                if *equal_shares {
-                    format!(
-                        "{reason}; a wheel without load cannot carry an equal share of a force: use shares \"by_load\""
-                    )
-                } else {
-                    reason
+                match remedy {
+                    Some(remedy) => format!(
+                        "{reason}; a wheel without load cannot carry its share of a force: {remedy}"
+                    ),
+                    None => reason,
                 }
             }
             NoEquilibrium::AllLifted => {

@@ -71,6 +71,7 @@ mod gradients;
 mod limits;
 mod members;
 mod moves;
+mod objective;
 mod parameters;
 mod rates;
 mod rig;

@@ -1,5 +1,6 @@
 //! Targets and constraints of one axle on its test rig, as part of the tuning of a car.
 
+use super::Car;
 use super::tune::RigGoals;
 use crate::mechanism::DesignFault;
 use crate::optimise::{
@@ -49,6 +50,30 @@ impl<'a> RigRows<'a> {
         self.goals.optimise.constraints.len()
     }
 
+    /// Visible unit of each constraint, in the unit of the constraint.
+    pub(super) fn visible_units(&self) -> impl Iterator<Item = f64> {
+        let constraints = self.goals.optimise.constraints.iter();
+        constraints.map(|own| own.parts.last().map_or(1.0, |part| part.visible))
+    }
+
+    /// Number of the axle's targets.
+    pub(super) fn targets(&self) -> usize {
+        self.goals.optimise.targets.len()
+    }
+
+    /// For each residual, the index of its target, and the residual per deviation of one tolerance. `scale` is the factor on
+    /// all residuals of the car.
+    pub(super) fn targets_of_rows(&self, scale: f64) -> impl Iterator<Item = (usize, f64)> {
+        let share = self.share(scale);
+        let rows = self.layout.targets_of_rows().into_iter();
+        rows.map(move |target| (target, share * self.layout.share(target)))
+    }
+
+    /// Factor from the axle's own residuals to those of the car.
+    fn share(&self, scale: f64) -> f64 {
+        scale * (self.weights() / self.layout.residuals().max(1) as f64).sqrt()
+    }
+
     /// Sum of the targets' weights.
     pub(super) fn weights(&self) -> f64 {
         self.goals.optimise.targets.iter().map(|t| t.weight).sum()
@@ -72,7 +97,7 @@ impl<'a> RigRows<'a> {
     pub(super) fn write_residuals(&self, first: usize, scale: f64, into: &mut Linearisation) {
         let own = &self.assessment.goal;
         let rows = own.residuals.len();
-        let share = scale * (self.weights() / rows.max(1) as f64).sqrt();
+        let share = self.share(scale);
         for row in 0..rows {
             self.write(own, (row, first + row), share, into);
         }
@@ -117,6 +142,25 @@ pub struct RigOutcome {
 }
 
 impl RigGoals {
+    /// Computes the outcome for the axle with index `end` of a car. `vehicle` is the study of this axle; its design and
+    /// rates are replaced by those of the car.
+    pub(crate) fn outcome_in(
+        &self,
+        vehicle: &Vehicle,
+        car: &Car,
+        end: usize,
+    ) -> Result<RigOutcome, String> {
+        let mut vehicle = vehicle.clone();
+        if let Vehicle::Axle(both) = &mut vehicle {
+            both.axle = car.axles[end].clone();
+            if let Some(tyres) = &car.tyres {
+                both.axle.setup.tyre_rate = Some(tyres[end].rate);
+            }
+        }
+        let variables = self.columns.iter().max().map_or(0, |last| last + 1);
+        self.outcome(&vehicle, &vec![0.0; variables])
+    }
+
     /// Computes the outcome for values `x` of the car's variables. The error is the reason why the axle has no outcome.
     pub fn outcome(&self, vehicle: &Vehicle, x: &[f64]) -> Result<RigOutcome, String> {
         let layout = TargetLayout::of(&self.optimise, vehicle);

@@ -10,7 +10,7 @@ mod start;
 use super::catalogue::WheelPlace;
 use super::equations::{Balance, GROUND, Held, LOADS, UNKNOWNS};
 use super::parameters::Parameters;
-use super::{Car, Case, GRAVITY, LateralShares, LongitudinalShares, NoEquilibrium};
+use super::{Car, Case, GRAVITY, NoEquilibrium};
 use crate::axle::{
     Axle, AxlePose, AxleQuantity, AxleSolver, Placement, Quantity, WheelCurve, WheelQuantity,
 };
@@ -168,10 +168,7 @@ impl<'a> CarSolver<'a> {
             Err(first) => self.along_load(case).map_err(|along| match first {
                 NoEquilibrium::NotFound
                 | NoEquilibrium::Singular
-                | NoEquilibrium::NoContactSet {
-                    equal_shares: false,
-                    ..
-                } => along,
+                | NoEquilibrium::NoContactSet { remedy: None, .. } => along,
                 _ => first,
             }),
         }
@@ -284,11 +281,9 @@ impl<'a> CarSolver<'a> {
             }
             if seen.contains(&next) {
                 let changing = (0..4).find(|number| next[*number] != lifted[*number]);
-                let setting = &case.setting;
                 return Err(NoEquilibrium::NoContactSet {
                     wheel: WheelPlace(changing.unwrap_or(0)),
-                    equal_shares: setting.lateral_shares != LateralShares::ByLoad
-                        || setting.longitudinal_shares != LongitudinalShares::ByLoad,
+                    remedy: case.setting.towards_shares_by_load(),
                 });
             }
             x = found.unknowns;

@@ -204,10 +204,7 @@ impl CarSolver<'_> {
                 | Err(
                     NoEquilibrium::NotFound
                     | NoEquilibrium::Singular
-                    | NoEquilibrium::NoContactSet {
-                        equal_shares: false,
-                        ..
-                    },
+                    | NoEquilibrium::NoContactSet { remedy: None, .. },
                 ) => at.fold(&at_rest, self.car),
                 Err(why) => why,
             };

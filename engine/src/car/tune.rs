@@ -10,14 +10,13 @@
 //!
 //! A target of a case has one deviation. A target of a rig has one deviation per station.
 
-use super::moves::{CarVariable, moved};
-use super::rig::RigRows;
-use super::{Car, CarQuantity, CarSolver, Case, NoEquilibrium};
-use crate::mechanism::DesignFault;
+use super::moves::CarVariable;
+use super::objective::{Objective, Problem};
+use super::{Car, CarQuantity, Case};
 use crate::optimise::{
-    Assessment, Bounds, Constrained, Control, Infeasible, LeastSquares, Linearisation, Multistart,
-    Options, Shape, TargetLayout, constrained_multistart, is_satisfied_from, multistart,
-    smallest_conflict,
+    Bounds, Constrained, Control, Fit, LeastSquares, Limit, Linearisation, Multistart, Options,
+    Price, Residuals, Unmoved, Without, constrained_multistart, is_satisfied_from, multistart,
+    smallest_conflict, starts_without_fixed, unmoved_constraints,
 };
 use crate::study::{Optimise, Vehicle};
 use nalgebra::DVector;
@@ -95,303 +94,37 @@ pub struct CarRun {
     pub seed: u32,
 }
 
-/// Goals as residuals and constraint rows. The rows of the cases come first, then the rows of the front rig and of the
-/// rear rig.
-struct Objective<'a> {
-    car: &'a Car,
-    goals: CarGoals<'a>,
-    rigs: Vec<RigRows<'a>>,
-    /// Factor on all residuals, by (1).
-    scale: f64,
-}
-
-/// Purpose of a requested result of a case.
-enum Use {
-    /// The result belongs to a target with this index.
-    Target(usize),
-    /// The result belongs to a constraint. The fields are the index of the constraint and the index of its first row.
-    Constraint(usize, usize),
-}
-
-impl Objective<'_> {
-    /// Number of residuals from cases.
-    fn residuals_of_cases(&self) -> usize {
-        self.goals.targets.len()
-    }
-
-    /// Returns the index of the first row of each constraint on a case, and the number of all these rows.
-    fn rows_of_cases(&self) -> (Vec<usize>, usize) {
-        let mut first = Vec::new();
-        let mut count = 0;
-        for constraint in self.goals.constraints {
-            first.push(count);
-            count += constraint.between.iter().filter(|l| l.is_finite()).count();
-        }
-        (first, count)
-    }
-
-    /// Returns, for each row, the index of the constraint to which it belongs, and the number of constraints. The
-    /// constraints of the cases come first, then those of the front rig and of the rear rig.
-    fn constraints_of_rows(&self) -> (Vec<usize>, usize) {
-        let (mut equalities, mut others) = (Vec::new(), Vec::new());
-        for (number, constraint) in self.goals.constraints.iter().enumerate() {
-            let limits = constraint.between.iter().filter(|l| l.is_finite());
-            others.extend(limits.map(|_| number));
-        }
-        let mut count = self.goals.constraints.len();
-        for rig in &self.rigs {
-            let own = rig.shape().equalities;
-            for (row, constraint) in rig.constraints_of_rows().enumerate() {
-                let into = if row < own {
-                    &mut equalities
-                } else {
-                    &mut others
-                };
-                into.push(count + constraint);
-            }
-            count += rig.constraints();
-        }
-        equalities.extend(others);
-        (equalities, count)
-    }
-
-    fn equalities(&self) -> usize {
-        self.rigs.iter().map(|rig| rig.shape().equalities).sum()
-    }
-
-    /// Computes residuals and rows at `x`.
-    fn evaluate_all(
-        &mut self,
-        x: &DVector<f64>,
-        into: &mut Linearisation,
-        mut rows: Option<&mut Linearisation>,
-    ) -> Result<(), Infeasible> {
-        let car = moved(self.car, self.goals.variables, x.as_slice());
-        if let Some(reason) = car.refusal() {
-            return Err(Infeasible::Refused(reason));
-        }
-        let solver = CarSolver::new(&car);
-        let mut solver =
-            solver.map_err(|fault| Infeasible::Refused(self.car.describe_fault(&fault)))?;
-        for number in 0..self.goals.cases.len() {
-            self.evaluate_case(&car, &mut solver, number, into, rows.as_deref_mut())?;
-        }
-        let mut residual = self.residuals_of_cases();
-        // The rows of equalities come before all other rows.
-        let mut equality = 0;
-        let mut row = self.equalities() + self.rows_of_cases().1;
-        for rig in &mut self.rigs {
-            let shape = rig.shape();
-            rig.assess(x)?;
-            rig.write_residuals(residual, self.scale, into);
-            if let Some(rows) = rows.as_deref_mut() {
-                rig.write_rows([equality, row], rows);
-            }
-            residual += shape.goal;
-            equality += shape.equalities;
-            row += shape.rows - shape.equalities;
-        }
-        Ok(())
-    }
-
-    /// Computes residuals and rows of one case.
-    fn evaluate_case(
-        &self,
-        car: &Car,
-        solver: &mut CarSolver<'_>,
-        number: usize,
-        into: &mut Linearisation,
-        mut rows: Option<&mut Linearisation>,
-    ) -> Result<(), Infeasible> {
-        let goals = &self.goals;
-        let case = &goals.cases[number];
-        let mut uses = Vec::new();
-        let mut quantities: Vec<CarQuantity> = Vec::new();
-        for (row, target) in goals.targets.iter().enumerate() {
-            if target.case == number {
-                uses.push(Use::Target(row));
-                quantities.push(target.quantity);
-            }
-        }
-        if rows.is_some() {
-            let (first, _) = self.rows_of_cases();
-            for (place, constraint) in goals.constraints.iter().enumerate() {
-                if constraint.case == number {
-                    uses.push(Use::Constraint(place, self.equalities() + first[place]));
-                    quantities.push(constraint.quantity);
-                }
-            }
-        }
-        if quantities.is_empty() {
-            return Ok(());
-        }
-        let fails = |why: NoEquilibrium| {
-            Infeasible::Refused(format!("case {}: {}", case.name, why.describe(car)))
-        };
-        let found = solver.solve(case).map_err(fails)?;
-        let gradients = solver.gradients(case, &found, &quantities).map_err(fails)?;
-        for (used, gradient) in uses.iter().zip(&gradients) {
-            let unit = gradient_unit(used, goals);
-            let printed = unit.info().unit.printed_factor(car.length_unit);
-            let value = printed * gradient.value;
-            let slope = |variable: &CarVariable| printed * variable.moves.slope(car, gradient);
-            match *used {
-                Use::Target(row) => {
-                    let target = &goals.targets[row];
-                    let scale = self.scale * target.weight.sqrt() / target.tolerance;
-                    let deviation = target.deviation(value);
-                    into.residuals[row] = scale * deviation;
-                    // Inside a band, the deviation stays zero.
-                    let is_inside = deviation == 0.0 && target.wanted[0] < target.wanted[1];
-                    for (column, variable) in goals.variables.iter().enumerate() {
-                        into.jacobian[(row, column)] = if is_inside {
-                            0.0
-                        } else {
-                            scale * slope(variable)
-                        };
-                    }
-                }
-                Use::Constraint(place, first) => {
-                    let Some(rows) = rows.as_deref_mut() else {
-                        continue;
-                    };
-                    let constraint = &goals.constraints[place];
-                    let limits = constraint.between.into_iter().zip([-1.0, 1.0]);
-                    let limits = limits.filter(|(limit, _)| limit.is_finite());
-                    for (row, (limit, sign)) in (first..).zip(limits) {
-                        let scale = sign / constraint.visible;
-                        rows.residuals[row] = scale * (value - limit);
-                        for (column, variable) in goals.variables.iter().enumerate() {
-                            rows.jacobian[(row, column)] = scale * slope(variable);
-                        }
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Returns the quantity of a target or a constraint. The unit of the gradient depends on it.
-fn gradient_unit(used: &Use, goals: &CarGoals<'_>) -> CarQuantity {
-    match *used {
-        Use::Target(row) => goals.targets[row].quantity,
-        Use::Constraint(place, _) => goals.constraints[place].quantity,
-    }
-}
-
-impl LeastSquares for Objective<'_> {
-    fn variables(&self) -> usize {
-        self.goals.variables.len()
-    }
-
-    fn residuals(&self) -> usize {
-        let of_rigs: usize = self.rigs.iter().map(|rig| rig.shape().goal).sum();
-        self.residuals_of_cases() + of_rigs
-    }
-
-    fn evaluate(&mut self, x: &DVector<f64>, into: &mut Linearisation) -> Result<(), Infeasible> {
-        self.evaluate_all(x, into, None)
-    }
-}
-
-impl Constrained for Objective<'_> {
-    fn shape(&self) -> Shape {
-        let of_rigs: usize = self.rigs.iter().map(|rig| rig.shape().rows).sum();
-        Shape {
-            variables: self.variables(),
-            goal: self.residuals(),
-            levels: Vec::new(),
-            rows: self.rows_of_cases().1 + of_rigs,
-            equalities: self.equalities(),
-        }
-    }
-
-    fn row_limits(&self) -> Vec<f64> {
-        let mut limits = vec![0.0; self.shape().rows];
-        let mut equality = 0;
-        let mut row = self.equalities();
-        for constraint in self.goals.constraints {
-            for limit in constraint.between.iter().filter(|l| l.is_finite()) {
-                limits[row] = limit.abs() / constraint.visible;
-                row += 1;
-            }
-        }
-        for rig in &self.rigs {
-            let equalities = rig.shape().equalities;
-            for (place, limit) in rig.row_limits().into_iter().enumerate() {
-                let next = if place < equalities {
-                    &mut equality
-                } else {
-                    &mut row
-                };
-                limits[*next] = limit;
-                *next += 1;
-            }
-        }
-        limits
-    }
-
-    fn assess(&mut self, x: &DVector<f64>, into: &mut Assessment) -> Result<(), Infeasible> {
-        self.evaluate_all(x, &mut into.goal, Some(&mut into.rows))
-    }
-}
-
 /// Result of a tuning.
 #[derive(Clone, Debug)]
 pub struct CarTuning {
+    /// Misfit of the car before the tuning. `None` if it cannot be computed.
+    pub misfit_before: Option<f64>,
     /// All starts, and the index of the best.
     pub starts: Multistart,
+    /// Missed targets that the variables do not change enough. The indices run over the targets of the cases, of the front
+    /// rig and of the rear rig.
+    pub unmoved: Unmoved,
+    /// Indices of violated constraints that no variable changes, in the order of `contradiction`.
+    pub unmoved_constraints: Vec<usize>,
+    /// Price of each constraint, in the order of `contradiction`.
+    pub prices: Vec<Price>,
     /// Indices of constraints that cannot all be satisfied together. The indices run over the cases, the front rig and
     /// the rear rig. Without any one of these constraints, the others could be satisfied. Empty if all constraints can
     /// be satisfied together.
     pub contradiction: Vec<usize>,
 }
 
-/// Tuning problem: a car, its goals, and the layouts of the goals on the rigs.
-struct Problem<'a> {
-    car: &'a Car,
-    goals: CarGoals<'a>,
-    layouts: Vec<(&'a Vehicle, &'a RigGoals, TargetLayout)>,
-    scale: f64,
-}
-
-impl<'a> Problem<'a> {
-    /// Makes the problem. The error describes an axle whose design position cannot be solved.
-    fn of(car: &'a Car, goals: CarGoals<'a>) -> Result<Self, String> {
-        let layouts = goals.rigs.into_iter().flatten().map(|(vehicle, own)| {
-            let layout = TargetLayout::of(&own.optimise, vehicle);
-            (vehicle, own, layout)
-        });
-        let mut problem = Problem {
-            car,
-            goals,
-            layouts: layouts.collect(),
-            scale: 1.0,
-        };
-        let rigs = problem.rigs().map_err(|fault| format!("{fault:?}"))?;
-        let residuals: usize = rigs.iter().map(|rig| rig.shape().goal).sum();
-        let of_cases: f64 = goals.targets.iter().map(|target| target.weight).sum();
-        let weights = of_cases + rigs.iter().map(RigRows::weights).sum::<f64>();
-        drop(rigs);
-        problem.scale = ((goals.targets.len() + residuals) as f64 / weights).sqrt();
-        Ok(problem)
+impl CarTuning {
+    /// Number of starts that were interrupted, and total number of starts.
+    pub fn interrupted(&self) -> [usize; 2] {
+        [self.starts.interrupted(), self.starts.starts.len()]
     }
 
-    fn rigs(&self) -> Result<Vec<RigRows<'_>>, DesignFault> {
-        let layouts = self.layouts.iter();
-        let rows = layouts.map(|(vehicle, own, layout)| RigRows::new(vehicle, own, layout));
-        rows.collect()
-    }
-
-    /// Makes the residuals and constraint rows. [`Problem::of`] has already checked the axles.
-    fn objective(&self) -> Objective<'_> {
-        Objective {
-            car: self.car,
-            goals: self.goals,
-            rigs: self.rigs().unwrap_or_default(),
-            scale: self.scale,
-        }
+    /// True if a request cannot be met: the best start violates a constraint, or no variable changes a target that is missed
+    /// by more than its tolerance.
+    pub fn falls_short(&self) -> bool {
+        let is_violated = self.starts.best_fit().is_some_and(|fit| !fit.is_feasible());
+        is_violated || !self.unmoved_constraints.is_empty() || self.unmoved.exceeds_tolerance
     }
 }
 
@@ -415,29 +148,97 @@ pub fn tune(
     };
     let problem = Problem::of(car, goals)?;
     let objective = || problem.objective();
-    let starts = run.starts.max(1);
-    let found = match objective().shape().rows {
-        0 => multistart(
-            objective, &bounds, &start, starts, run.seed, &options, control,
-        ),
-        _ => constrained_multistart(
-            objective, &bounds, &start, starts, run.seed, &options, control,
-        ),
-    };
+    let mut at_start = Linearisation::new(objective().residuals(), start.len());
+    let evaluated = objective().evaluate(&start, &mut at_start);
+    let at_start = evaluated.is_ok().then_some(at_start);
+    let (count, seed) = (run.starts.max(1), run.seed);
+    let is_constrained = objective().shape().rows > 0;
+    let found = starts_without_fixed(at_start.as_ref(), &bounds, |fixed| {
+        let problem = || Without {
+            problem: objective(),
+            fixed,
+            bounds: &bounds,
+        };
+        if is_constrained {
+            constrained_multistart(problem, &bounds, &start, count, seed, &options, control)
+        } else {
+            multistart(problem, &bounds, &start, count, seed, &options, control)
+        }
+    });
     // If no start succeeds, return the error of the first start (the design).
     if let (None, Err(fault)) = (found.best, &found.starts[0].outcome) {
         return Err(fault.to_string());
     }
-    let is_violated = found.best_fit().is_some_and(|fit| !fit.is_feasible());
-    let contradiction = if is_violated {
-        contradiction(&problem, &found, &bounds, control)
-    } else {
-        Vec::new()
+    let contradiction = match found.best_fit() {
+        Some(fit) if !fit.is_feasible() => contradiction(&problem, &found, &bounds, control),
+        _ => Vec::new(),
     };
-    Ok(CarTuning {
-        starts: found,
+    let mut tuning = CarTuning {
+        misfit_before: at_start.as_ref().map(Linearisation::misfit),
+        unmoved: Unmoved::default(),
+        unmoved_constraints: Vec::new(),
+        prices: Vec::new(),
         contradiction,
-    })
+        starts: found,
+    };
+    if let Some(fit) = tuning.starts.best_fit() {
+        let objective = objective();
+        let unmoved = unmoved(&objective, &tuning.starts, fit, at_start.as_ref(), &bounds);
+        let (prices, still) = limits(&objective, fit);
+        (tuning.unmoved, tuning.prices, tuning.unmoved_constraints) = (unmoved, prices, still);
+    }
+    Ok(tuning)
+}
+
+/// Finds the missed targets that the variables do not change enough.
+fn unmoved(
+    objective: &Objective<'_>,
+    starts: &Multistart,
+    fit: &Fit,
+    at_start: Option<&Linearisation>,
+    bounds: &Bounds,
+) -> Unmoved {
+    let rows = objective.targets_of_rows();
+    let count = rows.last().map_or(0, |(target, _)| target + 1);
+    let (mut squares, mut stations) = (vec![0.0; count], vec![0.0; count]);
+    for ((target, unit), residual) in rows.iter().zip(fit.evaluation.residuals.iter()) {
+        squares[*target] += (residual / unit).powi(2);
+        stations[*target] += 1.0;
+    }
+    let rms = squares.iter().zip(&stations);
+    let rms: Vec<f64> = rms.map(|(square, n)| (square / n).sqrt()).collect();
+    let of_rows: Vec<usize> = rows.iter().map(|(target, _)| *target).collect();
+    let ends = starts.starts.iter();
+    let ends = ends.filter_map(|start| Some(&start.outcome.as_ref().ok()?.evaluation));
+    let residuals = Residuals {
+        of_rows: &of_rows,
+        seen: &ends.chain(at_start).collect::<Vec<_>>(),
+        bounds,
+    };
+    residuals.unmoved(&rms, &fit.evaluation)
+}
+
+/// Returns the price of each constraint, and the indices of violated constraints that no variable changes.
+fn limits(objective: &Objective<'_>, fit: &Fit) -> (Vec<Price>, Vec<usize>) {
+    let Some(state) = &fit.constraints else {
+        return (Vec::new(), Vec::new());
+    };
+    let equalities = objective.equalities();
+    let violation = |row: usize, value: f64| {
+        if row < equalities { value.abs() } else { value }
+    };
+    let (of_rows, _) = objective.constraints_of_rows();
+    let units = objective.visible_units();
+    let price = |(number, visible): (usize, &f64)| {
+        let rows = of_rows.iter().enumerate();
+        let rows = rows.filter(|(_, of)| **of == number);
+        let limits = rows.map(|(row, _)| Limit::of_row(row, violation(row, state.values[row])));
+        Price::of(fit, limits, *visible)
+    };
+    (
+        units.iter().enumerate().map(price).collect(),
+        unmoved_constraints(fit, &of_rows, violation),
+    )
 }
 
 /// Finds constraints that cannot be satisfied together, and returns their indices.

@@ -11,7 +11,7 @@
 //! problem: their residual is zero inside the band, and grows when the value leaves the band.
 
 use super::constrained::{Assessment, Constrained, Shape};
-use super::{Bounds, Fit, Infeasible, LeastSquares, Linearisation, Termination};
+use super::{Bounds, Fit, Infeasible, LeastSquares, Linearisation, Multistart, Termination};
 use nalgebra::DVector;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -20,8 +20,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// thousand times.
 pub(super) const UNMOVED: f64 = 1e-9;
 
+/// Largest number of repetitions of all starts. The starts run again if a residual changes that was constant at the design.
+const ROUNDS: usize = 3;
+
 /// Residual above which a target is missed, in multiples of the tolerance.
-const MISSED: f64 = 1.0;
+pub(super) const MISSED: f64 = 1.0;
 
 /// Returns true if a move of some variable across its range changes a residual.
 pub(super) fn moves(at: &Linearisation, row: usize, bounds: &Bounds) -> bool {
@@ -30,9 +33,37 @@ pub(super) fn moves(at: &Linearisation, row: usize, bounds: &Bounds) -> bool {
     entries.any(|(j, width)| (j * width).abs() > UNMOVED)
 }
 
+/// Runs every start without the residuals that are constant at the design. If some of them change elsewhere, they are restored,
+/// and the starts run again. `run` runs the starts without the given residuals.
+pub(crate) fn starts_without_fixed(
+    at_design: Option<&Linearisation>,
+    bounds: &Bounds,
+    run: impl Fn(&FixedRows) -> Multistart,
+) -> Multistart {
+    let mut fixed = at_design.map_or_else(FixedRows::default, |at| FixedRows::at(at, bounds));
+    let mut starts = run(&fixed);
+    for round in 1..=ROUNDS {
+        let Some(fewer) = fixed.without_moved() else {
+            break;
+        };
+        fixed = if round < ROUNDS {
+            fewer
+        } else {
+            FixedRows::default()
+        };
+        starts = run(&fixed);
+    }
+    for start in &mut starts.starts {
+        if let Ok(fit) = &mut start.outcome {
+            fixed.put_back(fit);
+        }
+    }
+    starts
+}
+
 /// Residuals of missed targets that no variable changes.
 #[derive(Debug, Default)]
-pub(super) struct FixedRows {
+pub(crate) struct FixedRows {
     /// Row, value, and a flag that is true if an evaluation has changed the row.
     rows: Vec<(usize, f64, AtomicBool)>,
 }
@@ -102,7 +133,7 @@ impl FixedRows {
 }
 
 /// A problem without the constant residuals.
-pub(super) struct Without<'a, P> {
+pub(crate) struct Without<'a, P> {
     pub problem: P,
     pub fixed: &'a FixedRows,
     pub bounds: &'a Bounds,

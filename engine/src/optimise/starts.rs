@@ -2,7 +2,7 @@
 
 use super::constrained::{KEPT, constrained_fit};
 use super::fit::fit;
-use super::fixed::{FixedRows, Without};
+use super::fixed::{FixedRows, Without, starts_without_fixed};
 use super::multistart::{every_start, fits, least_misfit, least_violation, nearest};
 use super::nearest::Level;
 use super::pool::PoolGuard;
@@ -16,8 +16,6 @@ use rayon::prelude::*;
 /// Designs count as equally good if their misfits are at most this multiple of the smallest misfit. Applies only if no design
 /// is good enough.
 const AS_GOOD: f64 = 1.01;
-/// Largest number of repetitions of all starts. The starts run again if a residual changes that was constant at the design.
-const ROUNDS: usize = 3;
 /// Largest number of repetitions of the search for the smallest change. The search is repeated if a descent from its result
 /// ends at a smaller misfit.
 const DESCENTS: usize = 4;
@@ -27,29 +25,9 @@ const LOWER: f64 = 1e-4;
 pub(super) const STARTS_BEFORE_REFUSAL: usize = 4;
 
 impl<'a> Tuner<'a> {
-    /// Runs every start and chooses the result. Residuals that are constant at the design are removed. If some of them change
-    /// elsewhere, they are restored, and the starts run again.
+    /// Runs every start and chooses the result. The residuals that are constant at the design do not take part.
     pub(super) fn starts(&self, at_design: Option<&Linearisation>) -> Multistart {
-        let mut fixed =
-            at_design.map_or_else(FixedRows::default, |at| FixedRows::at(at, &self.bounds));
-        let mut starts = self.starts_without(&fixed);
-        for round in 1..=ROUNDS {
-            let Some(fewer) = fixed.without_moved() else {
-                break;
-            };
-            fixed = if round < ROUNDS {
-                fewer
-            } else {
-                FixedRows::default()
-            };
-            starts = self.starts_without(&fixed);
-        }
-        for start in &mut starts.starts {
-            if let Ok(fit) = &mut start.outcome {
-                fixed.put_back(fit);
-            }
-        }
-        starts
+        starts_without_fixed(at_design, &self.bounds, |fixed| self.starts_without(fixed))
     }
 
     /// Makes the problem without some residuals.

@@ -6,12 +6,11 @@
 //! result. With `good_enough = 0` the result is the design with the smallest misfit.
 
 use super::conflict::{is_satisfied_from, smallest_conflict};
-use super::constrained::KEPT;
-use super::fixed::moves;
 use super::multistart::fits;
 use super::pool::{Pool, PoolGuard};
 use super::starts::STARTS_BEFORE_REFUSAL;
 use super::trade::{Criterion, Distance};
+use super::verdict::{Limit, Price, Residuals, Unmoved, unmoved_constraints};
 use super::yield_search::{ExpectedYield, tune_for_yield};
 use super::{
     Assessment, Bounds, Constrained, ConstrainedFit, ConstraintState, Control, Deviation, Fit,
@@ -30,8 +29,6 @@ use nalgebra::{DMatrix, DVector};
 const UNSEEN: f64 = 0.01;
 /// Violation of a constraint up to which a move counts as keeping the constraint, in visible units: 1 mm or 1 degree.
 const MOVED_KEPT: f64 = 0.01;
-/// Relative difference up to which prices of constraints count as equal.
-const SAME_PRICE: f64 = 0.05;
 /// Largest number of directions without effect that the tuning tests by moving along them.
 const TRIED_OUT: usize = 8;
 
@@ -44,8 +41,8 @@ pub struct Tuning {
     pub starts: Multistart,
     /// Best design. `None` if no start succeeded.
     pub best: Option<Best>,
-    /// Indices of missed targets that no variable changes.
-    pub unmoved: Vec<usize>,
+    /// Missed targets that the variables do not change enough.
+    pub unmoved: Unmoved,
     /// Indices of violated constraints that no variable changes.
     pub unmoved_constraints: Vec<usize>,
     /// Indices of constraints that exclude one another. If any one of them were removed, the others could be satisfied. Empty if
@@ -92,29 +89,6 @@ pub struct ConstraintOutcome {
     pub at: Option<f64>,
     /// Price of the constraint's limits.
     pub price: Price,
-}
-
-/// Price of a limit: reduction of the misfit, in multiples of the tolerance, if the limit moves outwards by one unit.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Price {
-    /// The limit does not bind, or the misfit is good enough despite the limit.
-    Nothing,
-    /// Price, in multiples of the tolerance, per unit of the constraint.
-    PerUnit(f64),
-    /// The limit binds together with other limits, and the gradients of these limits are linearly dependent. The share of
-    /// each limit in the price is not determined.
-    NotDetermined,
-}
-
-impl Price {
-    /// Price, in multiples of the tolerance, per unit of the constraint. `None` if there is no price, or if the price is not
-    /// determined.
-    pub fn per_unit(self) -> Option<f64> {
-        match self {
-            Price::PerUnit(price) => Some(price),
-            Price::Nothing | Price::NotDetermined => None,
-        }
-    }
 }
 
 /// Tunes a wheel or an axle. An error says why the design itself cannot be solved.
@@ -243,9 +217,8 @@ impl<'a> Tuner<'a> {
         };
         let ends = fits(&starts.starts).map(|(_, fit)| &fit.evaluation);
         let seen: Vec<&Linearisation> = ends.chain(&at_design).collect();
-        let unmoved = best
-            .as_ref()
-            .map_or(Vec::new(), |best| self.unmoved(best, &seen));
+        let unmoved = best.as_ref().zip(starts.best_fit());
+        let unmoved = unmoved.map(|(best, fit)| self.unmoved(best, &fit.evaluation, &seen));
         Ok(Tuning {
             before,
             unmoved_constraints: starts
@@ -253,7 +226,7 @@ impl<'a> Tuner<'a> {
                 .map_or(Vec::new(), |fit| self.unmoved_constraints(fit)),
             starts,
             best,
-            unmoved,
+            unmoved: unmoved.unwrap_or_default(),
             contradiction,
             expected_yield: None,
         })
@@ -388,77 +361,49 @@ impl<'a> Tuner<'a> {
         let mut at = Assessment::new(&problem.shape());
         let margins = problem.get_mut().margins(&fit.x, &mut at);
         let margins = margins.unwrap_or_else(|_| self.layout.margins(state.values.as_slice(), &[]));
-        let price = |number: usize| self.price(fit, state, number);
         let outcome = |(number, own): (usize, Margin)| ConstraintOutcome {
             room: own.room,
             at: own.at,
-            price: price(number),
+            price: self.price(fit, state, number),
         };
         margins.into_iter().enumerate().map(outcome).collect()
     }
 
     /// Returns the price of a constraint's limits.
     fn price(&self, fit: &Fit, state: &ConstraintState, number: usize) -> Price {
-        let (layout, labels) = (self.layout, self.layout.labels().iter().enumerate());
-        let (mut pulls, mut visible) = ([0.0; 2], 1.0);
-        for (row, _) in labels.filter(|(_, label)| label.constraint == number) {
-            visible = layout.visible(row);
-            let Some(value) = layout.whole(row, |row| state.values[row]) else {
-                continue;
-            };
-            // A limit that does not bind has no price, nor has a row that no variable changes.
-            if layout.violation(row, value) < -KEPT {
-                continue;
-            }
-            let pull = |of: &Option<Vec<f64>>| {
-                let own = |row: usize| of.as_ref().map_or(0.0, |m| m[row].abs());
-                layout.whole(row, |row| if state.movable[row] { own(row) } else { 0.0 })
-            };
-            let first = pull(&state.multipliers).unwrap_or(0.0);
-            let other = state.alternatives.as_ref().and(pull(&state.alternatives));
-            pulls[0] += first;
-            pulls[1] += other.unwrap_or(first);
-        }
-        let count = fit.evaluation.residuals.len() as f64;
-        let [price, other] = pulls.map(|pull| pull / (count * fit.misfit()));
-        let most = price.max(other);
-        if most.is_nan() || most <= 1e-6 {
-            Price::Nothing
-        } else if (price - other).abs() > SAME_PRICE * most {
-            Price::NotDetermined
-        } else {
-            Price::PerUnit(price / visible)
-        }
+        let layout = self.layout;
+        let labels = layout.labels().iter().enumerate();
+        let own = labels.filter(|(_, label)| label.constraint == number);
+        let rows: Vec<usize> = own.map(|(row, _)| row).collect();
+        let visible = rows.last().map_or(1.0, |row| layout.visible(*row));
+        let limits = rows.iter().filter_map(|row| {
+            let value = layout.whole(*row, |row| state.values[row])?;
+            Some(Limit {
+                rows: [Some(*row), layout.other_component(*row)],
+                violation: layout.violation(*row, value),
+            })
+        });
+        Price::of(fit, limits, visible)
     }
 
     /// Indices of constraints with a violated row that no variable changes.
     fn unmoved_constraints(&self, fit: &Fit) -> Vec<usize> {
-        let Some(state) = &fit.constraints else {
-            return Vec::new();
-        };
-        let labels = self.layout.labels().iter().enumerate();
-        let is_missed = |row: usize| self.layout.margin(row, state.values[row]) < -KEPT;
-        let missed = labels.filter(|(row, _)| !state.movable[*row] && is_missed(*row));
-        let mut missed: Vec<usize> = missed.map(|(_, label)| label.constraint).collect();
-        missed.sort_unstable();
-        missed.dedup();
-        missed
+        let labels = self.layout.labels().iter();
+        let of_rows: Vec<usize> = labels.map(|label| label.constraint).collect();
+        unmoved_constraints(fit, &of_rows, |row, value| {
+            self.layout.violation(row, value)
+        })
     }
 
-    /// Indices of missed targets that no variable changes at any of the evaluated points.
-    fn unmoved(&self, best: &Best, seen: &[&Linearisation]) -> Vec<usize> {
-        let of = self.layout.targets_of_rows();
-        let moves = |evaluation: &Linearisation, row: usize| moves(evaluation, row, &self.bounds);
-        let targets = best.after.targets.iter().enumerate();
-        let missed = targets
-            .filter(|(_, deviation)| deviation.rms > 1e-6)
-            .map(|(t, _)| t);
-        missed
-            .filter(|target| {
-                let mut rows = (0..of.len()).filter(|row| of[*row] == *target);
-                !rows.any(|row| seen.iter().any(|evaluation| moves(evaluation, row)))
-            })
-            .collect()
+    /// Missed targets that the variables do not change enough at any of the evaluated points.
+    fn unmoved(&self, best: &Best, end: &Linearisation, seen: &[&Linearisation]) -> Unmoved {
+        let residuals = Residuals {
+            of_rows: &self.layout.targets_of_rows(),
+            seen,
+            bounds: &self.bounds,
+        };
+        let deviations = best.after.targets.iter().map(|deviation| deviation.rms);
+        residuals.unmoved(&deviations.collect::<Vec<_>>(), end)
     }
 
     /// Indices of constraints that cannot be satisfied together.

@@ -280,6 +280,18 @@ pub struct Limited {
 }
 
 impl Limited {
+    /// Lower and upper limit in `unit`. `None` without a limit. A force of a member has the direction of the program.
+    pub fn limits(&self) -> [Option<f64>; 2] {
+        let printed = |limit: f64| {
+            if self.of.is_versine() {
+                (1.0 - limit).acos().to_degrees()
+            } else {
+                limit / self.scale * self.visible
+            }
+        };
+        [self.lower, self.upper].map(|limit| limit.map(printed))
+    }
+
     /// Margin between the measure and one of its limits in `unit`, from the value of the limit's row. The row is (measure -
     /// limit)/scale, with the opposite sign for a lower limit. Negative if the limit is violated.
     pub(crate) fn margin(&self, row: f64) -> f64 {

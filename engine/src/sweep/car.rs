@@ -4,8 +4,10 @@ use super::record::CAR_BLOCKS_OF_PART;
 use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
 use super::rows::{Failing, Rows};
 use super::{FORM, Samples, SweepRecord};
-use crate::car::{Car, CarFault, CarQuantity, CarRequest, CarTarget, CaseResult, moved};
-use crate::study::{CarStudy, CarSweep, FileFormat, Sampled, Sampling};
+use crate::car::{
+    AXLE_NAMES, Car, CarFault, CarQuantity, CarRequest, CarTarget, CaseResult, RigGoals, moved,
+};
+use crate::study::{CarStudy, CarSweep, FileFormat, Sampled, Sampling, Target};
 
 /// Plan of a sweep of a car: the results to compute for each design.
 #[derive(Clone, Debug)]
@@ -19,6 +21,8 @@ pub struct CarSweepPlan<'s> {
     targets: &'s [CarTarget],
     /// Index of the result of each target.
     places: Vec<usize>,
+    /// Goals of single axles, each with the index of the axle.
+    rigs: Vec<(usize, &'s RigGoals)>,
 }
 
 /// Reason why a sweep of a car cannot start.
@@ -53,6 +57,7 @@ impl<'s> CarSweepPlan<'s> {
             request,
             targets,
             places,
+            rigs: rigs(study),
         };
         plan.record.outputs = plan.outputs();
         let columns = plan.record.columns();
@@ -108,16 +113,21 @@ impl<'s> CarSweepPlan<'s> {
             let name = self.name(result.case, result.quantity);
             add(self.request.column(result, car), name, Kind::Case, unit);
         }
-        for (k, target) in self.targets.iter().enumerate() {
-            let name = self.name(target.case, target.quantity);
-            let same = |t: &&CarTarget| (t.case, t.quantity) == (target.case, target.quantity);
-            let column = match self.targets[..k].iter().filter(same).count() {
+        let of_cases = self.targets.iter();
+        let of_cases = of_cases.map(|target| self.name(target.case, target.quantity));
+        let length = car.length_unit;
+        let of_rigs = targets_of_rigs(&self.rigs);
+        let of_rigs = of_rigs.map(|(end, own)| format!("{}_{}", AXLE_NAMES[end], own.name(length)));
+        let names: Vec<String> = of_cases.chain(of_rigs).collect();
+        for (k, name) in names.iter().enumerate() {
+            let earlier = names[..k].iter().filter(|other| *other == name);
+            let column = match earlier.count() {
                 0 => format!("rms_{name}"),
                 n => format!("rms_{name}_{}", n + 1),
             };
-            add(column, name, Kind::Rms, String::new());
+            add(column, name.clone(), Kind::Rms, String::new());
         }
-        if !self.targets.is_empty() {
+        if !names.is_empty() {
             let name = || "misfit".to_owned();
             add(name(), name(), Kind::Misfit, String::new());
         }
@@ -146,19 +156,34 @@ impl<'s> CarSweepPlan<'s> {
             }
         };
         let (mut squares, mut weights) = (0.0, 0.0);
+        let mut weigh = |rms: f64, weight: f64| {
+            put(rms);
+            squares += weight * rms * rms;
+            weights += weight;
+        };
         for (target, place) in self.targets.iter().zip(&self.places) {
             let deviation = target.deviation(results[*place]) / target.tolerance;
-            put(deviation.abs());
-            squares += target.weight * deviation * deviation;
-            weights += target.weight;
+            weigh(deviation.abs(), target.weight);
+        }
+        let mut failing = failed.map(|failed| {
+            let case = &self.study.cases[failed.first].name;
+            Failing::case(case, &failed, car)
+        });
+        for (end, goals) in &self.rigs {
+            let outcome = goals.outcome_in(&self.study.axles[*end].vehicle, car, *end);
+            for (number, target) in goals.optimise.targets.iter().enumerate() {
+                let rms = outcome.as_ref().map(|found| found.targets[number].rms);
+                weigh(rms.unwrap_or(f64::NAN), target.weight);
+            }
+            if let Err(reason) = outcome {
+                let alone = || Failing::axle_alone(AXLE_NAMES[*end], &reason);
+                failing = failing.or_else(|| Some(alone()));
+            }
         }
         if weights > 0.0 {
             put((squares / weights).sqrt());
         }
-        Ok(failed.map(|failed| {
-            let case = &self.study.cases[failed.first].name;
-            Failing::case(case, &failed, car)
-        }))
+        Ok(failing)
     }
 }
 
@@ -207,6 +232,27 @@ impl CarWorker<'_> {
     }
 }
 
+/// Goals of single axles, each with the index of the axle.
+fn rigs(study: &CarStudy) -> Vec<(usize, &RigGoals)> {
+    let rigs = study
+        .optimise
+        .iter()
+        .flat_map(|own| own.rigs.iter().enumerate());
+    rigs.filter_map(|(end, goals)| Some((end, goals.as_ref()?)))
+        .collect()
+}
+
+/// Targets of single axles, each with the index of the axle.
+fn targets_of_rigs<'r>(
+    rigs: &'r [(usize, &RigGoals)],
+) -> impl Iterator<Item = (usize, &'r Target)> {
+    let of = |(end, goals): &'r (usize, &RigGoals)| {
+        let targets = goals.optimise.targets.iter();
+        targets.map(|target| (*end, target))
+    };
+    rigs.iter().flat_map(of)
+}
+
 fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepRecord {
     let car = &study.car;
     let Sampled { method, seed, .. } = sweep.sampled;
@@ -229,6 +275,14 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
             at_design: variable.moves.value(car).unwrap_or(f64::NAN) + 0.0,
             moves: moves.collect(),
         }
+    });
+    let rigs = rigs(study);
+    let of_rigs = targets_of_rigs(&rigs).map(|(end, target)| TargetColumn {
+        column: format!("{}_{}", AXLE_NAMES[end], target.of.column),
+        tolerance: (target.tolerance * target.of.factor()).abs(),
+        weight: target.weight,
+        // The points of the curve are not values of a load case.
+        points: Vec::new(),
     });
     let targets = targets.iter().map(|target| TargetColumn {
         column: format!(
@@ -258,7 +312,7 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
         stations: study.cases.len(),
         variables: variables.collect(),
         outputs: Vec::new(),
-        targets: targets.collect(),
+        targets: targets.chain(of_rigs).collect(),
         not_swept: Vec::new(),
         unchecked_constraints: constraints(study),
         curves: false,
@@ -282,9 +336,12 @@ fn constraints(study: &CarStudy) -> Vec<String> {
 
 /// SHA-256 digest of everything that determines the results. The digest covers the meaning of the study, not its text.
 fn digest(study: &CarStudy, sweep: &CarSweep) -> String {
+    let rigs = rigs(study);
+    let of_rigs: Vec<(usize, &Target)> = targets_of_rigs(&rigs).collect();
     let meaning = (
         (&study.car, &study.cases, &study.quantities),
         study.optimise.as_ref().map(|o| &o.targets),
+        of_rigs,
         (&sweep.variables, sweep.format),
     );
     super::digest_of(&format!(

@@ -83,6 +83,16 @@ impl Failing {
         }
     }
 
+    /// Describes a car design whose targets of a single axle have no values. Its load cases are all solved.
+    pub(super) fn axle_alone(axle: &str, reason: &str) -> Self {
+        Failing {
+            status: "unreachable".to_owned(),
+            reason: format!("{axle} axle alone: {reason}"),
+            stations: 0,
+            at: None,
+        }
+    }
+
     /// Describes a design that cannot be solved at all, with the reason in words. All `stations` of the design fail.
     pub(super) fn of_design(reason: String, stations: usize) -> Self {
         Failing {

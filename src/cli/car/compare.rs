@@ -5,6 +5,7 @@ use super::super::exit::{Exit, Stop};
 use super::super::terminal::note;
 use super::{solver, source};
 use crate::report::{CarComparison, CarResults, Format, Tables};
+use std::path::Path;
 
 /// True if all sources are cars. Refuses a mixture of cars and other studies.
 pub(in crate::cli) fn are_cars(arguments: &CompareArguments) -> Result<bool, Stop> {
@@ -15,9 +16,16 @@ pub(in crate::cli) fn are_cars(arguments: &CompareArguments) -> Result<bool, Sto
     match cars.count() {
         0 => Ok(false),
         count if count == sources.len() => Ok(true),
-        _ => Err(Stop::wrong_input(
-            "a car can be compared with cars only; compare its axles with other axles",
-        )),
+        _ => {
+            let mut files = sources.iter().filter(|path| *path != Path::new("-"));
+            if let Some(missing) = files.find(|path| !path.exists()) {
+                // The error says that the file cannot be read.
+                source::read(missing, &[])?;
+            }
+            Err(Stop::wrong_input(
+                "a car can be compared with cars only; compare its axles with other axles",
+            ))
+        }
     }
 }
 

@@ -8,13 +8,13 @@ use super::{headline, keep, open, page, solver};
 use crate::optimise::Control;
 use crate::report::{
     CarConstraintRecord, CarResults, CarTargetRecord, CarTuningRecord, CarVariableRecord,
-    car_constraint_names, car_constraints_table, car_targets_json, car_targets_table,
-    car_variables_table, contradiction_in_words, interrupted_in_words, misfit_in_words,
-    misfit_table, optimised_car, side_effects_in_words, side_effects_table,
+    CarVerdict, StartSummary, car_constraints_table, car_targets_json, car_targets_table,
+    car_variables_table, interrupted_in_words, misfit_table, optimised_car, side_effects_in_words,
+    side_effects_table, starts_in_words, starts_table,
 };
 use crate::side_effects::{SideEffect, side_effects_of_car};
 use crate::study::{CarStudy, TunedCar};
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// Names of the tuned studies: the car, its front axle and its rear axle.
 const TUNED_NAMES: [&str; 3] = [
@@ -52,7 +52,7 @@ pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
     let after = CarResults::solve(&tuned.study, &mut tuned_solver, tuned.study.cases.len());
     let effects = side_effects_of_car(&study, &tuned.study);
     let x = tuned.fit.x.as_slice();
-    let constraints = after.constraint_records(wanted, &before, x);
+    let prices = &tuned.tuning.prices;
     let results = TuningResults {
         study: &study,
         tuned: &tuned,
@@ -60,9 +60,9 @@ pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
         after: &after,
         texts: &texts,
         targets: after.target_records(wanted, &before, x),
-        contradiction: car_constraint_names(&constraints, &tuned.contradiction),
-        constraints,
-        variables: after.variable_records(&study, x),
+        constraints: after.constraint_records(wanted, &before, x, prices),
+        variables: after.variable_records(&study, &tuned.fit),
+        starts: StartSummary::all(&tuned.tuning.starts),
         effects: effects.map_err(unsolved)?,
         is_interrupted,
     };
@@ -70,7 +70,7 @@ pub(in crate::cli) fn optimise(arguments: &RunArguments) -> Result<Exit, Stop> {
     files.extend(keep(&output, &study)?);
     let mut remarks = after.warnings();
     remarks.extend(results.interruption());
-    remarks.extend(contradiction_in_words(&results.contradiction));
+    remarks.extend(results.verdict().remarks());
     let mut record = after.record("optimise", &mut tuned_solver, None, &remarks);
     record.targets.clone_from(&results.targets);
     record.side_effects.clone_from(&results.effects);
@@ -93,9 +93,8 @@ struct TuningResults<'a> {
     texts: &'a [String; 3],
     targets: Vec<CarTargetRecord>,
     constraints: Vec<CarConstraintRecord>,
-    /// Names of constraints that exclude one another.
-    contradiction: Vec<String>,
     variables: Vec<CarVariableRecord>,
+    starts: Vec<StartSummary>,
     effects: Vec<SideEffect>,
     is_interrupted: bool,
 }
@@ -108,22 +107,29 @@ impl TuningResults<'_> {
         let mut files = write_studies(output, self.texts)?;
         output.file("cases.csv", &self.after.cases_csv())?;
         output.file("cases_before.csv", &self.before.cases_csv())?;
-        let [interrupted, starts] = self.tuned.interrupted;
-        let summary = json!({
+        let tuning = &self.tuned.tuning;
+        let [interrupted, starts] = tuning.interrupted();
+        let mut summary = json!({
             "command": "optimise",
             "study": self.study.name,
+            "misfit_before": tuning.misfit_before,
             "misfit": fit.misfit(),
             "ended": fit.ended(),
             "iterations": fit.history.len().saturating_sub(1),
             "evaluations": fit.evaluations(),
             "starts": starts,
             "interrupted_starts": interrupted,
+            "best_start": tuning.starts.best,
+            "start_results": self.starts,
             "variables": self.variables,
             "targets": car_targets_json(&self.targets),
             "constraints": self.constraints,
-            "contradiction": self.contradiction,
+            "contradiction": self.verdict().contradiction(),
             "side_effects": self.effects,
         });
+        if let (Some(all), Value::Object(more)) = (summary.as_object_mut(), self.verdict().json()) {
+            all.extend(more);
+        }
         output.json("summary.json", &summary)?;
         files.extend(["cases.csv", "cases_before.csv", "summary.json"]);
         let effects = &self.effects;
@@ -132,51 +138,85 @@ impl TuningResults<'_> {
         Ok(files)
     }
 
-    /// Misfit and variables for the page.
+    fn verdict(&self) -> CarVerdict<'_> {
+        CarVerdict {
+            targets: &self.targets,
+            constraints: &self.constraints,
+            tuning: &self.tuned.tuning,
+        }
+    }
+
+    /// Misfit, variables, constraints and starts for the page.
     fn record(&self) -> CarTuningRecord {
         let fit = &self.tuned.fit;
         CarTuningRecord {
-            misfits: [self.tuned.misfit_before, Some(fit.misfit())],
+            misfits: [self.tuned.tuning.misfit_before, Some(fit.misfit())],
             ended: fit.ended(),
             variables: self.variables.clone(),
+            constraints: self.constraints.clone(),
+            starts: self.starts.clone(),
+            best_start: self.tuned.tuning.starts.best,
         }
     }
 
     /// Describes the completed part of an interrupted tuning. `None` for a complete tuning.
     fn interruption(&self) -> Option<String> {
         self.is_interrupted
-            .then(|| interrupted_in_words(self.tuned.interrupted))
+            .then(|| interrupted_in_words(self.tuned.tuning.interrupted()))
     }
 
     fn say(&self, output: &Output) -> Result<Exit, Stop> {
-        let (study, fit) = (self.study, &self.tuned.fit);
+        let (tuning, fit) = (&self.tuned.tuning, &self.tuned.fit);
         let words = side_effects_in_words(&self.effects).map(|words| format!("; {words}"));
         output.say(&format!(
-            "{}\nmisfit {} (root mean square, in multiples of the tolerance){}; {}\n\n",
-            headline(study),
-            misfit_in_words(fit.misfit()),
+            "{}\nmisfit {} tolerances{}; {}\n\n",
+            headline(self.study),
+            self.record().misfits_in_words(),
             words.unwrap_or_default(),
             fit.ended()
         ))?;
         output.table_for_programs("misfit", || {
-            misfit_table(self.tuned.misfit_before, Some(fit.misfit()))
+            misfit_table(tuning.misfit_before, Some(fit.misfit()))
         });
+        let verdict = self.verdict();
         output.table("targets", &car_targets_table(&self.targets))?;
         output.text_only("\n")?;
+        let missed = verdict.missed();
+        for line in &missed {
+            output.say(&format!("  {line}\n"))?;
+        }
+        if !missed.is_empty() {
+            output.text_only("\n")?;
+        }
         if let Some(table) = car_constraints_table(&self.constraints) {
             output.table("constraints", &table)?;
             output.text_only("\n")?;
         }
-        if let Some(words) = contradiction_in_words(&self.contradiction) {
-            output.say(&format!("{words}\n\n"))?;
-        }
         output.table("variables", &car_variables_table(&self.variables))?;
         say_side_effects(output, &self.effects)?;
+        output.say_remarks(verdict.remarks())?;
+        self.say_starts(output)?;
         if let Some(words) = self.interruption() {
             output.say_failure(&format!("\n{words}\n"))?;
             return Ok(Exit::Interrupted);
         }
-        Ok(Exit::of(fit.termination.at_minimum() && fit.is_feasible()))
+        Ok(Exit::of(
+            fit.termination.at_minimum() && !tuning.falls_short(),
+        ))
+    }
+
+    /// Prints the ends of the starts, if there are several.
+    fn say_starts(&self, output: &Output) -> Result<(), Stop> {
+        let best = self.tuned.tuning.starts.best;
+        let words = starts_in_words(&self.starts, best, self.tuned.fit.misfit());
+        if self.starts.len() < 2 && output.is_text() {
+            return Ok(());
+        }
+        output.text_only("\n")?;
+        match words.filter(|_| output.is_text()) {
+            Some(words) => output.say(&format!("{words}; summary.json has all starts\n")),
+            None => output.table("starts", &starts_table(&self.starts, best)),
+        }
     }
 }
 

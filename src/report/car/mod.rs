@@ -1,6 +1,7 @@
 //! Results of a car: files, tables, and the studies after a tuning.
 
 mod comparison;
+mod differing;
 mod files;
 mod limits;
 mod record;
@@ -9,6 +10,7 @@ mod studies;
 mod tables;
 mod tolerance;
 mod tuning;
+mod verdict;
 
 pub use comparison::CarComparison;
 pub use limits::{CarLimits, car_limits, lift_limits_table};
@@ -23,6 +25,7 @@ pub use tuning::{
     car_constraint_names, car_constraints_table, car_targets_json, car_targets_table,
     car_variables_table,
 };
+pub use verdict::CarVerdict;
 
 use crate::car::{
     CarQuantity, CarSolver, Case, Equilibrium, NoEquilibrium, Solved, WheelPlace, WheelResult,
@@ -115,31 +118,7 @@ impl<'s> CarResults<'s> {
         }
         remarks.extend(self.warnings());
         remarks.extend(mass_doubt(study));
-        for (end, axle) in crate::car::AXLE_NAMES.iter().zip(&study.axles) {
-            let vehicle = &axle.wheel().vehicle;
-            let figures = [
-                (
-                    "brake_share_front",
-                    vehicle.brake_share_front,
-                    study.car.brake_share_front,
-                ),
-                (
-                    "drive_share_front",
-                    vehicle.drive_share_front,
-                    study.car.drive_share_front,
-                ),
-            ];
-            for (key, own, of_car) in figures {
-                if let (Some(own), Some(of_car)) = (own, of_car)
-                    && (own - of_car).abs() > 1e-3 * of_car.abs()
-                {
-                    remarks.push(format!(
-                        "note: {key} of the {end} study is {own}; the study of the car gives \
-                         {of_car}, which is used"
-                    ));
-                }
-            }
-        }
+        remarks.extend(self.differing_values());
         remarks
     }
 

@@ -8,6 +8,7 @@ use crate::car::{
 };
 use crate::report::misfit_in_words;
 use crate::report::scene::Scene;
+use crate::report::tuning_summary::{ConstraintStatus, StartSummary};
 use serde::{Deserialize, Serialize};
 
 /// Version of the record's format. A reader accepts no other version.
@@ -143,6 +144,10 @@ pub struct CarTargetRecord {
     pub values: [Option<f64>; 2],
     /// Deviation after the tuning, as a multiple of the tolerance.
     pub deviation: Option<f64>,
+    /// For a target of a single axle: lowest and highest value of its curve or band. `wanted` and `values` are then root mean
+    /// square deviations from this curve or band.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub curve: Option<[Option<f64>; 2]>,
 }
 
 /// Misfit and variables of a tuning.
@@ -154,6 +159,15 @@ pub struct CarTuningRecord {
     pub ended: String,
     /// Variables with their values.
     pub variables: Vec<CarVariableRecord>,
+    /// Constraints with their margins.
+    #[serde(default)]
+    pub constraints: Vec<CarConstraintRecord>,
+    /// Starts with their ends.
+    #[serde(default)]
+    pub starts: Vec<StartSummary>,
+    /// Number of the start that is kept.
+    #[serde(default)]
+    pub best_start: Option<usize>,
 }
 
 /// A variable of a tuning: offset of hardpoints, or a value of the car.
@@ -167,6 +181,9 @@ pub struct CarVariableRecord {
     pub after: f64,
     /// Lowest and highest value.
     pub range: [f64; 2],
+    /// `lower` or `upper`, if the variable ended at that end of its range.
+    #[serde(default)]
+    pub at_bound: Option<String>,
 }
 
 impl CarTuningRecord {
@@ -185,12 +202,24 @@ pub struct CarConstraintRecord {
     pub name: String,
     /// Load case, or the axle if the constraint applies to an axle alone.
     pub place: String,
-    /// Lowest and highest value. `None` without a limit, and for a constraint of an axle alone.
+    /// Lowest and highest value. `None` without a limit, and for constraints with several different limits.
     pub limits: [Option<f64>; 2],
     /// Unit of limits and margins.
     pub unit: String,
     /// Margins to the nearer limit before and after. Negative if the constraint is violated.
     pub margins: [Option<f64>; 2],
+    /// True for a constraint of an axle alone. Its name has the limits.
+    #[serde(default)]
+    pub is_of_axle: bool,
+    /// Status after the tuning. `None` if there is no margin.
+    #[serde(default)]
+    pub status: Option<ConstraintStatus>,
+    /// Decrease of the misfit if the limit moves outward by one unit. The misfit is a multiple of the tolerances.
+    #[serde(default)]
+    pub price: Option<f64>,
+    /// True if the price is not determined, because binding limits depend on each other.
+    #[serde(default)]
+    pub price_not_determined: bool,
 }
 
 impl<'s> CarResults<'s> {
@@ -351,6 +380,21 @@ impl CarStateRecord {
 }
 
 impl CarTargetRecord {
+    /// Name with the load case, or with the axle for a target of a single axle.
+    pub fn full_name(&self) -> String {
+        match self.curve {
+            Some(_) => format!("{}, {}", self.output, self.case),
+            None => format!("{} in {}", self.output, self.case),
+        }
+    }
+
+    /// Size of the deviation in words, if the target is missed by more than its tolerance.
+    pub fn missed_by(&self) -> Option<String> {
+        let deviation = self.deviation.filter(|_| !self.is_met())?.abs();
+        let up_to = self.curve.map_or("", |_| "up to ");
+        Some(format!("{up_to}{} tolerances", misfit_in_words(deviation)))
+    }
+
     /// True if the deviation is within the tolerance.
     pub fn is_met(&self) -> bool {
         self.deviation

@@ -3,9 +3,11 @@
 use super::record::{CarConstraintRecord, CarTargetRecord, CarVariableRecord};
 use super::{CarResults, CarState};
 use crate::car::{CarQuantity, CarVariable, RigGoals, RigOutcome};
-use crate::report::figure;
+use crate::optimise::{Fit, Price};
 use crate::report::table::{Cell, Table};
-use crate::study::{CarOptimise, CarStudy};
+use crate::report::tuning_summary::{ConstraintStatus, bound_in_words, wanted as of_curve};
+use crate::report::{brief, figure};
+use crate::study::{CarOptimise, CarStudy, Constraint};
 use serde_json::{Value, json};
 
 /// Table cell with the target value or band.
@@ -26,14 +28,23 @@ fn limits_in_words(limits: [Option<f64>; 2], unit: &str) -> String {
     }
 }
 
+/// A value, or the lower and upper limit in words.
+fn value_in_words(limits: [Option<f64>; 2], unit: &str) -> String {
+    match limits {
+        [Some(low), Some(high)] if low == high => figure(low, unit),
+        limits => limits_in_words(limits, unit),
+    }
+}
+
 /// Names of constraints, each with its limits. If a constraint applies to one axle alone, the name has the axle instead.
 /// `numbers` are indices of `records`.
 pub fn car_constraint_names(records: &[CarConstraintRecord], numbers: &[usize]) -> Vec<String> {
     let name = |number: &usize| {
         let own = &records[*number];
-        let words = match own.limits {
-            [None, None] => own.place.clone(),
-            limits => limits_in_words(limits, &own.unit),
+        let words = if own.is_of_axle {
+            own.place.clone()
+        } else {
+            limits_in_words(own.limits, &own.unit)
         };
         format!("{} ({words})", own.name)
     };
@@ -49,7 +60,10 @@ pub fn car_targets_table(records: &[CarTargetRecord]) -> Table {
         let cells: [Cell; 6] = [
             target.output.as_str().into(),
             target.case.as_str().into(),
-            wanted_cell(target.wanted, unit),
+            match target.curve {
+                None => wanted_cell(target.wanted, unit),
+                Some(curve) => format!("0 (target {})", value_in_words(curve, unit)).into(),
+            },
             cell(target.values[0]),
             cell(target.values[1]),
             cell(Some(target.tolerance)),
@@ -70,6 +84,7 @@ pub fn car_targets_json(records: &[CarTargetRecord]) -> Value {
                 // A side without a limit becomes null.
                 limits => json!(limits),
             },
+            "curve": target.curve,
             "tolerance": target.tolerance,
             "value": target.values[1],
         })
@@ -88,15 +103,26 @@ pub fn car_constraints_table(records: &[CarConstraintRecord]) -> Option<Table> {
         "limits",
         "margin before",
         "margin after",
+        "unit",
+        "kept",
+        "price",
     ]);
     for own in records {
         let cell = |value: Option<f64>| Cell::by(value, |value| figure(value, &own.unit));
-        let cells: [Cell; 5] = [
+        let kept = own.status.and_then(ConstraintStatus::in_words);
+        let cells: [Cell; 8] = [
             own.name.as_str().into(),
             own.place.as_str().into(),
             wanted_cell(own.limits, &own.unit),
             cell(own.margins[0]),
             cell(own.margins[1]),
+            own.unit.as_str().into(),
+            kept.map(str::to_owned).into(),
+            if own.price_not_determined {
+                Cell::from("not determined")
+            } else {
+                Cell::by(own.price, brief)
+            },
         ];
         table.push(cells);
     }
@@ -129,6 +155,7 @@ impl CarResults<'_> {
                 tolerance: target.tolerance,
                 values: [value(before), after],
                 deviation: after.map(|value| target.deviation(value) / target.tolerance),
+                curve: None,
             }
         });
         let mut records: Vec<CarTargetRecord> = of_cases.collect();
@@ -144,25 +171,27 @@ impl CarResults<'_> {
                 records.push(CarTargetRecord {
                     output: format!("{}_rms_deviation_{unit}", target.name(length)),
                     case: format!("{name} axle alone"),
-                    wanted: [None, Some(tolerance)],
+                    wanted: [Some(0.0); 2],
                     tolerance,
                     values: rms.map(|rms| Some(rms? * tolerance)),
                     // As in reports of an axle, the largest deviation is shown.
                     deviation: outcomes[1]
                         .as_ref()
                         .map(|found| found.targets[number].worst),
+                    curve: Some(of_curve(target)),
                 });
             }
         }
         records
     }
 
-    /// Constraints of a tuning. The arguments are those of [`CarResults::target_records`].
+    /// Constraints of a tuning with their `prices`. The other arguments are those of [`CarResults::target_records`].
     pub fn constraint_records(
         &self,
         wanted: &CarOptimise,
         before: &CarResults<'_>,
         x: &[f64],
+        prices: &[Price],
     ) -> Vec<CarConstraintRecord> {
         let finite = |limit: f64| limit.is_finite().then_some(limit);
         let of_cases = wanted.constraints.iter().map(|own| {
@@ -171,12 +200,17 @@ impl CarResults<'_> {
                 let value = of.target_value(own.case, own.quantity)?;
                 Some((value - low).min(high - value))
             };
+            let margins = [margin(before), margin(self)];
             CarConstraintRecord {
                 name: own.name.clone(),
                 place: self.study.cases[own.case].name.clone(),
                 limits: own.between.map(finite),
                 unit: own.quantity.info().unit.suffix(self.study.car.length_unit),
-                margins: [margin(before), margin(self)],
+                margins,
+                is_of_axle: false,
+                status: status(margins[1], own.visible),
+                price: None,
+                price_not_determined: false,
             }
         });
         let mut records: Vec<CarConstraintRecord> = of_cases.collect();
@@ -186,49 +220,76 @@ impl CarResults<'_> {
                     let margin = outcome.as_ref()?.margins[number];
                     finite(margin)
                 };
+                let margins = outcomes.each_ref().map(margin);
+                let part = own.parts.first();
                 records.push(CarConstraintRecord {
                     name: own.name.clone(),
                     place: format!("{name} axle alone"),
-                    limits: [None; 2],
-                    unit: own
-                        .parts
-                        .first()
-                        .map_or(String::new(), |part| part.unit.clone()),
-                    margins: outcomes.each_ref().map(margin),
+                    limits: common_limits(own),
+                    unit: part.map_or(String::new(), |part| part.unit.clone()),
+                    margins,
+                    is_of_axle: true,
+                    status: status(margins[1], part.map_or(1.0, |part| part.visible)),
+                    price: None,
+                    price_not_determined: false,
                 });
             }
+        }
+        for (record, price) in records.iter_mut().zip(prices) {
+            record.price = price.per_unit();
+            record.price_not_determined = *price == Price::NotDetermined;
         }
         records
     }
 
     /// Variables of a tuning with their values: offsets of hardpoints, and values of all other variables.
-    pub fn variable_records(&self, before: &CarStudy, x: &[f64]) -> Vec<CarVariableRecord> {
-        let variables = before.optimise.iter().flat_map(|o| &o.variables).zip(x);
-        let record = |(variable, after): (&CarVariable, &f64)| CarVariableRecord {
+    pub fn variable_records(&self, before: &CarStudy, fit: &Fit) -> Vec<CarVariableRecord> {
+        let variables = before.optimise.iter().flat_map(|o| &o.variables);
+        let record = |(number, variable): (usize, &CarVariable)| CarVariableRecord {
             name: variable.moves.label(&before.car),
             before: variable.moves.value(&before.car),
-            after: *after,
+            after: fit.x[number],
             range: variable.range,
+            at_bound: bound_in_words(fit.active_bounds[number]),
         };
-        variables.map(record).collect()
+        variables.enumerate().map(record).collect()
     }
 }
 
 /// Table of the variables of a tuning, for people.
 pub fn car_variables_table(records: &[CarVariableRecord]) -> Table {
-    let mut table = Table::new(["variable", "lowest", "highest", "before", "after"]);
+    let names = ["variable", "lowest", "highest", "before", "after", "bound"];
+    let mut table = Table::new(names);
     for own in records {
         let cell = |value: f64| Cell::shown(value, figure(value, ""));
-        let cells: [Cell; 5] = [
+        let bound = own.at_bound.as_ref();
+        let cells: [Cell; 6] = [
             own.name.as_str().into(),
             cell(own.range[0]),
             cell(own.range[1]),
             Cell::by(own.before, |value| figure(value, "")),
             cell(own.after),
+            bound.map(|side| format!("at {side} bound")).into(),
         ];
         table.push(cells);
     }
     table
+}
+
+/// Status of a constraint with this margin. `visible` is a visible unit in the unit of the margin.
+fn status(margin: Option<f64>, visible: f64) -> Option<ConstraintStatus> {
+    margin.map(|margin| ConstraintStatus::of(margin / visible))
+}
+
+/// Limits of a constraint of an axle. `None` if its parts have different limits.
+fn common_limits(constraint: &Constraint) -> [Option<f64>; 2] {
+    let mut limits = constraint.parts.iter().map(|part| part.limits());
+    let first = limits.next().unwrap_or_default();
+    if limits.all(|other| other == first) {
+        first
+    } else {
+        [None; 2]
+    }
 }
 
 /// Goals of one axle alone: index and name of the axle, its goals, and their outcome before and after a tuning.

@@ -10,8 +10,9 @@ use super::run::PageDesign;
 use crate::report::car::{CarCase, CarRecord, CarStateRecord};
 use crate::report::table::{Cell, Column, Table};
 use crate::report::{
-    car_variables_table, counted, figure, shown_side_effects, side_effects_in_words,
-    side_effects_table, unit_in_words, visible_side_effects, with_decimals, with_minus_signs,
+    ConstraintStatus, car_constraints_table, car_variables_table, counted, figure,
+    shown_side_effects, side_effects_in_words, side_effects_table, starts_table, unit_in_words,
+    visible_side_effects, with_decimals, with_minus_signs,
 };
 use crate::side_effects::SideEffect;
 
@@ -86,7 +87,9 @@ fn with_design(record: &CarRecord, design: Option<&PageDesign>) -> String {
     let sections = [
         design.map_or_else(String::new, PageDesign::section),
         targets(record),
+        constraints(record),
         variables(record),
+        starts(record),
         side_effects(record),
         corner_weights(record),
         transfer(record),
@@ -250,6 +253,36 @@ fn variables(record: &CarRecord) -> String {
         &prose(&note.replace("->", "→")),
         &car_variables_table(&tuning.variables).html(),
     )
+}
+
+/// Constraints of a tuning with their margins.
+fn constraints(record: &CarRecord) -> String {
+    let constraints = record.tuning.iter().map(|tuning| &tuning.constraints[..]);
+    let constraints: &[_] = constraints.last().unwrap_or_default();
+    let Some(table) = car_constraints_table(constraints) else {
+        return String::new();
+    };
+    let violated = |row: usize| {
+        let status = constraints[row].status;
+        (status == Some(ConstraintStatus::Violated)).then_some("unmet")
+    };
+    let note = "Margin: distance to the nearer limit, negative if it is violated. Price: fall of the misfit if the limit \
+                moves outwards by one unit.";
+    let content = super::table::table(&table, violated);
+    section("constraints", "Constraints", note, &content)
+}
+
+/// Starts of a tuning, if there are several.
+fn starts(record: &CarRecord) -> String {
+    match &record.tuning {
+        Some(tuning) if tuning.starts.len() > 1 => section(
+            "starts",
+            "Starts",
+            "The tuning keeps the start with the smallest misfit that satisfies the constraints.",
+            &starts_table(&tuning.starts, tuning.best_start).html(),
+        ),
+        _ => String::new(),
+    }
 }
 
 /// Changes that no target requests. Important changes come first. Other visible changes are in a section that can be opened.

@@ -1,15 +1,22 @@
 //! Summary of a tuning.
 
 mod of_tuning;
+mod starts;
 mod tables;
+mod verdict;
 mod words;
 
+pub(in crate::report) use of_tuning::wanted;
+pub use starts::{StartSummary, starts_in_words, starts_table};
 pub use tables::misfit_table;
+pub use verdict::{ConstraintStatus, SlightEffectRecord};
+pub(in crate::report) use verdict::{
+    least_violation_in_words, price_in_words, unmoved_constraint_in_words, unmoved_in_words,
+};
 pub use words::{contradiction_in_words, interrupted_in_words};
 
 use super::accuracy::{CertificateSummary, ConditionSummary};
 use super::choices::{FrontPoint, FrontRecord, PriceRecord};
-use super::constraint_margins::VIOLATED;
 use super::figure::{as_written, brief, to_digits, with_decimals};
 use super::fitted::FittedOffset;
 use super::side_effects::side_effects_in_words;
@@ -19,9 +26,7 @@ use super::yields::YieldRecord;
 use crate::SideEffect;
 use crate::curves::Curves;
 use crate::model::Axis;
-use crate::optimise::{
-    ActiveBound, ConstraintOutcome, Direction, Fit, Fulfilment, Price, Termination, Tuning,
-};
+use crate::optimise::{ActiveBound, ConstraintOutcome, Direction, Fulfilment, Price, Tuning};
 use crate::study::{Limit, Optimise, Study, Target, Wanted};
 use serde::{Deserialize, Serialize};
 
@@ -65,6 +70,9 @@ pub struct TuningSummary {
     /// Missed targets that no variable changes.
     #[serde(default)]
     unmoved: Vec<String>,
+    /// Missed targets that the variables hardly change.
+    #[serde(default)]
+    hardly_moved: Vec<SlightEffectRecord>,
     /// Violated constraints that no variable changes.
     #[serde(default)]
     unmoved_constraints: Vec<String>,
@@ -187,28 +195,6 @@ struct ConstraintSummary {
     price_not_determined: bool,
 }
 
-/// Status of a constraint.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-enum ConstraintStatus {
-    /// The margin to every limit is positive.
-    Kept,
-    /// The value is at a limit.
-    Binds,
-    Violated,
-}
-
-impl ConstraintStatus {
-    /// Status for a margin. The margin is in visible units: millimetres or degrees.
-    fn of(margin: f64) -> Self {
-        match margin {
-            margin if margin < -VIOLATED => ConstraintStatus::Violated,
-            margin if margin < BINDING => ConstraintStatus::Binds,
-            _ => ConstraintStatus::Kept,
-        }
-    }
-}
-
 impl ConstraintSummary {
     fn status(&self) -> ConstraintStatus {
         self.status
@@ -247,20 +233,6 @@ struct DeviationSummary {
     /// Rack displacement at this position, in the study's axes.
     #[serde(default)]
     worst_rack: f64,
-}
-
-#[derive(Clone, Debug, Serialize, Deserialize)]
-struct StartSummary {
-    start: usize,
-    offsets: Vec<f64>,
-    /// Reason why the search ended, or why its start failed.
-    ended: String,
-    iterations: Option<u64>,
-    evaluations: Option<u64>,
-    misfit: Option<f64>,
-    /// KKT residual at the end of this start, defined as in the summary.
-    #[serde(default)]
-    kkt_residual: Option<f64>,
 }
 
 impl TuningSummary {
@@ -350,19 +322,14 @@ impl TuningSummary {
     }
 }
 
-impl StartSummary {
-    /// Returns true for a start that was interrupted, or that was not begun before the interruption.
-    fn is_interrupted(&self) -> bool {
-        let word = Termination::Interrupted.to_string();
-        self.ended.strip_prefix(NOT_BEGUN).unwrap_or(&self.ended) == word
+/// Word for a bound at which a variable ended: `lower` or `upper`.
+pub(in crate::report) fn bound_in_words(bound: ActiveBound) -> Option<String> {
+    match bound {
+        ActiveBound::Free => None,
+        ActiveBound::Lower => Some("lower".to_owned()),
+        ActiveBound::Upper => Some("upper".to_owned()),
     }
 }
-
-/// Words before the reason why a start was not begun.
-const NOT_BEGUN: &str = "not begun: ";
-
-/// Margin below which a constraint counts as binding, in visible units.
-const BINDING: f64 = 1e-6;
 
 /// Number with its unit. Summaries of older versions have no unit.
 fn with_unit(value: f64, unit: &str) -> String {

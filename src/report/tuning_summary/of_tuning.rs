@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::number::Vector3;
-use crate::optimise::{StandardErrors, Start};
+use crate::optimise::StandardErrors;
 use crate::report::record::readable_unit;
 use crate::study::{Constraint, Rate, Variable};
 
@@ -41,7 +41,10 @@ impl TuningSummary {
             correlations: errors.map_or(Vec::new(), |errors| source.correlations(errors)),
             good_enough: optimise.good_enough,
             constraints: source.constraints(),
-            unmoved: tuning.unmoved.iter().map(target).collect(),
+            unmoved: tuning.unmoved.targets.iter().map(target).collect(),
+            hardly_moved: SlightEffectRecord::all(&tuning.unmoved.slightly, |number| {
+                target(&number)
+            }),
             unmoved_constraints: tuning.unmoved_constraints.iter().map(constraint).collect(),
             contradiction: tuning.contradiction.iter().map(constraint).collect(),
             added_stations: source.added_stations(),
@@ -128,11 +131,7 @@ impl TunedStudy<'_> {
             offset: best.map(|b| b.offsets[k] + 0.0),
             unit,
             range: variable.range,
-            at_bound: fit.and_then(|fit| match fit.active_bounds[k] {
-                ActiveBound::Free => None,
-                ActiveBound::Lower => Some("lower".to_owned()),
-                ActiveBound::Upper => Some("upper".to_owned()),
-            }),
+            at_bound: fit.and_then(|fit| bound_in_words(fit.active_bounds[k])),
             standard_error: errors.and_then(|e| e.sigmas[k]),
             interval: fitted.and_then(|fitted| fitted.half()),
             fitted,
@@ -216,10 +215,7 @@ impl TunedStudy<'_> {
     }
 
     fn starts(&self) -> Vec<StartSummary> {
-        let starts = self.tuning.starts.starts.iter().enumerate();
-        starts
-            .map(|(number, start)| StartSummary::of(number, start))
-            .collect()
+        StartSummary::all(&self.tuning.starts)
     }
 
     /// For each direction, the largest move that raises the misfit by at most [`Direction::RISE`] and keeps the constraints.
@@ -246,26 +242,6 @@ impl TunedStudy<'_> {
     }
 }
 
-impl StartSummary {
-    fn of(number: usize, start: &Start) -> Self {
-        let outcome = start.outcome.as_ref();
-        let ended = match outcome {
-            Ok(fit) => fit.ended(),
-            Err(infeasible) => format!("{NOT_BEGUN}{infeasible}"),
-        };
-        let fit = outcome.ok();
-        StartSummary {
-            start: number,
-            offsets: start.x.iter().map(|v| v + 0.0).collect(),
-            ended,
-            iterations: fit.map(|fit| fit.history.last().map_or(0, |i| i.iteration)),
-            evaluations: fit.map(Fit::evaluations),
-            misfit: fit.map(Fit::misfit),
-            kkt_residual: fit.and_then(|fit| fit.residual),
-        }
-    }
-}
-
 /// True for a band with a curve as a limit.
 fn is_between_curves(target: &Target) -> bool {
     let is_curve = |limit: &Option<Limit>| matches!(limit, Some(Limit::Curve { .. }));
@@ -276,7 +252,7 @@ fn is_between_curves(target: &Target) -> bool {
 }
 
 /// Smallest and largest target value, as printed numbers.
-fn wanted(target: &Target) -> [Option<f64>; 2] {
+pub(in crate::report) fn wanted(target: &Target) -> [Option<f64>; 2] {
     let factor = target.of.factor();
     let range = |points: &[[f64; 2]]| {
         let values = || points.iter().map(|[_, value]| value * factor);

@@ -192,11 +192,7 @@ impl TuningSummary {
         let mut table = Table::with_columns(columns.into_iter().chain(programs));
         for c in &self.constraints {
             let status = c.status();
-            let kept = match status {
-                ConstraintStatus::Violated => Some("VIOLATED".to_owned()),
-                ConstraintStatus::Binds => Some("binds".to_owned()),
-                ConstraintStatus::Kept => None,
-            };
+            let kept = status.in_words().map(str::to_owned);
             let brief = |margin: f64| match status {
                 ConstraintStatus::Binds => "0".to_owned(),
                 _ => brief(margin),
@@ -220,30 +216,7 @@ impl TuningSummary {
 
     /// Table of the starts.
     pub fn starts_table(&self) -> Table {
-        let columns = [
-            Column::for_readers("start"),
-            Column::for_programs("start"),
-            Column::for_programs("kept"),
-        ];
-        let more = ["misfit", "iterations", "ended"].map(Column::from);
-        let mut table = Table::with_columns(columns.into_iter().chain(more));
-        for s in &self.starts {
-            let kept = self.best_start == Some(s.start);
-            let name = if kept {
-                format!("{} (kept)", s.start)
-            } else {
-                s.start.to_string()
-            };
-            table.push([
-                Cell::from(name),
-                s.start.into(),
-                kept.into(),
-                Cell::by(s.misfit, misfit_in_words),
-                s.iterations.into(),
-                s.ended.as_str().into(),
-            ]);
-        }
-        table
+        starts_table(&self.starts, self.best_start)
     }
 }
 

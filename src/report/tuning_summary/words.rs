@@ -2,9 +2,6 @@
 
 use super::*;
 
-/// Largest number of starts that are listed one by one.
-const FEW_STARTS: usize = 8;
-
 /// Sentence about constraints that exclude one another, by their names. `None` without such constraints.
 pub fn contradiction_in_words(names: &[String]) -> Option<String> {
     match names {
@@ -38,15 +35,11 @@ impl TuningSummary {
             ));
         }
         for target in &self.unmoved {
-            remarks.push(format!(
-                "no variable affects {target}: its deviation from the target stays the same"
-            ));
+            remarks.push(unmoved_in_words(target));
         }
+        remarks.extend(self.hardly_moved.iter().map(SlightEffectRecord::in_words));
         for constraint in &self.unmoved_constraints {
-            remarks.push(format!(
-                "no variable affects this constraint, which stays violated: {constraint}. Add a \
-                 variable that affects it, or change its limit"
-            ));
+            remarks.push(unmoved_constraint_in_words(constraint));
         }
         remarks.extend(self.fit_remarks());
         for (first, second, correlation) in self.correlations.iter().take(3) {
@@ -57,12 +50,7 @@ impl TuningSummary {
         }
         for c in &self.constraints {
             if let Some(price) = c.price {
-                remarks.push(format!(
-                    "{} costs {} tolerances per {}",
-                    c.name,
-                    brief(price),
-                    c.unit
-                ));
+                remarks.push(price_in_words(&c.name, price, &c.unit));
             }
         }
         remarks.extend(self.without_price_in_words());
@@ -82,12 +70,7 @@ impl TuningSummary {
             .filter(|c| !self.unmoved_constraints.contains(&c.name))
             .map(|c| format!("{} by {} {}", c.name, brief(-c.margin), c.unit))
             .collect();
-        let kept = self.best_start.filter(|_| !violated.is_empty())?;
-        Some(format!(
-            "no start satisfied all constraints; start {kept} is kept because its largest violation is the smallest, not \
-             because of its misfit. Missed: {}",
-            violated.join("; ")
-        ))
+        least_violation_in_words(self.best_start, &violated)
     }
 
     /// Reason why binding constraints have no price. `None` if the tuning ended at the smallest misfit, or if every binding
@@ -179,37 +162,8 @@ impl TuningSummary {
 
     /// Short summary of the starts, if there are many.
     pub fn starts_in_words(&self) -> Option<String> {
-        let all = self.starts.len();
-        if all <= FEW_STARTS {
-            return None;
-        }
-        let best = self.misfit_after?;
-        let ended = self.starts.iter().filter(|s| !s.is_interrupted());
-        let ended: Vec<f64> = ended.filter_map(|s| s.misfit).collect();
-        let near = ended.iter().filter(|m| **m <= 1.01 * best + 1e-6).count();
-        let worst = ended.iter().copied().fold(best, f64::max);
-        let kept = self
-            .best_start
-            .map_or_else(String::new, |k| format!(" (start {k} is kept)"));
-        let mut text = format!(
-            "{all} starts: {near} ended within 1 % of the smallest misfit{kept}, the worst at {}",
-            misfit_in_words(worst)
-        );
-        // Each start counts once.
-        for (is_interrupted, has_begun, words) in [
-            (false, false, "could not be started"),
-            (true, true, "interrupted"),
-            (true, false, "not begun before the interruption"),
-        ] {
-            let of_kind = |s: &&StartSummary| {
-                (s.is_interrupted(), s.misfit.is_some()) == (is_interrupted, has_begun)
-            };
-            match self.starts.iter().filter(of_kind).count() {
-                0 => {}
-                some => text += &format!("; {some} {words}"),
-            }
-        }
-        Some(text + "; history.csv and summary.json have all starts")
+        let words = starts_in_words(&self.starts, self.best_start, self.misfit_after?)?;
+        Some(words + "; history.csv and summary.json have all starts")
     }
 
     /// Result of the tuning in one or two sentences.

@@ -4,8 +4,7 @@ use super::misfit::{assessed_rigs, misfit};
 use super::{OpenedCar, coordinates, solver};
 use crate::car::CarVariable;
 use crate::report::{
-    CarResults, brief, car_constraint_names, contradiction_in_words, misfit_in_words,
-    settings_of_car, side_effects_in_words,
+    CarResults, CarVerdict, brief, misfit_in_words, settings_of_car, side_effects_in_words,
 };
 use crate::side_effects::side_effects_of_car;
 use crate::studio::job::{ALL_LOCKED, Job, NO_SECTION, Tuning, counted_from_file};
@@ -62,7 +61,7 @@ fn run(
     let optimise = study.optimise.as_ref().ok_or(NO_SECTION)?;
     let before = misfit_of(opened, study);
     let tuned = job.controlled(|control| study.tuned(optimise, control))?;
-    let contradiction = contradiction(study, &tuned)?;
+    let verdict = verdict(study, &tuned)?;
     let (after, fit) = (tuned.study, tuned.fit);
     let x = fit.x.as_slice();
     let effects = side_effects_of_car(study, &after)?;
@@ -80,7 +79,7 @@ fn run(
     if !fit.is_feasible() {
         outcome.push("Not every constraint can be satisfied within the ranges.".to_owned());
     }
-    outcome.extend(contradiction);
+    outcome.extend(verdict);
     Ok(Proposal {
         design: coordinates(&after),
         edits: rates.edits,
@@ -94,19 +93,23 @@ fn run(
     })
 }
 
-/// Sentence about constraints that exclude one another. `None` without such constraints.
-fn contradiction(study: &CarStudy, tuned: &TunedCar) -> Result<Option<String>, String> {
-    let (Some(optimise), false) = (&study.optimise, tuned.contradiction.is_empty()) else {
-        return Ok(None);
+/// Sentences about targets and constraints of a tuned car.
+fn verdict(study: &CarStudy, tuned: &TunedCar) -> Result<Vec<String>, String> {
+    let Some(optimise) = &study.optimise else {
+        return Ok(Vec::new());
     };
     let solved = |study| {
         let mut solver = solver(study)?;
         Ok::<_, String>(CarResults::solve(study, &mut solver, study.cases.len()))
     };
     let (before, after) = (solved(study)?, solved(&tuned.study)?);
-    let records = after.constraint_records(optimise, &before, tuned.fit.x.as_slice());
-    let names = car_constraint_names(&records, &tuned.contradiction);
-    Ok(contradiction_in_words(&names))
+    let (x, tuning) = (tuned.fit.x.as_slice(), &tuned.tuning);
+    let verdict = CarVerdict {
+        targets: &after.target_records(optimise, &before, x),
+        constraints: &after.constraint_records(optimise, &before, x, &tuning.prices),
+        tuning,
+    };
+    Ok([verdict.missed(), verdict.remarks()].concat())
 }
 
 /// Misfit of a design, if it has one.

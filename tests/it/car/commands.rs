@@ -391,3 +391,59 @@ fn values_of_maps_are_decimals() {
     let values: Vec<&str> = rows.iter().map(|row| row["ay_g"].as_str()).collect();
     assert_eq!(values, ["0.0", "0.1", "0.2", "0.3", "0.4", "0.5", "0.6"]);
 }
+
+/// A remark names values of `[vehicle]` that contradict the car. Values that agree with the car give no remark.
+#[test]
+fn values_of_axles_that_contradict_the_car_are_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let car = studies().join("car.toml");
+    let said = |sets: &[&str]| {
+        let mut arguments = vec!["check", car.to_str().unwrap()];
+        for set in sets {
+            arguments.extend(["--set", set]);
+        }
+        let said = hardpoint(directory.path(), &arguments).success();
+        let said = text(&said.get_output().stdout) + &text(&said.get_output().stderr);
+        said.split_whitespace().collect::<Vec<_>>().join(" ")
+    };
+    // Statics: the front axle carries 1450 kg times (2650 - 1290)/2650 = 744 kg.
+    let same = said(&[
+        "front.vehicle.wheelbase=2650.0",
+        "front.vehicle.sprung_mass=744.0",
+    ]);
+    assert!(!same.contains("the front study has other values"), "{same}");
+    let other = said(&[
+        "front.vehicle.wheelbase=2700.0",
+        "front.vehicle.cg_height=700.0",
+        "front.vehicle.sprung_mass=600.0",
+    ]);
+    let remark = "note: the front study has other values than the car: wheelbase 2700 mm (car: 2650 mm), cg_height 700 mm \
+                  (car: 5";
+    assert!(other.contains(remark), "{other}");
+    assert!(other.contains("sprung_mass 600 kg (car: 74"), "{other}");
+}
+
+/// If equal shares prevent an equilibrium, the message names the key that a user can change.
+#[test]
+fn the_key_of_equal_shares_is_named() {
+    let directory = tempfile::tempdir().unwrap();
+    hardpoint(directory.path(), &["new", "car"]).success();
+    let path = directory.path().join("car.toml");
+    let good = fs::read_to_string(&path).unwrap();
+    let (head, _) = good.split_once("[[cases]]").unwrap();
+    for (shares, remedy) in [
+        ("", "set longitudinal_shares = \"by_load\""),
+        ("longitudinal_shares = \"by_load\"", ""),
+    ] {
+        let case = format!("[[cases]]\nname = \"a\"\nay = 10.0\n{shares}\n");
+        fs::write(&path, format!("{head}{case}")).unwrap();
+        let said = hardpoint(directory.path(), &["solve", "car.toml", "--force"]).code(1);
+        let said = text(&said.get_output().stdout) + &text(&said.get_output().stderr);
+        let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(said.contains(remedy), "{said}");
+        assert!(!said.contains("lateral_shares"), "{said}");
+        if remedy.is_empty() {
+            assert!(!said.contains("share of a force"), "{said}");
+        }
+    }
+}

@@ -160,3 +160,17 @@ fn exported_points_are_those_of_the_car() {
     let refused = hardpoint(directory, &["export", "car.toml", "--to", "adams"]).code(2);
     assert!(text(&refused.get_output().stderr).contains("car_rear.toml"));
 }
+
+/// If a file does not exist, the error names the file and does not speak of other kinds of studies.
+#[test]
+fn a_missing_file_is_named() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    hardpoint(directory, &["new", "car"]).success();
+    for sources in [["car.toml", "missing.toml"], ["missing.toml", "car.toml"]] {
+        let said = hardpoint(directory, &["compare", sources[0], sources[1]]).code(2);
+        let said = text(&said.get_output().stderr);
+        assert!(said.contains("missing.toml"), "{said}");
+        assert!(!said.contains("cars only"), "{said}");
+    }
+}

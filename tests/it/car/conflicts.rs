@@ -24,7 +24,7 @@ fn a_smallest_set_is_named() {
         .tuned(study.optimise.as_ref().unwrap(), Default::default())
         .unwrap();
     // The program names constraints of cases before constraints of axles.
-    assert_eq!(tuned.contradiction, [1, 2]);
+    assert_eq!(tuned.tuning.contradiction, [1, 2]);
     let directory = tempfile::tempdir().unwrap();
     let path = studies().join("car.toml");
     let mut arguments = vec!["optimise", path.to_str().unwrap(), "--out", "tuned"];
@@ -52,5 +52,5 @@ fn a_conflict_of_an_axle_alone_is_named() {
     let tuned = study
         .tuned(study.optimise.as_ref().unwrap(), Default::default())
         .unwrap();
-    assert_eq!(tuned.contradiction, [0]);
+    assert_eq!(tuned.tuning.contradiction, [0]);
 }

@@ -21,6 +21,7 @@ mod textbook;
 mod tolerance;
 mod twist_beam;
 mod units;
+mod verdict;
 
 use hardpoint::axle::{Axle, BumpStop, ForceCurve, Law, Setup, SpringLaw};
 use hardpoint::car::{

@@ -181,3 +181,60 @@ fn failed_cases_are_named() {
         assert!(!row["braking_roll_deg"].is_empty());
     }
 }
+
+/// A sweep ranks designs by the misfit that a tuning minimises, also if some targets apply to a single axle.
+#[test]
+fn the_misfit_has_the_targets_of_single_axles() {
+    let directory = tempfile::tempdir().unwrap();
+    let directory = directory.path();
+    car(directory, 3);
+    let path = directory.join("car.toml");
+    let text_of = fs::read_to_string(&path).unwrap();
+    let (head, _) = text_of.split_once("[optimise]").unwrap();
+    let optimise = r#"[optimise]
+max_iterations = 1
+variables = [{ axle = "rear", hardpoint = "toe_link_inner", axis = "z", range = [-20.0, 20.0] }]
+targets = [
+  { characteristic = "roll_gradient", case = "turn", value = 3.2, tolerance = 0.05 },
+  { axle = "rear", characteristic = "toe", side = "left", over = "roll", points = [[-3.0, 0.1], [3.0, 0.1]], tolerance = 0.02, weight = 2.0 },
+]
+"#;
+    fs::write(&path, format!("{head}{optimise}")).unwrap();
+    hardpoint(directory, &["sweep", "car.toml", "--out", "swept"]).success();
+    let designs = fs::read_to_string(directory.join("swept/designs.csv")).unwrap();
+    let mut deviations = Vec::new();
+    for (number, row) in rows_by_column(designs.as_bytes()).iter().enumerate() {
+        let arguments = ["sweep", "car.toml", "--design", &number.to_string()];
+        let said = text(
+            &hardpoint(directory, &arguments)
+                .success()
+                .get_output()
+                .stdout,
+        );
+        let mut arguments = vec!["optimise", "car.toml", "--out", "tuned", "--force"];
+        for line in said.lines() {
+            let setting = line
+                .strip_prefix("--set '")
+                .and_then(|l| l.strip_suffix('\''));
+            arguments.extend(["--set", setting.unwrap()]);
+        }
+        // One iteration does not converge.
+        hardpoint(directory, &arguments);
+        let summary = fs::read(directory.join("tuned/summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_slice(&summary).unwrap();
+        let value = |column: &str| row[column].parse::<f64>().unwrap();
+        let tuned = summary["misfit_before"].as_f64().unwrap();
+        let swept = value("misfit");
+        assert!((swept - tuned).abs() < 1e-9 * tuned, "{swept} {tuned}");
+        let toe = value("rms_rear_left_toe");
+        let mean = (value("rms_turn_roll_gradient").powi(2) + 2.0 * toe.powi(2)) / 3.0;
+        assert!((swept - mean.sqrt()).abs() < 1e-9 * swept);
+        deviations.push(toe);
+    }
+    // The toe link moves the toe.
+    assert!(
+        (deviations[0] - deviations[1]).abs() > 0.1,
+        "{deviations:?}"
+    );
+    assert!(directory.join("swept/pareto.csv").exists());
+}

@@ -123,7 +123,7 @@ fn a_missed_target_that_stands_still_hides_no_other() {
             ))
         };
         let (alone, both) = (with(&[other]), with(&[other, still]));
-        assert_eq!(both.unmoved, [1]);
+        assert_eq!(both.unmoved.targets, [1]);
         let (alone, both) = (alone.best.unwrap(), both.best.unwrap());
         let [alone, both] = [alone, both].map(|best| best.after.targets[0].rms);
         // The good-enough level applies to the misfit of both targets. So a single target may have up to sqrt(2) times

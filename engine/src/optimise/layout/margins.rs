@@ -37,6 +37,11 @@ impl TargetLayout {
         (values.len() > 1).then(|| values[label.station])
     }
 
+    /// Row of the other component of a distance. `None` if the row is no component.
+    pub(in crate::optimise) fn other_component(&self, row: usize) -> Option<usize> {
+        self.others[row]
+    }
+
     /// Combines the numbers of a row and of the other component of its distance: their norm. The number itself if the row is
     /// no component. `None` for the second component, because the first one counts for both.
     pub(in crate::optimise) fn whole(&self, row: usize, of: impl Fn(usize) -> f64) -> Option<f64> {

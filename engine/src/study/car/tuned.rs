@@ -12,41 +12,21 @@ pub struct TunedCar {
     pub fit: Fit,
     /// Study with the tuned car.
     pub study: CarStudy,
-    /// Misfit of the original car. `None` if its cases have no solution, or if a variable is outside of its range.
-    pub misfit_before: Option<f64>,
-    /// Number of starts that were interrupted, and total number of starts.
-    pub interrupted: [usize; 2],
-    /// Indices of constraints that exclude one another ([`CarTuning::contradiction`]).
-    pub contradiction: Vec<usize>,
+    /// All starts, and the verdict on targets and constraints.
+    pub tuning: CarTuning,
 }
 
 impl CarStudy {
     /// Tunes the car on the threads of the current rayon pool. An error says why the cases cannot be solved.
     pub fn tuned(&self, wanted: &CarOptimise, control: Control<'_>) -> Result<TunedCar, String> {
-        let CarTuning {
-            starts: tuning,
-            contradiction,
-        } = tune(&self.car, self.goals(wanted), wanted.run, control)?;
-        let interrupted = [tuning.interrupted(), tuning.starts.len()];
-        // The first start is the original car, moved into the ranges.
-        let first = &tuning.starts[0];
-        let given = wanted.variables.iter().map(|v| v.moves.value(&self.car));
-        let is_given = given.eq(first.x.iter().map(|value| Some(*value)));
-        let of_first = first.outcome.as_ref().ok().filter(|_| is_given);
-        let misfit_before = of_first.and_then(|fit| Some(fit.history.first()?.misfit));
-        let fit = tuning.best_fit().cloned();
+        let tuning = tune(&self.car, self.goals(wanted), wanted.run, control)?;
+        let fit = tuning.starts.best_fit().cloned();
         let fit = fit.ok_or("no start produced a design")?;
         let study = CarStudy {
             car: moved(&self.car, &wanted.variables, fit.x.as_slice()),
             ..self.clone()
         };
-        Ok(TunedCar {
-            fit,
-            study,
-            misfit_before,
-            interrupted,
-            contradiction,
-        })
+        Ok(TunedCar { fit, study, tuning })
     }
 
     /// Returns the study with other designs of the axles, [front, rear]. If the study gives a wheelbase, the wheelbase does

@@ -247,13 +247,14 @@ impl Reader<'_> {
         let unit = self.suspension().length_unit;
         let [lower, upper] = limits.each(|limit| limit.map(|value| value * unit.newtons() * sign));
         let is_turned = sign < 0.0;
+        let (visible, symbol) = visible_change(Unit::Force, unit);
         let of = Limited {
             of: Measure::Carried(force),
             lower: if is_turned { upper } else { lower },
             upper: if is_turned { lower } else { upper },
-            scale: 10.0 * unit.newtons(),
-            visible: 10.0,
-            unit: unit.force_symbol().to_owned(),
+            scale: visible * unit.newtons(),
+            visible,
+            unit: symbol,
         };
         Some((format!("{} {}", name.get_ref(), words(limits)), vec![of]))
     }
@@ -332,7 +333,7 @@ pub(super) fn visible_change(unit: Unit, length: LengthUnit) -> (f64, String) {
         Unit::LengthPerAngle => (millimetre, format!("{symbol}/deg")),
         Unit::Percent => (1.0, "%".to_owned()),
         Unit::Ratio | Unit::AnglePerAngle => (0.01, "1".to_owned()),
-        Unit::Force => (1.0, force.to_owned()),
+        Unit::Force => (10.0, force.to_owned()),
         Unit::ForcePerLength => (1.0 / millimetre, format!("{force}/{symbol}")),
         Unit::Torque => (1.0, format!("{force} {lever}")),
         Unit::TorquePerAngle => (1.0, format!("{force} {lever}/deg")),

@@ -1,0 +1,92 @@
+//! Verdict on the tuning of a car: remarks on targets and constraints.
+
+use super::record::{CarConstraintRecord, CarTargetRecord};
+use super::tuning::car_constraint_names;
+use crate::car::CarTuning;
+use crate::report::brief;
+use crate::report::tuning_summary::{
+    ConstraintStatus, SlightEffectRecord, contradiction_in_words, least_violation_in_words,
+    price_in_words, unmoved_constraint_in_words, unmoved_in_words,
+};
+use serde_json::{Value, json};
+
+/// Targets and constraints of a tuned car, with the tuning.
+#[derive(Clone, Copy)]
+pub struct CarVerdict<'a> {
+    /// Targets with their values.
+    pub targets: &'a [CarTargetRecord],
+    /// Constraints with their margins.
+    pub constraints: &'a [CarConstraintRecord],
+    /// The tuning.
+    pub tuning: &'a CarTuning,
+}
+
+impl CarVerdict<'_> {
+    /// Names of constraints that exclude one another.
+    pub fn contradiction(&self) -> Vec<String> {
+        car_constraint_names(self.constraints, &self.tuning.contradiction)
+    }
+
+    fn unmoved(&self) -> Vec<String> {
+        let targets = self.tuning.unmoved.targets.iter();
+        targets
+            .map(|target| self.targets[*target].full_name())
+            .collect()
+    }
+
+    fn hardly_moved(&self) -> Vec<SlightEffectRecord> {
+        let name = |target: usize| self.targets[target].full_name();
+        SlightEffectRecord::all(&self.tuning.unmoved.slightly, name)
+    }
+
+    fn unmoved_constraints(&self) -> Vec<String> {
+        car_constraint_names(self.constraints, &self.tuning.unmoved_constraints)
+    }
+
+    /// Lines about targets that are missed by more than their tolerance.
+    pub fn missed(&self) -> Vec<String> {
+        let missed = self.targets.iter().filter_map(|target| {
+            let by = target.missed_by()?;
+            Some(format!("missed: {}, by {by}", target.full_name()))
+        });
+        missed.collect()
+    }
+
+    /// Remarks on targets and constraints, in sentences.
+    pub fn remarks(&self) -> Vec<String> {
+        let unmoved = self.unmoved().into_iter();
+        let mut remarks: Vec<String> = unmoved.map(|name| unmoved_in_words(&name)).collect();
+        remarks.extend(self.hardly_moved().iter().map(SlightEffectRecord::in_words));
+        let unmoved = self.unmoved_constraints().into_iter();
+        remarks.extend(unmoved.map(|name| unmoved_constraint_in_words(&name)));
+        let priced = self.constraints.iter();
+        remarks.extend(
+            priced.filter_map(|own| Some(price_in_words(&own.name, own.price?, &own.unit))),
+        );
+        remarks.extend(contradiction_in_words(&self.contradiction()));
+        remarks.extend(self.least_violation());
+        remarks
+    }
+
+    /// Reason why a start is kept although it violates constraints that a variable affects.
+    fn least_violation(&self) -> Option<String> {
+        let violated = self.constraints.iter().enumerate().filter(|(number, own)| {
+            own.status == Some(ConstraintStatus::Violated)
+                && !self.tuning.unmoved_constraints.contains(number)
+        });
+        let violated = violated.filter_map(|(_, own)| {
+            let by = brief(-own.margins[1]?);
+            Some(format!("{} by {by} {}", own.name, own.unit))
+        });
+        least_violation_in_words(self.tuning.starts.best, &violated.collect::<Vec<_>>())
+    }
+
+    /// Verdict for `summary.json`.
+    pub fn json(&self) -> Value {
+        json!({
+            "unmoved": self.unmoved(),
+            "hardly_moved": self.hardly_moved(),
+            "unmoved_constraints": self.unmoved_constraints(),
+        })
+    }
+}

@@ -1,0 +1,108 @@
+//! Verdict on targets and constraints, for the tuning of a study or a car.
+
+use super::misfit_in_words;
+use crate::optimise::SlightEffect;
+use crate::report::brief;
+use crate::report::constraint_margins::VIOLATED;
+use serde::{Deserialize, Serialize};
+
+/// Margin below which a constraint counts as binding, in visible units.
+const BINDING: f64 = 1e-6;
+
+/// Status of a constraint.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ConstraintStatus {
+    /// The margin to every limit is positive.
+    Kept,
+    /// The value is at a limit.
+    Binds,
+    /// A limit is violated.
+    Violated,
+}
+
+impl ConstraintStatus {
+    /// Status for a margin. The margin is in visible units: millimetres or degrees.
+    pub(in crate::report) fn of(margin: f64) -> Self {
+        match margin {
+            margin if margin < -VIOLATED => ConstraintStatus::Violated,
+            margin if margin < BINDING => ConstraintStatus::Binds,
+            _ => ConstraintStatus::Kept,
+        }
+    }
+}
+
+impl ConstraintStatus {
+    /// Table cell for people; empty for a constraint with margin.
+    pub(in crate::report) fn in_words(self) -> Option<&'static str> {
+        match self {
+            ConstraintStatus::Violated => Some("VIOLATED"),
+            ConstraintStatus::Binds => Some("binds"),
+            ConstraintStatus::Kept => None,
+        }
+    }
+}
+
+/// A missed target that the variables hardly change, in multiples of its tolerance.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct SlightEffectRecord {
+    target: String,
+    deviation: f64,
+    change: f64,
+}
+
+impl SlightEffectRecord {
+    /// Makes the records of targets. `name` returns the name of a target.
+    pub fn all(effects: &[SlightEffect], name: impl Fn(usize) -> String) -> Vec<Self> {
+        let record = |effect: &SlightEffect| SlightEffectRecord {
+            target: name(effect.target),
+            deviation: effect.deviation,
+            change: effect.change,
+        };
+        effects.iter().map(record).collect()
+    }
+
+    /// Sentences about the target.
+    pub fn in_words(&self) -> String {
+        format!(
+            "the variables hardly affect {}: it is missed by {} tolerances, and moves of all variables across their ranges \
+             change it by about {}. Such a target can drive variables to the ends of their ranges: remove it, or add a \
+             variable that affects it",
+            self.target,
+            misfit_in_words(self.deviation),
+            misfit_in_words(self.change)
+        )
+    }
+}
+
+/// Sentence about a missed target that no variable changes.
+pub(in crate::report) fn unmoved_in_words(target: &str) -> String {
+    format!("no variable affects {target}: its deviation from the target stays the same")
+}
+
+/// Sentences about a violated constraint that no variable changes.
+pub(in crate::report) fn unmoved_constraint_in_words(constraint: &str) -> String {
+    format!(
+        "no variable affects this constraint, which stays violated: {constraint}. Add a variable that affects it, or change \
+         its limit"
+    )
+}
+
+/// Sentence about the price of a constraint's limit.
+pub(in crate::report) fn price_in_words(constraint: &str, price: f64, unit: &str) -> String {
+    format!("{constraint} costs {} tolerances per {unit}", brief(price))
+}
+
+/// Reason why the start `kept` is kept although it violates constraints. `violated` names them with their violations. `None`
+/// without violations.
+pub(in crate::report) fn least_violation_in_words(
+    kept: Option<usize>,
+    violated: &[String],
+) -> Option<String> {
+    let kept = kept.filter(|_| !violated.is_empty())?;
+    Some(format!(
+        "no start satisfied all constraints; start {kept} is kept because its largest violation is the smallest, not because \
+         of its misfit. Missed: {}",
+        violated.join("; ")
+    ))
+}

@@ -5,7 +5,7 @@ use super::import::{Hardpoint, Imported, is_held_across};
 use super::seats::Seat;
 use super::slips::in_words;
 use crate::model::{AxlePosition, LengthUnit};
-use crate::report::Slip;
+use crate::report::{FailureRange, Slip};
 use crate::solved::Solved;
 use crate::study::Study;
 use std::fmt::Write;
@@ -68,7 +68,20 @@ impl Imported {
     ///
     /// The faults of the suspension in words.
     pub fn study(&self, name: &str, origin: &str) -> Result<String, String> {
-        let text = if self.topology.carries_both_wheels() {
+        self.study_and_note(name, origin).map(|(text, _)| text)
+    }
+
+    /// Text of the study as in [`Imported::study`], and a note if its range of motion is shorter than usual.
+    ///
+    /// # Errors
+    ///
+    /// The faults of the suspension in words.
+    pub fn study_and_note(
+        &self,
+        name: &str,
+        origin: &str,
+    ) -> Result<(String, Option<String>), String> {
+        let (text, note) = if self.topology.carries_both_wheels() {
             self.running(name, origin, Part::Solid)
         } else {
             self.running(name, origin, Part::Wheel)
@@ -76,16 +89,17 @@ impl Imported {
         let text = text + &bushings::sections(&self.bushings, self.unit);
         let study = Study::elastic_from_text(name, &text, Path::new(""));
         study.map_err(|errors| errors.render(false))?;
-        Ok(text)
+        Ok((text, note))
     }
 
-    /// Text of a study of both wheels. `right` is the right wheel from the same file.
+    /// Text of a study of both wheels, and a note if its range of motion is shorter than usual. `right` is the right wheel from
+    /// the same file.
     pub(super) fn axle_study(
         &self,
         right: Option<&Imported>,
         name: &str,
         origin: &str,
-    ) -> Result<String, String> {
+    ) -> Result<(String, Option<String>), String> {
         if self.topology.carries_both_wheels() {
             return self.running(name, origin, Part::Solid);
         }
@@ -116,8 +130,14 @@ impl Imported {
         text
     }
 
-    /// Text of the study with the largest range of motion in which it runs.
-    fn running(&self, name: &str, origin: &str, part: Part<'_>) -> Result<String, String> {
+    /// Text of the study with the largest range of motion in which it runs. If this range is shorter than usual, also a note with
+    /// the reason.
+    fn running(
+        &self,
+        name: &str,
+        origin: &str,
+        part: Part<'_>,
+    ) -> Result<(String, Option<String>), String> {
         let read = |text: &str| Study::from_text(name, text, Path::new(""));
         let with = |travel: f64, outputs: &[&str]| self.text(origin, part, travel, outputs);
         // This first read reports a fault of the points once, and not again for each output.
@@ -139,11 +159,16 @@ impl Imported {
         let runs = |travel: f64| {
             let text = with(travel, &available);
             let study = read(&text).map_err(|errors| errors.render(false))?;
-            Ok::<_, String>(Solved::of(&study)?.is_complete().then_some(text))
+            let solved = Solved::of(&study)?;
+            let why = || solved.failures();
+            let text = solved.is_complete().then_some(text);
+            Ok::<_, String>(text.ok_or_else(why))
         };
+        let mut note = None;
         for travel in TRAVELS {
-            if let Some(text) = runs(travel)? {
-                return Ok(text);
+            match runs(travel)? {
+                Ok(text) => return Ok((text, note.map(|why| self.shortened(travel, why)))),
+                Err(failures) => note = Some(failures),
             }
         }
         Err(explained(format!(
@@ -151,6 +176,26 @@ impl Imported {
              given position: is it {}, and are the names correct?",
             self.topology.name
         )))
+    }
+
+    /// Note that the range of motion is shorter than usual. `failures` are those of the next longer range.
+    fn shortened(&self, travel_mm: f64, failures: Vec<FailureRange>) -> String {
+        let unit = self.unit.symbol();
+        let [travel, usual] = [travel_mm, TRAVELS[0]].map(|travel| self.travel(travel));
+        let mut reasons: Vec<String> = Vec::new();
+        for failure in failures {
+            if reasons.len() < 2 && !reasons.iter().any(|own| own.ends_with(&failure.reason)) {
+                reasons.push(failure.to_string());
+            }
+        }
+        if reasons.is_empty() {
+            reasons.push("an output has no value at a longer travel".to_owned());
+        }
+        format!(
+            "[motion]: travel of {travel} {unit} up and down instead of the usual {usual} {unit}, because the suspension cannot \
+             reach more ({}). Is a point wrong?",
+            reasons.join("; ")
+        )
     }
 
     /// Describes a coordinate that has a wrong sign or decimal place and thus keeps the suspension from moving. `None` if
@@ -239,12 +284,14 @@ impl Imported {
                 self.unit.symbol()
             ),
         };
-        for (key, angle) in [
+        for (key, value) in [
             ("static_camber", self.static_camber),
             ("static_toe", self.static_toe),
+            ("tyre_width", self.tyre_width),
+            ("rim_diameter", self.rim_diameter),
         ] {
-            if let Some(angle) = angle {
-                let _ = writeln!(text, "{key} = {angle:?}");
+            if let Some(value) = value {
+                let _ = writeln!(text, "{key} = {value:?}");
             }
         }
     }
@@ -271,13 +318,18 @@ impl Imported {
         let unsprung = self.figures.unsprung_mass;
         let unsprung = unsprung.filter(|_| !matches!(part, Part::Wheel));
         let is_axle = !matches!(part, Part::Wheel) && self.axle.is_some();
-        if self.wheelbase.or(self.track).or(unsprung).is_none() && !is_axle {
+        let lengths = self.wheelbase.or(self.track).or(self.cg_height);
+        if lengths.or(unsprung).is_none() && !is_axle {
             return;
         }
         *text += "\n[vehicle]\n";
         // The points of an axle define its track.
         let track = self.track.filter(|_| matches!(part, Part::Wheel));
-        for (key, length) in [("wheelbase", self.wheelbase), ("track", track)] {
+        for (key, length) in [
+            ("wheelbase", self.wheelbase),
+            ("track", track),
+            ("cg_height", self.cg_height),
+        ] {
             if let Some(length) = length {
                 let _ = writeln!(text, "{key} = {length:?}");
             }

@@ -5,7 +5,7 @@ use super::import::{Hardpoint, Imported, is_held_across};
 use super::seats::Seat;
 use super::slips::in_words;
 use crate::model::{AxlePosition, LengthUnit};
-use crate::report::{FailureRange, Slip};
+use crate::report::Slip;
 use crate::solved::Solved;
 use crate::study::Study;
 use std::fmt::Write;
@@ -57,6 +57,8 @@ enum Part<'a> {
 
 /// Travels to be tried, in millimetres, the largest first.
 const TRAVELS: [f64; 6] = [80.0, 60.0, 40.0, 30.0, 20.0, LEAST_TRAVEL];
+/// Largest number of reasons for a shorter travel in a message: one for each end of the motion.
+const MOST_REASONS: usize = 2;
 /// Smallest travel of a suspension that runs, in millimetres.
 const LEAST_TRAVEL: f64 = 10.0;
 
@@ -160,14 +162,21 @@ impl Imported {
             let text = with(travel, &available);
             let study = read(&text).map_err(|errors| errors.render(false))?;
             let solved = Solved::of(&study)?;
-            let why = || solved.failures();
+            let why = || {
+                let failures = solved.failures().into_iter();
+                let failures = failures.map(|failure| failure.to_string());
+                let remarks = solved.remarks().into_iter();
+                let remarks = remarks.map(|remark| remark.replacen("warning: ", "", 1));
+                let reasons = failures.chain(remarks).take(MOST_REASONS);
+                reasons.collect::<Vec<_>>()
+            };
             let text = solved.is_complete().then_some(text);
             Ok::<_, String>(text.ok_or_else(why))
         };
-        let mut note = None;
+        let mut note: Option<Vec<String>> = None;
         for travel in TRAVELS {
             match runs(travel)? {
-                Ok(text) => return Ok((text, note.map(|why| self.shortened(travel, why)))),
+                Ok(text) => return Ok((text, note.map(|why| self.shortened(travel, &why)))),
                 Err(failures) => note = Some(failures),
             }
         }
@@ -178,19 +187,10 @@ impl Imported {
         )))
     }
 
-    /// Note that the range of motion is shorter than usual. `failures` are those of the next longer range.
-    fn shortened(&self, travel_mm: f64, failures: Vec<FailureRange>) -> String {
+    /// Note that the range of motion is shorter than usual. `reasons` are those of the next longer range.
+    fn shortened(&self, travel_mm: f64, reasons: &[String]) -> String {
         let unit = self.unit.symbol();
         let [travel, usual] = [travel_mm, TRAVELS[0]].map(|travel| self.travel(travel));
-        let mut reasons: Vec<String> = Vec::new();
-        for failure in failures {
-            if reasons.len() < 2 && !reasons.iter().any(|own| own.ends_with(&failure.reason)) {
-                reasons.push(failure.to_string());
-            }
-        }
-        if reasons.is_empty() {
-            reasons.push("an output has no value at a longer travel".to_owned());
-        }
         format!(
             "[motion]: travel of {travel} {unit} up and down instead of the usual {usual} {unit}, because the suspension cannot \
              reach more ({}). Is a point wrong?",

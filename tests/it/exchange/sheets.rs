@@ -187,7 +187,12 @@ fn a_shortened_travel_is_reported_with_its_reason() {
     let (study, note) = found.study_and_note("s", "there").unwrap();
     assert!(!study.contains("from = -80.0"), "{study}");
     let note = note.unwrap();
-    for words in ["instead of the usual 80 mm", "travel", "wrong"] {
+    for words in [
+        "instead of the usual 80 mm",
+        "pushrod",
+        "at travel",
+        "wrong",
+    ] {
         assert!(note.contains(words), "{note}");
     }
     let without_rocker: String = changed("", "", [0.0; 3])

@@ -79,7 +79,7 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, Stop> {
 
 /// Converts the three files of a car.
 fn car(arguments: &ConvertArguments, choice: &UnitChoice) -> Result<Exit, Stop> {
-    let Some(directory) = file_of_out(&arguments.out) else {
+    let Some(directory) = &arguments.out else {
         return Err(Stop::wrong_input(
             "a car has three studies: give a directory for them with --out",
         ));

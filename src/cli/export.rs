@@ -90,6 +90,8 @@ pub(super) enum Target {
     Stl,
     /// A bushing as a property file of Adams Car
     Bus,
+    /// The study at the exported design: rounded, or one design of a sweep
+    Toml,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -164,6 +166,7 @@ pub(super) fn run_of(arguments: &ExportArguments, given: Option<&Study>) -> Resu
             let written = property_file(&source.outgoing()?, arguments.bushing.as_deref());
             say(written.map_err(refused)?)
         }
+        Target::Toml => source.study_text(file_of_out(&arguments.out))?.into_bytes(),
     };
     match file_of_out(&arguments.out) {
         None => std::io::stdout().write_all(&bytes)?,
@@ -190,6 +193,11 @@ fn check_call(arguments: &ExportArguments) -> Result<(), Stop> {
     if to == Target::Bus && (arguments.frame.is_some() || arguments.round.is_some()) {
         return Err(Stop::wrong_input(
             "a property file contains force laws, not points: leave out --frame and --round",
+        ));
+    }
+    if to == Target::Toml && (arguments.unit.is_some() || arguments.frame.is_some()) {
+        return Err(Stop::wrong_input(
+            "--to toml keeps the unit and the axes of the study: leave out --unit and --frame, and use `hardpoint convert`",
         ));
     }
     only(arguments.curves, "--curves", Target::Csv, "csv")?;

@@ -81,29 +81,35 @@ impl Source {
         let only = |targets: &[Target], message: &'static str| {
             (!targets.contains(&arguments.to)).then_some(message)
         };
-        let points = [Target::Csv, Target::Xlsx, Target::Dxf, Target::Stl];
+        let points = [
+            Target::Csv,
+            Target::Xlsx,
+            Target::Dxf,
+            Target::Stl,
+            Target::Toml,
+        ];
         let refused = if mechanism.rigid_axle.is_none() {
             None
         } else if mechanism.topology.is_twist_beam() {
             only(
                 &points,
-                "a twist beam can be exported to CSV, to a workbook, to DXF and to STL",
+                "a twist beam can be exported to CSV, to a workbook, to DXF, to STL and to a study",
             )
         } else if mechanism.axle_steering().is_some() {
             only(
                 &points,
-                "a solid axle with a drag link can be exported to CSV, to a workbook, to DXF and to STL",
+                "a solid axle with a drag link can be exported to CSV, to a workbook, to DXF, to STL and to a study",
             )
         } else {
             only(
                 &[&points[..], &[Target::Assetto]].concat(),
-                "a solid axle can be exported to CSV, to a workbook, to DXF, to STL and to Assetto Corsa",
+                "a solid axle can be exported to CSV, to a workbook, to DXF, to STL, to Assetto Corsa and to a study",
             )
         };
         if let Some(message) = refused {
             return Err(Stop::in_file(path, message));
         }
-        let keeps_parts = [Target::Csv, Target::Bus].contains(&arguments.to);
+        let keeps_parts = [Target::Csv, Target::Bus, Target::Toml].contains(&arguments.to);
         if study.is_elastic() && !keeps_parts {
             note(
                 "Elastic parts are not exported: the file has the hardpoints of the relaxed position.\n",
@@ -265,6 +271,17 @@ impl Source {
                 "this run has no study.toml, so there are no points to export; export its study instead",
             )
         })
+    }
+
+    /// Text of the study at the exported design, for the file `out`. Targets, constraints and comments stay.
+    pub(super) fn study_text(&self, out: Option<&Path>) -> Result<String, Stop> {
+        let study = self.study()?;
+        let directory = out.and_then(Path::parent).unwrap_or(Path::new(""));
+        let here = Path::new(".");
+        let is_here = directory.as_os_str().is_empty();
+        let text = study.text_in(if is_here { here } else { directory });
+        let own = Study::elastic_from_text(&study.name, &text, directory)?;
+        Ok(own.with_points_of(study))
     }
 
     /// Study in the unit and the axes of the file.

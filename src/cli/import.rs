@@ -6,8 +6,8 @@ use super::instead::instead_of;
 use super::save::{file_of_out, save};
 use super::terminal::{eprint, note};
 use crate::exchange::{
-    Axes, Hardpoint, ImportOptions, Imported, PointTable, Question, Refusal, bytes_of, for_shell,
-    import, read_map, read_points, unit_of,
+    Axes, FileUnit, Hardpoint, ImportOptions, Imported, PointTable, Question, Refusal,
+    STANDARD_INPUT, bytes_of, for_shell, import, read_map, read_points, unit_of,
 };
 use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 use clap::Args;
@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 /// Arguments of an import.
 #[derive(Args)]
 pub(super) struct ImportArguments {
-    /// Points: a table (.csv, .xlsx), a map (.json, .yaml), an Adams/Car subsystem (.sub) or suspensions.ini
+    /// Points: a table (.csv, .xlsx), a map (.json, .yaml), an Adams/Car subsystem (.sub), suspensions.ini, or - for standard input
     pub(super) file: PathBuf,
     /// Kind of suspension, such as double_wishbone; for a car FRONT,REAR or one for both [default: from the file]
     #[arg(long, value_parser = topology, value_delimiter = ',', value_name = "TOPOLOGY")]
@@ -29,9 +29,9 @@ pub(super) struct ImportArguments {
     /// Names in the file by hardpoint, as TOML: lower_arm_front = "LCA 1"
     #[arg(long, value_name = "NAMES.toml")]
     map: Option<PathBuf>,
-    /// Unit of length, mm, m or in [default: the file's, or the unit that gives the size of a car's suspension]
-    #[arg(long, value_parser = unit)]
-    pub(super) unit: Option<LengthUnit>,
+    /// Unit of length, mm, cm, m, in or ft [default: the file's, or the unit that gives the size of a car's suspension]
+    #[arg(long, value_parser = file_unit)]
+    unit: Option<FileUnit>,
     /// Axes: iso8855, sae_j670 or x_rear [default: from the file or its points]
     #[arg(long, value_parser = frame, conflicts_with = "axes")]
     pub(super) frame: Option<FrameConvention>,
@@ -83,6 +83,10 @@ pub(super) fn unit(name: &str) -> Result<LengthUnit, String> {
     unit_of(name).ok_or_else(|| "expected mm, m or in".to_owned())
 }
 
+fn file_unit(name: &str) -> Result<FileUnit, String> {
+    FileUnit::named(name).ok_or_else(|| "expected mm, cm, m, in or ft".to_owned())
+}
+
 pub(super) fn frame(name: &str) -> Result<FrameConvention, String> {
     let mut all = FrameConvention::ALL.into_iter();
     all.find(|frame| frame.name() == name)
@@ -130,6 +134,7 @@ fn body(text: &str) -> Result<(String, String), String> {
 #[derive(Clone, Default)]
 pub(super) struct Answers {
     sheet: Option<String>,
+    pub(super) unit: Option<FileUnit>,
     pub(super) axes: Option<Axes>,
     side: Option<Side>,
     axle: Option<AxlePosition>,
@@ -141,6 +146,7 @@ impl Answers {
         let corner = arguments.corner;
         Answers {
             sheet: arguments.sheet.clone(),
+            unit: arguments.unit,
             axes: arguments.axes,
             side: arguments.side.or(corner.map(|(_, side)| side)),
             axle: arguments.axle.or(corner.map(|(axle, _)| axle)),
@@ -152,6 +158,7 @@ impl Answers {
     fn take(&mut self, flag: &str, value: &str) -> Result<(), String> {
         match flag {
             "--sheet" => self.sheet = Some(value.to_owned()),
+            "--unit" => self.unit = Some(file_unit(value)?),
             "--axes" => self.axes = Some(Axes::parse(value)?),
             "--side" => self.side = Some(side(value)?),
             "--axle" => self.axle = Some(axle(value)?),
@@ -162,8 +169,8 @@ impl Answers {
     }
 }
 
-/// Largest number of questions that a file leaves open: sheet, axle, side, axes and half track.
-const MOST_QUESTIONS: usize = 5;
+/// Largest number of questions that a file leaves open: sheet, axle, side, unit, axes and half track.
+const MOST_QUESTIONS: usize = 6;
 
 /// Asks the user the questions that a file leaves open.
 pub(super) struct Questions<'a> {
@@ -215,7 +222,9 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
         None => BTreeMap::new(),
     };
     let mut answers = Answers::of(arguments);
-    let can_ask = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
+    let is_input = arguments.file == Path::new(STANDARD_INPUT);
+    let has_terminal = std::io::stdin().is_terminal() && std::io::stderr().is_terminal();
+    let can_ask = has_terminal && !is_input;
     let mut questions = Questions::of(arguments, can_ask);
     let table = questions.settle(&mut answers, |answers| {
         read_points(&arguments.file, answers.sheet.as_deref(), answers.axle)
@@ -223,8 +232,8 @@ pub(super) fn run(arguments: &ImportArguments) -> Result<Exit, Stop> {
     if arguments.car {
         return import_car::run(arguments, &table, &mut questions, &mut answers);
     }
-    let imported = imported(arguments, &table, &names, &mut questions, &mut answers)?;
-    let study = study_text(arguments, &imported)?;
+    let mut imported = imported(arguments, &table, &names, &mut questions, &mut answers)?;
+    let study = study_text(arguments, &mut imported)?;
     let out = file_of_out(&arguments.out);
     match out {
         Some(out) => {
@@ -262,8 +271,9 @@ pub(super) fn in_memory(
         Some(json) => read_map(json),
         None => read_points(&arguments.file, answers.sheet.as_deref(), answers.axle),
     })?;
-    let imported = imported(arguments, &table, names, &mut questions, &mut answers)?;
-    Ok((study_text(arguments, &imported)?, summary(&imported, None)))
+    let mut imported = imported(arguments, &table, names, &mut questions, &mut answers)?;
+    let study = study_text(arguments, &mut imported)?;
+    Ok((study, summary(&imported, None)))
 }
 
 /// Makes a suspension from a table of points.
@@ -290,7 +300,7 @@ fn imported(
         };
         let options = ImportOptions {
             topology,
-            unit: arguments.unit,
+            unit: answers.unit,
             frame: arguments.frame,
             axes: answers.axes,
             side: answers.side,
@@ -305,15 +315,25 @@ fn imported(
     })
 }
 
-/// Text of the imported study, if its points form a suspension.
-fn study_text(arguments: &ImportArguments, imported: &Imported) -> Result<String, Stop> {
-    let file_name = arguments.file.file_name().unwrap_or_default();
-    let study = imported.study("the imported study", &file_name.to_string_lossy());
-    study.map_err(|reason| {
+/// Name of the source of the points, for a comment in the study.
+pub(super) fn origin(file: &Path) -> String {
+    if file == Path::new(STANDARD_INPUT) {
+        return "standard input".to_owned();
+    }
+    let name = file.file_name().unwrap_or_default();
+    name.to_string_lossy().into_owned()
+}
+
+/// Text of the imported study, if its points form a suspension. Adds a note if its range of motion is shorter than usual.
+fn study_text(arguments: &ImportArguments, imported: &mut Imported) -> Result<String, Stop> {
+    let study = imported.study_and_note("the imported study", &origin(&arguments.file));
+    let (text, note) = study.map_err(|reason| {
         let summary = summary(imported, None);
         let reason = format!("the points do not form a valid suspension\n{summary}{reason}");
         Stop::in_file(&arguments.file, reason)
-    })
+    })?;
+    imported.notes.extend(note);
+    Ok(text)
 }
 
 /// Asks a question until the user answers it. `None` at the end of the input.

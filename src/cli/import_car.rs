@@ -1,7 +1,7 @@
 //! `hardpoint import --car`: imports both axles of a file, and writes a study of the car that names them.
 
 use super::exit::{Exit, Stop};
-use super::import::{Answers, ImportArguments, Questions, listed, roles};
+use super::import::{Answers, ImportArguments, Questions, listed, origin, roles};
 use super::save::save_all;
 use super::terminal::note;
 use crate::exchange::{CAR_FILES, ImportOptions, ImportedCar, PointTable, for_shell, import_car};
@@ -38,8 +38,7 @@ pub(super) fn run(
             "--car: the file does not have points of a front and a rear axle".to_owned(),
         ));
     }
-    let origin = arguments.file.file_name().unwrap_or_default();
-    let origin = origin.to_string_lossy();
+    let origin = origin(&arguments.file);
     let none = BTreeMap::new();
     let car = questions.settle(answers, |answers| {
         let topology = |end: usize, axle: AxlePosition| -> Result<&'static Topology, _> {
@@ -51,7 +50,7 @@ pub(super) fn run(
         let options = |end: usize, axle: AxlePosition| {
             Ok::<_, crate::exchange::Refusal>(ImportOptions {
                 topology: topology(end, axle)?,
-                unit: arguments.unit,
+                unit: answers.unit,
                 frame: arguments.frame,
                 axes: answers.axes,
                 side: None,

@@ -30,6 +30,11 @@ pub(super) fn save_all(
     force: bool,
     inputs: &[PathBuf],
 ) -> Result<(), Stop> {
+    if directory == Path::new("-") {
+        return Err(Stop::wrong_input(
+            "a car has three studies: give a directory for them with --out",
+        ));
+    }
     for (name, _) in files {
         check(&directory.join(name), force, inputs)?;
     }

@@ -44,18 +44,21 @@ pub fn import_car(
             Refusal::Wrong(reason) => Refusal::Wrong(format!("{name} axle: {reason}")),
             open => open,
         };
-        let left = of_side(Side::Left).map_err(fault)?;
+        let mut left = of_side(Side::Left).map_err(fault)?;
         let right = if left.topology.carries_both_wheels() {
             None
         } else {
             Some(of_side(Side::Right).map_err(fault)?)
         };
         let text = left.axle_study(right.as_ref(), &format!("the {name} study"), origin);
-        texts.push(text.map_err(|reason| {
+        let (text, note) = text.map_err(|reason| {
             Refusal::Wrong(format!(
                 "the points of the {name} axle do not form a valid suspension\n{reason}"
             ))
-        })?);
+        })?;
+        left.notes
+            .extend(note.map(|note| format!("{name} axle: {note}")));
+        texts.push(text);
         axles.push(left);
     }
     let [front, rear] = <[Imported; 2]>::try_from(axles).expect("there are two axles");

@@ -57,6 +57,8 @@ enum Part<'a> {
 
 /// Travels to be tried, in millimetres, the largest first.
 const TRAVELS: [f64; 6] = [80.0, 60.0, 40.0, 30.0, 20.0, LEAST_TRAVEL];
+/// Largest number of reasons for a shorter travel in a message: one for each end of the motion.
+const MOST_REASONS: usize = 2;
 /// Smallest travel of a suspension that runs, in millimetres.
 const LEAST_TRAVEL: f64 = 10.0;
 
@@ -68,7 +70,20 @@ impl Imported {
     ///
     /// The faults of the suspension in words.
     pub fn study(&self, name: &str, origin: &str) -> Result<String, String> {
-        let text = if self.topology.carries_both_wheels() {
+        self.study_and_note(name, origin).map(|(text, _)| text)
+    }
+
+    /// Text of the study as in [`Imported::study`], and a note if its range of motion is shorter than usual.
+    ///
+    /// # Errors
+    ///
+    /// The faults of the suspension in words.
+    pub fn study_and_note(
+        &self,
+        name: &str,
+        origin: &str,
+    ) -> Result<(String, Option<String>), String> {
+        let (text, note) = if self.topology.carries_both_wheels() {
             self.running(name, origin, Part::Solid)
         } else {
             self.running(name, origin, Part::Wheel)
@@ -76,16 +91,17 @@ impl Imported {
         let text = text + &bushings::sections(&self.bushings, self.unit);
         let study = Study::elastic_from_text(name, &text, Path::new(""));
         study.map_err(|errors| errors.render(false))?;
-        Ok(text)
+        Ok((text, note))
     }
 
-    /// Text of a study of both wheels. `right` is the right wheel from the same file.
+    /// Text of a study of both wheels, and a note if its range of motion is shorter than usual. `right` is the right wheel from
+    /// the same file.
     pub(super) fn axle_study(
         &self,
         right: Option<&Imported>,
         name: &str,
         origin: &str,
-    ) -> Result<String, String> {
+    ) -> Result<(String, Option<String>), String> {
         if self.topology.carries_both_wheels() {
             return self.running(name, origin, Part::Solid);
         }
@@ -116,8 +132,14 @@ impl Imported {
         text
     }
 
-    /// Text of the study with the largest range of motion in which it runs.
-    fn running(&self, name: &str, origin: &str, part: Part<'_>) -> Result<String, String> {
+    /// Text of the study with the largest range of motion in which it runs. If this range is shorter than usual, also a note with
+    /// the reason.
+    fn running(
+        &self,
+        name: &str,
+        origin: &str,
+        part: Part<'_>,
+    ) -> Result<(String, Option<String>), String> {
         let read = |text: &str| Study::from_text(name, text, Path::new(""));
         let with = |travel: f64, outputs: &[&str]| self.text(origin, part, travel, outputs);
         // This first read reports a fault of the points once, and not again for each output.
@@ -139,11 +161,23 @@ impl Imported {
         let runs = |travel: f64| {
             let text = with(travel, &available);
             let study = read(&text).map_err(|errors| errors.render(false))?;
-            Ok::<_, String>(Solved::of(&study)?.is_complete().then_some(text))
+            let solved = Solved::of(&study)?;
+            let why = || {
+                let failures = solved.failures().into_iter();
+                let failures = failures.map(|failure| failure.to_string());
+                let remarks = solved.remarks().into_iter();
+                let remarks = remarks.map(|remark| remark.replacen("warning: ", "", 1));
+                let reasons = failures.chain(remarks).take(MOST_REASONS);
+                reasons.collect::<Vec<_>>()
+            };
+            let text = solved.is_complete().then_some(text);
+            Ok::<_, String>(text.ok_or_else(why))
         };
+        let mut note: Option<Vec<String>> = None;
         for travel in TRAVELS {
-            if let Some(text) = runs(travel)? {
-                return Ok(text);
+            match runs(travel)? {
+                Ok(text) => return Ok((text, note.map(|why| self.shortened(travel, &why)))),
+                Err(failures) => note = Some(failures),
             }
         }
         Err(explained(format!(
@@ -151,6 +185,17 @@ impl Imported {
              given position: is it {}, and are the names correct?",
             self.topology.name
         )))
+    }
+
+    /// Note that the range of motion is shorter than usual. `reasons` are those of the next longer range.
+    fn shortened(&self, travel_mm: f64, reasons: &[String]) -> String {
+        let unit = self.unit.symbol();
+        let [travel, usual] = [travel_mm, TRAVELS[0]].map(|travel| self.travel(travel));
+        format!(
+            "[motion]: travel of {travel} {unit} up and down instead of the usual {usual} {unit}, because the suspension cannot \
+             reach more ({}). Is a point wrong?",
+            reasons.join("; ")
+        )
     }
 
     /// Describes a coordinate that has a wrong sign or decimal place and thus keeps the suspension from moving. `None` if
@@ -239,12 +284,14 @@ impl Imported {
                 self.unit.symbol()
             ),
         };
-        for (key, angle) in [
+        for (key, value) in [
             ("static_camber", self.static_camber),
             ("static_toe", self.static_toe),
+            ("tyre_width", self.tyre_width),
+            ("rim_diameter", self.rim_diameter),
         ] {
-            if let Some(angle) = angle {
-                let _ = writeln!(text, "{key} = {angle:?}");
+            if let Some(value) = value {
+                let _ = writeln!(text, "{key} = {value:?}");
             }
         }
     }
@@ -271,13 +318,18 @@ impl Imported {
         let unsprung = self.figures.unsprung_mass;
         let unsprung = unsprung.filter(|_| !matches!(part, Part::Wheel));
         let is_axle = !matches!(part, Part::Wheel) && self.axle.is_some();
-        if self.wheelbase.or(self.track).or(unsprung).is_none() && !is_axle {
+        let lengths = self.wheelbase.or(self.track).or(self.cg_height);
+        if lengths.or(unsprung).is_none() && !is_axle {
             return;
         }
         *text += "\n[vehicle]\n";
         // The points of an axle define its track.
         let track = self.track.filter(|_| matches!(part, Part::Wheel));
-        for (key, length) in [("wheelbase", self.wheelbase), ("track", track)] {
+        for (key, length) in [
+            ("wheelbase", self.wheelbase),
+            ("track", track),
+            ("cg_height", self.cg_height),
+        ] {
             if let Some(length) = length {
                 let _ = writeln!(text, "{key} = {length:?}");
             }

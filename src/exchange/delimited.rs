@@ -130,8 +130,11 @@ fn lines_of(text: &str) -> impl Iterator<Item = &str> {
     lines.filter(|line| !line.trim().is_empty() && !line.starts_with('#'))
 }
 
+/// Largest number of words in the header of a coordinate, such as `x left [cm]`.
+const MOST_WORDS: usize = 4;
+
 /// Cells of a line with a name followed by at least three numbers, separated by spaces. Also the cells of a header that ends with
-/// x, y and z. `None` for any other line.
+/// x, y and z, each with further words such as its unit. `None` for any other line.
 fn in_words(line: &str) -> Option<Vec<String>> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let is_number =
@@ -143,15 +146,31 @@ fn in_words(line: &str) -> Option<Vec<String>> {
             && !word.contains(',')
     };
     let numbers = words.iter().rev().take_while(is_number).count();
-    let cells = match words.len().checked_sub(3)? {
-        0 => return None,
-        first if numbers >= 3 => first.min(words.len() - numbers).max(1),
-        first if words[first..].iter().zip("xyz".chars()).all(is_axis) => first,
-        _ => return None,
+    if numbers >= 3 && words.len() > 3 {
+        let cells = (words.len() - 3).min(words.len() - numbers).max(1);
+        let name = words[..cells].join(" ");
+        let others = words[cells..].iter().map(|word| (*word).to_owned());
+        return Some(std::iter::once(name).chain(others).collect());
+    }
+    // In a header, each axis may have further words, such as its unit.
+    let mut starts = vec![0];
+    for axis in "xyz".chars() {
+        let after = starts.last()? + 1;
+        let beside = words.iter().enumerate().skip(after);
+        let (start, _) = beside
+            .into_iter()
+            .find(|(_, word)| is_axis((*word, axis)))?;
+        starts.push(start);
+    }
+    starts.push(words.len());
+    let [_, x, y, z, end] = starts[..] else {
+        return None;
     };
-    let name = words[..cells].join(" ");
-    let others = words[cells..].iter().map(|word| (*word).to_owned());
-    Some(std::iter::once(name).chain(others).collect())
+    let is_short = [y - x, z - y, end - z].into_iter().all(|n| n <= MOST_WORDS);
+    let cells = starts
+        .windows(2)
+        .map(|ends| words[ends[0]..ends[1]].join(" "));
+    is_short.then(|| cells.collect())
 }
 
 /// Finds the separator. A table with decimal commas does not use commas as separators. So semicolon and tab have priority if they
@@ -210,6 +229,13 @@ mod tests {
                 ["Point", "X", "Y[mm]", "Z"],
                 ["lower link frame", "1.5", "-2", "3e1"],
                 ["wheel centre", "0", "29,9", "13.2"]
+            ]
+        );
+        assert_eq!(
+            texts("Point   x [cm]   y [cm]   z up (cm)\nupper link   1.5   -2   3\n"),
+            [
+                ["Point", "x [cm]", "y [cm]", "z up (cm)"],
+                ["upper link", "1.5", "-2", "3"]
             ]
         );
         assert_eq!(

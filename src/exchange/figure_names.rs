@@ -19,6 +19,12 @@ pub(super) enum FigureKind {
     WheelRadius,
     /// Diameter of the unloaded tyre.
     TyreDiameter,
+    /// Width of the tyre.
+    TyreWidth,
+    /// Diameter of the rim.
+    RimDiameter,
+    /// Height of the centre of gravity above the ground.
+    CgHeight,
     /// Distance of the wheel from the centre plane.
     HalfTrack,
     /// Distance between the wheels of the axle.
@@ -50,6 +56,9 @@ const FIGURES: &[(FigureKind, &str)] = &[
         "wheel radius ?loaded ?tyre | tyre radius ?loaded | loaded radius",
     ),
     (FigureKind::TyreDiameter, "tyre diameter"),
+    (FigureKind::TyreWidth, "tyre width"),
+    (FigureKind::RimDiameter, "rim diameter ?wheel"),
+    (FigureKind::CgHeight, "gravity height ?centre"),
     (FigureKind::HalfTrack, "half tie"),
     (
         FigureKind::ContactPoint,
@@ -63,6 +72,7 @@ const FIGURES: &[(FigureKind, &str)] = &[
 /// Finds a value by its name: its kind, its wheel, and the unit of length after the name.
 pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<FileUnit>)> {
     let mut cut = cut(name);
+    without_sign_remark(&mut cut);
     // "per side" and "per wheel" do not change the meaning, because an angle always belongs to one wheel.
     if let [.., per, "side" | "wheel"] = cut.iter().map(String::as_str).collect::<Vec<_>>()[..]
         && per == "per"
@@ -125,6 +135,27 @@ pub(super) fn figure(name: &str) -> Option<(FigureKind, Marks, Option<FileUnit>)
     kind_of(&rest).map(|kind| (kind, marks, unit))
 }
 
+/// Shortens a remark about the sign of an angle: "toe deg toe out positive" becomes "toe out".
+fn without_sign_remark(cut: &mut Vec<String>) {
+    let Some(angle) = cut
+        .iter()
+        .position(|word| word == "toe" || word == "camber")
+    else {
+        return;
+    };
+    let is_positive = |word: &str| word == "positive" || word == "pos";
+    if !cut[angle + 1..].iter().any(|word| is_positive(word)) {
+        return;
+    }
+    let name = cut[angle].clone();
+    let mut place = 0;
+    cut.retain(|word| {
+        place += 1;
+        let is_repeated = place > angle + 1 && *word == name;
+        !is_repeated && !is_positive(word) && AngleUnit::named(word).is_none()
+    });
+}
+
 /// Splits off the axle that stands first or last among the words.
 fn without_axle_word(words: &[String]) -> (Option<AxlePosition>, &[String]) {
     match words {
@@ -156,11 +187,23 @@ mod tests {
             ("camber rad left", FigureKind::StaticCamber),
             ("FL camber [radians]", FigureKind::StaticCamber),
             ("toe [min]", FigureKind::StaticToe),
+            ("Static toe (toe out positive)", FigureKind::StaticToeOut),
+            (
+                "Static toe (deg, toe out positive)",
+                FigureKind::StaticToeOut,
+            ),
+            ("Static toe (toe-in positive)", FigureKind::StaticToe),
+            ("Tyre width", FigureKind::TyreWidth),
+            ("tyre_width", FigureKind::TyreWidth),
+            ("Rim diameter [in]", FigureKind::RimDiameter),
+            ("CG height", FigureKind::CgHeight),
+            ("Height of centre of gravity (mm)", FigureKind::CgHeight),
         ] {
             let found = figure(name).map(|(kind, ..)| kind);
             assert_eq!(found, Some(kind), "{name}");
         }
         assert_eq!(figure("camber min"), None);
+        assert_eq!(figure("toe (toe out negative)"), None);
         let (_, _, unit) = figure("wheel_radius_in").unwrap();
         assert_eq!(unit, FileUnit::named("in"));
     }

@@ -19,6 +19,9 @@ pub(super) struct Figures {
     pub half_track: Option<f64>,
     pub track: Option<f64>,
     pub wheelbase: Option<f64>,
+    pub tyre_width: Option<f64>,
+    pub rim_diameter: Option<f64>,
+    pub cg_height: Option<f64>,
     /// Offsets of the contact point: forward, outboard and up.
     pub offset: [f64; 3],
     /// Names of values that the import does not use.
@@ -106,6 +109,9 @@ pub(super) fn read(
             FigureKind::HalfTrack => &mut found.half_track,
             FigureKind::Track => &mut found.track,
             FigureKind::Wheelbase => &mut found.wheelbase,
+            FigureKind::TyreWidth => &mut found.tyre_width,
+            FigureKind::RimDiameter => &mut found.rim_diameter,
+            FigureKind::CgHeight => &mut found.cg_height,
             FigureKind::Offset(axis) => {
                 found.offset[axis] = value;
                 continue;

@@ -303,18 +303,20 @@ fn along(word: &str) -> Option<usize> {
     }
 }
 
-/// In a row of titles, returns the words beside x, y and z if they are not known, such as "um" in `x [um]`. Because of
-/// these words, the row is not a header.
+/// In a row of titles, returns the words beside x, y and z, such as "um" in `x [um]`. If the row is not a header, at least one of
+/// these words is not known.
 pub(super) fn unknown_beside_axes(sheet: &Sheet, row: u32) -> Option<String> {
     let beside = |axis: &str| {
         let mut cells = sheet.row(row).filter_map(|(_, cell)| text(cell));
         cells.find_map(|cell| match cut(cell).as_slice() {
-            [first, rest @ ..] if first == axis && !rest.is_empty() => Some(rest.join(" ")),
+            [first, rest @ ..] if first == axis => Some(rest.join(" ")),
             _ => None,
         })
     };
-    let words = beside("x")?;
-    (beside("y")? == words && beside("z")? == words).then_some(words)
+    let mut words = vec![beside("x")?, beside("y")?, beside("z")?];
+    words.dedup();
+    let words = words.join(", ");
+    (!words.is_empty()).then_some(words)
 }
 
 /// True for the number of a row: a whole number that is not negative.

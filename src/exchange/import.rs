@@ -3,13 +3,14 @@
 //! decides.
 
 mod unused;
+mod wheel;
 
 use super::axes::Axes;
 use super::bushings::{self, Bushing};
 use super::complete;
 use super::corner::{self, Corner, Named, Picked};
 use super::figure_names::{FigureKind, figure};
-use super::figures::{self, Figures};
+use super::figures;
 use super::place::{self, Placed};
 use super::refusal::Refusal;
 use super::right_half;
@@ -17,10 +18,12 @@ use super::roles::{self, Letters, Role};
 use super::seats::{self, Seat};
 use super::slips::Checks;
 use super::table::{AxleFigures, Marks, NamedPoint, PointTable};
+use super::unit::FileUnit;
 use super::{optimum, unit};
 use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
 use std::collections::BTreeMap;
 use unused::{Unused, meanings};
+use wheel::{angles, radius};
 
 /// Options of the user for a file.
 #[derive(Clone, Copy)]
@@ -28,7 +31,7 @@ pub struct ImportOptions<'a> {
     /// Kind of suspension.
     pub topology: &'static Topology,
     /// Unit of length.
-    pub unit: Option<LengthUnit>,
+    pub unit: Option<FileUnit>,
     /// Axes as a convention.
     pub frame: Option<FrameConvention>,
     /// Directions of x, y and z.
@@ -87,6 +90,12 @@ pub struct Imported {
     pub static_camber: Option<f64>,
     /// Toe in the design position, in degrees.
     pub static_toe: Option<f64>,
+    /// Width of the tyre.
+    pub tyre_width: Option<f64>,
+    /// Diameter of the rim.
+    pub rim_diameter: Option<f64>,
+    /// Height of the centre of gravity above the ground.
+    pub cg_height: Option<f64>,
     /// Distance between the axles.
     pub wheelbase: Option<f64>,
     /// Distance between the wheels of the axle.
@@ -240,6 +249,9 @@ pub(super) fn for_axle(
         wheel_radius: figures.radius(),
         static_camber: None,
         static_toe: None,
+        tyre_width: figures.tyre_width,
+        rim_diameter: figures.rim_diameter,
+        cg_height: figures.cg_height,
         wheelbase: figures.wheelbase,
         track: figures.track,
         axle: corner.axle,
@@ -404,40 +416,6 @@ fn to_study_frame(
     FrameConvention::Iso8855
 }
 
-/// Loaded radius. A note names its source: the values of the file, the tyre's diameter, or the contact point.
-fn radius(
-    contact: Option<(String, f64)>,
-    is_optimum: bool,
-    figures: &mut Figures,
-    notes: &mut Vec<String>,
-) {
-    if figures.radius.is_some() {
-        return;
-    }
-    if let Some(diameter) = figures.tyre_diameter {
-        let tool = if is_optimum {
-            ", as OptimumKinematics reads it"
-        } else {
-            ""
-        };
-        notes.push(format!(
-            "[wheel] radius: half of the tyre diameter {diameter}{tool}, not the loaded radius"
-        ));
-        return;
-    }
-    if let Some((name, radius)) = contact {
-        let note = format!("[wheel] radius: the distance of {name:?} from the wheel centre");
-        notes.push(note);
-        figures.radius = Some(radius);
-        return;
-    }
-    notes.push(
-        "[wheel] radius, the loaded radius, is not in the file; outputs that need it are not \
-         requested"
-            .to_owned(),
-    );
-}
-
 /// Distance of the contact point from the wheel centre, if the file has both points.
 fn contact_radius(
     table: &PointTable,
@@ -468,33 +446,4 @@ fn contact_radius(
         contact.name.clone(),
         apart[0].hypot(apart[1]).hypot(apart[2]),
     ))
-}
-
-/// Sets camber and toe if no point defines the spin axis.
-fn angles(figures: &Figures, imported: &mut Imported) {
-    let has_spindle = imported
-        .hardpoints
-        .iter()
-        .any(|h| h.name == "spindle_inner");
-    if has_spindle {
-        if figures.camber.or(figures.toe).is_some() {
-            let reason = "static camber and toe: spindle_inner defines them";
-            imported.left_out.push(reason.to_owned());
-        }
-        return;
-    }
-    let lacking = match (figures.camber, figures.toe) {
-        (None, None) => Some("static_camber and static_toe are"),
-        (None, _) => Some("static_camber is"),
-        (_, None) => Some("static_toe is"),
-        _ => None,
-    };
-    if let Some(lacking) = lacking {
-        imported.notes.push(format!(
-            "{lacking} assumed to be 0: the file has no point spindle_inner of the spin axis, and \
-             no angle that can be read"
-        ));
-    }
-    imported.static_camber = Some(figures.camber.unwrap_or(0.0));
-    imported.static_toe = Some(figures.toe.unwrap_or(0.0));
 }

@@ -85,6 +85,10 @@ const SPELT: &[(&str, &str)] = &[
     ("diameter", "diameter"),
     ("loaded", "loaded"),
     ("half", "half"),
+    ("width", "width"),
+    ("height", "height"),
+    ("rim", "rim"),
+    ("cg cog gravity", "gravity"),
     ("offset", "offset"),
     ("lateral", "lateral"),
     ("longitudinal", "longitudinal"),
@@ -356,6 +360,14 @@ impl Words {
         self.unknown == 0
             && required.all(|word| self.words.contains(&word))
             && self.words.iter().all(|word| allowed(word))
+    }
+
+    /// "lower" or "upper" if the words name this end of a drop link and nothing else. Which of the two is on the bar differs from
+    /// car to car.
+    pub(super) fn end_of_drop_link(&self) -> Option<&'static str> {
+        let ends = ["lower", "upper"].into_iter();
+        let mut ends = ends.filter(|end| self.fit(&format!("drop rod {end} ?bar | bar rod {end}")));
+        ends.next()
     }
 
     /// Hardpoint of a topology with these words.

@@ -368,7 +368,7 @@ mod tests {
         let none = BTreeMap::new();
         let options = ImportOptions {
             topology: Topology::ALL[0],
-            unit: Some(LengthUnit::Metre),
+            unit: Some(LengthUnit::Metre.into()),
             frame: None,
             axes: None,
             side: None,

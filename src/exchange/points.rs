@@ -48,7 +48,9 @@ pub(super) fn read(sheet: &Sheet) -> Result<Option<PointTable>, String> {
         };
         if let Some((row, words)) = rows.iter().find_map(unknown) {
             let place = sheet.row_place(row);
-            table.unknown_unit = Some(format!("{place}: x, y and z are in {words:?}"));
+            table.unknown_unit = Some(format!(
+                "{place}: the header of x, y and z has the words {words:?}, which are not known"
+            ));
         }
     }
     let Some(first) = columns else {

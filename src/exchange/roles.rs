@@ -20,13 +20,15 @@ pub(super) struct Role {
     pub body: Option<&'static str>,
 }
 
-/// Meaning of a single letter `R` in the file.
+/// Meanings of words that depend on the other names of the file: a single letter `R`, and the ends of a drop link.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Letters {
     /// True if `R` before a name means the rear axle.
     first_is_rear: bool,
     /// True if `R` after a name means the rear.
     last_is_rear: bool,
+    /// End of the drop link on an arm, a rocker or the wheel carrier: "lower" or "upper". `None` if no name states the body.
+    outer_drop_link: Option<&'static str>,
 }
 
 impl Letters {
@@ -40,9 +42,14 @@ impl Letters {
             })
         };
         let is_rear = |last| has("f", last) && has("r", last) && !has("l", last);
+        let seated = names.clone().find_map(|name| {
+            let (plain, _) = Topology::ALL.first().and_then(|any| seat(name, any))?;
+            end_of_drop_link(&cut(&plain))
+        });
         Letters {
             first_is_rear: is_rear(false),
             last_is_rear: is_rear(true),
+            outer_drop_link: seated,
         }
     }
 
@@ -117,6 +124,49 @@ pub(super) fn marks(name: &str, letters: Letters) -> Marks {
 
 /// Reads the role of a name.
 pub(super) fn read(name: &str, topology: &Topology, letters: Letters) -> Option<Role> {
+    // Words of the body, as in "Pushrod lower (on UCA)", do not belong to the name of the point.
+    let seated = seat(name, topology).and_then(|(plain, body)| {
+        let role = read_plain(&plain, topology, letters)?;
+        let body = Some(body);
+        ENDS.contains(&role.hardpoint)
+            .then_some(Role { body, ..role })
+    });
+    seated.or_else(|| read_plain(name, topology, letters))
+}
+
+/// Splits the body off a name: "Pushrod lower (on UCA)", "Pushrod lower [upper wishbone]", "Spring on LCA".
+fn seat(name: &str, topology: &Topology) -> Option<(String, &'static str)> {
+    let in_brackets = || {
+        let (before, rest) = name.split_once(['(', '['])?;
+        let (body, after) = rest.split_once([')', ']'])?;
+        Some((format!("{before} {after}"), body))
+    };
+    let after_word = || {
+        let at = name.to_ascii_lowercase().find(" on ")?;
+        Some((name[..at].to_owned(), &name[at..]))
+    };
+    let (plain, body) = in_brackets().or_else(after_word)?;
+    Some((plain, body_of(body, topology)?))
+}
+
+/// "lower" or "upper" if the words name this end of a drop link.
+pub(super) fn end_of_drop_link(cut: &[String]) -> Option<&'static str> {
+    let (words, _) = stripped(cut.to_vec());
+    let words = Words::spelt(&words);
+    let on_axle = || words.without_axle()?.1.end_of_drop_link();
+    words.end_of_drop_link().or_else(on_axle)
+}
+
+/// Ends of springs and rods that may be mounted on different bodies.
+const ENDS: [&str; 4] = [
+    "spring_lower",
+    "drop_link_outer",
+    "pushrod_outer",
+    "pullrod_outer",
+];
+
+/// Reads the role of a name without a body of its own.
+fn read_plain(name: &str, topology: &Topology, letters: Letters) -> Option<Role> {
     let words = cut(name);
     let plain = words.join("_");
     let mut own = topology.all_hardpoints().map(|hardpoint| hardpoint.name);
@@ -147,7 +197,19 @@ pub(super) fn read(name: &str, topology: &Topology, letters: Letters) -> Option<
         let mut all = readings.iter();
         all.find_map(|(words, marks)| hardpoint(words, *marks, topology))
     };
-    let (hardpoint, marks) = own.or_else(by_words)?;
+    let drop_link = || {
+        let (end, outer) = (end_of_drop_link(&words)?, letters.outer_drop_link?);
+        let (words, marks) = readings.first()?;
+        let name = if end == outer {
+            "drop_link_outer"
+        } else {
+            "drop_link_inner"
+        };
+        let axle = Words::spelt(words).without_axle().map(|(axle, _)| axle);
+        let known = topology.hardpoint(name)?;
+        Some((known.name, marks.or(Marks { side: None, axle })))
+    };
+    let (hardpoint, marks) = own.or_else(by_words).or_else(drop_link)?;
     let body = body(name, hardpoint, topology);
     Some(Role {
         hardpoint,
@@ -213,17 +275,9 @@ fn hardpoint(cut: &[String], marks: Marks, topology: &Topology) -> Option<(&'sta
 
 /// Body in a name, for an end of a spring or rod.
 fn body(name: &str, hardpoint: &str, topology: &Topology) -> Option<&'static str> {
-    if ![
-        "spring_lower",
-        "drop_link_outer",
-        "pushrod_outer",
-        "pullrod_outer",
-    ]
-    .contains(&hardpoint)
-    {
-        return None;
-    }
-    body_of(name, topology)
+    ENDS.contains(&hardpoint)
+        .then(|| body_of(name, topology))
+        .flatten()
 }
 
 /// Body that some words name, in the words of studies.
@@ -279,10 +333,11 @@ mod tests {
     fn names_say_wheel_axle_and_body() {
         let paired = ["F_LCA_IF", "R_LCA_IF", "F_UBJ"];
         let sided = ["LCA front L", "LCA front R"];
+        let drop_link = ["Droplink lower (on rocker)", "Droplink upper"];
         let (front, rear) = (Some(AxlePosition::Front), Some(AxlePosition::Rear));
         let (left, right) = (Some(Side::Left), Some(Side::Right));
         let topology = Topology::named("double_wishbone").unwrap();
-        let cases: [Case; 20] = [
+        let cases: [Case; 25] = [
             (&[], "hpl_lca_front", "lower_arm_front", left, None, None),
             (&sided, "LCA front R", "lower_arm_front", right, None, None),
             (
@@ -325,6 +380,46 @@ mod tests {
                 None,
                 None,
                 Some("lower_arm"),
+            ),
+            (
+                &[],
+                "Pushrod lower (on UCA)",
+                "pushrod_outer",
+                None,
+                None,
+                Some("upper_arm"),
+            ),
+            (
+                &[],
+                "Pushrod lower (on upper arm)",
+                "pushrod_outer",
+                None,
+                None,
+                Some("upper_arm"),
+            ),
+            (
+                &[],
+                "Pushrod lower (upper wishbone) L",
+                "pushrod_outer",
+                left,
+                None,
+                Some("upper_arm"),
+            ),
+            (
+                &drop_link,
+                "Droplink lower (on rocker)",
+                "drop_link_outer",
+                None,
+                None,
+                Some("rocker"),
+            ),
+            (
+                &drop_link,
+                "Droplink upper",
+                "drop_link_inner",
+                None,
+                None,
+                None,
             ),
             (
                 &[],

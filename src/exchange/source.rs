@@ -8,13 +8,16 @@ use super::table::{Figure, Marks, NamedPoint, PointTable};
 use super::unit::FileUnit;
 use super::{adams_bushings, assetto_in, chrono_vehicle, delimited, map, points, sheets, yaml};
 use crate::model::{AxlePosition, FrameConvention, LengthUnit, Side};
-use crate::study::read_bytes;
+use crate::study::{read_bytes, read_input_bytes};
 use std::path::Path;
 
 /// Largest size of a file that is read, in bytes.
 const MOST_BYTES: u64 = 64 << 20;
 
-/// Points of a file. `sheet` names a sheet of a workbook; `axle` selects one of two axles.
+/// Path that means standard input.
+pub const STANDARD_INPUT: &str = "-";
+
+/// Points of a file, or of standard input for the path `-`. `sheet` names a sheet of a workbook; `axle` selects one of two axles.
 ///
 /// # Errors
 /// The file has no readable points, or several sheets of a workbook have points and none is named.
@@ -23,7 +26,11 @@ pub fn read(
     sheet: Option<&str>,
     axle: Option<AxlePosition>,
 ) -> Result<PointTable, Refusal> {
-    let bytes = bytes_of(path)?;
+    let bytes = if path == Path::new(STANDARD_INPUT) {
+        read_input_bytes(MOST_BYTES)?
+    } else {
+        bytes_of(path)?
+    };
     let is_workbook = bytes.starts_with(b"PK\x03\x04");
     if !is_workbook && let Some(sheet) = sheet {
         return Err(Refusal::Wrong(format!(

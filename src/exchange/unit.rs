@@ -6,19 +6,26 @@
 use super::ImportOptions;
 use super::corner::Picked;
 use super::figure_names::figure;
+use super::refusal::{Question, Refusal};
 use super::table::PointTable;
 use crate::model::LengthUnit;
 use crate::report::unit_in_words;
 
 /// Unit of length in a file: a unit of studies, or a multiple of one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct FileUnit {
+pub struct FileUnit {
     /// Unit of studies.
-    pub unit: LengthUnit,
+    pub(super) unit: LengthUnit,
     /// Number of units of studies in one unit of the file.
-    pub factor: f64,
+    pub(super) factor: f64,
     /// Symbol in the file.
-    pub symbol: &'static str,
+    pub(super) symbol: &'static str,
+}
+
+impl From<LengthUnit> for FileUnit {
+    fn from(unit: LengthUnit) -> Self {
+        FileUnit::of(unit)
+    }
 }
 
 /// Units that a file may state, each with its words.
@@ -60,7 +67,7 @@ impl FileUnit {
     }
 
     /// Unit of length that a word names.
-    pub(super) fn named(word: &str) -> Option<Self> {
+    pub fn named(word: &str) -> Option<Self> {
         let word = word.to_lowercase();
         let found = FILE_UNITS
             .iter()
@@ -88,16 +95,13 @@ pub fn unit_of(word: &str) -> Option<LengthUnit> {
     found.map(|found| found.unit)
 }
 
-/// Copy of a table whose coordinates and lengths are in a unit of studies. `None` if they already are, or if `--unit` replaces
-/// the unit of the file.
+/// Copy of a table whose coordinates and lengths are in a unit of studies. `None` if they already are.
 pub(super) fn converted<'o>(
     table: &PointTable,
     options: &ImportOptions<'o>,
 ) -> Option<(PointTable, ImportOptions<'o>)> {
-    let stated = table.unit.filter(|unit| unit.factor != 1.0)?;
-    if options.unit.is_some() {
-        return None;
-    }
+    let given = options.unit.or(table.unit);
+    let stated = given.filter(|unit| unit.factor != 1.0)?;
     let mut converted = table.clone();
     for point in &mut converted.points {
         if let Ok(position) = &mut point.position {
@@ -110,12 +114,20 @@ pub(super) fn converted<'o>(
         }
     }
     converted.unit = Some(FileUnit::of(stated.unit));
+    converted
+        .notes
+        .extend(replaced(options.unit, table.unit, stated.symbol));
+    let whose = match options.unit {
+        Some(_) => "--unit gives",
+        None => "the file states",
+    };
     converted.notes.push(format!(
-        "unit: the file states {}; all lengths are converted to {}",
+        "unit: {whose} {}; all lengths are converted to {}",
         stated.symbol,
         stated.unit.symbol()
     ));
     let options = ImportOptions {
+        unit: options.unit.map(|_| FileUnit::of(stated.unit)),
         half_track: options.half_track.map(|length| stated.to_study(length)),
         radius: options.radius.map(|length| stated.to_study(length)),
         ..*options
@@ -123,8 +135,18 @@ pub(super) fn converted<'o>(
     Some((converted, options))
 }
 
+/// Note that `--unit` replaces another unit of the file.
+fn replaced(given: Option<FileUnit>, written: Option<FileUnit>, symbol: &str) -> Option<String> {
+    let differs = given.is_some() && written.is_some() && given != written;
+    differs.then(|| format!("--unit {symbol} replaces the unit stated in the file"))
+}
+
 /// Smallest and largest size of a wheel's suspension, in metres. They identify an unstated unit.
 const USUAL_SIZE: [f64; 2] = [0.15, 3.0];
+
+/// Smallest size in metres for which centimetres are as plausible as inches. The sample suspensions have sizes of 0.45 to 1.3 m,
+/// which are 18 to 50 inches or 45 to 130 cm. Below 30 units, a size in centimetres would be two thirds of the smallest sample.
+const LEAST_IN_CENTIMETRES: f64 = 0.3;
 
 /// Finds the unit of the coordinates.
 pub(super) fn unit(
@@ -132,7 +154,7 @@ pub(super) fn unit(
     options: &ImportOptions<'_>,
     picked: &[Picked],
     notes: &mut Vec<String>,
-) -> Result<LengthUnit, String> {
+) -> Result<LengthUnit, Refusal> {
     // If the file has no wheel centre, any joint at the wheel is sufficient.
     let at_wheel = ["wheel_centre", "lower_ball_joint", "lower_front_link_outer"];
     let centre = at_wheel
@@ -156,22 +178,14 @@ pub(super) fn unit(
     let fits = |unit: &LengthUnit| (least..=most).contains(&(size / unit.per_metre()));
     let fitting = LengthUnit::ALL.into_iter().find(fits);
     if let (None, None, Some(unknown)) = (options.unit, table.unit, &table.unknown_unit) {
-        return Err(format!(
+        return Err(Refusal::Wrong(format!(
             "{unknown}: expected {KNOWN_UNITS}; correct the file or state the unit with --unit"
-        ));
+        )));
     }
-    let stated = match (options.unit, table.unit) {
-        (Some(unit), written) => {
-            if written.is_some_and(|written| written != FileUnit::of(unit)) {
-                notes.push(format!(
-                    "--unit {} replaces the unit stated in the file",
-                    unit.symbol()
-                ));
-            }
-            Some(unit)
-        }
-        (None, written) => written.map(|written| written.unit),
-    };
+    if let Some(given) = options.unit {
+        notes.extend(replaced(options.unit, table.unit, given.symbol));
+    }
+    let stated = options.unit.or(table.unit).map(|stated| stated.unit);
     match (stated, fitting) {
         (Some(unit), _) if fits(&unit) => Ok(unit),
         (Some(unit), fitting) => {
@@ -185,18 +199,31 @@ pub(super) fn unit(
             ));
             Ok(unit)
         }
+        (None, Some(unit)) if unit == LengthUnit::Inch && size / 100.0 >= LEAST_IN_CENTIMETRES => {
+            Err(Question::of(
+                format!(
+                    "the file states no unit, and the points are up to {size:.4} from {from}: this may be inches ({:.2} m) or \
+                     centimetres ({:.2} m)",
+                    size / unit.per_metre(),
+                    size / 100.0
+                ),
+                "--unit",
+                &["in", "cm"],
+            ))
+        }
         (None, Some(unit)) => {
             notes.push(format!(
-                "unit: {}, because the file states none and the points are up to {size:.4} from {from}, the size of a \
+                "unit: {}, because the file states none, and then the points are up to {:.2} m from {from}, the size of a \
                  car's suspension (--unit changes this)",
-                unit.symbol()
+                unit_in_words(unit.symbol()),
+                size / unit.per_metre()
             ));
             Ok(unit)
         }
-        (None, None) => Err(format!(
+        (None, None) => Err(Refusal::Wrong(format!(
             "the points are up to {size:.4} from {from}: no car's suspension has this size in mm, m or in. State the \
              unit with --unit"
-        )),
+        ))),
     }
 }
 

@@ -1,5 +1,6 @@
 //! Columns for the coordinates that the motion of an axle gives, in tables with one row per position.
 
+use crate::ask::degrees;
 use crate::axle::{Axle, AxlePlan, Coordinate, Placement};
 use crate::model::Axis;
 
@@ -53,15 +54,5 @@ impl GivenColumns<'_> {
             _ => motion.along(*c).is_some(),
         });
         given
-    }
-}
-
-fn degrees(angle: f64) -> f64 {
-    let exact = angle.to_degrees();
-    let short: f64 = format!("{exact:.13e}").parse().unwrap_or(exact);
-    if short.to_radians() == angle {
-        short
-    } else {
-        exact
     }
 }

@@ -3,6 +3,7 @@
 
 mod axle;
 mod carrier;
+mod distances;
 mod rack;
 mod slip;
 mod spring;
@@ -12,13 +13,13 @@ pub use axle::{axle_plausibility, both_wheels_plausibility};
 pub use rack::rack_doubt;
 pub use spring::spring_doubts;
 
-use super::figure::{brief, with_decimals};
+use super::figure::with_decimals;
 use super::{Directions, Reading};
 use crate::axle::axle_curves;
 use crate::characteristics::{Characteristic, Constants, WheelReading};
 use crate::derive::{DesignSeries, MotionPoint};
 use crate::mechanism::DesignFault;
-use crate::model::{Body, Constraint, Drive, PointId, Seat, Side, SteeringAxis, Suspension};
+use crate::model::{Constraint, Drive, PointId, Seat, Side, SteeringAxis, Suspension};
 use crate::number::{Jet, Vector3};
 use crate::solve::Solver;
 use crate::study::{AxleStudy, Designs, Move, Study};
@@ -38,13 +39,6 @@ const CG_HEIGHT: [f64; 2] = [0.01, 5.0];
 /// Plausible ranges in wheel radii. Wheels of a wheelbase below two radii would overlap.
 const WHEELBASE_IN_RADII: [f64; 2] = [2.0, 30.0];
 const CG_HEIGHT_IN_RADII: [f64; 2] = [0.4, 6.0];
-/// Smallest plausible distance of a wheel from the centre plane, relative to the distance between the wheel and the points on
-/// the body.
-const WHEEL_AT_CENTRE: f64 = 0.5;
-/// Largest plausible distance of a point from the wheel centre, in wheel radii.
-const FAR: f64 = 12.0;
-/// Plausible range of the distance of the farthest point from the wheel centre, in metres, for a study without a wheel radius.
-const REACH: [f64; 2] = [0.05, 4.0];
 /// Largest plausible difference between the track and twice the wheel's distance from the centre plane, as a fraction of the
 /// track.
 const OFF_TRACK: f64 = 0.1;
@@ -153,77 +147,6 @@ impl<'a> PlausibilityRemarks<'a> {
              {}. Were the coordinates in another order?",
             directions.describe(&other)
         ));
-    }
-
-    /// Warning if the wheel centre is at the centre plane and the points of the body are beyond that plane. Probably the file's
-    /// origin is at the wheel.
-    fn wheel_at_the_centre_plane(&mut self) {
-        let mechanism = &self.suspension.mechanism;
-        let wheel = self.at(mechanism.wheel_centre).y;
-        let on_body: Vec<f64> = mechanism
-            .points
-            .iter()
-            .zip(&self.suspension.design)
-            .filter(|(point, _)| matches!(point.body, Body::Chassis | Body::Rack))
-            .map(|(_, at)| at.y)
-            .collect();
-        if on_body.is_empty() {
-            return;
-        }
-        let reach = wheel - on_body.iter().sum::<f64>() / on_body.len() as f64;
-        if reach > 0.0 && wheel < WHEEL_AT_CENTRE * reach {
-            let unit = self.suspension.length_unit.symbol();
-            self.say(format!(
-                "the wheel centre is {wheel} {unit} from the centre plane, y = 0. Is the origin \
-                 at the wheel? Roll centre and track need y from the centre plane: add half the \
-                 track to every y"
-            ));
-        }
-    }
-
-    /// Warnings about points far from the wheel or below the ground. Probably a coordinate has another unit or the wrong sign.
-    fn distances(&mut self) {
-        let suspension = self.suspension;
-        let centre = self.at(suspension.mechanism.wheel_centre);
-        let unit = suspension.length_unit.symbol();
-        let points = suspension.mechanism.points.iter().zip(&suspension.design);
-        let away = |at: &Vector3<f64>| (*at - centre).norm();
-        let farthest = points
-            .clone()
-            .max_by(|a, b| away(a.1).total_cmp(&away(b.1)));
-        let Some((point, at)) = farthest else { return };
-        let (name, reach) = (&point.name, away(at));
-        let metres = reach / suspension.length_unit.per_metre();
-        let (is_far, is_near) = match suspension.wheel_radius {
-            Some(radius) => (reach > FAR * radius, false),
-            None => (metres > REACH[1], metres < REACH[0]),
-        };
-        let reach = brief(reach);
-        if is_far {
-            self.say(format!(
-                "{name} is {reach} {unit} away from wheel_centre. Is one of them in another unit?"
-            ));
-        }
-        if is_near {
-            self.say(format!(
-                "no point is more than {reach} {unit} away from wheel_centre. Is length_unit \
-                 correct?"
-            ));
-        }
-        let Some(radius) = suspension.wheel_radius else {
-            return;
-        };
-        let ground = centre.z - radius;
-        let lowest = points.min_by(|a, b| a.1.z.total_cmp(&b.1.z));
-        if let Some((point, at)) = lowest
-            && at.z < ground
-        {
-            let depth = brief(ground - at.z);
-            self.say(format!(
-                "{} is {depth} {unit} below the ground. Does z have the wrong sign?",
-                point.name
-            ));
-        }
     }
 
     /// Warnings about the direction of rods. They lead outboard from the body to the wheel carrier, and inboard from the wheel

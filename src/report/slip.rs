@@ -15,7 +15,8 @@ pub(crate) struct Slip {
 
 impl Slip {
     /// Finds the slip that explains all warnings. `fits` returns true if points cause no warning. The change must bring the point
-    /// much nearer to the others. `None` if changes of different points explain the warnings: then any of them may be wrong.
+    /// much nearer to the others. A wrong sign has priority over a wrong decimal place, because it changes no digit. `None` if such
+    /// changes of different points explain the warnings: then any of them may be wrong.
     pub(crate) fn of(points: &[[f64; 3]], fits: impl Fn(&[[f64; 3]]) -> bool) -> Option<Slip> {
         const NEARER: f64 = 0.75;
         let mut found: Vec<(f64, Slip)> = Vec::new();
@@ -43,6 +44,8 @@ impl Slip {
                 }
             }
         }
+        let has_sign = found.iter().any(|(_, slip)| slip.is_sign);
+        found.retain(|(_, slip)| slip.is_sign || !has_sign);
         let nearest = found.iter().min_by(|(a, _), (b, _)| a.total_cmp(b));
         let (_, slip) = *nearest?;
         let is_only_one = found.iter().all(|(_, other)| other.point == slip.point);

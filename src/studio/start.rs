@@ -3,7 +3,7 @@
 use super::message::{Coordinates, StartRequest};
 use super::overview::coordinates;
 use super::study_file::check_name;
-use crate::exchange::{Axes, ImportOptions, Imported, import, read_points, unit_of};
+use crate::exchange::{Axes, FileUnit, ImportOptions, Imported, import, read_points};
 use crate::model::{Side, Topology};
 use crate::report::Scene;
 use crate::results::{temporary_of, undivided};
@@ -87,8 +87,10 @@ fn imported(
     request: &StartRequest,
 ) -> Result<Imported, String> {
     let given = |text: &Option<String>| text.clone().filter(|text| !text.is_empty());
-    let unit = given(&request.unit)
-        .map(|unit| unit_of(&unit).ok_or_else(|| format!("expected mm, m or in, found {unit:?}")));
+    let unit = given(&request.unit).map(|unit| {
+        FileUnit::named(&unit)
+            .ok_or_else(|| format!("expected mm, cm, m, in or ft, found {unit:?}"))
+    });
     let axes = given(&request.axes).map(|axes| Axes::parse(&axes));
     let side = given(&request.side).map(|side| {
         let mut all = Side::ALL.into_iter();

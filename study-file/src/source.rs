@@ -47,8 +47,13 @@ pub fn read_bytes(path: &Path, longest: u64) -> Result<Vec<u8>, String> {
 
 /// Text of standard input, at most `longest` bytes.
 pub fn read_input(longest: u64) -> Result<String, String> {
+    text_of(read_input_bytes(longest)?)
+}
+
+/// Bytes of standard input, at most `longest`.
+pub fn read_input_bytes(longest: u64) -> Result<Vec<u8>, String> {
     let input = std::io::stdin().lock();
-    text_of(bytes_of(input, longest, |error| error.to_string())?)
+    bytes_of(input, longest, |error| error.to_string())
 }
 
 /// Reads all bytes, but at most `longest`.

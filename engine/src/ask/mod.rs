@@ -15,4 +15,4 @@ pub(crate) use accepted::six_digits;
 pub use info::Info;
 pub use need::Need;
 pub use no_value::NoValue;
-pub use unit::{Unit, with_unit};
+pub use unit::{Unit, degrees, with_unit};

@@ -143,6 +143,18 @@ pub fn with_unit(name: impl Into<String>, unit: &str) -> String {
     }
 }
 
+/// Converts an angle from radians to degrees. Returns the shortest decimal number that gives this angle, if fourteen digits
+/// suffice.
+pub fn degrees(angle: f64) -> f64 {
+    let exact = angle.to_degrees();
+    let short: f64 = format!("{exact:.13e}").parse().unwrap_or(exact);
+    if short.to_radians() == angle {
+        short
+    } else {
+        exact
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,6 +3,7 @@
 use super::certificate::AxleProof;
 use super::solver::{AxlePose, Placement};
 use super::{Axle, AxleMotion, AxlePlan, WheelMotion};
+use crate::ask::degrees;
 use crate::curves::{MotionColumn, Proof};
 use crate::model::Axis;
 use crate::number::Each;
@@ -68,17 +69,6 @@ pub(super) fn place(
     let time = motion.time.as_ref();
     at.extend(time.map(|time| Some(time.law.times[motion.time_at(number)])));
     at
-}
-
-/// Converts an angle to degrees. Returns the shortest decimal number that gives this angle, if fourteen digits suffice.
-fn degrees(angle: f64) -> f64 {
-    let exact = angle.to_degrees();
-    let short: f64 = format!("{exact:.13e}").parse().unwrap_or(exact);
-    if short.to_radians() == angle {
-        short
-    } else {
-        exact
-    }
 }
 
 /// Returns two flags. The first is true if the travels are results. The second is true if the roll angle is a result.

@@ -1,6 +1,6 @@
 //! Choice of the bodies that carry ends of springs and rods, if a study does not name these bodies.
 
-use super::{Body, Mechanism, PointId};
+use super::{Body, Mechanism, PointId, SpinAxis};
 use crate::number::Vector3;
 use crate::sorting::sort_by;
 
@@ -98,7 +98,10 @@ impl Mechanism {
             | Body::Knuckle
             | Body::StrutRod(_) => {}
         }
-        points.retain(|point| *point != id);
+        // The point of the spin axis gives a direction; it may be far inboard of the metal of the knuckle.
+        let shows_spin =
+            |point: PointId| matches!(self.spin_axis, SpinAxis::From(own) if own == point);
+        points.retain(|point| *point != id && !shows_spin(*point));
         let at = |point: PointId| design[point.0];
         let mut least = f64::INFINITY;
         for (k, a) in points.iter().enumerate() {

@@ -3,6 +3,7 @@
 mod target_motion;
 
 use super::axle::{AxleStudy, coordinates, lacks_nothing, quantities};
+use super::drive_rounding::DriveRounding;
 use super::error::Problems;
 use super::file;
 use super::motion::list;
@@ -18,9 +19,6 @@ use crate::number::Each;
 use std::ops::Range as Span;
 use target_motion::TargetMotion;
 use toml::Spanned;
-
-/// Largest relative difference of two row values that count as equal.
-const SAME_ROW: f64 = 1e-10;
 
 /// Stations of an axle's target: one coordinate of the motion varies, and the others are fixed.
 #[derive(Clone, Debug, PartialEq)]
@@ -95,9 +93,8 @@ impl AxleSite {
         if motion.has_rows() {
             let value = self.over.in_kernel(at, axle);
             let along = motion.along(self.over).cloned().unwrap_or_default();
-            // Conversion of a value to its written form and back may cause a rounding difference.
-            let is_same = |own: f64| (own - value).abs() <= SAME_ROW * value.abs();
-            let rows = (0..along.len()).filter(|row| is_same(along[*row]));
+            let rounding = DriveRounding::of(&along);
+            let rows = (0..along.len()).filter(|row| rounding.is_same(along[*row], value));
             return rows
                 .flat_map(|row| self.held.row(row).placements())
                 .collect();

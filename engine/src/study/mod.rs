@@ -16,6 +16,7 @@ mod constraints;
 mod convert;
 mod curve_file;
 mod designs_file;
+mod drive_rounding;
 mod edit;
 mod elastic_targets;
 mod geometry;
@@ -65,7 +66,7 @@ pub use hardpoint_study_file::bushing_file;
 pub use hardpoint_study_file::error::{Source as FileText, StudyError, StudyErrors};
 pub use hardpoint_study_file::names::nearest;
 pub use hardpoint_study_file::source::{
-    LONGEST_TABLE, LONGEST_TEXT, read_bytes, read_regular_text, read_text,
+    LONGEST_TABLE, LONGEST_TEXT, read_bytes, read_input_bytes, read_regular_text, read_text,
 };
 use hardpoint_study_file::{error, file, names, overrides, parse, source, value};
 pub(crate) use optimise::{GOOD_ENOUGH, MAX_ITERATIONS};

@@ -5,6 +5,7 @@ use super::file;
 use super::names::choose_or;
 use super::value::{Number, Values, Whole};
 use super::{Drive, MOST_STATIONS, Motion, TimeLaw};
+use crate::ask::degrees;
 use crate::mechanism::raises_its_joint;
 use crate::model::{self, LengthUnit, Suspension};
 use crate::number::Each;
@@ -66,17 +67,6 @@ impl Drive {
         } else {
             value
         }
-    }
-}
-
-/// Converts an angle to degrees. Returns the shortest decimal number that gives this angle, if fourteen digits suffice.
-fn degrees(angle: f64) -> f64 {
-    let exact = angle.to_degrees();
-    let short = format!("{exact:.13e}").parse().unwrap_or(exact);
-    if f64::to_radians(short) == angle {
-        short
-    } else {
-        exact
     }
 }
 

@@ -1,5 +1,6 @@
 //! Target values at each drive value. Between the points of a curve, they are interpolated.
 
+use super::drive_rounding::{DriveRounding, ends_of_curve};
 use super::{Interpolation, Limit, Target, TargetKind, Wanted};
 use crate::axle::{Axle, Placement, Quantity};
 use crate::number::Each;
@@ -64,6 +65,7 @@ impl Target {
 impl Wanted {
     /// Target ranges at the stations within the target's curve, or at the target's own drive values.
     pub fn samples(&self, stations: &[f64]) -> Vec<Sample> {
+        let rounding = DriveRounding::of(stations);
         let value = |(drive, value)| Sample {
             drive,
             low: value,
@@ -72,7 +74,7 @@ impl Wanted {
         match self {
             Wanted::Band { at, lower, upper } => {
                 let stations = at.as_ref().map_or(stations, std::slice::from_ref);
-                let limit = |limit: &Option<Limit>, drive: f64| limit.as_ref()?.at(drive);
+                let limit = |limit: &Option<Limit>, drive: f64| limit.as_ref()?.at(drive, rounding);
                 // Each limit applies only within its own curve. A station without a limit has no sample.
                 let sample = |drive: &f64| {
                     let limits = [lower, upper].each(|own| limit(own, *drive));
@@ -101,8 +103,8 @@ impl Wanted {
                 interpolation,
             } => {
                 let slopes = interpolation.slopes(points);
-                let (first, last) = (points[0][0], points[points.len() - 1][0]);
-                let on_curve = stations.iter().filter(|s| (first..=last).contains(*s));
+                let (ends, rounding) = (ends_of_curve(points), DriveRounding::of(stations));
+                let on_curve = stations.iter().filter(|s| rounding.is_within(**s, ends));
                 on_curve
                     .map(|s| (*s, at(points, slopes.as_deref(), *s)))
                     .collect()
@@ -113,16 +115,16 @@ impl Wanted {
 
 impl Limit {
     /// Limit at a drive value. `None` outside the limit's curve.
-    fn at(&self, drive: f64) -> Option<f64> {
+    fn at(&self, drive: f64, rounding: DriveRounding) -> Option<f64> {
         match self {
             Limit::Value(value) => Some(*value),
             Limit::Curve {
                 points,
                 interpolation,
             } => {
-                let ends = points[0][0]..=points[points.len() - 1][0];
                 let slopes = interpolation.slopes(points);
-                ends.contains(&drive)
+                rounding
+                    .is_within(drive, ends_of_curve(points))
                     .then(|| at(points, slopes.as_deref(), drive))
             }
         }
@@ -139,7 +141,7 @@ impl Interpolation {
     }
 }
 
-/// Value of the curve at `x`, between its first and last point.
+/// Value of the curve at `x`, between its first and last point, or outside by rounding only.
 fn at(points: &[[f64; 2]], slopes: Option<&[f64]>, x: f64) -> f64 {
     let right = points
         .partition_point(|p| p[0] <= x)

@@ -1,5 +1,6 @@
 //! Resolved targets and constraints: quantities, sites, target values and limits.
 
+use super::drive_rounding::DriveRounding;
 use super::*;
 
 /// Quantity of a target, with its name and unit in the study.
@@ -153,7 +154,9 @@ impl Target {
 
     /// The given drive values, and the additional drive values of this target.
     pub fn stations_among(&self, values: &[f64]) -> Vec<f64> {
-        let added = self.stations.iter().filter(|v| !values.contains(v));
+        let rounding = DriveRounding::of(values);
+        let added = self.stations.iter();
+        let added = added.filter(|own| !rounding.is_among(**own, values));
         values.iter().chain(added).copied().collect()
     }
 

@@ -6,6 +6,7 @@ mod stations;
 
 use super::axle_targets;
 use super::curve_file::{self, WantedColumns};
+use super::drive_rounding::{DriveRounding, ends, ends_of_curve};
 use super::elastic_targets;
 use super::error::Problems;
 use super::file::{self, Target as Written};
@@ -258,7 +259,9 @@ impl TargetContext<'_> {
     ) -> Option<()> {
         let rows = &self.motion.values;
         let samples = wanted.samples(rows);
-        let off = samples.iter().find(|sample| !rows.contains(&sample.drive));
+        let rounding = DriveRounding::of(rows);
+        let mut samples_off = samples.iter();
+        let off = samples_off.find(|sample| !rounding.is_among(sample.drive, rows));
         let place = written
             .at
             .as_ref()
@@ -377,11 +380,12 @@ impl TargetContext<'_> {
         if as_measured {
             return Some(Wanted::Points(points));
         }
-        let (lowest, highest) = ends(&motion.values);
-        let within = |p: &[f64; 2]| (lowest..=highest).contains(&p[0]);
-        let ends = points[0][0]..=points[points.len() - 1][0];
-        let has_station = motion.values.iter().any(|station| ends.contains(station));
-        if !has_station && !points.iter().any(within) {
+        let rounding = DriveRounding::of(&motion.values);
+        let [of_motion, of_curve] = [ends(&motion.values), ends_of_curve(&points)];
+        let mut stations = motion.values.iter();
+        let has_station = stations.any(|station| rounding.is_within(*station, of_curve));
+        let mut knots = points.iter().map(|point| point[0]);
+        if !has_station && !knots.any(|knot| rounding.is_within(knot, of_motion)) {
             let [first, last] = [curve[0][0], curve[curve.len() - 1][0]];
             let message = format!(
                 "no station of the motion, which {}, is on this curve, which runs from {first} to {last}",
@@ -483,11 +487,4 @@ impl TargetContext<'_> {
         }
         Some(wanted)
     }
-}
-
-/// Smallest and largest of these values.
-pub(super) fn ends(values: &[f64]) -> (f64, f64) {
-    let lowest = values.iter().copied().fold(f64::INFINITY, f64::min);
-    let highest = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    (lowest, highest)
 }

@@ -2,7 +2,8 @@
 
 use super::super::complete;
 use super::super::corner::Corner;
-use super::super::roles::Role;
+use super::super::names::cut;
+use super::super::roles::{Role, end_of_drop_link};
 use super::super::table::{Marks, PointTable};
 use super::{Hardpoint, ImportOptions};
 
@@ -60,6 +61,13 @@ impl Unused<'_> {
         };
         let nameless = unused.iter().filter(|name| !is_explained(name));
         let nameless: Vec<&str> = nameless.map(String::as_str).collect();
+        let is_drop_link = |name: &&str| end_of_drop_link(&cut(name)).is_some();
+        if let Some(name) = nameless.iter().copied().find(is_drop_link) {
+            left_out.push(format!(
+                "{name}: \"lower\" and \"upper\" do not show which end of the drop link is on the bar. Add the body to the name of the end \
+                 that is not on the bar, as in \"drop link lower (on lower arm)\", or give --map"
+            ));
+        }
         if !nameless.is_empty() {
             left_out.push(format!(
                 "{}: no hardpoint of a {} has such a name",
@@ -77,7 +85,7 @@ impl Unused<'_> {
             more => format!(" and {more} more"),
         };
         left_out.push(format!(
-            "{}{more}: a study has no keys for these numbers",
+            "{}{more}: these names of numbers are not known, or a study has no keys for them",
             shown.join(", ")
         ));
     }

@@ -1,6 +1,7 @@
 //! Warnings about the positions of the carrier's joints and of the arms' pivots.
 
-use super::{FAR, PlausibilityRemarks};
+use super::PlausibilityRemarks;
+use super::distances::FAR;
 use crate::model::{Body, Constraint, Mechanism, PointId, Suspension};
 use crate::number::Vector3;
 use crate::report::figure::brief;
@@ -25,12 +26,12 @@ impl PlausibilityRemarks<'_> {
         let Suspension {
             mechanism,
             length_unit,
-            wheel_radius,
             ..
         } = self.suspension;
         if mechanism.rigid_axle.is_some() {
             return;
         }
+        let wheel_radius = self.usual_radius();
         let unit = length_unit.symbol();
         let centre = self.at(mechanism.wheel_centre);
         let mut outer = carrier_joints(mechanism);
@@ -79,10 +80,10 @@ impl PlausibilityRemarks<'_> {
             mechanism,
             design,
             length_unit,
-            wheel_radius,
             ..
         } = self.suspension;
-        let Some(radius) = wheel_radius.filter(|_| mechanism.rigid_axle.is_none()) else {
+        let usual = self.usual_radius();
+        let Some(radius) = usual.filter(|_| mechanism.rigid_axle.is_none()) else {
             return;
         };
         let joints = carrier_joints(mechanism);

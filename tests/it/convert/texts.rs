@@ -318,3 +318,49 @@ fn a_converted_file_never_replaces_its_study() {
         assert_eq!(code, 2, "{said}");
     }
 }
+
+/// A conversion keeps the number of stations at which a target, a band and a curve of limits apply, for every travel of
+/// their ends.
+#[test]
+fn targets_keep_their_stations_in_other_units() {
+    let studies = Path::new(ROOT).join("studies");
+    let base = fs::read_to_string(studies.join("macpherson_solve.toml")).unwrap();
+    let base: toml::Table = base.parse().unwrap();
+    let stations = |text: &str| -> Vec<usize> {
+        let study = Study::from_text("own.toml", text, &studies).unwrap();
+        let targets = &study.optimise.as_ref().unwrap().targets;
+        let count = |target: &hardpoint::study::Target| {
+            let stations = target.stations_in(study.motion());
+            target.wanted.samples(&stations).len()
+        };
+        targets.iter().map(count).collect()
+    };
+    for last in 1..=20_u8 {
+        let mut own = base.clone();
+        let tail = format!(
+            r#"
+[motion]
+travel = {{ from = -40.0, to = 40.0, steps = 81 }}
+[optimise]
+variables = [{{ hardpoint = "tie_rod_outer", axis = "z", range = [-5.0, 5.0] }}]
+targets = [
+  {{ characteristic = "toe", points = [[-{last}, 0.1], [{last}, -0.1]], tolerance = 0.05 }},
+  {{ characteristic = "camber", at_least = [[-{last}, -1.0], [{last}, -3.0]], tolerance = 0.05 }},
+  {{ characteristic = "toe", points = [[-4{last}, 0.1], [-{last}, -0.1]], tolerance = 0.05 }},
+]
+"#
+        );
+        own.remove("motion");
+        let tail: toml::Table = tail.parse().unwrap();
+        own.extend(tail);
+        let text = toml::to_string(&own).unwrap();
+        let expected = stations(&text);
+        let of_range = 2 * usize::from(last) + 1;
+        assert_eq!(expected[..2], [of_range; 2], "to {last} mm");
+        for unit in ["in", "m"] {
+            let (code, said, new) = text_in(&text, &["--unit", unit]);
+            assert_eq!(code, 0, "{said}");
+            assert_eq!(stations(&new), expected, "to {last} mm, in {unit}");
+        }
+    }
+}

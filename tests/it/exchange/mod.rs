@@ -16,19 +16,21 @@ mod property_files;
 mod right_or_refused;
 mod round_trips;
 mod schema;
+mod sheets;
 mod side_by_side;
+mod studies;
 mod units;
 
 use hardpoint::exchange::Axes;
-use hardpoint::exchange::{ImportOptions, Imported, import, read_points};
-use hardpoint::model::{AxlePosition, FrameConvention, LengthUnit, Side, Topology};
+use hardpoint::exchange::{FileUnit, ImportOptions, Imported, import, read_points};
+use hardpoint::model::{AxlePosition, FrameConvention, Side, Topology};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// Options for a file on the command line.
 #[derive(Clone, Default)]
 struct Said {
-    unit: Option<LengthUnit>,
+    unit: Option<FileUnit>,
     frame: Option<FrameConvention>,
     axes: Option<&'static str>,
     side: Option<Side>,

@@ -124,7 +124,7 @@ fn lengths_beside_points_are_converted_too() {
     }
     // The user's unit has priority over the file's.
     let said = Said {
-        unit: Some(LengthUnit::Metre),
+        unit: Some(LengthUnit::Metre.into()),
         ..Said::default()
     };
     let found = read("points.csv", &head, &said).unwrap();
@@ -143,7 +143,7 @@ fn units_that_are_not_known_are_never_guessed() {
         let refused = table(&format!("{head}\n{}", rows(10.0))).unwrap_err();
         assert!(refused.contains("--unit"), "{head}: {refused}");
         let said = Said {
-            unit: Some(LengthUnit::Inch),
+            unit: Some(LengthUnit::Inch.into()),
             ..Said::default()
         };
         let text = format!("{head}\n{}", rows(25.4));

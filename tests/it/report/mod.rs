@@ -5,6 +5,7 @@ mod browser;
 mod motions;
 mod page;
 mod pictures;
+mod plausibility;
 mod refusals;
 mod sweep;
 

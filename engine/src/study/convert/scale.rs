@@ -57,6 +57,27 @@ impl Conversion {
         value * (length * force.powi(of.force) * mass.powi(of.mass))
     }
 
+    /// The conversion from the new units to the old units.
+    fn reversed(&self) -> Self {
+        let ([a, b], [c, d], [e, f]) = (self.lengths, self.masses, self.frames);
+        Conversion {
+            lengths: [b, a],
+            masses: [d, c],
+            frames: [f, e],
+        }
+    }
+
+    /// Converts a value without its sign, and returns the shortest decimal number whose conversion back gives exactly the
+    /// old value. So a length of 240 mm is 240 mm again after a conversion to inches and back. If no number gives exactly
+    /// the old value, the function returns the converted value with all digits.
+    pub(super) fn rounded(&self, value: f64, scale: Scale) -> f64 {
+        let (new, back) = (self.scaled(value, scale), self.reversed());
+        let decimals = (0..17).map(|digits| format!("{new:.digits$e}").parse());
+        let mut decimals = decimals.filter_map(Result::ok);
+        let shortest = decimals.find(|short| back.scaled(*short, scale) == value);
+        shortest.unwrap_or(new)
+    }
+
     /// Converts a value without its sign.
     pub(super) fn scaled(&self, value: f64, scale: Scale) -> f64 {
         let [from, to] = self.lengths;
@@ -110,16 +131,40 @@ impl Measured {
     }
 }
 
-/// Relative error below which a shorter number replaces a converted one. It is a few units in the last place.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::FrameConvention;
 
-/// Number with fewer digits that differs only by rounding. So a length of 240 mm is 240 mm again after a conversion to inches
-/// and back. Zero has no sign.
-pub(super) fn without_rounding(value: f64) -> f64 {
-    let short: f64 = format!("{value:.13e}").parse().unwrap_or(value);
-    if (short - value).abs() <= ROUNDING * value.abs() {
-        short + 0.0
-    } else {
-        value + 0.0
+    fn conversion(from: LengthUnit, to: LengthUnit) -> Conversion {
+        let units = |length| Units {
+            length,
+            mass: MassUnit::default(),
+            frame: FrameConvention::Iso8855,
+        };
+        Conversion::new(units(from), units(to), Side::Left)
+    }
+
+    /// Every written length equals the length before the conversion, without a difference in the last digits.
+    #[test]
+    fn a_converted_length_is_the_same_length() {
+        let scale = Scale::Powers(Powers::LENGTH);
+        for unit in [LengthUnit::Inch, LengthUnit::Metre] {
+            let there = conversion(LengthUnit::Millimetre, unit);
+            let back = conversion(unit, LengthUnit::Millimetre);
+            for tenths in 1..20_000 {
+                let old = f64::from(tenths) / 10.0;
+                let new = there.rounded(old, scale);
+                let again = back.rounded(new, scale);
+                assert_eq!(again, old, "{old} mm, {new} {}", unit.symbol());
+                let exact = there.scaled(old, scale);
+                let error = (new - exact).abs() / exact;
+                assert!(
+                    error <= 2.0 * f64::EPSILON,
+                    "{old} mm, {new} {}",
+                    unit.symbol()
+                );
+            }
+        }
     }
 }

@@ -4,7 +4,7 @@ use super::super::error::{Problems, Source, StudyErrors};
 use super::super::place::place_of;
 use super::super::value_edit::append;
 use super::entry::{Before, Entry, Facts, Refused, Subject, unit_named};
-use super::scale::{Conversion, Measured, Scale, without_rounding};
+use super::scale::{Conversion, Measured, Scale};
 use crate::ask::six_digits;
 use crate::model::{Axis, MassUnit};
 use hardpoint_study_file::dimension::{Dimension, Powers, Role, dimension, place_of_key};
@@ -327,7 +327,9 @@ fn one(value: &mut Value, conversion: &Conversion, of: Measured) {
     };
     let new = of.sign * conversion.scaled(old, of.scale);
     if new != old {
-        put(value, without_rounding(new).into());
+        // Zero has no sign.
+        let new = of.sign * conversion.rounded(old, of.scale) + 0.0;
+        put(value, new.into());
     }
 }
 

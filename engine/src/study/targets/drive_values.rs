@@ -1,8 +1,8 @@
 //! Drive values of targets: their unit in the study, and the range of the motion.
 
+use super::super::drive_rounding::{DriveRounding, ends};
 use super::super::resolve::Context;
 use super::super::{Motion, Site};
-use super::ends;
 use crate::number::Each;
 
 /// Drive values of a motion as written in a study: angles are in the motion's `angle_unit`.
@@ -61,8 +61,9 @@ impl<'a> DriveValues<'a> {
     /// Message if a drive value as written is outside of the motion.
     pub(super) fn outside(&self, written: f64) -> Option<String> {
         let drive = self.in_kernel(written);
-        let (lowest, highest) = ends(&self.motion.values);
-        (drive < lowest || drive > highest).then(|| {
+        let values = &self.motion.values;
+        let is_within = DriveRounding::of(values).is_within(drive, ends(values));
+        (!is_within).then(|| {
             let range = self.range_in_words();
             format!("{written} is outside of the motion, which {range}")
         })
@@ -78,8 +79,7 @@ impl<'a> DriveValues<'a> {
 
     /// Describes the range of the motion, in the study's unit.
     pub(super) fn range_in_words(&self) -> String {
-        let (lowest, highest) = ends(&self.motion.values);
-        let [lowest, highest] = [lowest, highest].each(|value| self.as_written(value));
+        let [lowest, highest] = ends(&self.motion.values).each(|value| self.as_written(value));
         let unit = match (self.motion.drive.is_angle(), self.is_in_radians) {
             (false, _) => "",
             (true, false) => " degrees",

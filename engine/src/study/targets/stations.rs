@@ -1,7 +1,7 @@
 //! Stations of targets in a motion.
 
+use super::super::drive_rounding::{DriveRounding, ends, ends_of_curve};
 use super::super::{Limit, Motion, Site, Wanted};
-use super::ends;
 use crate::sorting::sort_numbers;
 
 /// Rack displacements at which a target applies.
@@ -15,7 +15,8 @@ pub(super) fn rack_displacements(site: &Site, motion: &Motion) -> Vec<f64> {
 /// Stations in addition to those of the motion. They are needed if the motion has fewer stations within a curve than the
 /// curve has points within the motion. Otherwise too few stations would represent the curve.
 pub(super) fn added_stations(wanted: &Wanted, motion: &Motion) -> Vec<f64> {
-    let (lowest, highest) = ends(&motion.values);
+    let values = &motion.values;
+    let rounding = DriveRounding::of(values);
     let curves: Vec<&[[f64; 2]]> = match wanted {
         Wanted::Curve { points, .. } => vec![points],
         Wanted::Band {
@@ -34,16 +35,15 @@ pub(super) fn added_stations(wanted: &Wanted, motion: &Motion) -> Vec<f64> {
     };
     let mut added = Vec::new();
     for points in curves {
-        let on_curve = points[0][0]..=points[points.len() - 1][0];
-        let own = motion
-            .values
-            .iter()
-            .filter(|v| on_curve.contains(v))
-            .count();
+        let on_curve = ends_of_curve(points);
+        let own = values.iter();
+        let own = own.filter(|v| rounding.is_within(**v, on_curve)).count();
         let knots = points.iter().map(|p| p[0]);
-        let knots: Vec<f64> = knots.filter(|k| (lowest..=highest).contains(k)).collect();
+        let knots = knots.filter(|k| rounding.is_within(*k, ends(values)));
+        let knots: Vec<f64> = knots.collect();
         if own < knots.len() {
-            added.extend(knots.iter().filter(|k| !motion.values.contains(k)));
+            let knots = knots.into_iter();
+            added.extend(knots.filter(|k| !rounding.is_among(*k, values)));
         }
     }
     sort_numbers(&mut added);

@@ -1,10 +1,10 @@
 //! Bands of `[tolerance]`.
 
+use super::super::drive_rounding::{DriveRounding, ends};
 use super::super::elastic_targets;
 use super::super::error::Problems;
 use super::super::outputs::characteristic;
 use super::super::resolve::Context;
-use super::super::targets::ends;
 use super::super::{Band, TargetQuantity, axle_targets, file};
 use crate::number::Each;
 use toml::Spanned;
@@ -52,8 +52,8 @@ pub(super) fn band(
     let at = match (&written.at, values) {
         (None, _) => Some(None),
         (Some(at), Some(values)) => {
-            let (lowest, highest) = ends(values);
-            if at.value < lowest || at.value > highest {
+            let [lowest, highest] = ends(values);
+            if !DriveRounding::of(values).is_within(at.value, [lowest, highest]) {
                 let message = format!(
                     "{} is outside of the motion, which runs from {lowest} to {highest}",
                     at.value
@@ -67,7 +67,7 @@ pub(super) fn band(
     };
     let rows = site.filter(|site| site.held.has_rows());
     if let (Some(site), Some(at)) = (rows, &written.at)
-        && !site.values.contains(&at.value)
+        && !DriveRounding::of(&site.values).is_among(at.value, &site.values)
     {
         let message = format!("no row of the motion has {}", at.value);
         return problems.refuse(at.span.clone(), message);

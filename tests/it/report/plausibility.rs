@@ -1,0 +1,87 @@
+//! Tests of the plausibility warnings for a study without a wheel radius.
+
+use hardpoint::model::Suspension;
+use hardpoint::report::plausibility;
+use hardpoint::study::Study;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+fn studies() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("studies")
+}
+
+/// Warnings about a study's wheel, as if the study had no wheel radius.
+fn without_radius(wheel: &Suspension) -> Vec<String> {
+    let wheel = Suspension {
+        wheel_radius: None,
+        ..wheel.clone()
+    };
+    plausibility(&wheel).unwrap()
+}
+
+/// A wrong sign of one z is reported, with the name of the point, also if the study has no wheel radius.
+#[test]
+fn a_wrong_sign_is_reported_without_a_wheel_radius() {
+    let file = studies().join("double_wishbone_pushrod.toml");
+    let study = Study::read(&file, &[]).unwrap();
+    let wheel = study.wheel();
+    assert_eq!(without_radius(wheel), Vec::<String>::new());
+    for name in [
+        "wheel_centre",
+        "lower_arm_front",
+        "lower_arm_rear",
+        "tie_rod_inner",
+        "tie_rod_outer",
+        "pushrod_outer",
+    ] {
+        let mut changed = wheel.clone();
+        let id = changed.mechanism.point(name).unwrap();
+        changed.design[id.0].z *= -1.0;
+        let found = without_radius(&changed);
+        assert!(
+            found.iter().any(|doubt| doubt.contains(name)),
+            "{name}: {found:?}"
+        );
+    }
+}
+
+/// The sample suspensions have no warning about their wheel, with and without the wheel radius.
+#[test]
+fn sample_suspensions_are_plausible_without_a_wheel_radius() {
+    for entry in fs::read_dir(studies()).unwrap() {
+        let path = entry.unwrap().path();
+        if path.extension().is_none_or(|own| own != "toml") {
+            continue;
+        }
+        let Ok(study) = Study::read_elastic(&path, &[]) else {
+            // The study of a car refers to the studies of its axles.
+            continue;
+        };
+        let wheel = study.wheel();
+        let with = plausibility(wheel).unwrap();
+        assert_eq!(without_radius(wheel), with, "{}", path.display());
+    }
+}
+
+/// The point of the spin axis shows a direction. It does not change the distance of a rod from the wheel carrier, wherever it is.
+#[test]
+fn the_point_of_the_spin_axis_carries_no_rod() {
+    let text = fs::read_to_string(studies().join("double_wishbone_pushrod.toml")).unwrap();
+    let distance = |text: &str| {
+        let study = Study::from_text("own.toml", text, &studies()).unwrap();
+        let wheel = study.wheel();
+        let id = wheel.mechanism.point("pushrod_outer").unwrap();
+        let seats = wheel.mechanism.seats(&wheel.design, id);
+        seats
+            .iter()
+            .find(|seat| seat.name == "knuckle")
+            .unwrap()
+            .distance
+    };
+    // The same axis, with its point beside the pushrod.
+    let own = "spindle_inner    = [   0.0,  520.0,  250.6]";
+    let far = "spindle_inner = [0.0, 320.0, 241.8]";
+    let with_point = text.replace(own, far);
+    assert_ne!(with_point, text);
+    assert_eq!(distance(&with_point), distance(&text));
+}

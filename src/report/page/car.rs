@@ -257,8 +257,8 @@ fn variables(record: &CarRecord) -> String {
 
 /// Constraints of a tuning with their margins.
 fn constraints(record: &CarRecord) -> String {
-    let constraints = record.tuning.iter().map(|tuning| &tuning.constraints[..]);
-    let constraints: &[_] = constraints.last().unwrap_or_default();
+    let tuning = record.tuning.as_ref();
+    let constraints = tuning.map_or(&[][..], |tuning| &tuning.constraints);
     let Some(table) = car_constraints_table(constraints) else {
         return String::new();
     };

@@ -177,7 +177,7 @@ impl Cars {
             own.solve_rows(rows, &mut |_, _, state| _ = black_box(state.is_ok()));
         };
         jobs.push((
-            "state of a map, rows in lanes",
+            "state of an ax-ay map (rows of the map computed in SIMD lanes)",
             Job {
                 items: WHOLE * WHOLE,
                 work: Box::new(work),

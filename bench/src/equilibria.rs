@@ -125,8 +125,8 @@ impl Equilibria {
             black_box((sum, read.is_ok()));
         };
         let names = [
-            "equilibrium from the design",
-            "equilibrium from the level before",
+            "equilibrium, started at the design position",
+            "equilibrium, started at the previous load",
             "sheet of one wheel with all derivatives",
         ];
         let works: [Box<dyn FnMut()>; 3] =
@@ -143,12 +143,12 @@ impl Equilibria {
     fn add_lanes(&mut self, own: &ElasticWheel, width: Width, clock: &Clock) {
         let names = match width {
             Width::Portable => [
-                "equilibrium from the design, portable lanes",
-                "equilibrium from the level before, portable lanes",
+                "equilibrium, started at the design position, portable lanes",
+                "equilibrium, started at the previous load, portable lanes",
             ],
             Width::Avx2 | Width::Avx512 => [
-                "equilibrium from the design, avx2 lanes",
-                "equilibrium from the level before, avx2 lanes",
+                "equilibrium, started at the design position, avx2 lanes",
+                "equilibrium, started at the previous load, avx2 lanes",
             ],
         };
         let levels: Vec<WheelLoads> = side_forces().collect();
@@ -207,8 +207,8 @@ impl Equilibria {
             black_box(found.is_some());
         };
         let names = [
-            "equilibrium of both wheels from the design",
-            "equilibrium of both wheels from the level before",
+            "equilibrium of both wheels, started at the design position",
+            "equilibrium of both wheels, started at the previous load",
             "sheet of both wheels with all derivatives",
         ];
         let works: [Box<dyn FnMut()>; 3] =

@@ -1,4 +1,4 @@
-//! Slips in a table of points: one coordinate with the wrong sign or the decimal point in the wrong position.
+//! Typing errors in a table of points: one coordinate with the wrong sign or the decimal point in the wrong position.
 
 /// A coordinate that is probably wrong.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -14,8 +14,9 @@ pub(crate) struct Slip {
 }
 
 impl Slip {
-    /// Finds the slip that explains all warnings. `fits` returns true if points cause no warning. The change must bring the point
-    /// much nearer to the others. `None` if changes of different points explain the warnings: then any of them may be wrong.
+    /// Finds the typing error that explains all warnings. `fits` returns true if points cause no warning. The change must bring
+    /// the point much nearer to the others. `None` if changes of different points explain the warnings: then any of them may be
+    /// wrong.
     pub(crate) fn of(points: &[[f64; 3]], fits: impl Fn(&[[f64; 3]]) -> bool) -> Option<Slip> {
         const NEARER: f64 = 0.75;
         let mut found: Vec<(f64, Slip)> = Vec::new();
@@ -49,8 +50,8 @@ impl Slip {
         is_only_one.then_some(slip)
     }
 
-    /// Describes the slip: `y = 22.52 instead of -22.52 (a wrong sign)`. `now` is the coordinate as written, and `likely` its
-    /// likely value in the same axes.
+    /// Describes the probable typing error: `y = 22.52 instead of -22.52 (a wrong sign)`. `now` is the coordinate as written,
+    /// and `likely` its likely value in the same axes.
     pub(crate) fn describe(&self, now: f64, likely: f64) -> String {
         let kind = if self.is_sign {
             "a wrong sign"
@@ -101,7 +102,7 @@ mod tests {
         }
     }
 
-    /// Points of a box. One coordinate outside is found. Two points outside are not a slip.
+    /// Points of a box. One coordinate outside is found. Two points outside do not count as a typing error.
     #[test]
     fn one_coordinate_far_outside_is_a_slip() {
         let sound = [

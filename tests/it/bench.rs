@@ -233,8 +233,8 @@ fn the_command_writes_table_picture_and_circumstances() {
     assert!(csv.starts_with("effect,alone_ns,"), "{csv}");
 }
 
-/// The benchmark times cars and equilibria of wheels and axles, with one row for each job. The number per second agrees
-/// with the time.
+/// The benchmark measures computing times for cars, and for equilibria of wheels and axles. It writes one row for each job. In
+/// each row, the rate per second agrees with the time.
 #[test]
 fn cars_and_equilibria_are_timed() {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
@@ -258,8 +258,8 @@ fn cars_and_equilibria_are_timed() {
             "equilibria",
             "double_wishbone_compliance.toml",
             &[
-                "equilibrium from the design",
-                "equilibrium from the level before",
+                "equilibrium, started at the design position",
+                "equilibrium, started at the previous load",
                 "sheet of one wheel with all derivatives",
             ],
         ),
@@ -267,8 +267,8 @@ fn cars_and_equilibria_are_timed() {
             "equilibria",
             "subframe_axle_compliance.toml",
             &[
-                "equilibrium of both wheels from the design",
-                "equilibrium of both wheels from the level before",
+                "equilibrium of both wheels, started at the design position",
+                "equilibrium of both wheels, started at the previous load",
                 "sheet of both wheels with all derivatives",
             ],
         ),

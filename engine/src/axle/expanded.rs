@@ -45,8 +45,9 @@ pub(crate) struct Expandable<'a> {
     pub(super) parts: Parts,
 }
 
-/// A wheel whose numbers are series along a direction of its design. The series go to the third power of travel. For an
-/// independent wheel, they go to the fourth power.
+/// A wheel as a function of its travel, and of a change of its design along one direction. Each value is a polynomial in
+/// travel, up to travel^3 (up to travel^4 for an independent wheel). The coefficients of the polynomial are Taylor series along
+/// the direction of the design.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ExpandedWheel {
     reading: Reading<Series>,

@@ -269,8 +269,8 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// Returns the state with both wheels on one plane ground, whatever coordinates are given. Roll angle and mean
-    /// travel are constant in motions.
+    /// Returns the state with both wheels on one plane ground, whatever coordinates the study gives. In its derivatives, the
+    /// roll angle and the mean travel are constant, except for the one that changes along the motion.
     #[inline(always)]
     pub fn on_plane(&self) -> Self {
         AxleState {

@@ -101,7 +101,7 @@ struct Objective<'a> {
     car: &'a Car,
     goals: CarGoals<'a>,
     rigs: Vec<RigRows<'a>>,
-    /// Factor on all residuals, by (1).
+    /// Factor on all residuals, by equation (1).
     scale: f64,
 }
 

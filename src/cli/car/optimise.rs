@@ -93,7 +93,7 @@ struct TuningResults<'a> {
     texts: &'a [String; 3],
     targets: Vec<CarTargetRecord>,
     constraints: Vec<CarConstraintRecord>,
-    /// Names of constraints that exclude one another.
+    /// Names of constraints that contradict one another.
     contradiction: Vec<String>,
     variables: Vec<CarVariableRecord>,
     effects: Vec<SideEffect>,

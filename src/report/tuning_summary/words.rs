@@ -5,7 +5,7 @@ use super::*;
 /// Largest number of starts that are listed one by one.
 const FEW_STARTS: usize = 8;
 
-/// Sentence about constraints that exclude one another, by their names. `None` without such constraints.
+/// Sentence about constraints that contradict one another, by their names. `None` without such constraints.
 pub fn contradiction_in_words(names: &[String]) -> Option<String> {
     match names {
         [] => None,

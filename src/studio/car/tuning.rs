@@ -94,7 +94,7 @@ fn run(
     })
 }
 
-/// Sentence about constraints that exclude one another. `None` without such constraints.
+/// Sentence about constraints that contradict one another. `None` without such constraints.
 fn contradiction(study: &CarStudy, tuned: &TunedCar) -> Result<Option<String>, String> {
     let (Some(optimise), false) = (&study.optimise, tuned.contradiction.is_empty()) else {
         return Ok(None);

@@ -22,7 +22,7 @@ const DAMPING: f64 = 1e-7;
 /// increases.
 const MORE_DAMPING: f64 = 100.0;
 const DAMPINGS: usize = 3;
-/// Largest number of programs for one step, over all levels.
+/// Largest number of quadratic programs for one step, over all levels.
 const PROGRAMS: usize = 300;
 /// Largest difference between duplicate rows: a hundredth of the largest violation that still counts as satisfied.
 const SLACK: f64 = 1e-9;
@@ -32,8 +32,8 @@ const SLACK: f64 = 1e-9;
 pub(super) enum Proposal {
     /// The minimum of the model.
     Optimal,
-    /// The rows exclude one another within the radius. Contains the smallest possible value of the largest violation, and the
-    /// rows that exclude one another.
+    /// No step within the trust radius satisfies all constraints. Contains the smallest possible value of the largest
+    /// violation, and the constraints that contradict one another.
     Relaxed { remaining: f64, culprits: Vec<Held> },
 }
 
@@ -42,7 +42,7 @@ pub(super) enum Proposal {
 pub(super) struct Settled {
     /// Imbalance left in the optimality conditions.
     pub residual: f64,
-    /// Other multipliers of the rows that also balance the slope, if there are any.
+    /// Other multipliers of the rows that also satisfy the optimality conditions, if there are any.
     pub alternatives: Option<Vec<f64>>,
 }
 
@@ -67,7 +67,7 @@ pub(super) struct ConvexModel<'a> {
     speaks: Vec<bool>,
     /// Number of equalities among the kept rows.
     kept_equalities: usize,
-    /// Number of programs left for this step, and their damping relative to the largest pivot.
+    /// Number of quadratic programs left for this step, and their damping relative to the largest pivot.
     programs: usize,
     damping: f64,
     /// Indices and entries of the rows that a step can violate.
@@ -83,11 +83,11 @@ pub(super) struct ConvexModel<'a> {
     /// Point at which the relaxed rows are met.
     relaxed: Vec<f64>,
     step: Vec<f64>,
-    /// Multipliers of rows, bounds (negative at a lower bound) and levels, from the last program.
+    /// Multipliers of rows, bounds (negative at a lower bound) and levels, from the last quadratic program.
     row_multipliers: Vec<f64>,
     bound_multipliers: Vec<f64>,
     level_multipliers: Vec<f64>,
-    /// Weight of each level's squares in the next program.
+    /// Weight of each level's squares in the next quadratic program.
     weights: Vec<f64>,
     /// Last multipliers of the levels. The next search starts from them.
     last_weights: Vec<Option<f64>>,
@@ -275,8 +275,8 @@ impl<'a> ConvexModel<'a> {
         proposal
     }
 
-    /// Returns normals and offsets of the rows and bounds that were active (at their limits) in the previous step. They do
-    /// not depend on the weights of the levels in the next program.
+    /// Returns normals and offsets of the rows and bounds that were active (at their limits) in the previous step. They do not
+    /// depend on the weights of the levels in the next quadratic program.
     fn held_rows(&self) -> Vec<(Vec<f64>, f64)> {
         let n = self.half.len();
         let rows = self.kept.iter().enumerate();
@@ -302,7 +302,7 @@ impl<'a> ConvexModel<'a> {
         held
     }
 
-    /// Solves the program with the weighted squares of the levels added.
+    /// Solves the quadratic program with the weighted squares of the levels added.
     fn program(&mut self, curved: bool) -> Outcome {
         let n = self.half.len();
         let weighed = || {
@@ -402,7 +402,7 @@ impl<'a> ConvexModel<'a> {
         -0.5 * (goal.change(step, scratch) + curvature.quadratic(step))
     }
 
-    /// Updates the curvature from an accepted step to `after`, with the multipliers of the last program.
+    /// Updates the curvature from an accepted step to `after`, with the multipliers of the last quadratic program.
     pub(super) fn learn(&mut self, before: &Assessment, after: &Assessment) {
         let n = self.half.len();
         let mut y = vec![0.0; n];

@@ -16,7 +16,7 @@ pub struct TunedCar {
     pub misfit_before: Option<f64>,
     /// Number of starts that were interrupted, and total number of starts.
     pub interrupted: [usize; 2],
-    /// Indices of constraints that exclude one another ([`CarTuning::contradiction`]).
+    /// Indices of constraints that contradict one another ([`CarTuning::contradiction`]).
     pub contradiction: Vec<usize>,
 }
 

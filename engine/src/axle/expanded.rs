@@ -1,10 +1,10 @@
 //! A wheel as a function of its travels and of one direction of its design.
 //!
-//! With the design d(e) = d_0 + d_1 e + d_2 e^2, each number of a wheel is u(a, b, e). Here a and b are steps of travel
-//! and rack. For a rigid axle, a and b are steps of its two travels. Along a line (a, b) = t (p, q), the number is a
-//! polynomial in t and e. The coefficients c_ij of t^i e^j are computed from power series in s along straight lines (t,
-//! e) = s (1, 0), s (0, 1), s (1, 1), s (1, -1), as in module `taylor`. Degree 4 needs one more line, s (2, 1). With A,
-//! B and C, the coefficients of s^4 along the last three lines,
+//! With the design d(e) = d_0 + d_1 e + d_2 e^2, each value of a wheel is u(a, b, e). Here a and b are steps of travel and
+//! rack. For a rigid axle, a and b are steps of its two travels. Along a line (a, b) = t (p, q), the number is a polynomial in
+//! t and e. The coefficients c_ij of t^i e^j are computed from power series in s along straight lines (t, e) = s (1, 0), s (0,
+//! 1), s (1, 1), s (1, -1), as in module `taylor`. Degree 4 needs one more line, s (2, 1). With A, B and C, the coefficients of
+//! s^4 along the last three lines,
 //!
 //! ```text
 //! c_22 = (A + B)/2 - c_40 - c_04                                                                                (1)
@@ -90,8 +90,8 @@ impl Expandable<'_> {
         }
     }
 
-    /// Returns the numbers of the wheel along (t, e) = s (`travel`, `design`). Here t is the step along a line in
-    /// travel and rack.
+    /// Returns the values of the wheel along (t, e) = s (`travel`, `design`). Here t is the step along a line in travel and
+    /// rack.
     fn series<const N: usize>(
         &self,
         along: &[Vector3<Series>],

@@ -262,7 +262,7 @@ impl<const N: usize> Reading<Jet<f64, N>> {
 pub trait WheelParts<T: Real>: Copy {
     /// True if the coefficients of the fourth power of travel are known.
     const HAS_FOURTH: bool = false;
-    /// True if the numbers of the wheel are used only at the travel of the coefficients, without a step away from it.
+    /// True if the values of the wheel are used only at the travel of the coefficients, without a step away from it.
     const IS_AT_TRAVELS: bool = false;
 
     /// Returns a vector of the wheel. The powers `[0, 0]` of travel and rack give the vector itself. Other powers give
@@ -283,7 +283,8 @@ pub trait WheelParts<T: Real>: Copy {
     /// Numbers of the wheel in the design position.
     fn design(&self) -> DesignWheel<T>;
 
-    /// Returns any number of the wheel. Constants get its number type and its number of coefficients.
+    /// Returns any one value of the wheel. New constants copy the number type and the count of coefficients from this
+    /// value.
     fn like(&self) -> T;
 
     /// Calls [`WheelParts::read_vector`] through a function that is compiled separately.

@@ -252,7 +252,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         left.half_track() + right.half_track()
     }
 
-    /// Returns any number of the state. Constants get its number type and its number of coefficients.
+    /// Returns any one value of the state. New constants copy the number type and the count of coefficients from this value.
     #[inline(always)]
     pub fn like(&self) -> T {
         self.roll

@@ -352,7 +352,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         found
     }
 
-    /// Computes the numbers of the wheel at a travel and a rack displacement, both in this wheel's own frame.
+    /// Computes the values of the wheel at a travel and a rack displacement, both in this wheel's own frame.
     pub(super) fn read(
         &self,
         pose: &Pose<f64>,
@@ -387,7 +387,7 @@ impl<'a, const N: usize> Corner<'a, N> {
     }
 }
 
-/// Computes the numbers of a wheel at a travel and a rack displacement, both in the wheel's own frame.
+/// Computes the values of a wheel at a travel and a rack displacement, both in the wheel's own frame.
 pub(super) fn read_wheel<const N: usize>(
     solver: &Solver,
     series: &DesignSeries<N>,

@@ -1,4 +1,4 @@
-//! Least squares under constraints, by a sequence of convex programs.
+//! Least squares under constraints, by a sequence of convex subproblems.
 //!
 //! Minimise |a(x)|^2 / 2 within the box of the variables, subject to
 //!

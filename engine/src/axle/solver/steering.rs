@@ -7,8 +7,8 @@ use crate::model::{AxleTravel, Drive, Mechanism};
 use crate::number::{Dual, Real, Vector3};
 
 /// Moves the drag link's end in a design, by equation (1) of `model/steered_axle.rs`. Returns the lift of the wheel
-/// centres by (4) and (5): first the change of the travel that drives the axle, then the change of the held travel.
-/// Both are 0 if no drag link steers the axle.
+/// centres by equations (4) and (5): first the change of the travel that drives the axle, then the change of the held
+/// travel. Both are 0 if no drag link steers the axle.
 #[inline(always)]
 pub(crate) fn displace<T: Real>(
     mechanism: &Mechanism,

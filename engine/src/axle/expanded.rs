@@ -1,7 +1,7 @@
 //! A wheel as a function of its travels and of one direction of its design.
 //!
 //! With the design d(e) = d_0 + d_1 e + d_2 e^2, each value of a wheel is u(a, b, e). Here a and b are steps of travel and
-//! rack. For a rigid axle, a and b are steps of its two travels. Along a line (a, b) = t (p, q), the number is a polynomial in
+//! rack. For a rigid axle, a and b are steps of its two travels. Along a line (a, b) = t (p, q), the value is a polynomial in
 //! t and e. The coefficients c_ij of t^i e^j are computed from power series in s along straight lines (t, e) = s (1, 0), s (0,
 //! 1), s (1, 1), s (1, -1), as in module `taylor`. Degree 4 needs one more line, s (2, 1). With A, B and C, the coefficients of
 //! s^4 along the last three lines,

@@ -16,7 +16,7 @@ const COUNT: usize = 9;
 const AX: [f64; 2] = [-0.6, 0.3];
 const AY: [f64; 2] = [0.0, 0.6];
 
-/// Times of the states of a car.
+/// Computing times of the states of a car.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cars {
     /// One time per job.
@@ -131,8 +131,8 @@ fn each<'a>(steps: &'a [&Step], mut work: impl FnMut(&Step) + 'a) -> Job<'a> {
 }
 
 impl Cars {
-    /// Times the states of a car over its g-g map, or over a default map, and the tuning of the study, if it has one.
-    /// Returns an error if a design cannot be solved, or if no state exists.
+    /// Measures the computing times of the states of a car over its g-g map, or over a default map. If the study has a tuning,
+    /// also measures the time of the tuning. Returns an error if a design cannot be solved, or if no state exists.
     pub fn measure(study: &CarStudy, clock: &Clock) -> Result<Self, Unmeasurable> {
         let car = &study.car;
         let solver = || {
@@ -177,7 +177,7 @@ impl Cars {
             own.solve_rows(rows, &mut |_, _, state| _ = black_box(state.is_ok()));
         };
         jobs.push((
-            "state of a map, rows in lanes",
+            "state of an ax-ay map (rows of the map computed in SIMD lanes)",
             Job {
                 items: WHOLE * WHOLE,
                 work: Box::new(work),
@@ -239,7 +239,7 @@ fn printed(
     }
 }
 
-/// Times a whole map with member loads.
+/// Measures the computing time of a whole map with member loads.
 fn whole_map(study: &CarStudy, clock: &Clock) -> JobTime {
     let rows = map(study, Some(WHOLE));
     let clock = Clock {

@@ -16,7 +16,7 @@ const LOADS: usize = 64;
 /// Largest component of a force, N.
 const LARGEST: f64 = 2000.0;
 
-/// Times of the equilibria of a study.
+/// Computing times of the equilibria of a study.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Equilibria {
     /// One time per job.
@@ -62,7 +62,8 @@ fn parameters(suspension: &Suspension, parts: &Compliance) -> Vec<Parameter> {
 }
 
 impl Equilibria {
-    /// Times the equilibria of a study. Returns an error if the study has no elastic parts, or if its design has no equilibrium.
+    /// Measures the computing times of the equilibria of a study. Returns an error if the study has no elastic parts, or if its
+    /// design has no equilibrium.
     pub fn measure(study: &Study, clock: &Clock) -> Result<Self, Unmeasurable> {
         match (study.one_wheel(), study.axle()) {
             (Some(wheel), _) => Equilibria::of_wheel(wheel, clock),
@@ -125,8 +126,8 @@ impl Equilibria {
             black_box((sum, read.is_ok()));
         };
         let names = [
-            "equilibrium from the design",
-            "equilibrium from the level before",
+            "equilibrium, started at the design position",
+            "equilibrium, started at the previous load",
             "sheet of one wheel with all derivatives",
         ];
         let works: [Box<dyn FnMut()>; 3] =
@@ -143,19 +144,19 @@ impl Equilibria {
     fn add_lanes(&mut self, own: &ElasticWheel, width: Width, clock: &Clock) {
         let names = match width {
             Width::Portable => [
-                "equilibrium from the design, portable lanes",
-                "equilibrium from the level before, portable lanes",
+                "equilibrium, started at the design position, portable lanes",
+                "equilibrium, started at the previous load, portable lanes",
             ],
             Width::Avx2 | Width::Avx512 => [
-                "equilibrium from the design, avx2 lanes",
-                "equilibrium from the level before, avx2 lanes",
+                "equilibrium, started at the design position, avx2 lanes",
+                "equilibrium, started at the previous load, avx2 lanes",
             ],
         };
         let levels: Vec<WheelLoads> = side_forces().collect();
         let items = [LOADS, LOADS * width.lanes()];
         equilibria_in_lanes(width, own, &loads(), &levels, &mut |work| {
             for (number, job) in names.into_iter().enumerate() {
-                // The program times a job only if the job finds every equilibrium.
+                // The program measures the time of a job only if the job finds every equilibrium.
                 let mut found = 0;
                 work(&mut |_| found += 1, number);
                 if found != items[number] {
@@ -207,8 +208,8 @@ impl Equilibria {
             black_box(found.is_some());
         };
         let names = [
-            "equilibrium of both wheels from the design",
-            "equilibrium of both wheels from the level before",
+            "equilibrium of both wheels, started at the design position",
+            "equilibrium of both wheels, started at the previous load",
             "sheet of both wheels with all derivatives",
         ];
         let works: [Box<dyn FnMut()>; 3] =
@@ -216,8 +217,9 @@ impl Equilibria {
         Ok(Equilibria::timed(names, works, clock))
     }
 
-    /// Times all sample loads from the design, all side forces (each from the equilibrium of the previous one), and one sheet of
-    /// tests.
+    /// Measures the computing times of three jobs. The first one computes the equilibria of all sample loads, each started at
+    /// the design position. The second one computes the equilibria of all side forces, each started at the equilibrium of the
+    /// previous one. The third one computes one sheet of tests.
     fn timed(names: [&'static str; 3], works: [Box<dyn FnMut() + '_>; 3], clock: &Clock) -> Self {
         let items = [LOADS, LOADS, 1].into_iter();
         let jobs = items.zip(works).map(|(items, work)| Job { items, work });

@@ -92,7 +92,7 @@ def tolerance(
 
 
 def assemblies(study: Study | Place, travel: float = 0.0, rack: float = 0.0) -> Frame:
-    """Finds all assemblies of the design's lengths at a travel and a rack displacement, with a row for each. Raises
+    """Finds all assemblies of the design's lengths at a travel and a rack displacement, with a row for each assembly. Raises
     `HardpointError` if the search cannot decide whether there are more."""
     csv, undecided = _hardpoint.assemblies(study_of(study)._study, float(travel), float(rack))
     if undecided:

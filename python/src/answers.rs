@@ -33,7 +33,7 @@ struct Answer {
 
 impl Answer {
     fn of(files: Vec<(&str, Vec<u8>)>, summary: &impl serde::Serialize) -> Self {
-        let summary = serde_json::to_string_pretty(summary).expect("summaries are plain data");
+        let summary = serde_json::to_string_pretty(summary).expect("JSON can store summaries");
         let files = files
             .into_iter()
             .map(|(name, bytes)| (name.to_owned(), bytes));
@@ -55,7 +55,7 @@ impl Answer {
 
 /// JSON of a record, as the program writes it to a file.
 pub(crate) fn as_json(record: &Record) -> Vec<u8> {
-    let text = serde_json::to_string(record).expect("records are plain data");
+    let text = serde_json::to_string(record).expect("JSON can store records");
     (text + "\n").into_bytes()
 }
 

@@ -368,7 +368,7 @@ pub(crate) fn car_tolerance<'py>(
             }
         });
         let summary = CarToleranceSummary::of(&problem, &nominal, &expansion, &builds);
-        let json = serde_json::to_vec_pretty(&summary).expect("summaries are plain data");
+        let json = serde_json::to_vec_pretty(&summary).expect("JSON can store summaries");
         Ok([
             ("tolerance.csv", summary.csv()),
             ("contributors.csv", summary.contributors_csv()),

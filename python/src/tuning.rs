@@ -46,7 +46,7 @@ struct Tuned {
     front: Option<Vec<u8>>,
     /// Pareto front in JSON, as the record of a run contains it.
     front_record: Option<String>,
-    /// True if every curve of the tuned design was found, and also the front if it was requested.
+    /// True if every curve of the tuned design was found, and also the Pareto front if it was requested.
     is_complete: bool,
     is_interrupted: bool,
 }
@@ -87,7 +87,7 @@ fn tune_study(
         is_complete: after.as_ref().is_some_and(Solved::is_complete) && has_front,
         front_record: front.as_ref().map(|front| {
             let record = FrontRecord::of(own, optimise, front, Solved::table);
-            serde_json::to_string(&record).expect("records are plain data")
+            serde_json::to_string(&record).expect("JSON can store records")
         }),
         front: front.map(|front| front_csv(own, optimise, &front)),
         summary,
@@ -123,7 +123,7 @@ fn expected_yield<'py>(py: Python<'py>, tuning: &Tuning) -> PyResult<Option<Boun
     })
 }
 
-/// Adds the tables of a tuning as CSV: side effects, history and front.
+/// Adds the tables of a tuning as CSV: side effects, history and Pareto front.
 fn add_tables(result: &Bound<'_, PyDict>, found: &Tuned) -> PyResult<()> {
     let py = result.py();
     let effects = &found.summary.side_effects;

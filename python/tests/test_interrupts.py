@@ -11,8 +11,8 @@ import pytest
 import hardpoint as hp
 from conftest import STUDIES
 
-# The limit for a release build is 0.3 s. The build of the tests is not optimised, and the machine may be busy.
-# So the default limit is longer.
+# The limit for a module compiled with optimisation is 0.3 s. The tests use a module compiled without optimisation, and
+# the machine may be busy. So the default limit is longer.
 SOON = float(os.environ.get("HARDPOINT_SOON", "5.0"))
 
 

@@ -24,7 +24,7 @@ PACKAGES = {
     "pymoo": ["pymoo"],
     "tolerances": ["pandas", "matplotlib"],
 }
-# The build of the tests is not optimised, so the recipes run with small numbers.
+# The tests use a module compiled without optimisation, so the recipes run with few designs, builds and trials.
 SMALL = {"HARDPOINT_DESIGNS": "5000", "HARDPOINT_BUILDS": "300", "HARDPOINT_TRIALS": "10", "HARDPOINT_GENERATIONS": "6"}
 
 

@@ -10,7 +10,7 @@ use crate::study::CarStudy;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Value of one axle, from a list with one value for both axles or one value for each.
+/// Value of one axle, from a list with one value for both axles or one value for each axle.
 fn of_axle<T: Copy>(values: &[T], end: usize) -> Option<T> {
     values.get(end).or(values.first()).copied()
 }

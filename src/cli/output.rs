@@ -255,13 +255,13 @@ impl Output {
 
     /// Writes a record for programs as one line of JSON.
     pub(super) fn record(&self, name: &str, record: &impl serde::Serialize) -> Result<(), Stop> {
-        let text = serde_json::to_string(record).expect("records are plain data");
+        let text = serde_json::to_string(record).expect("JSON can store records");
         self.file(name, (text + "\n").as_bytes())
     }
 
     /// Writes a summary as JSON.
     pub(super) fn json(&self, name: &str, summary: &impl serde::Serialize) -> Result<(), Stop> {
-        let text = serde_json::to_string_pretty(summary).expect("summaries are plain data");
+        let text = serde_json::to_string_pretty(summary).expect("JSON can store summaries");
         self.file(name, (text + "\n").as_bytes())
     }
 

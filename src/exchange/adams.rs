@@ -250,7 +250,7 @@ impl Field<'_> {
 struct Row<'a> {
     name: String,
     symmetry: Symmetry,
-    /// Fields after the symmetry.
+    /// Fields that follow the symmetry field.
     fields: Vec<Field<'a>>,
 }
 

@@ -268,7 +268,8 @@ pub(super) fn for_axle(
     Ok(imported)
 }
 
-/// Linkages that hold a solid axle sideways, and a hardpoint of each. Such an axle has one upper link, with its actual y.
+/// Linkages that hold a solid axle sideways, and one hardpoint of each linkage. Such an axle has one upper link, with its
+/// actual y.
 const ACROSS: [(&str, &str); 2] = [
     ("panhard_axle", "a Panhard rod"),
     ("watt_axis", "a Watt linkage"),

@@ -1,9 +1,9 @@
 //! Words of names: splits a name, spells out abbreviations, and finds the hardpoint for the words.
 //!
 //! A name is split into words and abbreviations are spelt out (`LCA` is `lower arm`). The words are compared with those of a
-//! table, in any order. So `lca_front`, `Lower wishbone - front pivot` and `hpl_lca_front` are all `lower_arm_front`. Names that
-//! are not in the table stay unknown, because the importer never guesses from similarity. [`super::roles`] adds the wheel, the
-//! axle and the body in a name.
+//! table, in any order. So `lca_front`, `Lower wishbone - front pivot` and `hpl_lca_front` are all `lower_arm_front`. Names
+//! that are not in the table stay unknown, because the importer never guesses from similarity. [`super::roles`] also recognises
+//! the wheel, the axle and the body that a name states.
 
 use super::table::Marks;
 use crate::model::{AxlePosition, Side, Topology};

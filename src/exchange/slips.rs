@@ -1,5 +1,5 @@
-//! Slips in the points of a file: one coordinate with a wrong sign or decimal place. A slip may explain why the axes or the half
-//! track are uncertain. Then the importer names the slip instead of asking about the whole file.
+//! Typing errors in the points of a file: one coordinate with a wrong sign or decimal place. A typing error may explain why the
+//! axes or the half track are uncertain. Then the importer names the typing error instead of asking about the whole file.
 
 use super::corner::Picked;
 use super::place;
@@ -9,7 +9,7 @@ use super::{Hardpoint, ImportOptions};
 use crate::model::Side;
 use crate::report::Slip;
 
-/// Describes a slip in a point of the file. `outcome` states the result with the likely value.
+/// Describes a typing error in a point of the file. `outcome` states the result with the likely value.
 pub(super) fn in_words(point: &Hardpoint, slip: &Slip, outcome: &str) -> String {
     let words = slip.describe(point.position[slip.axis], slip.likely);
     format!(
@@ -44,8 +44,8 @@ impl Checks<'_> {
         moved.is_ok() && !notes.iter().any(|note| note.starts_with("please check"))
     }
 
-    /// Replaces the reason of a refusal by the slip that explains it, if there is a slip. `picked` are the points as written in
-    /// the file.
+    /// Replaces the reason of a refusal by the typing error that explains it, if there is one. `picked` are the points as
+    /// written in the file.
     pub(super) fn explain(&self, picked: &[Picked], refusal: Refusal) -> Refusal {
         let points: Vec<[f64; 3]> = picked.iter().map(|p| p.hardpoint.position).collect();
         let changed = |points: &[[f64; 3]]| {

@@ -87,7 +87,7 @@ fn key_of(node: Node, line: usize) -> Result<String, String> {
         Node::Number(number) => Ok(number.to_string()),
         Node::Truth(_) | Node::Other => Ok(String::new()),
         Node::List(_) | Node::Table(_) => Err(format!(
-            "line {line}: a key is a list or a map; expected the name of a point"
+            "line {line}: a list or a map cannot be a key; expected the name of a point"
         )),
     }
 }
@@ -139,7 +139,7 @@ true: yes
         for (text, reason) in [
             ("a: &p [1, 2, 3]\nb: *p\n", "line 2: YAML alias"),
             ("a: [1, 2\nb: 3", "not YAML: line 2"),
-            ("? [1, 2]\n: 3\n", "line 1: a key is a list or a map"),
+            ("? [1, 2]\n: 3\n", "line 1: a list or a map cannot be a key"),
         ] {
             let message = read(text).unwrap_err();
             assert!(message.contains(reason), "{text:?}: {message}");

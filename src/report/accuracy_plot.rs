@@ -108,7 +108,7 @@ fn panels(accuracy: &Accuracy) -> [Panel; 4] {
         Panel {
             title: "Derivatives of four characteristics by every coordinate",
             across: "step of the difference quotient [size of the mechanism]",
-            up: "largest error [parts of the largest derivative]",
+            up: "largest error [fraction of the largest derivative]",
             series: derivatives,
             legend: SeriesLabelPosition::UpperMiddle,
         },

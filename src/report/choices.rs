@@ -9,7 +9,7 @@ use crate::optimise::{Choice, Front};
 use crate::study::{Optimise, Study, Variable};
 use serde::{Deserialize, Serialize};
 
-/// Largest number of printed points of a front.
+/// Largest number of printed points of a Pareto front.
 const PRINTED: usize = 9;
 
 /// Column name of a variable: `tie_rod_inner_dz_mm`, `upper_ball_joint+wheel_centre_turn_x_deg`.
@@ -18,8 +18,9 @@ fn column(variable: &Variable, unit: &str) -> String {
     format!("{}_{unit}", variable.label())
 }
 
-/// Content of `front.csv`: one row per point of the front. It has the misfit of each goal as a multiple of its tolerance, the
-/// weights, and the offsets of the variables. The last column is "yes" if the front has a gap after this point.
+/// Content of `front.csv`: one row per point of the Pareto front. It has the misfit of each goal as a multiple of its
+/// tolerance, the weights, and the offsets of the variables. The last column is "yes" if the Pareto front has a gap after this
+/// point.
 pub fn front_csv(study: &Study, optimise: &Optimise, front: &Front) -> Vec<u8> {
     let unit = study.wheel().length_unit.symbol();
     csv_of(|writer| {
@@ -45,7 +46,7 @@ pub fn front_csv(study: &Study, optimise: &Optimise, front: &Front) -> Vec<u8> {
     })
 }
 
-/// Table of a front for people: some of its points, including the first and the last.
+/// Table of a Pareto front for people: some of its points, including the first and the last.
 pub fn front_table(optimise: &Optimise, front: &Front) -> Table {
     let names: Vec<&str> = optimise
         .front
@@ -73,7 +74,7 @@ pub fn front_table(optimise: &Optimise, front: &Front) -> Table {
     table
 }
 
-/// Remarks on a front.
+/// Remarks on a Pareto front.
 pub fn front_remarks(optimise: &Optimise, front: &Front) -> Vec<String> {
     let names: Vec<&str> = optimise
         .front
@@ -101,7 +102,7 @@ pub fn front_remarks(optimise: &Optimise, front: &Front) -> Vec<String> {
             amounts.join(", ")
         };
         remarks.push(format!(
-            "the front has a gap between points {} ({}) and {} ({}): no design was found between \
+            "the Pareto front has a gap between points {} ({}) and {} ({}): no design was found between \
              them",
             place + 1,
             amounts(&front.choices[*place]),
@@ -132,23 +133,23 @@ fn some_of(count: usize) -> Vec<usize> {
     }
 }
 
-/// A front in the form for the page.
+/// A Pareto front in the form for the page.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrontRecord {
-    /// Goals of the front.
+    /// Goals of the Pareto front.
     #[serde(rename = "targets", alias = "wishes")]
     pub goals: Vec<String>,
     /// Variables, with the names of their columns.
     pub variables: Vec<String>,
-    /// Points of the front.
+    /// Points of the Pareto front.
     pub points: Vec<FrontPoint>,
-    /// Indices of the points after which the front has a gap.
+    /// Indices of the points after which the Pareto front has a gap.
     pub breaks: Vec<usize>,
     /// Lines of the first point's study.
     pub study: Vec<String>,
 }
 
-/// A point of a front.
+/// A point of a Pareto front.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrontPoint {
     /// Misfit of each goal, as a multiple of its tolerance.
@@ -165,7 +166,7 @@ pub struct FrontPoint {
 }
 
 impl FrontRecord {
-    /// Makes the record of a front that a tuning has found. `curves` solves a study.
+    /// Makes the record of a Pareto front that a tuning has found. `curves` solves a study.
     pub fn of(
         study: &Study,
         optimise: &Optimise,

@@ -31,7 +31,7 @@ pub struct ToleranceSummary {
     pub aligned: bool,
     /// Number of builds that could not be assembled.
     pub rejected: u64,
-    /// Number of rejected builds for each reason, with the first build of each.
+    /// Number of rejected builds for each reason, with the first build rejected for this reason.
     pub rejects: Vec<RejectRecord>,
     /// Number of builds that have no pose somewhere in the motion.
     pub incomplete: u64,

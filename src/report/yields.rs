@@ -114,7 +114,10 @@ impl YieldRecord {
     pub fn surrogate_in_words(&self) -> Option<String> {
         let surrogate = self.surrogate.as_ref()?;
         let error = surrogate.error.map_or(String::new(), |error| {
-            format!(", {:+.1} points from the yield", 100.0 * error)
+            format!(
+                ", {:+.1} percentage points relative to the yield",
+                100.0 * error
+            )
         });
         let kept = if surrogate.keeps_plain {
             "; the search found no larger yield than the optimum without scatter, which is kept"

@@ -155,7 +155,7 @@ impl Lock {
     }
 
     fn sign(&mut self, owner: &Owner) -> io::Result<()> {
-        let text = serde_json::to_string(owner).expect("an owner is plain data");
+        let text = serde_json::to_string(owner).expect("JSON can store an owner");
         self.file.rewind()?;
         self.file.set_len(0)?;
         self.file.write_all(text.as_bytes())

@@ -65,7 +65,7 @@ impl Manifest {
 
     /// Text of the file.
     pub fn text(&self) -> String {
-        serde_json::to_string_pretty(self).expect("a manifest is plain data") + "\n"
+        serde_json::to_string_pretty(self).expect("JSON can store a manifest") + "\n"
     }
 
     /// Run that wrote a file.

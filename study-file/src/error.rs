@@ -157,7 +157,7 @@ impl StudyError {
     }
 }
 
-/// Part of a span in the first line of the span, at character boundaries. Used to keep excerpts short.
+/// Returns the part of a span that lies in its first line, cut at character boundaries. Keeps excerpts short.
 fn within_line(text: &str, span: Range<usize>) -> Range<usize> {
     let boundary = |mut at: usize| {
         at = at.min(text.len());

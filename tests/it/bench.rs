@@ -174,8 +174,8 @@ fn a_motion_of_two_stations_is_no_curve() {
     assert_eq!(refused, expected);
 }
 
-/// The benchmark times every topology in SIMD lanes of every available width. It also times gradients, except for
-/// topologies with an instantaneous steering axis. The method of the paper applies only to struts.
+/// The benchmark measures computing times of every topology in SIMD lanes of every available width. It also measures the times
+/// of gradients, except for topologies with an instantaneous steering axis. The method of the paper applies only to struts.
 #[test]
 fn throughput_is_measured_by_every_way_there_is() {
     if !crate::support::has_lanes() {
@@ -196,9 +196,9 @@ fn throughput_is_measured_by_every_way_there_is() {
         };
         // One run for the motion ratio if the wheel has a spring.
         let springs = study.wheel().mechanism.spring.iter().count();
-        // In lanes of each width, the benchmark times angles, gains and two kinds of gradients. In the widest lanes, it
-        // also times angles on two threads, and extra points. `limit` is 1 if the benchmark times poses at given arm
-        // angles, which is the fastest case.
+        // In lanes of each width, the benchmark measures times of angles, gains and two kinds of gradients. In the widest
+        // lanes, it also measures times of angles on two threads, and extra points. `limit` is 1 if the benchmark measures
+        // times of poses at given arm angles, which is the fastest case.
         let expected = (2 + gradients) * widths + 2 + springs + limit;
         assert_eq!(of("lanes"), expected, "{name}");
         assert_eq!(of("point coordinates"), paper, "{name}");
@@ -233,8 +233,8 @@ fn the_command_writes_table_picture_and_circumstances() {
     assert!(csv.starts_with("effect,alone_ns,"), "{csv}");
 }
 
-/// The benchmark times cars and equilibria of wheels and axles, with one row for each job. The number per second agrees
-/// with the time.
+/// The benchmark measures computing times for cars, and for equilibria of wheels and axles. It writes one row for each job. In
+/// each row, the rate per second agrees with the time.
 #[test]
 fn cars_and_equilibria_are_timed() {
     let studies = Path::new(env!("CARGO_MANIFEST_DIR")).join("studies");
@@ -258,8 +258,8 @@ fn cars_and_equilibria_are_timed() {
             "equilibria",
             "double_wishbone_compliance.toml",
             &[
-                "equilibrium from the design",
-                "equilibrium from the level before",
+                "equilibrium, started at the design position",
+                "equilibrium, started at the previous load",
                 "sheet of one wheel with all derivatives",
             ],
         ),
@@ -267,8 +267,8 @@ fn cars_and_equilibria_are_timed() {
             "equilibria",
             "subframe_axle_compliance.toml",
             &[
-                "equilibrium of both wheels from the design",
-                "equilibrium of both wheels from the level before",
+                "equilibrium of both wheels, started at the design position",
+                "equilibrium of both wheels, started at the previous load",
                 "sheet of both wheels with all derivatives",
             ],
         ),
@@ -283,8 +283,8 @@ fn cars_and_equilibria_are_timed() {
         let (of_lanes, own): (Vec<&str>, Vec<&str>) =
             names.into_iter().partition(|name| name.contains(" lanes"));
         assert_eq!(own, jobs, "{csv}");
-        // The benchmark times an elastic wheel in lanes of every width except AVX-512, and the map of a car in one
-        // lane width.
+        // The benchmark measures the times of an elastic wheel in lanes of every width except AVX-512, and of the map of a car
+        // in one lane width.
         let widths = Width::available().filter(|width| *width != Width::Avx512);
         let is_wheel = jobs.contains(&"sheet of one wheel with all derivatives");
         let expected = match kind {

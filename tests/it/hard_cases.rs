@@ -239,8 +239,8 @@ fn what_has_no_solution_is_refused_with_the_limit() {
     }
 }
 
-/// The closed form estimates condition numbers correctly within a factor of ten. The designs have random changes of up to
-/// a sixth of the size. The test skips condition numbers above 1000.
+/// The closed form estimates condition numbers correctly within a factor of ten. The test moves each coordinate at random by up
+/// to 16 % of the suspension's size. It skips condition numbers above 1000.
 #[test]
 fn estimated_condition_numbers_hold_to_a_factor_of_ten() {
     for (name, reach) in [

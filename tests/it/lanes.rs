@@ -876,7 +876,7 @@ fn careful_gradients(
     angles: &[Quantity],
 ) -> Vec<(f64, Vec<Vector3<f64>>)> {
     let mechanism = &study.wheel().mechanism;
-    let mut solver = Solver::new(mechanism, design).expect("the lanes have solved it");
+    let mut solver = Solver::new(mechanism, design).expect("lanes solved this design");
     let design_series = DesignSeries::<1>::new(mechanism, design);
     let constants = Constants::of(study.wheel());
     let none = Vector3::new(0.0, 0.0, 0.0).map(Jet::constant);
@@ -888,7 +888,7 @@ fn careful_gradients(
             &stations.station_order,
             *rack,
             |solver, k, pose| {
-                let pose = pose.as_ref().expect("the lanes have solved it");
+                let pose = pose.as_ref().expect("lanes solved this design");
                 let motion = MotionPoint {
                     drive: stations.drive,
                     value: stations.station_order.values()[k],
@@ -896,7 +896,7 @@ fn careful_gradients(
                 };
                 let linearised = solver
                     .linearised(&design_series, pose, &motion.along_drive())
-                    .expect("the lanes have solved it");
+                    .expect("lanes solved this design");
                 let view = WheelReading::of(&linearised.at, constants);
                 for (angle, quantity) in angles.iter().copied().enumerate() {
                     let at = angle * stations.count() + stations.number(number, k);

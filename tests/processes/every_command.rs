@@ -316,8 +316,8 @@ fn a_signal_ends_every_command_often() {
     interrupted(10_000..11_000);
 }
 
-/// The first signal ends every command at any moment, and the written files record the interruption. `SIGNALS=3` runs
-/// the forty tries of seed 3.
+/// One signal is enough to end any command, whenever the signal arrives. The written files record the interruption.
+/// `SIGNALS=3` runs the forty tries of seed 3.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_signal_ends_every_command() {

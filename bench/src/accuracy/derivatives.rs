@@ -359,8 +359,8 @@ impl Differences<'_, '_, '_> {
     }
 }
 
-/// Times whole curves with their gradients. The analytic method solves the poses and differentiates them. The difference
-/// quotients solve them again for each coordinate.
+/// Measures the computing times of whole curves with their gradients. The analytic method solves the poses and differentiates
+/// them. The difference quotients solve them again for each coordinate.
 fn analytic_and_differences(
     task: &Task<'_>,
     clock: &Clock,
@@ -427,7 +427,7 @@ fn analytic_and_differences(
     Ok(found)
 }
 
-/// Times gradients alone, at poses that are already solved.
+/// Measures the computing times of gradients alone, at poses that are already solved.
 fn both_ways(task: &Task<'_>, clock: &Clock) -> Result<[Measurement; 2], Unmeasurable> {
     let subject = task.subject;
     let suspension = subject.suspension;

@@ -232,8 +232,8 @@ impl<'a> Planned<'a> {
         self.add("all of these by every hardpoint", one_by_one(), 1, job);
     }
 
-    /// Times the jobs. Jobs with several threads run alone. During the samples of other jobs, the threads of such a job would
-    /// lose their processor cores. They would get cores again only after tens of milliseconds.
+    /// Measures the computing times of the jobs. Jobs with several threads run alone. During the samples of other jobs, the
+    /// threads of such a job would lose their processor cores. They would get cores again only after tens of milliseconds.
     fn run(self, clock: &Clock) -> Vec<Measurement> {
         let (mut alone, mut together): (Vec<Job<'_>>, Vec<Job<'_>>) = (Vec::new(), Vec::new());
         for (job, (_, _, threads)) in self.jobs.into_iter().zip(&self.rows) {

@@ -123,8 +123,8 @@ impl BeamForce {
 }
 
 impl<T: Balanced> Balance<'_, T> {
-    /// Computes the forces of a twist beam by (1) and (2). The load is on the near wheel. `far` is the force of the
-    /// support at the far wheel.
+    /// Computes the forces of a twist beam by equations (1) and (2). The load is on the near wheel. `far` is the force
+    /// of the support at the far wheel.
     pub(super) fn beam(&self, constraints: &[Reaction<T>; 5], far: T) -> Option<BeamForces<T>> {
         let at = &self.at;
         let rigid = at.mechanism.rigid_axle.as_ref()?;

@@ -25,7 +25,8 @@ pub enum NoValue {
 }
 
 impl NoValue {
-    /// Returns true if nothing carries a load. The status of the station reports this reason.
+    /// Returns true if the reason is that the suspension cannot carry the load. The status of the station reports this
+    /// reason.
     pub fn is_about_loads(self) -> bool {
         matches!(self, NoValue::Unsupported | NoValue::NotHeld)
     }

@@ -1,4 +1,4 @@
-//! Parts of a suspension, with a separate dimension for each.
+//! Parts of a suspension, with a separate dimension for each part.
 
 use crate::model::{Axis, Body, Constraint, Mechanism, PointId, RockerId, Suspension};
 use crate::number::{Each, Real, SimdReal, Vector3};
@@ -208,8 +208,8 @@ impl<T: Real> Parts<T> {
         }
     }
 
-    /// Changes a dimension. If the study defines the spin axis by angles, this axis moves with the wheel centre and does
-    /// not rotate. A sideways change of a twist beam's mount is applied at the far mount, by (1) of module `carriers`.
+    /// Changes a dimension. If the study defines the spin axis by angles, this axis moves with the wheel centre and does not
+    /// rotate. A sideways change of a twist beam's mount is applied at the far mount, by equation (1) of module `carriers`.
     #[inline(always)]
     pub fn change(&mut self, mechanism: &Mechanism, parameter: BuildParameter, by: T) {
         match parameter {

@@ -7,9 +7,9 @@
 //! q <- q - A F(q, parts)                                                                       (1)
 //! ```
 //!
-//! converges faster, the closer the parts are to the parts in that position. If toe and camber are set again, adjustments
-//! a of the parts are further unknowns ([`Alignment`]). Then each correction (1) is followed by (2), with the matrices M
-//! and T of the nominal design:
+//! converges faster, the closer the parts are to the parts in that position. If toe and camber are set again, adjustments a of
+//! the parts are further unknowns ([`Alignment`]). Then each correction (1) is followed by the correction (2), with the
+//! matrices M and T of the nominal design:
 //!
 //! ```text
 //! da = -M (w(q, parts) - wanted),   parts <- parts + da,   q <- q + T da                       (2)

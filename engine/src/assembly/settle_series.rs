@@ -28,7 +28,7 @@ type Series<B> = Jet<B, 2>;
 pub(super) struct SettlingSeries<'s, B> {
     pub(super) assembler: &'s Assembler,
     pub(super) alignment: Option<&'s Alignment>,
-    /// The parts as Taylor series. If they are aligned, they receive the derivatives of the adjustments.
+    /// The parts as Taylor series. If there is an alignment, the derivatives of its adjustments are added to the parts.
     pub(super) parts: &'s mut Parts<Series<B>>,
     pub(super) pose: &'s Pose<B>,
     /// Buffer for the points of the undisplaced carrier.

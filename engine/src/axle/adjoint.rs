@@ -8,7 +8,7 @@ use crate::derive::{Linearised, Seeds};
 use crate::number::{Each, Jet, Real, Tape, Tracked, Vector3, array_of};
 use std::cell::Cell;
 
-/// Largest number of series coefficients that each number of a wheel has along one line.
+/// Largest count of series coefficients that each value of a wheel has along one line.
 const MOST_POWERS: usize = 4;
 /// Upper limit for the count of numbers that describe a wheel. The code computes this limit as the size in bytes of a
 /// wheel in which each number is one byte.

@@ -53,8 +53,8 @@ pub enum WheelMotion {
         heave: Vec<f64>,
         /// Roll angles.
         roll: Vec<f64>,
-        /// True if the axle carries the same load as when it is level at this heave. The mean travel is then computed
-        /// from the load.
+        /// True if roll does not change the sum of the wheel loads. This sum is then the sum without roll at this
+        /// heave, and the program computes the mean travel from it.
         at_load: bool,
     },
     /// Travels of both wheels, in all combinations.

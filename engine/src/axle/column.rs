@@ -291,7 +291,7 @@ fn by_wheel() -> impl Iterator<Item = (Side, Axis)> {
 }
 
 impl AxlePlan {
-    /// Motions along which results have derivatives, with the name and unit of each.
+    /// Motions along which results have derivatives, with the name and unit of each motion.
     fn motions(&self, length: LengthUnit) -> Vec<ByMotion> {
         if self.derivatives == 0 {
             return Vec::new();

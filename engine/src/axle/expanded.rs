@@ -1,10 +1,10 @@
 //! A wheel as a function of its travels and of one direction of its design.
 //!
-//! With the design d(e) = d_0 + d_1 e + d_2 e^2, each number of a wheel is u(a, b, e). Here a and b are steps of travel
-//! and rack. For a rigid axle, a and b are steps of its two travels. Along a line (a, b) = t (p, q), the number is a
-//! polynomial in t and e. The coefficients c_ij of t^i e^j are computed from power series in s along straight lines (t,
-//! e) = s (1, 0), s (0, 1), s (1, 1), s (1, -1), as in module `taylor`. Degree 4 needs one more line, s (2, 1). With A,
-//! B and C, the coefficients of s^4 along the last three lines,
+//! With the design d(e) = d_0 + d_1 e + d_2 e^2, each value of a wheel is u(a, b, e). Here a and b are steps of travel and
+//! rack. For a rigid axle, a and b are steps of its two travels. Along a line (a, b) = t (p, q), the value is a polynomial in
+//! t and e. The coefficients c_ij of t^i e^j are computed from power series in s along straight lines (t, e) = s (1, 0), s (0,
+//! 1), s (1, 1), s (1, -1), as in module `taylor`. Degree 4 needs one more line, s (2, 1). With A, B and C, the coefficients of
+//! s^4 along the last three lines,
 //!
 //! ```text
 //! c_22 = (A + B)/2 - c_40 - c_04                                                                                (1)
@@ -45,8 +45,9 @@ pub(crate) struct Expandable<'a> {
     pub(super) parts: Parts,
 }
 
-/// A wheel whose numbers are series along a direction of its design. The series go to the third power of travel. For an
-/// independent wheel, they go to the fourth power.
+/// A wheel as a function of its travel, and of a change of its design along one direction. Each value is a polynomial in
+/// travel, up to travel^3 (up to travel^4 for an independent wheel). The coefficients of the polynomial are Taylor series along
+/// the direction of the design.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ExpandedWheel {
     reading: Reading<Series>,
@@ -89,8 +90,8 @@ impl Expandable<'_> {
         }
     }
 
-    /// Returns the numbers of the wheel along (t, e) = s (`travel`, `design`). Here t is the step along a line in
-    /// travel and rack.
+    /// Returns the values of the wheel along (t, e) = s (`travel`, `design`). Here t is the step along a line in travel and
+    /// rack.
     fn series<const N: usize>(
         &self,
         along: &[Vector3<Series>],

@@ -138,7 +138,8 @@ impl Axle {
     }
 
     /// Converts derivatives with respect to every point of both sides. The result is the derivative with respect to the
-    /// displacement of a steered axle's steering gear, by (2) of `model/steered_axle.rs`. `None` for other axles.
+    /// displacement of a steered axle's steering gear, by equation (2) of `model/steered_axle.rs`. `None` for other
+    /// axles.
     pub(crate) fn by_steering_gear(&self, gradients: [&[Vector3<f64>]; 2]) -> Option<f64> {
         let along = |(side, gradient): (Side, &[Vector3<f64>])| {
             let steering = self.suspension(side).mechanism.axle_steering()?;

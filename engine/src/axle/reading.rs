@@ -262,15 +262,15 @@ impl<const N: usize> Reading<Jet<f64, N>> {
 pub trait WheelParts<T: Real>: Copy {
     /// True if the coefficients of the fourth power of travel are known.
     const HAS_FOURTH: bool = false;
-    /// True if the numbers of the wheel are used only at the travel of the coefficients, without a step away from it.
+    /// True if the values of the wheel are used only at the travel of the coefficients, without a step away from it.
     const IS_AT_TRAVELS: bool = false;
 
-    /// Returns a vector of the wheel. The powers `[0, 0]` of travel and rack select the value; other powers select the
-    /// coefficient with these powers. The result is NaN if it is unknown.
+    /// Returns a vector of the wheel. The powers `[0, 0]` of travel and rack give the vector itself. Other powers give
+    /// the coefficient with these powers in the Taylor series of the vector. NaN if unknown.
     fn read_vector(&self, part: VectorPart, powers: [usize; 2]) -> Vector3<T>;
 
-    /// Returns a number of the wheel. The powers `[0, 0]` of travel and rack select the value; other powers select the
-    /// coefficient with these powers. The result is NaN if it is unknown.
+    /// Returns one value of the wheel. The powers `[0, 0]` of travel and rack give the value itself. Other powers give
+    /// the coefficient with these powers in the Taylor series of the value. NaN if unknown.
     fn number(&self, part: NumberPart, powers: [usize; 2]) -> T;
 
     /// Returns a column of the carrier's rotation matrix, with powers as in [`WheelParts::read_vector`].
@@ -283,7 +283,8 @@ pub trait WheelParts<T: Real>: Copy {
     /// Numbers of the wheel in the design position.
     fn design(&self) -> DesignWheel<T>;
 
-    /// Returns any number of the wheel. Constants get its number type and its number of coefficients.
+    /// Returns any one value of the wheel. New constants copy the number type and the count of coefficients from this
+    /// value.
     fn like(&self) -> T;
 
     /// Calls [`WheelParts::read_vector`] through a function that is compiled separately.

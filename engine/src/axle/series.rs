@@ -150,7 +150,8 @@ impl SeriesPosition {
         }
     }
 
-    /// Returns the state of the axle in which f = 0 holds to every order, and the changes s of the travels, by (1).
+    /// Returns the state of the axle in which f = 0 holds to every order, and the changes s of the travels, by equation
+    /// (1).
     pub(crate) fn on_ground<'a>(
         &self,
         axle: &'a Axle,

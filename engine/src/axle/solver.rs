@@ -143,7 +143,7 @@ pub struct WheelRead {
 }
 
 impl WheelRead {
-    /// Returns the numbers of the wheel. `None` if a rocker is at or beyond a toggle.
+    /// Returns the values of the wheel. `None` if a rocker is at or beyond a toggle.
     pub(super) fn without_toggle(self) -> Option<Reading<f64>> {
         self.toggle.is_none().then_some(self.reading)
     }

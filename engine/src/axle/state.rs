@@ -252,7 +252,7 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         left.half_track() + right.half_track()
     }
 
-    /// Returns any number of the state. Constants get its number type and its number of coefficients.
+    /// Returns any one value of the state. New constants copy the number type and the count of coefficients from this value.
     #[inline(always)]
     pub fn like(&self) -> T {
         self.roll
@@ -269,8 +269,8 @@ impl<'a, T: Real, W: WheelParts<T>> AxleState<'a, T, W> {
         }
     }
 
-    /// Returns the state with both wheels on one plane ground, whatever coordinates are given. Roll angle and mean
-    /// travel are constant in motions.
+    /// Returns the state with both wheels on one plane ground, whatever coordinates the study gives. In its derivatives, the
+    /// roll angle and the mean travel are constant, except for the one that changes along the motion.
     #[inline(always)]
     pub fn on_plane(&self) -> Self {
         AxleState {

@@ -118,7 +118,7 @@ impl CurveWheel {
     }
 }
 
-/// Curves contain no derivatives with respect to the rack, and only some parts of a wheel. All other numbers are NaN.
+/// Curves give only some values of a wheel, and no derivatives with respect to the rack. All other values are NaN.
 impl WheelParts<f64> for CurveWheel {
     #[inline(always)]
     fn like(&self) -> f64 {

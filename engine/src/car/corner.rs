@@ -58,7 +58,7 @@ pub struct Corner<T> {
     pub axle: Option<AxleMotion<T>>,
 }
 
-/// Differences from the travels at which the numbers of the wheel were computed.
+/// Differences from the travels at which the values of the wheel were computed.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Steps<T> {
     /// Change of the wheel's own travel.
@@ -132,7 +132,7 @@ impl<T: Copy> WheelRates<T> {
 }
 
 impl<T: Copy> Corner<T> {
-    /// Converts all numbers of the wheel to another number type.
+    /// Converts all values of the wheel to another number type.
     pub(super) fn map<U: Copy>(&self, f: impl Fn(T) -> U + Copy) -> Corner<U> {
         Corner {
             sign: self.sign,
@@ -371,7 +371,7 @@ fn column<T: Real, U: Real, W: WheelParts<U>>(
     at.vector(|p| wheel.column(i, p).map(lift))
 }
 
-/// Returns a number of a wheel and its derivatives, like [`vector`].
+/// Returns one value of a wheel and its derivatives, like [`vector`].
 #[inline(always)]
 fn number<T: Real, U: Real, W: WheelParts<U>>(
     at: &Displacement<T>,

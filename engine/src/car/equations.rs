@@ -53,13 +53,13 @@ pub struct WheelState<T> {
     pub corner: Corner<T>,
     /// Wheel load N.
     pub load: T,
-    /// Components of the load by (9): elastic, geometric, longitudinal, unsprung.
+    /// Components of the load by equation (9): elastic, geometric, longitudinal, unsprung.
     pub parts: [T; 4],
     /// Lateral force S, to the left.
     pub side_force: T,
     /// Longitudinal force X, positive forward.
     pub longitudinal_force: T,
-    /// Fraction f of the axle's lateral force that this wheel carries, by (3).
+    /// Fraction f of the axle's lateral force that this wheel carries, by equation (3).
     pub share: T,
     /// Unit vector along which longitudinal forces act.
     pub heading: Vector3<T>,

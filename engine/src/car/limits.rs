@@ -227,8 +227,8 @@ impl CarSolver<'_> {
         step.is_finite().then_some(at.g + step)
     }
 
-    /// Describes the lift in a state, if the smallest wheel load in this state is zero. One last step by (1) uses poses
-    /// instead of curves. It reduces this load to rounding error.
+    /// Describes the lift in a state, if the smallest wheel load in this state is zero. One last step by equation (1)
+    /// uses poses instead of curves. It reduces this load to rounding error.
     fn lift(&mut self, ray: &Ray<'_>, at: &At) -> Option<Lift> {
         let (part, wheel) = at.least();
         let none = 1e3 * NO_LOAD;

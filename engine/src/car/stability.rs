@@ -66,7 +66,7 @@ const GROWTH: f64 = 4.0;
 const MOST_STEPS: usize = 400;
 
 impl Equilibrium {
-    /// Returns the flexibility C by (1). It is NaN if the tangent has no LU factors.
+    /// Returns the flexibility C by equation (1). It is NaN if the tangent has no LU factors.
     fn flexibility(&self) -> [[f64; 3]; 3] {
         let Some(factors) = &self.factors else {
             return [[f64::NAN; 3]; 3];
@@ -91,7 +91,7 @@ impl Equilibrium {
         c(0, 0) > 0.0 && minor > 0.0 && determinant > 0.0
     }
 
-    /// Returns the flexibility S by (6), column by column.
+    /// Returns the flexibility S by equation (6), column by column.
     fn flexibility_of_heights(&self, car: &Car) -> [[f64; 3]; 3] {
         let [[front, half_track], [rear, other]] = [0, 1].each(|number| {
             let wheel = &car.axles[number].left;
@@ -112,7 +112,7 @@ impl Equilibrium {
         })
     }
 
-    /// Describes the end of stability by (6). The path from rest turns back just beyond this state.
+    /// Describes the end of stability by equation (6). The path from rest turns back just beyond this state.
     fn fold(&self, rest: &Equilibrium, car: &Car) -> NoEquilibrium {
         let [columns, at_rest] = [self, rest].map(|state| state.flexibility_of_heights(car));
         let size = |k: &usize| {
@@ -129,7 +129,7 @@ impl Equilibrium {
         }
     }
 
-    /// Describes the instability of a static state, by (6).
+    /// Describes the instability of a static state, by equation (6).
     fn instability_at_rest(&self, car: &Car) -> NoEquilibrium {
         let columns = self.flexibility_of_heights(car);
         let unstable = (0..3).filter(|k| columns[*k][*k] < 0.0);
@@ -154,7 +154,7 @@ impl Equilibrium {
     }
 }
 
-/// Returns the failure that belongs to a motion (f, e, r) of the body, by (6).
+/// Returns the failure that belongs to a motion (f, e, r) of the body, by equation (6).
 fn motion([front, rear, roll]: [f64; 3]) -> NoEquilibrium {
     let (most, least) = (front.abs().max(rear.abs()), front.abs().min(rear.abs()));
     let pitches = front * rear < 0.0 && least > 0.5 * most;
@@ -166,7 +166,7 @@ fn motion([front, rear, roll]: [f64; 3]) -> NoEquilibrium {
 }
 
 impl CarSolver<'_> {
-    /// Increases the load from rest to a case, by (3) to (5).
+    /// Increases the load from rest to a case, by equations (3) to (5).
     pub(super) fn along_load(&mut self, case: &Case) -> Result<Equilibrium, NoEquilibrium> {
         let rest = case.scaled(0.0);
         let start = self.start(&rest);

@@ -33,7 +33,7 @@ formulas! {
         name: "toe_at_rim",
         unit: Unit::Length,
         positive: "toe-in (front edge of the rim inboard)",
-        formula: "D sin(toe), D rim_diameter: lateral distance from the front edge to the rear edge of the rim at the height of W",
+        formula: "D sin(toe), where D is rim_diameter: lateral distance from the front edge to the rear edge of the rim at the height of W",
         source: "toe as a length on alignment racks; D is the diameter at which it is measured",
         reads: &[Slot::SpinAxis],
         needs: &[Need::RimDiameter],

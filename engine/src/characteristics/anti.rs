@@ -24,7 +24,8 @@
 //! ```
 //!
 //! p and d are the axle's shares of the braking force and of the drive force. V_x/V_z is also the slope of the line to the
-//! instantaneous centre in side view. The percentage is the part of the load transfer N that, by (2), the springs do not carry.
+//! instantaneous centre in side view. The percentage is the part of the load transfer N that, by equation (2), the springs do
+//! not carry.
 
 use super::instant_centre::CONTACT_VELOCITY;
 use super::{Inputs, Need, Unit, formulas};

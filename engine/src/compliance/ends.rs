@@ -50,7 +50,7 @@ pub(super) const NEGATIVE: f64 = 1e-6;
 /// Factor 100 in (1), above which a part gives way.
 const SOFTENING: f64 = 100.0;
 
-/// Cause of an end of equilibrium.
+/// Reason why no equilibrium is found beyond a state.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EndCause {
     /// A motion of a part has no stiffness.

@@ -252,8 +252,8 @@ impl<T: Scalar> System<T> {
         coupling
     }
 
-    /// Returns the step of the carrier and of the coordinates in [`Beside`], relative to the body that holds a part
-    /// with inner unknowns.
+    /// Returns the step of the carrier, and the step of the coordinates in [`Beside`]. Both steps are relative to the
+    /// body that holds the part `limb` (a part with inner unknowns).
     pub(super) fn seen_step(
         &self,
         limb: usize,
@@ -273,7 +273,8 @@ impl<T: Scalar> System<T> {
         )
     }
 
-    /// Returns the step of the carrier and of the coordinates in [`Beside`], relative to a holder.
+    /// Returns the step of the carrier, and the step of the coordinates in [`Beside`]. Both steps are relative to a
+    /// holder.
     pub(super) fn seen_by(
         &self,
         holder: Holder,

@@ -1,7 +1,7 @@
 //! Quantities at stations with their gradients with respect to the hardpoints, for several designs at a time.
 //!
 //! Designs that the tracker accepts are differentiated in SIMD lanes, if the quantities can be read there. A single design has
-//! one station in each lane; the results are the same to the last bit. Other designs are differentiated one by one, with the
+//! one station in each lane; the results are identical, bit for bit. Other designs are differentiated one by one, with the
 //! adjoint of the closure equations. The choice of method depends only on the design.
 
 use super::gradients_one_by_one::{DifferentiatesOneByOne, OneByOne};

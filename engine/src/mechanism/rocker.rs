@@ -205,7 +205,8 @@ impl<T: Real> Configuration<'_, T> {
         self.ends_with(rocker, self.point(rocker.outer))
     }
 
-    /// Ends of a rod with its outer end at `now`.
+    /// Points that determine the rotation of a rocker, in coordinates of its base. `now` is the present position of the rod's
+    /// outer end in coordinates of the chassis.
     #[inline(always)]
     fn ends_with(&self, rocker: Rocker, now: Vector3<T>) -> Ends<T> {
         self.ends_in_base(rocker, self.in_base(rocker, now))
@@ -240,7 +241,8 @@ impl<T: Real> Configuration<'_, T> {
         }
     }
 
-    /// Ends of a rod with its outer end at `now` in the base.
+    /// Points that determine the rotation of a rocker, in coordinates of the body that carries the rocker (the base). `now` is
+    /// the present position of the rod's outer end in these coordinates.
     #[inline(always)]
     fn ends_in_base(&self, rocker: Rocker, now: Vector3<T>) -> Ends<T> {
         [

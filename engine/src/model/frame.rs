@@ -2,7 +2,7 @@
 //!
 //! The kernel computes only with a left wheel in ISO 8855 axes (x forward, y left, z up). Other conventions and right-hand
 //! wheels differ only in the signs of coordinates. So the change of frame is exact, and a mirrored car gives mirrored results
-//! to the last bit.
+//! bit for bit.
 
 use crate::number::{Each, Vector3};
 use std::ops::{Index, IndexMut};

@@ -4,7 +4,7 @@
 //! Each knuckle is a rocker of the axle (see `mechanism/rocker.rs`). The rod of the left knuckle is the drag link, from the
 //! steering gear to the knuckle. The rod of the right knuckle is the tie rod, from the left to the right knuckle. Wheel centre
 //! and spin axis are on the knuckle. So the pose of the axle stays the only unknown of the closure equations. Both steering
-//! angles follow from this pose by (3) of `mechanism/rocker.rs`, the left one first.
+//! angles follow from this pose by equation (3) of `mechanism/rocker.rs`, the left one first.
 //!
 //! # The steering gear
 //!
@@ -103,7 +103,7 @@ impl AxleSteering {
         [self.place, self.end]
     }
 
-    /// Moves the drag link's end from its hardpoint by (1).
+    /// Moves the drag link's end from its hardpoint by equation (1).
     #[inline(always)]
     pub(crate) fn displace<T: Real>(&self, displacement: T, design: &mut [Vector3<T>]) {
         let end = design[self.end.0];

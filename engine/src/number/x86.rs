@@ -12,7 +12,7 @@
 
 #![allow(
     unsafe_code,
-    reason = "instructions are used where a token proves that the processor has them"
+    reason = "the code uses these instructions only if a CPU-feature token shows that the processor has them"
 )]
 
 use super::Outlined;

@@ -13,7 +13,7 @@
 //! constraints (D. Goldfarb, A. Idnani, A numerically stable dual method for solving strictly convex quadratic programs,
 //! Mathematical Programming 27, 1983). So it needs no feasible point to begin with. If there is no feasible point, the method
 //! ends at a violated constraint. The gradient of this constraint is a combination of gradients of held constraints, and each
-//! of these held constraints prevents the move. By Farkas' lemma these constraints exclude one another. The held gradients
+//! of these held constraints prevents the move. By Farkas' lemma these constraints contradict one another. The held gradients
 //! are independent, so none of these constraints can be left out.
 //!
 //! The method works on a matrix J with J^T R^T R J = 1. The first columns of J span the held gradients. A move along the
@@ -30,7 +30,7 @@ mod tests;
 
 use super::qr::{back_substitute, dot};
 
-/// A constraint of the program.
+/// A constraint of the quadratic program.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Held {
     /// A row.
@@ -50,18 +50,18 @@ pub struct Rows<'a> {
     pub offsets: &'a [f64],
     /// Number of rows that must be zero. All other rows must be at most zero.
     pub equalities: usize,
-    /// Largest violation, in the unit of the rows, with which a row still counts as satisfied. Applies only if the gradient
-    /// of the row is a linear combination of the gradients of the held constraints. Without this limit, duplicate rows would
-    /// exclude one another, because they are equal only up to rounding.
+    /// Largest violation, in the unit of the rows, with which a row still counts as satisfied. Applies only if the gradient of
+    /// the row is a linear combination of the gradients of the held constraints. Without this limit, duplicate rows would
+    /// contradict one another, because they are equal only up to rounding.
     pub slack: f64,
 }
 
 /// Outcome of a quadratic program.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
-    /// The step is the minimum of the program.
+    /// The step is the minimum of the quadratic program.
     Solved,
-    /// These constraints exclude one another. If any one of them were removed, the others could be met.
+    /// These constraints contradict one another. If any one of them were removed, the others could be met.
     Infeasible(Vec<Held>),
     /// The method did not end because of rounding.
     Stalled,
@@ -111,7 +111,7 @@ const MARGINAL: f64 = 1e-9;
 const UNINVOLVED: f64 = 1e-9;
 
 impl ActiveSet {
-    /// Allocates the workspace for programs with this number of variables.
+    /// Allocates the workspace for quadratic programs with this number of variables.
     pub fn new(variables: usize) -> Self {
         let n = variables;
         ActiveSet {
@@ -131,7 +131,7 @@ impl ActiveSet {
         }
     }
 
-    /// Returns the step of the last program.
+    /// Returns the step of the last quadratic program.
     pub fn step(&self) -> &[f64] {
         &self.step
     }
@@ -145,8 +145,8 @@ impl ActiveSet {
             .map(|((held, sign), multiplier)| (*held, sign * multiplier))
     }
 
-    /// Solves a program. `triangle` holds the n columns of R with n entries each; `offset` is q. `lower` and `upper` may be
-    /// infinite.
+    /// Solves a quadratic program. `triangle` holds the n columns of R with n entries each; `offset` is q. `lower` and `upper`
+    /// may be infinite.
     pub fn solve(
         &mut self,
         triangle: &[f64],

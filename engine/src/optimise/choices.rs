@@ -10,8 +10,8 @@ use crate::mechanism::DesignFault;
 use crate::study::{Optimise, Scatter, Vehicle};
 use nalgebra::DVector;
 
-/// Limits the misfit of each target outside the front to this multiple of its misfit after the tuning of all targets. If one
-/// tolerance is larger, the limit is one tolerance.
+/// Limits the misfit of each target outside the Pareto front to this multiple of its misfit after the tuning of all targets. If
+/// one tolerance is larger, the limit is one tolerance.
 const AS_GOOD: f64 = 1.01;
 /// Number of steps in a price list.
 const STEPS: usize = 10;
@@ -21,25 +21,26 @@ const STEPS: usize = 10;
 pub struct Choice {
     /// Offsets of the variables, in the study's axes.
     pub offsets: Vec<f64>,
-    /// Value of each criterion. For a front: misfits of the goals. For a price list: misfit of all targets, and size of the
-    /// change. The size is the root of a sum over the variables: cost of the variable, times the square of (move / range).
+    /// Value of each criterion. For a Pareto front: misfits of the goals. For a price list: misfit of all targets, and size of
+    /// the change. The size is the root of a sum over the variables: cost of the variable, times the square of (move / range).
     pub amounts: Vec<f64>,
     /// Weight of each criterion; the weights add up to 1. To reduce criterion i by one unit, criterion j must rise by (weight
     /// i / weight j) units. All are zero if there is no trade-off.
     pub weights: Vec<f64>,
 }
 
-/// The front of a study's goals.
+/// The Pareto front of a study's goals.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Front {
-    /// Designs of the front, in the order of rising misfit of the first goal. No design is better than another in all goals.
+    /// Designs of the Pareto front, in the order of rising misfit of the first goal. No design is better than another in all
+    /// goals.
     pub choices: Vec<Choice>,
-    /// Indices of choices after which the front has a gap.
+    /// Indices of choices after which the Pareto front has a gap.
     pub breaks: Vec<usize>,
 }
 
-/// Computes the front of `[optimise] front`, starting from the tuned design. An error says why the design itself cannot be
-/// solved.
+/// Computes the Pareto front of `[optimise] front`, starting from the tuned design. An error says why the design itself cannot
+/// be solved.
 pub fn front(
     vehicle: &Vehicle,
     optimise: &Optimise,

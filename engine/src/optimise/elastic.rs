@@ -215,8 +215,8 @@ fn along_variables(
     add_rates(moved, by_rate, slopes);
 }
 
-/// Adds the slopes along the variables that come from moving points. `by` returns the derivative of the value with respect to
-/// a coordinate.
+/// Adds those derivatives with respect to the variables that come from moving points. `by` returns the derivative of the value
+/// with respect to a coordinate.
 pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slopes: &mut [f64]) {
     for rate in ways {
         for (axis, by_axis) in Axis::ALL.into_iter().zip(rate.by.to_array()) {
@@ -228,8 +228,8 @@ pub(super) fn add_points(ways: &[PointRate], by: impl Fn(Parameter) -> f64, slop
     }
 }
 
-/// Adds the slopes along the variables that move rates. A rate may belong to both wheels or to one wheel. `by` returns the
-/// derivative of the value with respect to a rate: 0 if the value does not depend on the rate.
+/// Adds the derivatives with respect to the variables that move rates. A rate may belong to both wheels or to one wheel. `by`
+/// returns the derivative of the value with respect to a rate: 0 if the value does not depend on the rate.
 pub(super) fn add_rates(moved: &Moved<'_>, by: impl Fn(AxleParameter) -> f64, slopes: &mut [f64]) {
     for (column, parameter, [_, slope]) in moved.rates() {
         for side in [None, Some(Side::Left), Some(Side::Right)] {

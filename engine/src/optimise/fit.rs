@@ -222,9 +222,9 @@ pub struct ConstraintState {
     /// Derivative of half the sum of squared residuals with respect to each row's limit, negated. `None` if the run did not
     /// end at a minimum of this sum.
     pub multipliers: Option<Vec<f64>>,
-    /// Other multipliers that also balance the slope. They exist if gradients are linearly dependent.
+    /// Other multipliers that also satisfy the optimality conditions. They exist if gradients are linearly dependent.
     pub alternatives: Option<Vec<f64>>,
-    /// Rows and bounds that exclude one another, if there are any.
+    /// Rows and bounds that contradict one another, if there are any.
     pub culprits: Vec<Held>,
 }
 

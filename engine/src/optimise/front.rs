@@ -1,9 +1,9 @@
-//! Trade-off between goals: the front of two or three goals, and the price list of the design change.
+//! Trade-off between goals: the Pareto front of two or three goals, and the price list of the design change.
 //!
-//! A design is on the *front* of some criteria f_1, f_2, ... if no other design within ranges and constraints is better in
-//! one criterion and no worse in the others. The front consists of minima of one criterion with bounds on the others (Y.
-//! Haimes, L. Lasdon, D. Wismer, On a bicriterion formulation of the problems of integrated system identification and system
-//! optimization, IEEE Trans. Systems, Man, Cybernetics 1, 1971):
+//! A design is on the *Pareto front* (here: front) of some criteria f_1, f_2, ... if no other design within ranges and
+//! constraints is better in one criterion and no worse in the others. The front consists of minima of one criterion with bounds
+//! on the others (Y. Haimes, L. Lasdon, D. Wismer, On a bicriterion formulation of the problems of integrated system
+//! identification and system optimization, IEEE Trans. Systems, Man, Cybernetics 1, 1971):
 //!
 //! ```text
 //! minimise f_g(x)   subject to   f_h(x) <= level_h,  h != g,  and the constraints            (1)
@@ -17,7 +17,7 @@
 //! detects a front with gaps. For three criteria the limits form a grid, and the search lowers each criterion in turn. It
 //! keeps the points that are farthest apart.
 //!
-//! The program (1) minimises and limits half the squares of the norms r_h = u_h f_h. With its multipliers L_h,
+//! Problem (1) minimises and limits half the squares of the norms r_h = u_h f_h. With its multipliers L_h,
 //!
 //! ```text
 //! sum_h m_h df_h = 0 along the front,   m_g = u_g^2 f_g,   m_h = L_h u_h^2 f_h                (2)
@@ -33,20 +33,21 @@ use crate::sorting::sort_by;
 use nalgebra::DVector;
 use rayon::prelude::*;
 
-/// Number of points of a front of two criteria.
+/// Number of points of a Pareto front of two criteria.
 const POINTS: usize = 50;
-/// Largest number of programs for each point of a front. Every gap without a point also takes some programs.
+/// Largest number of minimisations (1) for each point of a Pareto front. Every gap without a point also needs some
+/// minimisations.
 const EFFORT: usize = 3;
-/// Number of levels of each limited criterion, for a front of three criteria.
+/// Number of levels of each limited criterion, for a Pareto front of three criteria.
 const LEVELS: usize = 6;
 /// Ratio of a criterion to its least value, up to which the criterion counts as equally low. A limit at exactly the least
 /// value would leave no freedom to lower the other criteria: no neighbouring design satisfies such a limit.
 const AS_LOW: f64 = 1.0001;
-/// Violation that a step may add, in tolerances.
+/// Violation that a step may add, in multiples of the tolerance.
 const NEAR_LEVEL: f64 = 1.0;
 /// Smallest level.
 const LEAST_LEVEL: f64 = 1e-6;
-/// Smallest improvement that counts, as a share of the front's extent.
+/// Smallest improvement that counts, as a share of the extent of the Pareto front.
 const NO_BETTER: f64 = 1e-4;
 
 /// A design that is optimal for some levels.
@@ -55,16 +56,16 @@ pub(super) struct Found {
     pub x: DVector<f64>,
     /// Value of each criterion.
     pub amounts: Vec<f64>,
-    /// Weight of each criterion by (2). All are zero if there is no trade-off.
+    /// Weight of each criterion by equation (2). All are zero if there is no trade-off.
     pub weights: Vec<f64>,
 }
 
-/// A traced front.
+/// A traced Pareto front.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Traced {
     /// Points in the order of rising value of the first criterion.
     pub points: Vec<Found>,
-    /// Indices of points after which a front of two criteria has a gap.
+    /// Indices of the points after which a Pareto front of two criteria has a gap.
     pub breaks: Vec<usize>,
 }
 
@@ -153,7 +154,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         Some(self.aims.iter().map(amount).collect())
     }
 
-    /// Traces the front, starting from these designs. Values below `good` count as equal.
+    /// Traces the Pareto front, starting from these designs. Values below `good` count as equal.
     pub(super) fn front(&self, starts: &[&DVector<f64>], good: f64) -> Traced {
         let all: Vec<usize> = (0..self.aims.len()).collect();
         let ends: Vec<Found> = orders(&all)
@@ -171,7 +172,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
         }
     }
 
-    /// Finds an end of the front: lowers the criteria one after the other, and limits each of them to the value reached.
+    /// Finds an end of the Pareto front: lowers the criteria one after the other, and limits each of them to the value reached.
     fn end(&self, order: &[usize], starts: &[&DVector<f64>], good: f64) -> Option<Found> {
         let mut held: Vec<(usize, f64)> = Vec::new();
         let mut found: Option<Found> = None;
@@ -181,7 +182,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
                 Some(found) => vec![&found.x],
             };
             let Some(next) = self.lower(*aim, &held, &from) else {
-                // The previous result is an end of the front, though it may be inexact.
+                // The previous result is an end of the Pareto front, though it may be inexact.
                 break;
             };
             held.push((
@@ -249,7 +250,7 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
                 Gap::between(&points, new, gap.ends[1]),
             ];
             if slack {
-                // No design of the front lies between the point found and the level.
+                // No design of the Pareto front lies between the point found and the level.
                 parts[1 - held].low[held] = level;
             }
             gaps.extend(parts);
@@ -371,8 +372,8 @@ impl<P: Constrained, F: Fn() -> P + Sync> Tracer<'_, F> {
     }
 }
 
-/// Returns the only point of the front, if one criterion is equally good at both ends. This point is the end that is better
-/// in the other criterion.
+/// Returns the only point of the Pareto front, if one criterion is equally good at both ends. This point is the end that is
+/// better in the other criterion.
 fn single_end([first, last]: [&Found; 2], extent: [f64; 2], good: f64) -> Option<&Found> {
     let same = |k: usize, most: f64| extent[k] <= (NO_BETTER * most).max(good);
     match (same(0, last.amounts[0]), same(1, first.amounts[1])) {
@@ -382,7 +383,7 @@ fn single_end([first, last]: [&Found; 2], extent: [f64; 2], good: f64) -> Option
     }
 }
 
-/// A gap between two points of a front of two criteria that may contain further points.
+/// A gap between two points of a Pareto front of two criteria that may contain further points.
 #[derive(Clone, Debug)]
 struct Gap {
     /// Two points: first the one with the lower first criterion, then the one with the lower second criterion.
@@ -401,7 +402,7 @@ impl Gap {
         }
     }
 
-    /// Extent of the gap in each criterion, as shares of the extent of the front.
+    /// Extent of the gap in each criterion, as shares of the extent of the Pareto front.
     fn sides(&self, extent: [f64; 2]) -> [f64; 2] {
         [0, 1].map(|k| (self.high[k] - self.low[k]) / extent[k])
     }

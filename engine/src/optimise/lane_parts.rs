@@ -111,7 +111,7 @@ impl Moving<'_> {
         }
     }
 
-    /// Derivative with respect to a variable of a stud in the design position.
+    /// Derivative of a stud (in the design position) with respect to the variable with index `column`.
     fn stud_along(&self, column: usize, stud: Stud) -> Vector3<f64> {
         match stud {
             Stud::Between(from, to) => self.along(column, to) - self.along(column, from),

@@ -38,14 +38,14 @@ impl<P> PoolGuard<'_, P> {
     fn get(&self) -> &P {
         self.problem
             .as_ref()
-            .expect("the guard has a problem until it is dropped")
+            .expect("the guard holds its problem object until the guard is dropped")
     }
 
     /// The lent problem.
     pub(super) fn get_mut(&mut self) -> &mut P {
         self.problem
             .as_mut()
-            .expect("the guard has a problem until it is dropped")
+            .expect("the guard holds its problem object until the guard is dropped")
     }
 }
 

@@ -30,7 +30,7 @@ pub(super) struct SimulatedFits<'a> {
     jacobian: DMatrix<f64>,
     /// Triangular factor of this Jacobian.
     triangle: DMatrix<f64>,
-    /// Weighted errors with scatter 1, one column for each fit.
+    /// Random errors of the residuals, one column for each fit: standard normal numbers, times the weights.
     errors: DMatrix<f64>,
     /// Errors after the same orthogonal transformation.
     rotated: DMatrix<f64>,

@@ -21,7 +21,7 @@ const AS_GOOD: f64 = 1.01;
 const DESCENTS: usize = 4;
 /// Relative difference from which a misfit counts as smaller.
 const LOWER: f64 = 1e-4;
-/// Number of starts that are tried before the program reports that constraints exclude one another.
+/// Number of starts that are tried before the program reports that constraints contradict one another.
 pub(super) const STARTS_BEFORE_REFUSAL: usize = 4;
 
 impl<'a> Tuner<'a> {

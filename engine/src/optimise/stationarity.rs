@@ -1,6 +1,7 @@
 //! Imbalance of the optimality conditions, which measures how close a point is to a minimum.
 //!
-//! At a minimum of f under rows c <= 0, levels and bounds, non-negative multipliers balance the slope of f:
+//! At a minimum of f under rows c <= 0, levels and bounds, non-negative multipliers exist with which the gradients of the
+//! constraints cancel the gradient of f:
 //!
 //! ```text
 //! g + sum_i m_i a_i = 0      g, a_i: gradients of f and of the binding constraints, in half ranges       (1)
@@ -50,7 +51,7 @@ pub(super) struct Sizes {
     pub longest: f64,
     /// Norm of the residuals' rounding that short steps have shown; 0 without such steps.
     pub seen_rounding: f64,
-    /// Number of variables, and the shortest step of each.
+    /// Number of variables, and the shortest step of each variable.
     pub variables: usize,
     pub resolution: f64,
 }
@@ -120,7 +121,7 @@ pub(super) struct Pushes {
     is_free: Vec<bool>,
 }
 
-/// Multipliers that balance a slope best, and the imbalance that remains.
+/// Multipliers with which the gradients of the constraints best cancel the gradient of the objective, and the remainder.
 #[derive(Clone, Debug)]
 pub(super) struct Balance {
     pub residual: f64,

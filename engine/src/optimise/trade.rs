@@ -1,4 +1,5 @@
-//! Problems that lower one criterion with limits on the others. Used for the smallest change, the front and the price list.
+//! Problems that lower one criterion with limits on the others. Used for the smallest change, the Pareto front and the price
+//! list.
 
 use super::constrained::{Assessment, Constrained, Shape};
 use super::{Bounds, Infeasible, Linearisation};

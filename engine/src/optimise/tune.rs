@@ -45,8 +45,8 @@ pub struct Tuning {
     pub unmoved: Unmoved,
     /// Indices of violated constraints that no variable changes.
     pub unmoved_constraints: Vec<usize>,
-    /// Indices of constraints that exclude one another. If any one of them were removed, the others could be satisfied. Empty if
-    /// all can be satisfied together.
+    /// Indices of constraints that contradict one another. If any one of them were removed, the others could be satisfied.
+    /// Empty if all can be satisfied together.
     pub contradiction: Vec<usize>,
     /// Expected yield of a tuning for yield, or the reason why a build has no values. `None` for all other tunings.
     pub expected_yield: Option<Result<ExpectedYield, Infeasible>>,

@@ -207,7 +207,7 @@ pub(super) fn subject(
             (Measure::Carried(force), column, Unit::Force, sign)
         }
         (None, None, None, None) => {
-            let message = "expected one of the keys \"characteristic\", \"point\" with \"axis\", \"length\" and \"load\"";
+            let message = "expected one of these keys: \"characteristic\", \"length\", \"load\", or \"point\" together with \"axis\"";
             return problems.refuse(place, message);
         }
         _ => {

@@ -274,7 +274,7 @@ fn length(
     })
 }
 
-/// Scatter of hardpoints, one contributor for each.
+/// Scatter of hardpoints, one contributor for each hardpoint.
 fn hardpoints(
     written: &file::Scatter,
     place: Span<usize>,

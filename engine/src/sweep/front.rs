@@ -19,14 +19,14 @@ pub struct Candidate {
     pub failing: Option<Failing>,
 }
 
-/// Designs of the front. No design of the front is at least as good as another one in every target.
+/// Designs of the Pareto front. No design of the Pareto front is at least as good as another one in every target.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "Vec<Candidate>", into = "Vec<Candidate>")]
 pub struct Front {
     designs: Vec<Candidate>,
 }
 
-/// Converts the front to a list of candidates, in the order of their numbers.
+/// Converts the Pareto front to a list of candidates, in the order of their design numbers.
 impl From<Front> for Vec<Candidate> {
     fn from(front: Front) -> Self {
         front.sorted().into_iter().cloned().collect()
@@ -40,8 +40,8 @@ impl From<Vec<Candidate>> for Front {
 }
 
 impl Front {
-    /// Adds a design with its outputs. Does not add it if a design on the front is at least as good for every target.
-    /// `deviations` are the indices of the outputs to minimise. Removes designs that are then no longer on the front. If
+    /// Adds a design with its outputs. Does not add it if a design on the Pareto front is at least as good for every target.
+    /// `deviations` are the indices of the outputs to minimise. Removes designs that are then no longer on the Pareto front. If
     /// the caller offers designs in the order of their numbers, the first of several equal designs stays.
     pub fn offer(
         &mut self,

@@ -9,8 +9,8 @@ use super::moments::{BinnedSums, Moments, SaltelliSums, Span};
 use super::{Rows, SweepRecord};
 use serde::{Deserialize, Serialize};
 
-/// Number of best designs in the statistics. Also the number of smallest misfits that are kept for designs without a
-/// rank.
+/// Number of best designs in the statistics. Designs that fail at a station are not ranked; of their misfits, the statistics
+/// keep this many of the smallest.
 pub const KEPT: usize = 10;
 /// Largest number of examples for each failure.
 const EXAMPLES: usize = 5;

@@ -58,7 +58,7 @@ fn directions_in_a_title_name_no_wheel() {
     }
 }
 
-/// A sheet of a car has a set of columns for each corner, or a title across the columns of each.
+/// A car's sheet has one set of columns for each corner. The corner is part of each column name, or a title above its columns.
 #[test]
 fn a_set_of_columns_for_each_corner() {
     use crate::model::AxlePosition::{Front, Rear};

@@ -192,7 +192,7 @@ fn in_first_units(moves: &Moves, first: &Car, car: &Car, value: f64) -> f64 {
 /// Largest relative difference of equal values in different units. It comes from rounding in the conversion.
 const ROUNDING: f64 = 1e-12;
 
-/// Returns true if a value differs from the value of the first car. Values in the same units must be equal to the last bit.
+/// Returns true if a value differs from the value of the first car. Values in the same units must be equal bit for bit.
 fn is_changed(first: Option<f64>, other: Option<f64>, in_same_units: bool) -> bool {
     match (first, other) {
         (Some(a), Some(b)) if !in_same_units => (a - b).abs() > ROUNDING * a.abs().max(b.abs()),

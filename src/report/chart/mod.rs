@@ -146,7 +146,7 @@ pub(super) struct Chart {
     pub x: Quantity,
     /// Quantity of the vertical axis.
     pub y: Quantity,
-    /// Remarks below the name: class and text of each.
+    /// Remarks below the name: class and text of each remark.
     pub notes: Vec<(&'static str, String)>,
     /// Areas behind the curves.
     pub fans: Vec<Fan>,

@@ -243,7 +243,7 @@ fn variables(record: &CarRecord) -> String {
         return String::new();
     };
     let note = format!(
-        "Misfit {} tolerances (root mean square of the targets); {}. Values of hardpoints are offsets from the design in the files.",
+        "Misfit {} (root mean square of the targets, in multiples of the tolerance); {}. Values of hardpoints are offsets from the design in the files.",
         tuning.misfits_in_words(),
         tuning.ended
     );

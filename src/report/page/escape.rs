@@ -29,7 +29,7 @@ pub(super) fn prose(text: &str) -> String {
 /// Writes a value as JSON for a `script` element. Characters that could end the element or a line of script occur only within
 /// JSON strings. They are written as escapes.
 pub(super) fn json(value: &impl Serialize) -> String {
-    let plain = serde_json::to_string(value).expect("plain data");
+    let plain = serde_json::to_string(value).expect("JSON can store page data");
     let mut escaped = String::with_capacity(plain.len());
     for c in plain.chars() {
         match c {

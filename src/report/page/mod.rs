@@ -46,7 +46,7 @@ const STAGE: &str = include_str!("stage.html");
 struct Page<'a, Data> {
     study: &'a str,
     about: String,
-    /// Key values at the top of the page: name and value of each.
+    /// Key values at the top of the page: names and values.
     facts: Vec<(&'static str, String)>,
     /// Remarks above the charts.
     remarks: String,

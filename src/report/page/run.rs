@@ -41,7 +41,7 @@ struct Data<'a> {
     /// Tables of the charts. The curves of the designs come first.
     curves: &'a [CurveTable],
     charts: &'a [Layout],
-    /// Index of the point of the front that is the tuned design.
+    /// Index of the point of the Pareto front that is the tuned design.
     kept_point: Option<usize>,
     /// Targets missed by more than their tolerance: column, and largest deviation with its position.
     missed: Vec<(&'a str, String)>,
@@ -202,7 +202,7 @@ fn tuning_of(run: &Run) -> Option<&TuningSummary> {
     }
 }
 
-/// Curves of the points of a front. Empty if they would make the page too large.
+/// Curves of the points of a Pareto front. Empty if they would make the page too large.
 fn front_curves(points: &[FrontPoint]) -> Vec<CurveTable> {
     let curves = points.iter().filter_map(|point| point.curves.as_ref());
     let numbers = |table: &CurveTable| table.rows() * table.header.len();
@@ -213,7 +213,7 @@ fn front_curves(points: &[FrontPoint]) -> Vec<CurveTable> {
     }
 }
 
-/// Curves of the points of a front. The script shows one point at a time.
+/// Curves of the points of a Pareto front. The script shows one point at a time.
 fn front_lines(
     record: &Record,
     tables: &[CurveTable],
@@ -385,7 +385,7 @@ fn sections(run: &Run) -> Vec<(&'static str, &'static str)> {
         ("curves", "Curves", true),
         ("mechanism", "Mechanism", true),
         ("turn", "Steering geometry", has_turn(run)),
-        ("front", "Front", run.record.front.is_some()),
+        ("front", "Pareto front", run.record.front.is_some()),
         ("hardpoints", "Hardpoints", tuned),
         ("convergence", "Convergence", tuned),
         (

@@ -161,8 +161,8 @@ fn figures(record: &Record, charts: &mut Charts) -> String {
 fn not_drawn(run: &SweepRun) -> &'static str {
     match &run.drawn {
         Some(_) => {
-            "Curves and mechanism are shown for the best designs and some designs of the front, \
-             or, without targets, for designs at the ends of the ranges; <code>hardpoint solve \
+            "Curves and mechanism are shown for the best designs and some designs of the Pareto \
+             front, or, without targets, for designs at the ends of the ranges; <code>hardpoint solve \
              --report</code> draws them for the study of any design."
         }
         None if run.record.is_of_car() => {

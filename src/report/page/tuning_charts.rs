@@ -101,7 +101,7 @@ pub(super) fn prices_chart(prices: &[PriceRecord], charts: &mut Charts) -> Strin
     charts.figure(chart, "", "")
 }
 
-/// Charts of the front: one chart for two targets, or one for each pair of the first three targets.
+/// Charts of the Pareto front: one chart for two targets, or one for each pair of the first three targets.
 pub(super) fn front_charts(
     front: &FrontRecord,
     kept: Option<usize>,
@@ -133,7 +133,8 @@ pub(super) fn front_charts(
     let mut figures = String::new();
     for [a, b] in pairs {
         let columns = [names[*a].as_str(), names[*b].as_str()];
-        // The line is interrupted where the front has a gap. With more than two targets, the points have no line.
+        // The line is interrupted where the Pareto front has a gap. With more than two targets, the points have no
+        // line.
         let mut pieces: Vec<Vec<usize>> = vec![Vec::new()];
         for row in 0..front.points.len() {
             pieces

@@ -95,7 +95,7 @@ impl SweepDirectory {
         directory.record(&names)?;
         directory.record(&["sweep.json"])?;
         if anew || !is_this {
-            let json = serde_json::to_string_pretty(record).expect("records are plain data");
+            let json = serde_json::to_string_pretty(record).expect("JSON can store records");
             directory.write("sweep.json", (json + "\n").as_bytes())?;
         }
         Ok(SweepDirectory {
@@ -114,7 +114,7 @@ impl SweepDirectory {
             directory.write("pareto.csv", &pareto)?;
         }
         let summary = SweepSummary::of(record, statistics);
-        let json = serde_json::to_string_pretty(&summary).expect("summaries are plain data");
+        let json = serde_json::to_string_pretty(&summary).expect("JSON can store summaries");
         directory.write("summary.json", (json + "\n").as_bytes())
     }
 

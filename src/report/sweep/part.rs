@@ -136,7 +136,7 @@ pub(super) fn put(
     };
     let name = record.statistics_name(part);
     let path = directory.join(&name);
-    let text = serde_json::to_string(&part_record).expect("statistics are plain data") + "\n";
+    let text = serde_json::to_string(&part_record).expect("JSON can store statistics") + "\n";
     let written = || -> std::io::Result<NamedTempFile> {
         let mut file = temporary_of(directory, &format!("part-{part:09}"))?;
         file.write_all(text.as_bytes())?;

@@ -14,7 +14,7 @@ const MOST_DESIGNS: usize = 4_000;
 pub struct Choice {
     /// Numbers of the designs that are always shown.
     always: BTreeSet<u64>,
-    /// Numbers of the shown designs that belong to the front.
+    /// Numbers of the shown designs that belong to the Pareto front.
     pub front: Vec<u64>,
     /// Stride: designs whose number is a multiple of it are shown, too.
     pub every: u64,
@@ -27,7 +27,7 @@ impl Choice {
         let mut always: BTreeSet<u64> = summary.best.iter().map(|d| d.design).collect();
         let failures = summary.failures.iter().take(room / 40);
         always.extend(failures.flat_map(|f| &f.examples));
-        // With many targets, the front can contain most of the designs.
+        // With many targets, the Pareto front can contain most of the designs.
         let front = summary.pareto.as_deref().unwrap_or_default();
         let step = front.len().div_ceil(room / 2).max(1);
         let front: Vec<u64> = front.iter().copied().step_by(step).collect();

@@ -254,8 +254,8 @@ impl TuningSummary {
         self.misfit_after.is_some()
     }
 
-    /// Index of the point of a front that equals the tuned design, to a thousandth of each range. `None` if there is no such
-    /// point.
+    /// Index of the point of a Pareto front that equals the tuned design, to a thousandth of each range. `None` if there is no
+    /// such point.
     pub(super) fn kept_point(&self, front: &FrontRecord) -> Option<usize> {
         let is_same = |point: &FrontPoint| {
             let pairs = self.variables.iter().zip(&point.offsets);

@@ -51,7 +51,7 @@ pub struct Constraint {
     pub radii: Option<Spanned<Vec<Number>>>,
     /// `design` if the constraint applies to the design position only.
     pub at: Option<Text>,
-    /// Rack displacement at which the constraint applies, or several.
+    /// One or several rack displacements at which the constraint applies.
     pub rack: Option<Spanned<Numbers>>,
     /// Name of a motion.
     pub motion: Option<Text>,

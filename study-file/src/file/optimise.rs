@@ -168,17 +168,17 @@ pub struct Target {
     pub over: Option<Text>,
     /// For an axle, the wheel to which the target applies.
     pub side: Option<Text>,
-    /// For an axle, the roll angle at which the target applies, or several.
+    /// For an axle: one or several roll angles at which the target applies.
     pub roll: Option<Spanned<Numbers>>,
-    /// For an axle, the heave at which the target applies, or several.
+    /// For an axle: one or several values of heave at which the target applies.
     pub heave: Option<Spanned<Numbers>>,
-    /// For an axle, the travel of the left wheel at which the target applies, or several.
+    /// For an axle: one or several travels of the left wheel at which the target applies.
     pub travel_left: Option<Spanned<Numbers>>,
-    /// For an axle, the travel of the right wheel at which the target applies, or several.
+    /// For an axle: one or several travels of the right wheel at which the target applies.
     pub travel_right: Option<Spanned<Numbers>>,
-    /// For an axle, the angle of the steering wheel at which the target applies, or several.
+    /// For an axle: one or several angles of the steering wheel at which the target applies.
     pub steering_wheel_angle: Option<Spanned<Numbers>>,
-    /// Rack displacement at which the target applies, or several.
+    /// One or several rack displacements at which the target applies.
     pub rack: Option<Spanned<Numbers>>,
     /// Name of a motion.
     pub motion: Option<Text>,

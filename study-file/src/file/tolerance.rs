@@ -103,17 +103,17 @@ pub struct Band {
     pub over: Option<Text>,
     /// For an axle, the wheel to which the band applies.
     pub side: Option<Text>,
-    /// For an axle, the roll angle at which the band applies, or several.
+    /// For an axle: one or several roll angles at which the band applies.
     pub roll: Option<Spanned<Numbers>>,
-    /// For an axle, the heave at which the band applies, or several.
+    /// For an axle: one or several values of heave at which the band applies.
     pub heave: Option<Spanned<Numbers>>,
-    /// For an axle, the travel of the left wheel at which the band applies, or several.
+    /// For an axle: one or several travels of the left wheel at which the band applies.
     pub travel_left: Option<Spanned<Numbers>>,
-    /// For an axle, the travel of the right wheel at which the band applies, or several.
+    /// For an axle: one or several travels of the right wheel at which the band applies.
     pub travel_right: Option<Spanned<Numbers>>,
-    /// For an axle, the angle of the steering wheel at which the band applies, or several.
+    /// For an axle: one or several angles of the steering wheel at which the band applies.
     pub steering_wheel_angle: Option<Spanned<Numbers>>,
-    /// Rack displacement at which the band applies, or several.
+    /// One or several rack displacements at which the band applies.
     pub rack: Option<Spanned<Numbers>>,
     /// Lowest and highest value.
     pub between: Option<Spanned<Vec<Number>>>,

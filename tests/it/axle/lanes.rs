@@ -69,8 +69,8 @@ const HEAVE: &str = "heave = { from = -60.0, to = 60.0, steps = 5 }\nrack = [0.0
 const OWN_STRUT: &str = "[axle.right.hardpoints]\ntie_rod_outer = [-131.0, -688.0, 243.0]";
 const OWN_FIVE_LINK: &str = "[axle.right.hardpoints]\ntoe_link_inner = [-180.0, -347.0, 262.0]";
 
-/// Every quantity of every design has the same value in SIMD lanes as one by one. Almost no design needs evaluation one
-/// by one.
+/// Every quantity of every design has the same value, whether designs are computed in SIMD lanes or one by one. Almost
+/// no design in lanes needs the solver for single designs.
 #[test]
 fn lanes_have_the_values_of_designs_one_by_one() {
     let mirrored = "right = \"mirrored\"";

@@ -34,7 +34,7 @@ fn column<'c>(curves: &'c Curves, name: &str) -> impl Iterator<Item = f64> + 'c 
 const LOADS: &str = "outputs.loads=[{name=\"braking\", at=\"contact_point\", force=[-3000.0, 400.0, 4000.0], \
     moment=[2e4, -3e4, 5e4]}, {name=\"kerb\", at=\"wheel_centre\", force=[-1000.0, -200.0, 2500.0]}]";
 
-/// On level pads the left wheel has the forces of the same study without an axle, to the bit.
+/// On level pads, the forces of the left wheel are identical, bit for bit, to those of the same study without an axle.
 #[test]
 fn on_pads_the_left_wheel_carries_what_a_corner_does() {
     for (name, corner) in [

@@ -355,7 +355,7 @@ fn first_order_is_the_monte_carlo_where_scatter_is_small() {
     let variance = |column: &str| expansion.variance[problem.cell(output(&problem, column), rest)];
     let [left, right] = ["left_toe_deg", "right_toe_deg"].map(variance);
     assert!((left / right - 1.0).abs() < 1e-9, "{left} {right}");
-    // The mean of independent wheels has half the variance of each, except for the common effect of the ground.
+    // The mean of independent wheels has half the variance of each wheel, except for the common effect of the ground.
     assert!((variance("mean_steer_deg") / left - 0.5).abs() < 1e-3);
 }
 

@@ -31,7 +31,8 @@ fn print_build(directory: &Path, name: &str, number: u64) -> String {
     file
 }
 
-/// A printed build has the points of the Monte Carlo build, to the bit, and every pose of it can be certified.
+/// The points of a printed build are identical to those of the Monte Carlo build, bit for bit. Every pose of the
+/// printed build can be certified.
 #[test]
 fn a_printed_build_is_the_build_and_can_be_proved() {
     for name in ["double_wishbone_tolerance", "macpherson_tolerance"] {

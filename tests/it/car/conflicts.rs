@@ -3,8 +3,8 @@
 use super::commands::{hardpoint, studies, text};
 use hardpoint::study::CarStudy;
 
-/// Constraints and targets of a tuning. Two limits of the same result exclude each other. The other limits do not take
-/// part in this conflict.
+/// Constraints and targets of a tuning. Two limits of the same result contradict each other. The other limits do not
+/// take part in this conflict.
 const CHANGES: [&str; 3] = [
     "optimise.variables=[{axle=\"front\",rate=\"spring\",percent=30.0}, \
      {axle=\"front\",hardpoint=\"tie_rod_inner\",axis=\"z\",range=[-5.0,5.0]}]",
@@ -15,7 +15,7 @@ const CHANGES: [&str; 3] = [
      {case=\"static\",characteristic=\"roll_gradient\",at_most=3.45}]",
 ];
 
-/// The tuning names the two constraints that exclude each other, and no others.
+/// The tuning names the two constraints that contradict each other, and no others.
 #[test]
 fn a_smallest_set_is_named() {
     let study = CarStudy::read(&studies().join("car.toml"), &CHANGES.map(str::to_owned))

@@ -147,8 +147,8 @@ fn compare(study: &CarStudy) -> [usize; 2] {
             0.5 * (one + two),
             0.5 * (one * one + two * two) + mixed * mixed,
         ];
-        // Solutions have rounding errors of about 1e-13 of the largest numbers in a result. The weights of the
-        // differences add up to 8 over the squared step.
+        // Solutions have rounding errors of about 1e-13 times the largest number in a result. The absolute weights of
+        // the difference formula add up to 8/h^2, where h is the step.
         let unit = if name.contains("load") { 4000.0 } else { 1.0 };
         let size = nominal[place].abs().max(unit);
         let error = 4.0 * (a + b + c) + 2e-13 * size * 8.0 / (0.25 * 0.25);

@@ -36,8 +36,8 @@ variables = [
     fs::write(&path, format!("{head}{sweep}{optimise}")).unwrap();
 }
 
-/// A row has the numbers that `hardpoint solve` finds for the design printed by `--design`, to the last bit. The
-/// misfits can be computed from the columns.
+/// A row has the numbers that `hardpoint solve` finds for the design printed by `--design`, bit for bit. The misfits
+/// can be computed from the columns.
 #[test]
 fn rows_are_those_of_solve() {
     let directory = tempfile::tempdir().unwrap();

@@ -235,7 +235,8 @@ constraints = [
 ]
 "#;
 
-/// A limit on a test result is active if the target demands more. The rows of the limit have exact slopes.
+/// A limit on a test result is active if the target demands more. The derivatives of the limit equal difference
+/// quotients.
 #[test]
 fn a_figure_keeps_its_limit() {
     let study = elastic(&with(NAME, LIMITED));

@@ -1,4 +1,4 @@
-//! Tests of exporting points to other tools and importing them again: every number stays the same, to the bit. Other
+//! Tests of exporting points to other tools and importing them again: every number stays the same, bit for bit. Other
 //! tests cover faulty files.
 
 mod axes;

@@ -1,6 +1,6 @@
-//! Tests of the causes of limits, with independent measures of the parts.
+//! Tests of the causes of limits. Independent measures, calculated from points alone, show which parts are singular.
 //!
-//! - [`random`]: in random designs a named part is singular by its measure, and no other part is.
+//! - [`random`]: in random designs, the measure of a named part is zero. If no part is named, no measure is zero.
 //! - [`agreement`]: `check`, `solve` and `limits` report the same about a motion.
 //! - [`planted`]: in designs that were moved away from a constructed toggle, the program finds and names this toggle.
 

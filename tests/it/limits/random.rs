@@ -1,5 +1,5 @@
-//! Tests of random double wishbones and struts. If a limit names a part, this part is singular by its measure. If a
-//! limit names no part, no part is singular.
+//! Tests of random double wishbones and struts. If a limit names a part, the independent measure of this part is zero,
+//! so the part is singular. If a limit names no part, no part is singular.
 
 use super::measures::Points;
 use super::sample;

@@ -21,7 +21,7 @@ fn dot(a: Point, b: Point) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-/// Unknowns of both halves: position and quaternion of each.
+/// Unknowns of both halves: position and quaternion of each half.
 pub(super) type Unknowns = [f64; 14];
 
 pub(super) const AT_REST: Unknowns = [
@@ -477,9 +477,9 @@ fn what_a_twist_beam_lacks_is_refused() {
     }
 }
 
-/// Below the sample's range the arms are vertical. Above the range, 3 degrees before the arms are vertical, the motion
-/// with equal halves meets a motion with twisted halves. Every station beyond an end of the range has the same reason,
-/// whatever stopped the solver. No reason names links, because a twist beam has none.
+/// Below the sample's range, the arms become vertical. Above the range, a second solution with twisted halves branches off from
+/// the solution with equal halves. This happens 3 degrees before the arms are vertical. Every station beyond an end of the
+/// range has the same reason, whatever stopped the solver. No reason names links, because a twist beam has none.
 #[test]
 fn heaves_beyond_the_range_have_one_reason_at_each_end() {
     let text = include_str!("../../../studies/twist_beam_solve.toml");

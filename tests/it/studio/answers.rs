@@ -56,8 +56,8 @@ fn exported(study: &std::path::Path, format: &str) -> Vec<u8> {
     command.assert().success().get_output().stdout.clone()
 }
 
-/// The curves of a moved design equal those that `hardpoint solve` prints for the saved study, to the last bit. The CSV
-/// on the page also equals them. The test covers several topologies and frames, for one wheel and for both wheels.
+/// The curves of a moved design equal those that `hardpoint solve` prints for the saved study, bit for bit. The CSV on
+/// the page also equals them. The test covers several topologies and frames, for one wheel and for both wheels.
 #[test]
 fn answers_are_those_of_solve() {
     for (name, point, axis) in [

@@ -8,7 +8,8 @@ use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream};
 use std::time::{Duration, Instant};
 
-/// Each request here is complete, but one detail shows that it comes from a stranger. The server refuses it.
+/// Each request here is complete, but one detail shows that it does not come from the user's page. The server refuses
+/// it.
 #[test]
 fn strangers_are_refused() {
     let served = Served::of(&sample("macpherson_front.toml"));
@@ -244,7 +245,7 @@ fn connections_are_kept() {
     assert_eq!(answer(&mut stream).unwrap().body, first.body);
 }
 
-/// Idle connections of strangers do not block the page permanently. The server holds only a limited number of
+/// Idle connections of other programs do not block the page permanently. The server holds only a limited number of
 /// connections.
 #[test]
 fn a_crowd_of_connections_is_survived() {
@@ -270,7 +271,7 @@ fn a_crowd_of_connections_is_survived() {
     }
 }
 
-/// Strangers who stay silent, or send one letter at a time, do not make the owner wait.
+/// Other programs that connect and stay silent, or send one letter at a time, do not make the user wait.
 #[test]
 fn idle_strangers_do_not_lock_the_owner_out() {
     let served = Served::of(&sample("macpherson_front.toml"));
@@ -287,12 +288,12 @@ fn idle_strangers_do_not_lock_the_owner_out() {
     page.set_read_timeout(Some(Duration::from_secs(4))).unwrap();
     page.write_all(own.as_bytes()).unwrap();
     assert_eq!(answer(&mut page).expect("an answer").status, 200);
-    // The page's connection no longer counts as a stranger's, so later strangers do not end this connection.
+    // The page has shown its token. So new connections without the token do not close the page's connection.
     crowd.extend((0..100).map(|_| TcpStream::connect(&host).unwrap()));
     page.write_all(own.as_bytes()).unwrap();
     assert_eq!(answer(&mut page).expect("an answer").status, 200);
     assert_eq!(served.get("main.js").status, 200);
-    // The server closes all connections of strangers after a time limit.
+    // After a time limit, the server closes all connections that have not shown the token.
     let deadline = Instant::now() + Duration::from_secs(30);
     for stranger in &mut crowd {
         let left = deadline.saturating_duration_since(Instant::now());
@@ -303,7 +304,7 @@ fn idle_strangers_do_not_lock_the_owner_out() {
             Ok(count) => count == 0,
             Err(error) => error.kind() == ErrorKind::ConnectionReset,
         };
-        assert!(ended, "a stranger is still there");
+        assert!(ended, "a connection without the token is still open");
     }
     page.write_all(own.as_bytes()).unwrap();
     assert_eq!(answer(&mut page).expect("an answer").status, 200);
@@ -402,8 +403,8 @@ fn assert_private_invitation(is_visited: bool) {
     assert!(!folder_of_it.exists());
 }
 
-/// If a browser opens an outdated address, the server sends a page with the next step. Requests that a page sends to an
-/// outdated address get plain text.
+/// If a browser opens an outdated address, the server sends a page that tells the user what to do next. Requests that a
+/// page sends to an outdated address get plain text.
 #[test]
 fn a_stale_address_says_what_to_do() {
     let served = Served::of(&sample("macpherson_front.toml"));

@@ -63,7 +63,7 @@ fn save(served: &Served, of: &Value, anyway: bool) -> super::client::Answer {
 }
 
 /// The test moves points of both axles, including wheel centres. Each number of the page then equals that of the saved
-/// files, to the last bit. The table of load cases also equals them.
+/// files, bit for bit. The table of load cases also equals them.
 #[test]
 fn answers_are_those_of_solve() {
     for name in ["car", "formula_student_car"] {

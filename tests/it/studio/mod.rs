@@ -1,4 +1,4 @@
-//! Tests of the live page: requests of strangers, saved files, and the page in a real browser.
+//! Tests of the live page: requests of other programs, saved files, and the page in a real browser.
 
 mod answers;
 mod attacks;

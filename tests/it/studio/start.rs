@@ -54,8 +54,8 @@ fn every_topology_starts_from_its_picture() {
     }
 }
 
-/// The user pastes cells of a sheet, in the form that a browser inserts. The new study has these points, to the bit,
-/// and it can be solved.
+/// The user pastes cells of a sheet, in the form that a browser inserts. The coordinates in the new study are identical
+/// to the pasted ones, bit for bit, and the study can be solved.
 #[test]
 fn pasted_points_become_a_study() {
     let text = sample("double_wishbone_solve.toml");

@@ -22,8 +22,8 @@ fn study() -> Study {
     .unwrap()
 }
 
-/// Values of designs that are evaluated one by one equal those of `hardpoint solve`, to the bit. The values of a design
-/// depend neither on neighbouring designs nor on earlier work of the evaluator.
+/// Values of designs that are evaluated one by one are identical to those of `hardpoint solve`, bit for bit. The values
+/// of a design depend neither on neighbouring designs nor on earlier work of the evaluator.
 #[test]
 fn values_are_those_of_the_curves_whatever_the_neighbours() {
     let study = study();

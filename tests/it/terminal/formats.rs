@@ -175,7 +175,7 @@ fn json_and_csv_say_the_same() {
     }
 }
 
-/// The numbers in these formats equal those in the files, to the bit.
+/// The numbers in these formats are identical to those in the files, bit for bit.
 #[test]
 fn the_tables_have_the_numbers_of_the_files() {
     let solved = Called::on("solve", "macpherson_solve", &["--format", "json"]);

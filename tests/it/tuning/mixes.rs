@@ -1,5 +1,5 @@
-//! Tests of random mixes of targets and constraints over all topologies. Some constraints change with no variable, some
-//! depend on others, and some exclude each other.
+//! Tests of random mixes of targets and constraints over all topologies. Some constraints change with no variable, some depend
+//! on others, and some contradict each other.
 
 use super::minima::{Random, slsqp};
 use super::noise;
@@ -217,7 +217,7 @@ fn drawn(file: &'static str, draw: &mut Draw, kind: Kind) -> (Vec<String>, Vec<&
     (overrides, kinds)
 }
 
-/// Random constraints, with the kind of each.
+/// Random constraints, with the kind of each constraint.
 fn constraints(
     draw: &mut Draw,
     kind: Kind,

@@ -545,7 +545,7 @@ fn a_front_of_two_targets_is_traced() {
             assert!((variable.range[0]..=variable.range[1]).contains(offset));
         }
     }
-    // The front's values for a point equal the evaluation of the point's design.
+    // The Pareto front's values for a point equal the evaluation of the point's design.
     let middle = &found.choices[found.choices.len() / 2];
     let layout = TargetLayout::of(&optimise, vehicle);
     let mut problem = Objective::new(suspension, &optimise.variables, &layout).unwrap();
@@ -559,7 +559,7 @@ fn a_front_of_two_targets_is_traced() {
     {
         assert!((deviation.rms - amount).abs() < 1e-9 * amount.max(1.0));
     }
-    // The ratio of the weights equals the slope between neighbouring points of the front.
+    // The ratio of the weights equals the slope between neighbouring points of the Pareto front.
     let near = found.choices.windows(3).map(|three| {
         let [a, b, c] = three else { panic!() };
         let rise = (c.amounts[1] - a.amounts[1]) / (c.amounts[0] - a.amounts[0]);
@@ -578,7 +578,7 @@ fn a_front_of_two_targets_is_traced() {
     }
 }
 
-/// Two lengths exclude each other. The tuning names these two lengths, and nothing else.
+/// Two lengths contradict each other. The tuning names these two lengths, and nothing else.
 #[test]
 fn a_planted_contradiction_is_named() {
     let study = edited(
@@ -834,7 +834,7 @@ fn fronts_and_price_lists_are_written_and_shown() {
     curves_of_a_point_are_those_of_its_study(&out);
 }
 
-/// A point of the front has the same curves as its study, to six digits.
+/// A point of the Pareto front has the same curves as its study, to six digits.
 fn curves_of_a_point_are_those_of_its_study(run: &std::path::Path) {
     let record = std::fs::read(run.join("report.json")).unwrap();
     let record: serde_json::Value = serde_json::from_slice(&record).unwrap();
@@ -884,7 +884,7 @@ fn curves_of_a_point_are_those_of_its_study(run: &std::path::Path) {
     assert!(compared > 4, "{names:?}");
 }
 
-/// If inputs of the front, of the scatter or of constraints are missing, the program reports them with the line.
+/// If inputs of the Pareto front, of the scatter or of constraints are missing, the program reports them with the line.
 #[test]
 fn mistakes_in_front_scatter_and_constraints_are_refused() {
     for (edit, wanted) in [

@@ -142,8 +142,8 @@ fn proved(jacobian: &Square, bends: &[PoseBend], residual: f64) -> Result<Radii,
 }
 
 /// A system with known solutions, in which only one pair of variables has a second derivative: x_j + k x_j x_l = r and
-/// x_l - x_j = 0. Elimination gives x_j + k x_j^2 = r along x_j = x_l, with J = 1. `pair` contains k in the form of the
-/// certificate: H_jj = 2 k for one number, H_jl + H_lj = 2 k for two.
+/// x_l - x_j = 0. Elimination gives x_j + k x_j^2 = r along x_j = x_l, with J = 1. The result contains the second
+/// derivative 2 k of the pair: H_jj if j and l are equal, H_jl + H_lj if they differ.
 fn planted(equation: usize, j: usize, l: usize, k: f64) -> PoseBend {
     PoseBend {
         equation,

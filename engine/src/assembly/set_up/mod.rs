@@ -211,7 +211,7 @@ pub enum SetUpError {
     Fault(DesignFault),
     /// The elastic parts have no equilibrium at rest.
     NoEquilibrium(NoPose),
-    /// No adjustment changes a value that must stay constant.
+    /// A value must stay constant, but the adjustments cannot influence it, or not independently of the other such values.
     Unsettled,
     /// The adjustments cannot meet these aims.
     OutOfReach(Vec<MissedTarget>),

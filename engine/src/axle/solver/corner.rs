@@ -170,7 +170,8 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
         let mut design = designed;
         let offsets = displace(self.mechanism, &mut design, displacement);
-        // The design could be solved before its steering gear moved.
+        // This design was solved with its steering gear in the middle. So an error here means that the displacement
+        // makes the design singular.
         if self.prepare_design(&design).is_err() {
             return fails(Failure::Singular);
         }
@@ -181,7 +182,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
     }
 
-    /// Returns drive and rack of the closure equations at these travels of a steered axle, by (4) and (5) of
+    /// Returns drive and rack of the closure equations at these travels of a steered axle, by equations (4) and (5) of
     /// `model/steered_axle.rs`. For other axles, the results equal the arguments.
     pub(super) fn inner(&self, travel: f64, rack: f64) -> (f64, f64) {
         let [drive, held] = self.steered.offsets;
@@ -351,7 +352,7 @@ impl<'a, const N: usize> Corner<'a, N> {
         found
     }
 
-    /// Computes the numbers of the wheel at a travel and a rack displacement, both in this wheel's own frame.
+    /// Computes the values of the wheel at a travel and a rack displacement, both in this wheel's own frame.
     pub(super) fn read(
         &self,
         pose: &Pose<f64>,
@@ -386,7 +387,7 @@ impl<'a, const N: usize> Corner<'a, N> {
     }
 }
 
-/// Computes the numbers of a wheel at a travel and a rack displacement, both in the wheel's own frame.
+/// Computes the values of a wheel at a travel and a rack displacement, both in the wheel's own frame.
 pub(super) fn read_wheel<const N: usize>(
     solver: &Solver,
     series: &DesignSeries<N>,

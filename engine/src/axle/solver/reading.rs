@@ -228,7 +228,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
     }
 
     /// Computes derivatives of quantities and of point coordinates with respect to the displacement of a steered axle's
-    /// steering gear, by (2) of `model/steered_axle.rs`. The other coordinates of the station stay constant.
+    /// steering gear, by equation (2) of `model/steered_axle.rs`. The other coordinates of the station stay constant.
     fn by_steering_gear(
         &mut self,
         placed: &AxlePose,

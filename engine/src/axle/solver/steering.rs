@@ -6,9 +6,9 @@ use crate::mechanism::constraint::heights_at_rest;
 use crate::model::{AxleTravel, Drive, Mechanism};
 use crate::number::{Dual, Real, Vector3};
 
-/// Moves the drag link's end in a design, by (1) of `model/steered_axle.rs`. Returns the lift of the wheel centres by
-/// (4) and (5): first the change of the travel that drives the axle, then the change of the held travel. Both are 0 if
-/// no drag link steers the axle.
+/// Moves the drag link's end in a design, by equation (1) of `model/steered_axle.rs`. Returns the lift of the wheel
+/// centres by equations (4) and (5): first the change of the travel that drives the axle, then the change of the held
+/// travel. Both are 0 if no drag link steers the axle.
 #[inline(always)]
 pub(crate) fn displace<T: Real>(
     mechanism: &Mechanism,
@@ -62,8 +62,8 @@ impl<const N: usize> AxleSolver<'_, N> {
     ///
     /// With T(p, s) the travel at the fold, the design p and the displacement s of the gear, T = 0 at the end. The axle
     /// reaches its held travel first. Meanwhile, the drive d is that of the axle at rest. It equals the lift l(p, s) by
-    /// (4) or (5) of `model/steered_axle.rs`. Let g be the gradient of T with respect to the hardpoints, g' the
-    /// gradient of T with respect to the drag link's end p', and n the direction of the gear. Then
+    /// equation (4) or (5) of `model/steered_axle.rs`. Let g be the gradient of T with respect to the hardpoints, g'
+    /// the gradient of T with respect to the drag link's end p', and n the direction of the gear. Then
     ///
     /// ```text
     /// ds/dp = -(g + T_d l_p)/(g'.n + T_d l_s)                                                     (1)

@@ -207,7 +207,7 @@ pub(super) fn load_parts<T: Local>(
     parts
 }
 
-/// Tyre on the ground, by (2).
+/// Tyre on the ground, computed with equation (2).
 #[derive(Clone, Copy)]
 struct Tread<T> {
     /// Length s of that component of the upward normal which is perpendicular to the spin axis.
@@ -346,7 +346,8 @@ fn spring_force<T: Local>(
         + parameters.axle(axle, AxleParameter::SpringRate) * shortened
 }
 
-/// A wheel on the ground before its forces are known: its position by (2), and the factors of the forces in (4) to (8).
+/// A wheel on the ground before its forces are known: its position by equation (2), and the factors of the forces in
+/// (4) to (8).
 #[derive(Clone, Copy)]
 pub(in crate::car) struct Placed<T> {
     corner: Corner<T>,

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! A step is the last one if this error is below rounding. L is [`CURVATURE`], or ten times the value of L that the
-//! previous steps show by (1), if that is larger.
+//! previous steps show by equation (1), if that is larger.
 
 use super::super::equations::{GROUND, Held, LOADS, PITCH, ROLL, TRAVELS, UNKNOWNS};
 use super::super::parameters::Parameters;
@@ -272,14 +272,14 @@ impl Iteration {
 /// Bound L of (1) on the relative change of the tangent.
 #[derive(Default)]
 struct Curvature {
-    /// Largest value of L that the steps so far show by (1).
+    /// Largest value of L that the steps so far show by equation (1).
     shown: f64,
     /// Denominator of (1) for the last step; 0 before the first step.
     last: f64,
 }
 
 impl Curvature {
-    /// Returns the error by (1) that remains after a step.
+    /// Returns the error by equation (1) that remains after a step.
     fn error(&self, distance: f64, step: f64) -> f64 {
         let shown = self.shown_by(step);
         CURVATURE.max(10.0 * shown) * (distance + step) * step

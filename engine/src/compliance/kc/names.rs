@@ -184,7 +184,7 @@ const SIGNS: &[(&str, &str)] = &[
     ("toe_by", "toe-in"),
     ("camber_by", "top outboard"),
     ("caster_by", "top of the steering axis rearward"),
-    ("spin_by", "carrier nose up, as caster grows"),
+    ("spin_by", "front of the carrier upward (caster increases)"),
     ("recession_by", "wheel centre rearward"),
     ("jacking_by", "upward force at the contact point"),
     ("wheel_centre_by", "inboard"),

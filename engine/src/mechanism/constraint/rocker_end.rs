@@ -289,7 +289,7 @@ impl<'a, 'c, T: Real> TurnedRocker<'a, 'c, T> {
         Moving { now, rate }
     }
 
-    /// Adds the rates of the wrench on the knuckle that the force G = `push` at a point of the rocker causes, by (2)
+    /// Adds the rates of the wrench on the knuckle that the force G = `push` at a point of the rocker causes, by equation (2)
     /// and (4). Returns the force K with which the rod pulls at its other end.
     #[inline(always)]
     fn add(&self, place: Moving<T>, push: Moving<T>, wrench: &mut Wrench<T>) -> Moving<T> {

@@ -1,10 +1,11 @@
-//! Compares solutions of programs with an enumeration of active sets. Also tests degenerate programs.
+//! Compares solutions of quadratic optimisation problems with an enumeration of active sets. Also tests degenerate problems.
 
 use super::{ActiveSet, Held, Outcome, Rows};
 use crate::optimise::test_problems::Noise;
 use nalgebra::{DMatrix, DVector};
 
-/// A program as plain matrices.
+/// A quadratic optimisation problem, as plain matrices. `triangle` and `offset` are the objective; the other fields are the
+/// constraints.
 struct Program {
     triangle: DMatrix<f64>,
     offset: DVector<f64>,
@@ -16,8 +17,8 @@ struct Program {
 }
 
 impl Program {
-    /// A random program. Every third program has parallel and repeated rows. Every fifth program has a factor R whose pivots
-    /// span seven decades. In every second program, a vertex of the rows may lie on bounds.
+    /// A random problem. Every third problem has parallel and repeated rows. Every fifth problem has a factor R whose pivots
+    /// span seven decades. In every second problem, a vertex of the rows may lie on bounds.
     fn random(seed: u64, n: usize, rows: usize, equalities: usize) -> Self {
         let mut noise = Noise::new(seed);
         let mut triangle = DMatrix::from_fn(n, n, |_, _| noise.next()).qr().r();
@@ -35,7 +36,7 @@ impl Program {
         }
         let mut normals = DMatrix::from_fn(rows, n, |_, _| noise.next());
         let inside = DVector::from_fn(n, |_, _| noise.next());
-        // Most programs have an interior point. In degenerate programs the point lies on the boundary of every row.
+        // Most problems have an interior point. In degenerate problems the point lies on the boundary of every row.
         let spread = if seed.is_multiple_of(4) { 0.0 } else { 1.0 };
         let mut slack: Vec<f64> = (0..rows).map(|_| spread * noise.next().abs()).collect();
         if seed.is_multiple_of(7) {
@@ -231,7 +232,7 @@ fn minima_obey_the_kuhn_tucker_conditions_and_refusals_are_proved() {
 
 #[test]
 fn the_minimum_is_the_least_of_all_active_sets() {
-    // The enumeration squares the condition number of R, so badly conditioned programs are omitted.
+    // The enumeration squares the condition number of R, so badly conditioned problems are omitted.
     for seed in (0..75).filter(|seed| seed % 5 != 0) {
         let n = 1 + seed as usize % 3;
         let equalities = usize::from(seed % 3 == 1 && n > 1);
@@ -251,7 +252,7 @@ fn the_minimum_is_the_least_of_all_active_sets() {
     }
 }
 
-/// The test expects that the method names the two rows that exclude one another, and no other row.
+/// The test expects that the method names the two rows that contradict one another, and no other row.
 #[test]
 fn a_planted_contradiction_is_named_alone() {
     let normals = [1.0, 1.0, 0.0, 0.3, -1.0, 0.2, -1.0, -1.0, 0.0];

@@ -2,8 +2,8 @@
 
 use super::super::qr::dot;
 
-/// Curvature that is added along the normals of the held rows if the program uses the estimate S. Relative to the largest
-/// diagonal entry.
+/// Curvature that is added along the normals of the held rows if the quadratic program uses the estimate S. Relative to the
+/// largest diagonal entry.
 const ACROSS: f64 = 4.0;
 /// Largest number of shifts tried to make a matrix positive definite. Each shift is ten times the previous shift.
 const SHIFTS: usize = 40;

@@ -1,4 +1,4 @@
-//! Least squares under constraints, by a sequence of convex programs.
+//! Least squares under constraints, by a sequence of convex subproblems.
 //!
 //! Minimise |a(x)|^2 / 2 within the box of the variables, subject to
 //!
@@ -9,17 +9,17 @@
 //! ```
 //!
 //! where a is the *goal*, c are the *rows*, and the norm of each b may not exceed a *level*. For the smallest change of a
-//! design, b are the residuals of the tuning, whose norm must stay below a limit. For a front, b are the residuals of some of
-//! the targets. At x a step d (in half ranges of the variables) is the minimum of
+//! design, b are the residuals of the tuning, whose norm must stay below a limit. For a Pareto front, b are the residuals of
+//! some of the targets. At x a step d (in half ranges of the variables) is the minimum of
 //!
 //! ```text
 //! |A d + a|^2 / 2 + d . S d / 2    with  C d + c <= 0 (= 0),  |B d + b| <= level,  |d_j| <= radius   (1)
 //! ```
 //!
 //! with the Jacobians A, B, C ([`ConvexModel`](model)). The levels stay quadratic. If they were linearised, their multipliers
-//! would grow without bound wherever b vanishes. A secant method finds the multiplier of a level: it solves the same program
-//! with the squares of the level added, times a weight. Several levels use nested secant methods. They converge because the
-//! excess of a level falls as its own weight rises, even if the weights of the other levels are adjusted each time.
+//! would grow without bound wherever b vanishes. A secant method finds the multiplier of a level: it solves the same quadratic
+//! program with the squares of the level added, times a weight. Several levels use nested secant methods. They converge because
+//! the excess of a level falls as its own weight rises, even if the weights of the other levels are adjusted each time.
 //!
 //! S is zero in the first iterations. If a run takes longer, residuals are large or constraints are curved, and the
 //! Gauss-Newton method converges slowly. From then on S is a symmetric rank-one estimate of the curvature that A^T A does not
@@ -28,12 +28,12 @@
 //!
 //! A filter accepts steps: no earlier pair of goal and violation may be better in both (R. Fletcher, S. Leyffer, Nonlinear
 //! programming without a penalty function, Mathematical Programming 91, 2002). If curvature of the constraints is the reason
-//! for a rejection, the method tries one second-order correction before it shortens the step. If the rows of (1) exclude one
+//! for a rejection, the method tries one second-order correction before it shortens the step. If the rows of (1) contradict one
 //! another, the method relaxes them by the least possible value of the largest violation. If that value is not below the
-//! present violation, no small move reduces the violation. The run then ends and names the rows that exclude one another.
+//! present violation, no small move reduces the violation. The run then ends and names the rows that contradict one another.
 //!
-//! Rows that no variable changes are left out ([`movable`]). A run has converged if its multipliers balance the slope
-//! ([`stationarity`](super::stationarity)).
+//! Rows that no variable changes are left out ([`movable`]). A run has converged if its multipliers cancel the gradient of the
+//! objective ([`stationarity`](super::stationarity)).
 
 mod curvature;
 mod filter;

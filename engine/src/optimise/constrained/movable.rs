@@ -1,9 +1,9 @@
 //! Separates rows that variables can change from constant rows.
 //!
-//! A row without a slope does not restrict steps. If it is satisfied, every step keeps it satisfied; if it is violated, no
-//! step can reduce the violation. Its computed gradient is a rounding error instead of zero, and a program that uses this
-//! gradient divides by a rounding error. A row is *constant* at a point if a move of all variables across their ranges
-//! changes it, to first order, by no more than its rounding:
+//! A row without a slope does not restrict steps. If it is satisfied, every step keeps it satisfied; if it is violated, no step
+//! can reduce the violation. Its computed gradient is a rounding error instead of zero, and a quadratic program that uses this
+//! gradient divides by a rounding error. A row is *constant* at a point if a move of all variables across their ranges changes
+//! it, to first order, by no more than its rounding:
 //!
 //! ```text
 //! sum_j |a_j| width_j <= max(1e-9, 256 e (|value| + 2 |limit|)),     e: the machine precision            (1)
@@ -27,7 +27,7 @@ const RELATIVE_ROUNDING: f64 = 256.0 * f64::EPSILON;
 /// Rows that are used in a run.
 #[derive(Clone, Debug)]
 pub(super) struct Movable {
-    /// Rounding of each row by (1).
+    /// Rounding of each row by equation (1).
     rounding: Vec<f64>,
     takes_part: Vec<bool>,
     /// Values of the rows at the start.

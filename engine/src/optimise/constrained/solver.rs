@@ -61,7 +61,8 @@ pub struct ConstrainedFit {
     pub multipliers: Vec<f64>,
     /// Derivative of half the squared goal with respect to half the square of each level, negated.
     pub level_multipliers: Vec<f64>,
-    /// Other multipliers of the rows that also balance the slope. They exist if gradients are linearly dependent.
+    /// Other multipliers of the rows that also satisfy the optimality conditions. They exist if gradients are linearly
+    /// dependent.
     pub alternatives: Option<Vec<f64>>,
     /// Imbalance of the optimality conditions (slopes plus multipliers times gradients), relative to the sizes of the terms.
     pub imbalance: f64,

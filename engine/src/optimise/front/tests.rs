@@ -1,4 +1,4 @@
-//! Tests of fronts with known shapes.
+//! Tests of Pareto fronts with known shapes.
 
 use super::super::test_problems::{Values, stated};
 use super::super::trade::{Criterion, Distance};
@@ -6,7 +6,7 @@ use super::super::{Bounds, Control, Options};
 use super::{Found, Traced, Tracer};
 use nalgebra::DVector;
 
-/// Traces a front with this number of criteria. Each criterion has this number of residuals.
+/// Traces a Pareto front with this number of criteria. Each criterion has this number of residuals.
 fn traced(
     ranges: &[[f64; 2]],
     [aims, each]: [usize; 2],
@@ -39,7 +39,7 @@ fn traced(
     tracer.front(&starts.iter().collect::<Vec<_>>(), 0.0)
 }
 
-/// Widest step between neighbours, as a share of the front's extent.
+/// Widest step between neighbours, as a share of the extent of the Pareto front.
 fn widest_step(points: &[Found]) -> f64 {
     let (first, last) = (&points[0].amounts, &points[points.len() - 1].amounts);
     let extent = [last[0] - first[0], first[1] - last[1]];
@@ -58,8 +58,8 @@ fn way_from(x: &[f64], from: [f64; 2]) -> Values {
     ]
 }
 
-/// Test problem with exponentials of distances (C. M. Fonseca, P. J. Fleming, 1995). With the distance d between the two
-/// peaks, 1 - f_2 = exp(-(d - sqrt(-ln(1 - f_1)))^2). Weighted sums have their minima only at the ends of the front.
+/// Test problem with exponentials of distances (C. M. Fonseca, P. J. Fleming, 1995). With the distance d between the two peaks,
+/// 1 - f_2 = exp(-(d - sqrt(-ln(1 - f_1)))^2). Weighted sums have their minima only at the ends of the Pareto front.
 #[test]
 fn a_concave_front_is_traced_evenly() {
     let traced = traced(
@@ -89,7 +89,7 @@ fn a_concave_front_is_traced_evenly() {
         let way = 2.0 - (-(1.0 - first).ln()).sqrt();
         let wanted = 1.0 - (-way * way).exp();
         assert!((second - wanted).abs() < 1e-6, "{first}: {second} {wanted}");
-        // The weights are the normal of the front.
+        // The weights are the normal of the Pareto front.
         let step = 1e-5;
         let on = |f: f64| 1.0 - (-(2.0 - (-(1.0 - f).ln()).sqrt()).powi(2)).exp();
         let slope = (on(first + step) - on(first - step)) / (2.0 * step);
@@ -101,8 +101,8 @@ fn a_concave_front_is_traced_evenly() {
     }
 }
 
-/// Criterion f_2 = 2 - sqrt(f_1 + 0.02) - f_1 sin(10 pi f_1), with a variable that only f_2 depends on. The problem is
-/// similar to ZDT3 (E. Zitzler, K. Deb, L. Thiele, 2000). Its front consists of separate pieces; a fine grid gives the
+/// Criterion f_2 = 2 - sqrt(f_1 + 0.02) - f_1 sin(10 pi f_1), with a variable that only f_2 depends on. The problem is similar
+/// to ZDT3 (E. Zitzler, K. Deb, L. Thiele, 2000). Its Pareto front consists of separate pieces; a fine grid gives the
 /// reference.
 #[test]
 fn a_broken_front_is_found_piece_by_piece() {
@@ -163,7 +163,7 @@ fn a_broken_front_is_found_piece_by_piece() {
     assert_eq!(traced.breaks.len(), jumps.count(), "{:?}", traced.breaks);
 }
 
-/// Two criteria, the distances from two points of a plane. The front is the segment between them, and both criteria have
+/// Two criteria, the distances from two points of a plane. The Pareto front is the segment between them, and both criteria have
 /// equal weights.
 #[test]
 fn a_straight_front_has_its_slope_everywhere() {
@@ -172,7 +172,8 @@ fn a_straight_front_has_its_slope_everywhere() {
     });
     let apart = 10.0_f64.sqrt();
     assert_eq!(traced.points.len(), 50);
-    // The front reaches its ends. At each end one distance is zero, and the other is the distance between the two points.
+    // The Pareto front reaches its ends. At each end one distance is zero, and the other is the distance between the two
+    // points.
     for (end, aim) in [(&traced.points[0], 1), (&traced.points[49], 0)] {
         assert!((end.amounts[aim] - apart).abs() < 1e-3 * apart);
         assert!(end.amounts[1 - aim] < 1e-3, "{:?}", end.amounts);
@@ -185,8 +186,8 @@ fn a_straight_front_has_its_slope_everywhere() {
     assert!(widest_step(&traced.points) < 0.045);
 }
 
-/// A goal has two residuals that no design can make zero together, so its misfit keeps a remainder. The ends of the front are
-/// the minima of each goal alone.
+/// A goal has two residuals that no design can make zero together, so its misfit keeps a remainder. The ends of the Pareto
+/// front are the minima of each goal alone.
 #[test]
 fn a_front_ends_at_the_minima_of_each_goal() {
     let traced = traced(&[[-5.0, 5.0]; 2], [2, 3], &[&[0.4, 1.1]], |x| {
@@ -201,7 +202,7 @@ fn a_front_ends_at_the_minima_of_each_goal() {
     assert!(widest_step(&traced.points) < 0.1);
 }
 
-/// If one design is best in all criteria, the front contains only this design.
+/// If one design is best in all criteria, the Pareto front contains only this design.
 #[test]
 fn without_a_trade_there_is_one_point() {
     let traced = traced(&[[-5.0, 5.0]; 2], [2, 1], &[&[0.4, 1.1]], |x| {
@@ -211,8 +212,8 @@ fn without_a_trade_there_is_one_point() {
     assert!(traced.points[0].amounts.iter().all(|amount| *amount < 1e-5));
 }
 
-/// Three criteria, the distances from three points. The front is the triangle of these points, and every part of the triangle
-/// has a computed point nearby.
+/// Three criteria, the distances from three points. The Pareto front is the triangle of these points, and every part of the
+/// triangle has a computed point nearby.
 #[test]
 fn a_front_of_three_covers_the_triangle() {
     let corners = [[-1.0, 0.0], [2.0, 0.5], [0.3, 2.0]];

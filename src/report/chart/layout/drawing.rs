@@ -249,7 +249,7 @@ impl Layout {
     }
 }
 
-/// Classes of a curve, without the classes for the stroke.
+/// Returns the CSS classes of a curve without the classes that style its line.
 fn without_stroke(class: &str) -> String {
     let strokes = ["strong", "faint", "fine", "inner"];
     let kept: Vec<&str> = class.split(' ').filter(|c| !strokes.contains(c)).collect();

@@ -250,8 +250,8 @@ targets = [
 ]
 "#;
 
-/// Rows of targets have exact slopes along hardpoints and rates, for equal and for different wheels: the slopes equal
-/// difference quotients.
+/// Derivatives of the target residuals with respect to hardpoints and rates equal difference quotients, for equal and for
+/// different wheels.
 #[test]
 fn slopes_along_variables_are_those_of_differences() {
     let alike = replaced(
@@ -272,7 +272,7 @@ fn slopes_along_variables_are_those_of_differences() {
     }
 }
 
-/// Asserts that there are this many rows, and that their slopes along every variable equal difference quotients.
+/// Asserts the number of residuals, and that their derivatives with respect to every variable equal difference quotients.
 fn assert_slopes(at: impl Fn(&[f64]) -> Linearisation, x: &[f64], steps: &[f64], rows: usize) {
     let found = at(x);
     assert_eq!(found.residuals.len(), rows);
@@ -939,7 +939,7 @@ constraints = [
 ]
 "#;
 
-/// Limits of an axle's test results have rows with exact slopes. A limit is active if a target demands more.
+/// The derivatives of limits on an axle's test results equal difference quotients. A limit is active if a target demands more.
 #[test]
 fn figures_of_an_axle_keep_their_limits() {
     let study = elastic(&with(SUBFRAME, LIMITED));

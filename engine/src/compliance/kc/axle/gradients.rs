@@ -10,10 +10,10 @@ use crate::number::{Each, Tape, Tracked};
 pub type FigureGradients = [Option<Vec<f64>>; 2];
 
 impl AxleKcRun<'_> {
-    /// Returns the derivatives of the test results at a station with respect to inputs. The order is that of each
-    /// test's outcome. Hardpoints and parts of both wheels change together. Tests under the same conditions use the
-    /// same equilibrium on the same tape. The rack displacement is along the study's +y. `None` if the station has no
-    /// equilibrium.
+    /// Returns the derivatives of the test results at a station with respect to inputs. The derivatives are in the same
+    /// sequence as the results of each test. Hardpoints and parts of both wheels change together. Tests under the same
+    /// conditions share one equilibrium, and one tape (a record of the operations, for adjoint differentiation). The
+    /// rack displacement is along the study's +y. `None` if the station has no equilibrium.
     pub fn gradients(
         &self,
         travels: [f64; 2],

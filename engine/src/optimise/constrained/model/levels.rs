@@ -8,7 +8,7 @@ use super::ConvexModel;
 pub(super) const LEVEL_MET: f64 = 1e-7;
 /// Number of successive moves of one end of a bracket before the excess at the other end counts half (Illinois method).
 const PATIENCE: usize = 4;
-/// Largest number of programs in the search for the multiplier of a level.
+/// Largest number of quadratic programs (subproblems) in the search for the multiplier of a level.
 const SECANTS: usize = 30;
 
 impl<'a> ConvexModel<'a> {
@@ -44,7 +44,7 @@ impl<'a> ConvexModel<'a> {
         let (mut was_low, mut repeats) = (None, 0);
         let mut weight = self.last_weights[k].unwrap_or(scale);
         for _ in 0..SECANTS {
-            // Nested levels multiply the number of programs. So all levels of a step share a budget.
+            // Nested levels multiply the number of quadratic programs. So all levels of a step share a budget.
             if self.programs == 0 {
                 break;
             }

@@ -63,9 +63,9 @@ impl ConvexModel<'_> {
         })
     }
 
-    /// Improves the multipliers at the end of a run. If the multipliers of the last program do not balance the slope, the
-    /// function computes the multipliers that balance the slope best. The function uses the gradients at this point and the
-    /// gradients in `beside`.
+    /// Improves the multipliers at the end of a run. If the multipliers of the last quadratic program do not satisfy the
+    /// optimality conditions, the function computes the multipliers that satisfy them best. The function uses the gradients at
+    /// this point and the gradients in `beside`.
     pub(in super::super) fn settle_multipliers(&mut self, beside: &[Linearisation]) -> Settled {
         let n = self.half.len();
         let slope: Vec<f64> = (0..n).map(|j| self.goal.gradient(j)).collect();
@@ -108,7 +108,7 @@ impl ConvexModel<'_> {
         }
     }
 
-    /// Gradients of all binding constraints and bounds, and the kind of each.
+    /// Gradients of all binding constraints and bounds, and the kind of each constraint or bound.
     fn pushes(&self) -> (Pushes, Vec<Push>) {
         let n = self.half.len();
         let (mut pushes, mut of) = (Pushes::default(), Vec::new());

@@ -1,4 +1,4 @@
-//! Rows that exclude one another, relaxed by the smallest possible largest violation.
+//! Constraints that contradict one another. They are relaxed so that the largest violation is as small as possible.
 
 use super::super::super::active_set::{Held, Outcome, Rows};
 use super::super::super::qr::dot;

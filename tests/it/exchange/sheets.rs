@@ -36,9 +36,10 @@ fn rows(per: f64, between: &str) -> String {
 /// The table with one name or coordinate replaced.
 fn changed(name: &str, new_name: &str, at: [f64; 3]) -> String {
     let row = |(own, place): &(&str, [f64; 3])| {
-        let (own, place) = match *own == name {
-            true => (new_name, at),
-            false => (*own, *place),
+        let (own, place) = if *own == name {
+            (new_name, at)
+        } else {
+            (*own, *place)
         };
         format!("{own};{};{};{}\n", place[0], place[1], place[2])
     };

@@ -70,9 +70,10 @@ export class MemberLines {
         choose(k);
       };
       const group = svg('g', {
-        class: 'member', role: 'button', tabindex: 0, 'aria-label': memberName(member), 'data-member': member.name,
+        class: 'member', role: 'button', 'aria-label': memberName(member), 'data-member': member.name,
         on: { pointerdown: pick, keydown: (event) => { if (event.key === 'Enter' || event.key === ' ') pick(event); } },
       }, svg('title', { text: memberName(member) }), ...paths);
+      show(group, false);
       this.layer.append(group);
       return { group, paths, ends: member.ends };
     });
@@ -84,7 +85,7 @@ export class MemberLines {
       const isHere = (choice || marked.has(k)) && isDrawn(ends[0]);
       show(group, isHere);
       if (!isHere) return;
-      set(group, { class: marked.has(k) ? 'member marked' : 'member' });
+      set(group, { class: marked.has(k) ? 'member marked' : 'member', tabindex: choice ? 0 : null });
       for (const path of paths) set(path, { d: lineOf(ends) });
     });
   }

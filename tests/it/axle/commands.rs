@@ -414,7 +414,8 @@ fn no_tuned_design_is_better_than_its_front() {
         .collect();
     let (first, last) = (points[0], points[points.len() - 1]);
     let apart = [last[0] - first[0], first[1] - last[1]].map(|extent| extent / 25.0);
-    let is_as_good = |point: &[f64; 2]| (0..2).all(|k| point[k] <= kept[k] + apart[k]);
+    // The ends of a front are minima to 0.01 %.
+    let is_as_good = |point: &[f64; 2]| (0..2).all(|k| point[k] <= 1.0001 * kept[k] + apart[k]);
     assert!(points.iter().any(is_as_good), "{kept:?} {points:?}");
 }
 

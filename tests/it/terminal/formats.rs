@@ -93,7 +93,7 @@ const CALLS: [(&str, &str, &[&str], &[&str]); 14] = [
         "optimise",
         "formula_student_car",
         &["--set", "optimise.max_iterations=1"],
-        &["misfit", "side_effects", "targets", "variables"],
+        &["misfit", "side_effects", "starts", "targets", "variables"],
     ),
 ];
 

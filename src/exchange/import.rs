@@ -10,7 +10,7 @@ use super::bushings::{self, Bushing};
 use super::complete;
 use super::corner::{self, Corner, Named, Picked};
 use super::figure_names::{FigureKind, figure};
-use super::figures;
+use super::figures::{self, Figures};
 use super::place::{self, Placed};
 use super::refusal::Refusal;
 use super::right_half;
@@ -140,6 +140,64 @@ pub fn import(table: &PointTable, options: &ImportOptions<'_>) -> Result<Importe
     Ok(imported)
 }
 
+/// Points and numbers of the wheel or axle that the study describes.
+struct Selection {
+    corner: Corner,
+    picked: Vec<Picked>,
+    unit: LengthUnit,
+    figures: Figures,
+    /// True if half track and radius give the wheel centre.
+    makes_wheel: bool,
+}
+
+/// Selects the points and the numbers of one wheel or axle. `roles` and `named` are those of all points of the table.
+fn select(
+    table: &PointTable,
+    options: &ImportOptions<'_>,
+    (roles, named): (&[Option<Role>], &[Named<'_>]),
+    notes: &mut Vec<String>,
+) -> Result<Selection, Refusal> {
+    let is_optimum = roles::is_optimum(&table.points);
+    let mut corner = corner::choose(table, named, options, notes)?;
+    if options.topology.carries_both_wheels() {
+        corner.side = Some(Side::Left);
+        if options.side == Some(Side::Right) {
+            let reason =
+                "--side right: this axle has both wheels, and its study describes the left half";
+            return Err(Refusal::Wrong(reason.to_owned()));
+        }
+    }
+    let mut picked = Vec::new();
+    for known in options.topology.all_hardpoints() {
+        picked.extend(corner::pick(known.name, named, corner)?);
+    }
+    if is_optimum {
+        optimum::bar_axis(named, corner, &mut picked);
+    }
+    // Missing names are reported first, because without points there is no size from which the unit could be determined.
+    let wheel: &[&str] = if is_optimum { &["wheel_centre"] } else { &[] };
+    refuse_missing(table, options, roles, &picked, wheel)?;
+    let unit = unit::unit(table, options, &picked, notes)?;
+    let figures = figures::read(table, corner, unit, options, is_optimum, notes)?;
+    let makes_wheel = is_optimum && figures.half_track().is_some() && figures.radius().is_some();
+    let made: &[&str] = if makes_wheel { &["wheel_centre"] } else { &[] };
+    // The first check has found all other points, so only the wheel centre can be missing here.
+    refuse_missing(table, options, roles, &picked, made).map_err(|reason| {
+        if is_optimum {
+            format!("{reason}\n--half-track and --radius give the wheel centre of this table")
+        } else {
+            reason
+        }
+    })?;
+    Ok(Selection {
+        corner,
+        picked,
+        unit,
+        figures,
+        makes_wheel,
+    })
+}
+
 /// Makes the wheel for the study of one wheel or of an axle.
 pub(super) fn for_axle(
     table: &PointTable,
@@ -155,37 +213,14 @@ pub(super) fn for_axle(
     let roles = roles_of(table, options)?;
     let named = named_points(table, &roles);
     let is_optimum = roles::is_optimum(&table.points);
-    let mut corner = corner::choose(table, &named, options, &mut notes)?;
-    if options.topology.carries_both_wheels() {
-        corner.side = Some(Side::Left);
-        if options.side == Some(Side::Right) {
-            let reason =
-                "--side right: this axle has both wheels, and its study describes the left half";
-            return Err(Refusal::Wrong(reason.to_owned()));
-        }
-    }
-    let mut picked = Vec::new();
-    for known in options.topology.all_hardpoints() {
-        picked.extend(corner::pick(known.name, &named, corner)?);
-    }
-    if is_optimum {
-        optimum::bar_axis(&named, corner, &mut picked);
-    }
-    // Missing names are reported first, because without points there is no size from which the unit could be determined.
-    let wheel: &[&str] = if is_optimum { &["wheel_centre"] } else { &[] };
-    refuse_missing(table, options, &roles, &picked, wheel)?;
-    let unit = unit::unit(table, options, &picked, &mut notes)?;
-    let mut figures = figures::read(table, corner, unit, options, is_optimum, &mut notes)?;
-    let makes_wheel = is_optimum && figures.half_track().is_some() && figures.radius().is_some();
-    let made: &[&str] = if makes_wheel { &["wheel_centre"] } else { &[] };
-    // The first check has found all other points, so only the wheel centre can be missing here.
-    refuse_missing(table, options, &roles, &picked, made).map_err(|reason| {
-        if is_optimum {
-            format!("{reason}\n--half-track and --radius give the wheel centre of this table")
-        } else {
-            reason
-        }
-    })?;
+    let selection = select(table, options, (&roles, &named), &mut notes)?;
+    let Selection {
+        corner,
+        mut picked,
+        unit,
+        mut figures,
+        makes_wheel,
+    } = selection;
 
     let wanted = corner.side;
     // In tools with their own layout, the half track is measured at the contact point.

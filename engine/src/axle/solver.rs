@@ -49,8 +49,7 @@ fn rack_end(failure: &NoPose) -> Option<f64> {
     }
 }
 
-/// Joins the results of both wheels. If neither wheel can reach the rack displacement, the function returns the failure
-/// of the wheel whose range ends first.
+/// Joins the results of both wheels. If both wheels fail at the rack, returns the failure of the range that ends first.
 pub(super) fn join_results<T>(
     left: Result<T, NoPose>,
     right: Result<T, NoPose>,
@@ -114,8 +113,7 @@ pub struct AxleSolver<'a, const N: usize> {
 const MOST_STEPS: usize = 80;
 /// Number of terms in the series for the heights of contact points.
 const TERMS: usize = 4;
-/// Number of rounds in which all unsolved placements are computed together. After these rounds, the remaining
-/// placements are solved one by one.
+/// Number of rounds that compute all unsolved placements together. The program then solves the others one by one.
 const MOST_ROUNDS: usize = 4;
 /// Largest step along the series of a pose, relative to the mechanism's size. Up to this step, the error of four terms
 /// is smaller than rounding.
@@ -193,8 +191,7 @@ impl Read<'_> {
 
 impl<'a, const N: usize> AxleSolver<'a, N> {
     /// Makes a solver for positions in which these quantities are computed. If `by_rack` is true, the solver also
-    /// computes derivatives with respect to the rack that the quantities do not need. Returns an error if a wheel has
-    /// no solution in the design position.
+    /// computes derivatives with respect to the rack. Returns an error if a wheel has no solution in the design position.
     pub fn new(
         axle: &'a Axle,
         quantities: &[Quantity],
@@ -280,8 +277,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
         self.axle.left.mechanism.axle_steering().is_some()
     }
 
-    /// Prepares one wheel in a position for the calculation of loads. Returns [`Failure::Singular`] if the suspension
-    /// cannot carry a load.
+    /// Prepares one wheel in a position for loads. Returns [`Failure::Singular`] if the suspension cannot carry a load.
     pub fn balance(
         &self,
         side: Side,

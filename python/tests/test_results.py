@@ -36,7 +36,7 @@ def test_curves_are_saved_and_shown_as_by_the_program(front, tmp_path):
     assert summaries[0] == {key: value for key, value in summaries[1].items() if key not in ("finished", "interrupted")}
     np.testing.assert_array_equal(hp.read_run(directory)["curves"]["camber_deg"], curves["camber_deg"])
     assert hp.report(directory).read_bytes() == page.read_bytes()
-    with pytest.raises(hp.HardpointError, match=r"\.report\(path\) of Curves"):
+    with pytest.raises(hp.HardpointError, match=r"Curves\.report\(path\)"):
         hp.report(curves)
 
 

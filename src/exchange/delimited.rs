@@ -88,7 +88,7 @@ fn in_tabs(text: &str) -> Cow<'_, str> {
     let mut tabs = String::with_capacity(text.len());
     for line in text.split_inclusive(['\n', '\r']) {
         let content = line.trim_end_matches(['\n', '\r']);
-        match in_words(content) {
+        match in_words(content).or_else(|| named_number(content)) {
             Some(cells) => tabs += &cells.join("\t"),
             None => tabs += content,
         }
@@ -116,7 +116,8 @@ fn with_titles(text: &str, separator: u8) -> Cow<'_, str> {
                 >= 3;
         if line.starts_with('#') && !title.contains('"') && !is_row {
             titles.extend(std::iter::repeat_n(' ', line.len() - title.len()));
-            titles += title;
+            // Commas separate the parts of a title in every table.
+            titles += &title.replace(',', char::from(separator).encode_utf8(&mut [0; 4]));
         } else {
             titles += line;
         }
@@ -171,6 +172,22 @@ fn in_words(line: &str) -> Option<Vec<String>> {
         .windows(2)
         .map(|ends| words[ends[0]..ends[1]].join(" "));
     is_short.then(|| cells.collect())
+}
+
+/// Cells of a line with a name and one number, such as `static toe 0.1 deg` or `radius = 310`: name, number, further words.
+fn named_number(line: &str) -> Option<Vec<String>> {
+    let words: Vec<&str> = line.split_whitespace().collect();
+    let is_number = |word: &&str| word.replace(',', ".").parse::<f64>().is_ok();
+    let at = words.iter().position(|word| is_number(&word))?;
+    let is_alone = words[at + 1..].iter().all(|word| !is_number(&word));
+    let name = words[..at].join(" ");
+    let name = name.trim_end_matches(['=', ':', ' ']);
+    if line.starts_with('#') || name.is_empty() || !is_alone {
+        return None;
+    }
+    let mut cells = vec![name.to_owned(), words[at].to_owned()];
+    cells.extend((at + 1 < words.len()).then(|| words[at + 1..].join(" ")));
+    Some(cells)
 }
 
 /// Finds the separator. A table with decimal commas does not use commas as separators. So semicolon and tab have priority if they
@@ -241,6 +258,19 @@ mod tests {
         assert_eq!(
             texts("upper 2 1.5 -2 3\n")[0],
             ["upper", "2", "1.5", "-2", "3"]
+        );
+        assert_eq!(
+            texts(
+                "# right side, in cm\na 1 2 3\nb 4 5 6\nc 7 8 9\nstatic toe 0.1 deg\nradius = 31,5\n"
+            ),
+            [
+                vec!["right side", "in cm"],
+                vec!["a", "1", "2", "3"],
+                vec!["b", "4", "5", "6"],
+                vec!["c", "7", "8", "9"],
+                vec!["static toe", "0.1", "deg"],
+                vec!["radius", "31,5"],
+            ]
         );
         let sheet = read("Front axle\n\nwheel centre 0 1 2\nstrut top 3 4 5\n").unwrap();
         assert_eq!(sheet.rows(), [0, 2, 3]);

@@ -4,10 +4,10 @@ use super::super::TargetQuantity;
 use super::super::error::Problems;
 use super::super::value::Text;
 
-/// Units that the names of columns contain.
-const UNITS: [&str; 18] = [
-    "deg", "degree", "degrees", "rad", "radian", "radians", "mrad", "arcmin", "mm", "cm", "m",
-    "in", "inch", "ft", "N", "kN", "lbf", "percent",
+/// Units that the names of columns contain, in small letters.
+const UNITS: [&str; 19] = [
+    "deg", "degree", "degrees", "mdeg", "rad", "radian", "radians", "mrad", "arcmin", "mm", "cm",
+    "m", "in", "inch", "ft", "n", "kn", "lbf", "percent",
 ];
 /// Units that are also words in names: `toe_in`.
 const WORDS: [&str; 2] = ["in", "m"];
@@ -21,8 +21,9 @@ pub(super) fn checked<'n>(
     let Some(column) = column else {
         return Some(&of.column);
     };
-    let own = of.unit.suffix(of.length);
-    match stated(column.get_ref(), &own) {
+    let own = of.unit.suffix(of.length).to_lowercase();
+    let name = plain(column.get_ref());
+    match stated(&name, &own) {
         Some(other) if other != own => {
             let unit = match own.as_str() {
                 "" => "plain numbers",
@@ -38,6 +39,14 @@ pub(super) fn checked<'n>(
         }
         _ => Some(column.get_ref()),
     }
+}
+
+/// Name of a column in small letters, with `_` before its unit: `toe_rad` for `Toe [rad]`.
+fn plain(name: &str) -> String {
+    let name = name.to_lowercase().replace([' ', '/', '[', '('], "_");
+    let name = name.replace([']', ')'], "");
+    let parts: Vec<&str> = name.split('_').filter(|part| !part.is_empty()).collect();
+    parts.join("_")
 }
 
 /// Unit at the end of a column's name, such as `deg` or `deg_per_mm`. `own` is the unit of the target.
@@ -62,7 +71,7 @@ fn stated<'n>(name: &'n str, own: &'n str) -> Option<&'n str> {
 
 #[cfg(test)]
 mod tests {
-    use super::stated;
+    use super::{plain, stated};
 
     #[test]
     fn names_state_units() {
@@ -79,8 +88,13 @@ mod tests {
             ("gain_deg_per_mm", "deg_per_mm", Some("deg_per_mm")),
             ("change_per_mm", "deg_per_mm", None),
             ("ratio_percent", "", Some("percent")),
+            ("toe (rad)", "deg", Some("rad")),
+            ("Toe [mm]", "deg", Some("mm")),
+            ("toe/rad", "deg", Some("rad")),
+            ("camber [deg]", "deg", Some("deg")),
+            ("force [kN]", "n", Some("kn")),
         ] {
-            assert_eq!(stated(name, own), unit, "{name}");
+            assert_eq!(stated(&plain(name), own), unit, "{name}");
         }
     }
 }

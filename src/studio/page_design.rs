@@ -27,10 +27,19 @@ pub(super) fn page_design<'a>(
             Cell::from(at + &target.worst_at_unit),
         ]);
     }
+    let mut constraints = Table::new(["constraint", "margin", "unit"]);
+    for own in found.iter().flat_map(|found| &found.constraints) {
+        constraints.push([
+            Cell::from(own.name.as_str()),
+            Cell::by(own.margin, brief),
+            Cell::from(own.unit.as_str()),
+        ]);
+    }
     PageDesign {
         misfit: found.and_then(|found| found.value),
         verdict: found.map(Misfit::verdict),
         targets: (!targets.is_empty()).then_some(targets),
+        constraints: (!constraints.is_empty()).then_some(constraints),
         hardpoints,
     }
 }

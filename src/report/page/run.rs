@@ -55,6 +55,8 @@ pub struct PageDesign {
     pub verdict: Option<String>,
     /// Deviations from the targets.
     pub targets: Option<Table>,
+    /// Margins of constraints; a negative margin is a violation. `None` without constraints.
+    pub constraints: Option<Table>,
     /// Coordinates of the hardpoints.
     pub hardpoints: Table,
 }
@@ -79,9 +81,16 @@ impl PageDesign {
                 targets.html()
             )
         });
+        let constraints = self.constraints.as_ref();
+        let constraints = constraints.map_or_else(String::new, |constraints| {
+            format!(
+                "<div><h3>Margins of constraints</h3>{}</div>",
+                constraints.html()
+            )
+        });
         format!(
             "<section id=\"answer\" aria-labelledby=\"answer-title\"><h2 id=\"answer-title\">Design</h2>{verdict}\
-             <div class=\"answer tables\">{targets}<div><h3>Hardpoints</h3>{}</div></div></section>\n",
+             <div class=\"answer tables\">{targets}{constraints}<div><h3>Hardpoints</h3>{}</div></div></section>\n",
             self.hardpoints.html()
         )
     }

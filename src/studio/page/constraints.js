@@ -2,8 +2,8 @@
 import { brief, html, minus, norm, parsed } from './draw.js';
 import { state } from './design.js';
 import { question, say } from './dialog.js';
-import { chooseMembers, memberName } from './picking.js';
-import { addConstraint, at, goalName, headed, labelled, limitFields, number, optimise, remover, words } from './targets.js';
+import { chooseMembers, clearMarks, memberName } from './picking.js';
+import { addConstraint, at, goalName, headed, isOfDesign, labelled, limitFields, number, optimise, placeField, remover, words } from './targets.js';
 
 // Keys that name the subject of a constraint.
 const SUBJECTS = ['length', 'members', 'articulation', 'point', 'characteristic', 'plunge', 'angle', 'load'];
@@ -17,16 +17,6 @@ const select = (options, chosen = 0) => {
   made.value = String(chosen);
   return made;
 };
-// The part of the motion to which a new constraint applies: a field, and the keys of its choice.
-const placeField = () => {
-  const { is_axle: isAxle, is_car: isCar, points, motions, written } = state.overview;
-  const isOfDesign = isCar || written.compliance !== undefined || points.some(({ follows }) => follows);
-  const named = isOfDesign ? [] : motions.map(({ name }) => [`motion ${name}`, { motion: name }]);
-  const whole = isAxle || isOfDesign ? [] : [['the whole motion', {}]];
-  const all = [...whole, ...named, ['the design position', { at: 'design' }]];
-  const field = select(all.map(([text]) => text));
-  return { row: labelled('Applies to', field), keys: () => all[Number(field.value)][1] };
-};
 const UNITS = { mm: 1, m: 0.001, in: 0.04 };
 const lengthOf = (millimetres) => Number((millimetres * UNITS[state.overview.unit]).toPrecision(3));
 const ofAxle = (axle) => (axle ? { axle } : {});
@@ -37,12 +27,16 @@ const askForClearance = async () => {
   const chosen = await chooseMembers(2);
   if (!chosen) return;
   const { members, unit } = state.overview;
-  const fields = [0, 1].map((k) => select(members.map(memberName), chosen[k] ?? k));
+  // The first two members without a common joint.
+  const isApart = (first, second) => first.axle === second.axle && !first.ends.some((end) => second.ends.includes(end));
+  const usual = members.flatMap((first, k) => members.map((second, n) => [k, n]).filter(([, n]) => isApart(first, members[n])))[0] ?? [0, 1];
+  const fields = [0, 1].map((k) => select(members.map(memberName), chosen[k] ?? usual[k]));
   const radii = [number(0), number(0)];
   const gap = number(lengthOf(5));
   const place = placeField();
   const add = () => {
     const [first, second] = fields.map((field) => members[Number(field.value)]);
+    if (first === second) return 'Choose two different members.';
     if (first.axle !== second.axle) return 'The members belong to different axles.';
     const [clearance, ...radius] = [gap, ...radii].map(({ value }) => parsed(value));
     if ([clearance, ...radius].includes(null)) return NO_NUMBER;
@@ -52,6 +46,7 @@ const askForClearance = async () => {
   await question('Add a clearance', 'The clearance is the distance of the centre lines minus the two radii.', [['add', 'Add constraint', add], ['', 'Cancel']],
     ...fields.map((field, k) => labelled(`${k ? 'Second' : 'First'} member`, field)), labelled(`Smallest clearance [${unit}]`, gap),
     ...radii.map((field, k) => labelled(`Radius of the ${k ? 'second' : 'first'} member [${unit}]`, field)), place.row);
+  clearMarks();
 };
 // Asks for the limits of a member's length, and adds the constraint.
 const askForLength = async () => {
@@ -81,6 +76,7 @@ const askForLength = async () => {
   };
   await question('Add a limit of a length', 'A rod keeps its length over the motion; a strut and a spring change theirs.', [['add', 'Add constraint', add], ['', 'Cancel']],
     labelled('Member', field), labelled('The length', kind), ...rows, place.row);
+  clearMarks();
 };
 // Asks for the largest angle of a joint, and adds the constraint.
 const askForAngle = async () => {
@@ -88,7 +84,9 @@ const askForAngle = async () => {
   if (!joints.length) return say('No joint of this suspension has an angle that can be limited.', 'bad');
   const field = select(joints.map(memberName), Math.max(0, joints.findIndex(({ point }) => point === state.selected)));
   const most = number(20);
-  const place = placeField();
+  // In the design position the angle is 0.
+  const place = placeField(false);
+  if (!place) return say('A limit of a joint angle applies to a motion. Write a section [motions.NAME] into the file first.', 'bad');
   const add = () => {
     const { name, axle } = joints[Number(field.value)];
     const angle = parsed(most.value);
@@ -102,7 +100,7 @@ const askForAngle = async () => {
 const adder = () => {
   const title = html('h2', { text: 'Add a constraint' });
   if (!optimise()) return html('div', { class: 'panel' }, title, html('p', { class: 'hint', text: 'A constraint limits a tuning. Add a target first: press “+ target” on a chart.' }));
-  const kinds = [['Clearance of two members…', askForClearance], ['Length of a member…', askForLength], ['Angle of a joint…', askForAngle]];
+  const kinds = [['Clearance of two members…', askForClearance], ['Length of a member…', askForLength], ...(isOfDesign() ? [] : [['Angle of a joint…', askForAngle]])];
   return html('div', { class: 'panel' }, title, html('div', { class: 'add' }, ...kinds.map(([text, click]) => html('button', { text, on: { click } }))),
     html('p', { class: 'hint', text: 'Click the members in a view, or choose them from a list. To limit a quantity, press “+ target” on its chart. Regions for points and other constraints: write them into the file.' }));
 };

@@ -1,5 +1,5 @@
 // Members of the mechanism as lines in the views: the user clicks them to choose members, and a constraint marks its members.
-import { set, show, svg } from './draw.js';
+import { byId, set, show, svg } from './draw.js';
 import { emit, on, state } from './design.js';
 import { action, hideMessage, say } from './dialog.js';
 
@@ -17,10 +17,10 @@ const mark = (members) => {
 // Ends the choice. `members` is null if the user gave it up.
 const end = (members) => {
   if (!choice) return;
-  const { done } = choice;
+  const { done, shown } = choice;
   choice = null;
   delete document.documentElement.dataset.picking;
-  hideMessage();
+  if (byId('banner').firstChild === shown) hideMessage();
   mark(members ?? []);
   done(members);
 };
@@ -28,6 +28,7 @@ const ask = () => {
   const left = choice.count - choice.members.length;
   const what = choice.members.length ? 'another member' : left > 1 ? `${left} members` : 'a member';
   say(`Click ${what} in a view, or press Tab and Enter. Escape cancels.`, 'good', action('Choose from a list', () => end([])), action('Cancel', () => end(null)));
+  choice.shown = byId('banner').firstChild;
 };
 const choose = (k) => {
   const { members, count } = choice;
@@ -45,10 +46,16 @@ export const chooseMembers = (count) => new Promise((done) => {
   document.documentElement.dataset.picking = 'true';
   mark([]);
   ask();
+  document.querySelector('.member:not([style*="none"])')?.focus({ preventScroll: true });
 });
+export const clearMarks = () => mark([]);
 
-// Marks the members that the name of a constraint contains.
-export const markMembersIn = (text) => {
+// Marks the members of a constraint. `shown` is the displayed name. If the study gives the constraint a name, the keys of the
+// constraint in the study name the members.
+export const markMembersIn = (shown) => {
+  const written = (state.overview.written.optimise?.constraints ?? []).find(({ name }) => name && shown.startsWith(name));
+  const of = written && Object.entries({ clearance: written.members, length: written.length, plunge: written.plunge }).find(([, members]) => members);
+  const text = of ? [of[0], written.axle ?? '', ...[].concat(of[1])].join(' ') : written ? '' : shown;
   const parts = text.split(/[^\w]+/);
   // Other constraints contain the names of points.
   const isOfMembers = /^(clearance|length|plunge)$/.test(parts.find((part) => !/^(front|rear)$/.test(part))) || text.includes('rim');
@@ -95,4 +102,7 @@ export const startPicking = () => {
   document.addEventListener('keydown', (event) => { if (choice && event.key === 'Escape') end(null); }, true);
   for (const event of ['study', 'edited']) on(event, () => { end(null); marked = new Set(); });
   on('tab', () => { if (!choice && marked.size) mark([]); });
+  // If the message is closed or replaced, the choice ends.
+  const banner = byId('banner');
+  new MutationObserver(() => { if (choice && (banner.hidden || banner.firstChild !== choice.shown)) end(null); }).observe(banner, { attributes: true, childList: true });
 };

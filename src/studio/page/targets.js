@@ -199,6 +199,21 @@ export const addConstraint = (constraint, name) => {
   return tried([change], `Added constraint ${name}`);
 };
 
+// True if constraints apply to the design position only: of a car, with elastic parts, or of a solid axle.
+export const isOfDesign = () => state.overview.is_car || state.overview.written.compliance !== undefined || state.overview.points.some(({ follows }) => follows);
+// The part of the motion to which a new constraint applies: a field, and the keys of its choice. An axle needs a named motion.
+export const placeField = (hasDesign = true) => {
+  const { is_axle: isAxle, motions } = state.overview;
+  const named = isOfDesign() ? [] : motions.filter(({ name }) => name !== null).map(({ name }) => [`motion ${name}`, { motion: name }]);
+  const whole = isAxle || isOfDesign() ? [] : [['the whole motion', {}]];
+  const all = [...whole, ...named, ...(hasDesign ? [['the design position', { at: 'design' }]] : [])];
+  if (!all.length) return null;
+  const field = html('select', {}, ...all.map(([text], k) => html('option', { value: k, text })));
+  const shown = all.findIndex(([, keys]) => keys.motion === state.motion && state.motion !== null);
+  field.value = String(Math.max(0, shown));
+  return { row: labelled('Applies to', field), keys: () => all[Number(field.value)][1] };
+};
+
 // The keys by which a study names a column of the curves.
 const subjectOf = (column, others) => {
   const [, side] = /^(left|right)_/.exec(column) ?? [];
@@ -255,6 +270,12 @@ const placesInCases = (values, put) => {
   };
 };
 export const rounded = (value) => Number(value.toPrecision(3));
+// Rounds a limit outwards to three digits, so that the present values stay inside.
+const outward = (value, round) => {
+  if (value === 0) return 0;
+  const step = 10 ** (Math.floor(Math.log10(Math.abs(value))) - 2);
+  return Number((round(value / step) * step).toPrecision(3));
+};
 // A point that is usually moved for a quantity: the inner joint of the tie rod or toe link for toe and steer.
 const usualPoint = (column) => (/toe|steer/.test(column) ? state.overview.points.find(({ name }) => /(tie_rod|toe_link)_inner$/.test(name)) : undefined);
 
@@ -265,14 +286,18 @@ export const askForTarget = async (series, answer) => {
   const subject = subjectOf(column, series.length);
   if (!subject) return refuse(`${title} cannot have a target here.`);
   const values = columns.flatMap((c) => c.values).filter((v) => v !== null);
-  const [low, high] = values.length ? [Math.min(...values), Math.max(...values)].map(rounded) : [0, 1];
+  const [low, high] = values.length ? [outward(Math.min(...values), Math.floor), outward(Math.max(...values), Math.ceil)] : [0, 1];
   const wide = Math.max(high - low, 1e-2);
   const fields = { low: number(low), high: number(high), tolerance: number(Number((wide / 10).toPrecision(1))) };
   // The default band of a new target of a load case is around the present value.
   const around = (value) => [fields.low, fields.high].forEach((field, k) => { if (value !== null) field.value = String(rounded(value + (k - 0.5) * 0.1 * Math.max(Math.abs(value), 1e-2))); });
   const places = state.overview.is_car ? placesInCases(columns[0].values, around) : placesOnChart();
   const isFirst = !optimise();
-  const kinds = isFirst ? ['band', 'value'] : ['band', 'value', 'limit'];
+  // A constraint of an axle limits a quantity of a wheel, unless the axle has elastic parts.
+  const { is_axle: isAxle, is_car: isCar, written } = state.overview;
+  const canLimit = !isFirst && (!isAxle || isCar || written.compliance !== undefined || subject.side !== undefined || series.length > 1);
+  const where = canLimit && !isCar ? placeField() : null;
+  const kinds = canLimit ? ['band', 'value', 'limit'] : ['band', 'value'];
   const kind = html('select', {}, ...kinds.map((value, k) => html('option', { value, text: places.words[k] ?? 'must stay between two limits: a constraint' })));
   const [lower, upper] = [labelled('', fields.low), labelled(`Upper limit [${unit}]`, fields.high)];
   const tolerated = labelled(`Tolerance [${unit}]`, fields.tolerance);
@@ -282,6 +307,7 @@ export const askForTarget = async (series, answer) => {
     for (const row of places.onBand) row.hidden = kind.value !== 'band';
     for (const row of places.onValue) row.hidden = !isValue;
     tolerated.hidden = kind.value === 'limit';
+    if (where) where.row.hidden = kind.value !== 'limit';
     lower.querySelector('span').textContent = isValue ? `Value [${unit}]` : `Lower limit [${unit}]`;
   };
   kind.addEventListener('change', arrange);
@@ -293,16 +319,16 @@ export const askForTarget = async (series, answer) => {
     const [lowest, highest, tolerance] = ['low', 'high', 'tolerance'].map((key) => parsed(fields[key].value));
     if (kind.value === 'limit') {
       if (lowest === null || highest === null) return 'A field has no number.';
-      const { over, ...own } = subject;
-      return addConstraint({ ...own, ...places.limits(lowest, highest) }, title);
+      const { over, motion, ...own } = subject;
+      return addConstraint({ ...own, ...places.limits(lowest, highest), ...where?.keys() }, title);
     }
     const wanted = lowest === null || tolerance === null || (isBand && highest === null) ? null : places.keys(isBand, lowest, highest);
     if (!wanted) return 'A field has no number.';
     const target = { ...subject, ...wanted, tolerance };
     return tried(isFirst ? firstTarget(target, point.value) : [{ path: at('targets', optimise().targets?.length ?? 0), value: target }], `Added target ${title}`);
   };
-  await question(isFirst ? `Add a target for ${title}` : `Add a target or a constraint for ${title}`, isFirst ? 'The study has no variables yet. Tune may move the point that you choose, in y and z.' : 'Limits and values can be changed afterwards.', [['add', 'Add target', add], ['', 'Cancel']],
-    labelled('The quantity', kind), ...places.always, lower, upper, ...places.onBand, ...places.onValue, tolerated, ...(isFirst ? [labelled('Point that may move', point)] : []));
+  await question(canLimit ? `Add a target or a constraint for ${title}` : `Add a target for ${title}`, isFirst ? 'The study has no variables yet. Tune may move the point that you choose, in y and z.' : 'Limits and values can be changed afterwards.', [['add', canLimit ? 'Add' : 'Add target', add], ['', 'Cancel']],
+    labelled('The quantity', kind), ...places.always, lower, upper, ...places.onBand, ...places.onValue, tolerated, ...(where ? [where.row] : []), ...(isFirst ? [labelled('Point that may move', point)] : []));
 };
 const firstTarget = (target, point) => {
   const by = { mm: 10, m: 0.01, in: 0.4 }[state.overview.unit];

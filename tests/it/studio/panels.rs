@@ -285,6 +285,12 @@ fn constraints_are_added_by_clicking_members() {
     browser.keys(&["\u{E00C}"]);
     browser.wait("!document.documentElement.dataset.picking");
 
+    // So does closing the message.
+    begin("Clearance");
+    browser.wait("document.documentElement.dataset.picking");
+    browser.click("#banner .close");
+    browser.wait("!document.documentElement.dataset.picking");
+
     begin("Clearance");
     browser.run(&click_member("front", "tie_rod"));
     browser.run(&click_member("space", "lower_arm_front"));
@@ -328,9 +334,14 @@ fn constraints_are_added_by_clicking_members() {
     browser.run(
         "const kind = document.querySelector('#dialog select'); kind.value = 'limit'; kind.dispatchEvent(new Event('change'))",
     );
-    browser.run(&click_button("#dialog", "Add target"));
+    browser.run(&click_button("#dialog", "Add"));
     browser.wait(&format!("{count} === 4"));
     browser.wait(SETTLED);
+
+    // The offered limits contain the present curve.
+    let violated =
+        "return studio.state.answer.misfit.constraints.filter((c) => c.is_violated).length";
+    assert_eq!(browser.run(violated), json!(0));
 
     // A click on the name of a constraint marks its members.
     browser.run(&click_button("#pane-constraints .panel", "clearance of"));

@@ -178,8 +178,8 @@ fn in_words(line: &str) -> Option<Vec<String>> {
 fn named_number(line: &str) -> Option<Vec<String>> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let is_number = |word: &&str| word.replace(',', ".").parse::<f64>().is_ok();
-    let at = words.iter().position(|word| is_number(&word))?;
-    let is_alone = words[at + 1..].iter().all(|word| !is_number(&word));
+    let at = words.iter().position(is_number)?;
+    let is_alone = words[at + 1..].iter().all(|word| !is_number(word));
     let name = words[..at].join(" ");
     let name = name.trim_end_matches(['=', ':', ' ']);
     if line.starts_with('#') || name.is_empty() || !is_alone {

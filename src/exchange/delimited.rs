@@ -138,8 +138,7 @@ const MOST_WORDS: usize = 4;
 /// x, y and z, each with further words such as its unit. `None` for any other line.
 fn in_words(line: &str) -> Option<Vec<String>> {
     let words: Vec<&str> = line.split_whitespace().collect();
-    let is_number =
-        |word: &&&str| !word.ends_with(',') && word.replace(',', ".").parse::<f64>().is_ok();
+    let is_number = |word: &&&str| !word.ends_with(',') && is_number(word);
     let is_axis = |(word, axis): (&&str, char)| {
         let mut letters = word.chars().flat_map(char::to_lowercase);
         letters.next() == Some(axis)
@@ -174,11 +173,15 @@ fn in_words(line: &str) -> Option<Vec<String>> {
     is_short.then(|| cells.collect())
 }
 
+/// Returns true for a number with a decimal point or a decimal comma.
+fn is_number(word: &str) -> bool {
+    word.replace(',', ".").parse::<f64>().is_ok()
+}
+
 /// Cells of a line with a name and one number, such as `static toe 0.1 deg` or `radius = 310`: name, number, further words.
 fn named_number(line: &str) -> Option<Vec<String>> {
     let words: Vec<&str> = line.split_whitespace().collect();
-    let is_number = |word: &&str| word.replace(',', ".").parse::<f64>().is_ok();
-    let at = words.iter().position(is_number)?;
+    let at = words.iter().position(|word| is_number(word))?;
     let is_alone = words[at + 1..].iter().all(|word| !is_number(word));
     let name = words[..at].join(" ");
     let name = name.trim_end_matches(['=', ':', ' ']);

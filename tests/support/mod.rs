@@ -24,6 +24,11 @@ pub fn has_lanes() -> bool {
     hardpoint::number::Width::widest().is_some()
 }
 
+/// A printed text on one line, with single spaces.
+pub fn one_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// Number that is stored as a decimal string.
 pub fn number(value: &Value) -> f64 {
     value

@@ -27,6 +27,7 @@
 //! rises by m_1/m_2 tolerances.
 
 use super::constrained::{Assessment, Constrained, constrained_fit};
+use super::nearest::NEAR_LEVEL;
 use super::trade::{ConstrainedTrade, Criterion, Distance};
 use super::{Bounds, Control, Options};
 use crate::sorting::sort_by;
@@ -43,8 +44,6 @@ const LEVELS: usize = 6;
 /// Ratio of a criterion to its least value, up to which the criterion counts as equally low. A limit at exactly the least
 /// value would leave no freedom to lower the other criteria: no neighbouring design satisfies such a limit.
 const AS_LOW: f64 = 1.0001;
-/// Violation that a step may add, in multiples of the tolerance.
-const NEAR_LEVEL: f64 = 1.0;
 /// Smallest level.
 const LEAST_LEVEL: f64 = 1e-6;
 /// Smallest improvement that counts, as a share of the extent of the Pareto front.

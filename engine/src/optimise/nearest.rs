@@ -25,7 +25,7 @@ const NO_MOVE: f64 = 1e-9;
 const RUNGS: [f64; 4] = [0.25, 0.5, 0.75, 1.0];
 /// Largest violation that a step may cause: this multiple of the level, or of one tolerance if that is larger. Steps with a
 /// larger violation would lead to other minima.
-const NEAR_LEVEL: f64 = 1.0;
+pub(super) const NEAR_LEVEL: f64 = 1.0;
 /// Largest numbers of evaluations, as shares of [`Options::max_evaluations`]. The first constant applies to all runs
 /// together, the second to each run.
 const ALL_RUNS: f64 = 0.1;

@@ -154,12 +154,12 @@ impl Residuals<'_> {
                 found.targets.push(target);
                 found.exceeds_tolerance |= deviation > MISSED;
             } else if deviation > MISSED {
-                let change = deviation * self.share(target, end);
-                if change < HARDLY * deviation {
+                let share = self.share(target, end);
+                if share < HARDLY {
                     found.slightly.push(SlightEffect {
                         target,
                         deviation,
-                        change,
+                        change: share * deviation,
                     });
                 }
             }

@@ -30,9 +30,7 @@ impl ConstraintStatus {
             _ => ConstraintStatus::Kept,
         }
     }
-}
 
-impl ConstraintStatus {
     /// Table cell for people; empty for a constraint with margin.
     pub(in crate::report) fn in_words(self) -> Option<&'static str> {
         match self {

@@ -183,11 +183,11 @@ impl Reading for OpenedCar {
         let results = CarResults::solve(&study, &mut solver, study.cases.len());
         let rigs = misfit::assessed_rigs(self, &study);
         let found = misfit::misfit(&study, &mut solver, &results, rigs);
-        let overview = overview::overview(self);
-        let points = overview.points.iter().zip(&of.design);
+        let points = overview::points(&study);
+        let points = points.iter().zip(&of.design);
         let points = points.filter(|(point, _)| !point.follows);
         let points = points.map(|(point, place)| (point.name.as_str(), *place));
-        let design = page_design(points, &overview.unit, found.as_ref());
+        let design = page_design(points, study.car.length_unit.symbol(), found.as_ref());
         let remarks = results.remarks();
         let record = results.record("solve", &mut solver, None, &remarks);
         Ok(car_page_of_design(&record, &design))

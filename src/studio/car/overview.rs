@@ -132,7 +132,7 @@ fn units(car: &Car) -> serde_json::Value {
 }
 
 /// Points of the left wheels: first of the front axle, then of the rear axle.
-fn points(study: &CarStudy) -> Vec<PointOverview> {
+pub(super) fn points(study: &CarStudy) -> Vec<PointOverview> {
     let mut found = Vec::new();
     for (end, axle) in study.car.axles.iter().enumerate() {
         let mechanism = &axle.left.mechanism;

@@ -3,7 +3,7 @@ import { brief, html, minus, norm, parsed } from './draw.js';
 import { state } from './design.js';
 import { question, say } from './dialog.js';
 import { chooseMembers, clearMarks, memberName } from './picking.js';
-import { addConstraint, at, goalName, headed, isOfDesign, labelled, limitFields, number, optimise, placeField, remover, words } from './targets.js';
+import { addConstraint, at, goalName, headed, isOfDesign, labelled, lengthOf, limitFields, number, optimise, placeField, remover, select, words } from './targets.js';
 
 // Keys that name the subject of a constraint.
 const SUBJECTS = ['length', 'members', 'articulation', 'point', 'characteristic', 'plunge', 'angle', 'load'];
@@ -12,13 +12,6 @@ const constraintName = (constraint) => {
   return kind ? words(`${kind} ${[].concat(constraint[kind]).join(', ')}`) : 'constraint';
 };
 
-const select = (options, chosen = 0) => {
-  const made = html('select', {}, ...options.map((text, k) => html('option', { value: k, text })));
-  made.value = String(chosen);
-  return made;
-};
-const UNITS = { mm: 1, m: 0.001, in: 0.04 };
-const lengthOf = (millimetres) => Number((millimetres * UNITS[state.overview.unit]).toPrecision(3));
 const ofAxle = (axle) => (axle ? { axle } : {});
 const NO_NUMBER = 'A field has no number.';
 

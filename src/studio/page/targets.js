@@ -114,7 +114,7 @@ const variableAdder = () => {
   const point = choice('point of the new variable', points.map(({ name }) => name));
   if (state.selected !== null) point.value = points[state.selected].name;
   const axis = choice('axis of the new variable', AXES);
-  const range = fitted(html('input', { type: 'text', value: unit === 'mm' ? '10' : unit === 'm' ? '0.01' : '0.4', 'aria-label': 'range of the new variable in both directions' }));
+  const range = fitted(html('input', { type: 'text', value: String(lengthOf(10)), 'aria-label': 'range of the new variable in both directions' }));
   const add = () => {
     const by = parsed(range.value);
     markNumber(range, by === null, range.getAttribute('aria-label'));
@@ -199,6 +199,14 @@ export const addConstraint = (constraint, name) => {
   return tried([change], `Added constraint ${name}`);
 };
 
+// A usual length, from millimetres in the study's unit.
+export const lengthOf = (millimetres) => Number((millimetres * { mm: 1, m: 0.001, in: 0.04 }[state.overview.unit]).toPrecision(3));
+// A field with a list of texts. Its value is the index of the chosen text.
+export const select = (options, chosen = 0) => {
+  const made = html('select', {}, ...options.map((text, k) => html('option', { value: k, text })));
+  made.value = String(chosen);
+  return made;
+};
 // True if constraints apply to the design position only: of a car, with elastic parts, or of a solid axle.
 export const isOfDesign = () => state.overview.is_car || state.overview.written.compliance !== undefined || state.overview.points.some(({ follows }) => follows);
 // The part of the motion to which a new constraint applies: a field, and the keys of its choice. An axle needs a named motion.
@@ -208,9 +216,8 @@ export const placeField = (hasDesign = true) => {
   const whole = isAxle || isOfDesign() ? [] : [['the whole motion', {}]];
   const all = [...whole, ...named, ...(hasDesign ? [['the design position', { at: 'design' }]] : [])];
   if (!all.length) return null;
-  const field = html('select', {}, ...all.map(([text], k) => html('option', { value: k, text })));
   const shown = all.findIndex(([, keys]) => keys.motion === state.motion && state.motion !== null);
-  field.value = String(Math.max(0, shown));
+  const field = select(all.map(([text]) => text), Math.max(0, shown));
   return { row: labelled('Applies to', field), keys: () => all[Number(field.value)][1] };
 };
 
@@ -331,6 +338,6 @@ export const askForTarget = async (series, answer) => {
     labelled('The quantity', kind), ...places.always, lower, upper, ...places.onBand, ...places.onValue, tolerated, ...(where ? [where.row] : []), ...(isFirst ? [labelled('Point that may move', point)] : []));
 };
 const firstTarget = (target, point) => {
-  const by = { mm: 10, m: 0.01, in: 0.4 }[state.overview.unit];
+  const by = lengthOf(10);
   return [{ path: at('variables'), value: ['y', 'z'].map((axis) => newVariable(point, axis, by)) }, { path: at('targets'), value: [target] }];
 };

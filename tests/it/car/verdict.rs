@@ -157,7 +157,7 @@ fn goals_of_an_axle_have_their_values() {
     }
     let run = hardpoint(directory.path(), &arguments).success();
     let words = text(&run.get_output().stdout);
-    let words = words.split_whitespace().collect::<Vec<_>>().join(" ");
+    let words = crate::support::one_line(&words);
     assert!(words.contains("0 (target 0.01 to 0.05)"), "{words}");
     assert!(words.contains("300 to 400"), "{words}");
     let summary = std::fs::read(directory.path().join("tuned/summary.json")).unwrap();

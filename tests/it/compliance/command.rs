@@ -205,11 +205,6 @@ fn other_commands_refuse_elastic_parts() {
     assert!(said.contains("Elastic parts") && said.contains("lower_arm_rear"));
 }
 
-/// A printed text without line breaks.
-fn one_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
-}
-
 /// If a load is too large for the wheel, `kc` still writes all other results. It states the largest fraction of the load
 /// that has an equilibrium, and exits with code 1.
 #[test]
@@ -230,7 +225,8 @@ fn a_load_that_is_not_held_is_said() {
         String::from_utf8_lossy(&ran.stderr)
     );
     assert!(
-        one_line(&said).contains("exists for only 0.") && said.contains("not solved"),
+        crate::support::one_line(&said).contains("exists for only 0.")
+            && said.contains("not solved"),
         "{said}"
     );
     let levels = rows(&directory.path().join("kc/levels.csv"));

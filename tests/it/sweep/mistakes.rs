@@ -53,7 +53,7 @@ fn keys_that_a_sweep_ignores_are_named() {
     let bench = Bench::new(STUDY);
     let lengths = "outputs.lengths=[\"tie_rod\"]";
     let (_, said) = said(&bench.sweep("run", &["--set", lengths]).success());
-    let said = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    let said = crate::support::one_line(&said);
     let note = "A sweep ignores lengths, plunges, articulations and clearances of [outputs]";
     assert!(said.contains(note), "{said}");
 }

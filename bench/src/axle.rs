@@ -116,6 +116,7 @@ fn sweep(variables: &[DesignVariable], samples: u64) -> Sweep {
         }),
         curves: false,
         format: FileFormat::Csv,
+        constraints: false,
     }
 }
 

@@ -49,6 +49,7 @@ fn given(
         designs: Designs::Given(table.map_err(|reason| failure(format!("x: {reason}")))?),
         curves: own.sweep.as_ref().is_some_and(|sweep| sweep.curves),
         format: FileFormat::Csv,
+        constraints: own.sweep.as_ref().is_none_or(|sweep| sweep.constraints),
     })
 }
 

@@ -2,12 +2,9 @@
 
 use super::figure::brief;
 use crate::mechanism::DesignFault;
-use crate::optimise::{Margin, TargetLayout, assessed};
+use crate::optimise::{Margin, TargetLayout, VIOLATED, assessed};
 use crate::study::{Optimise, Study};
 use serde::Serialize;
-
-/// Violation below which a constraint counts as satisfied, in visible units: 1 is a millimetre or a degree.
-pub(crate) const VIOLATED: f64 = 1e-6;
 
 /// Margin of a constraint in one design.
 #[derive(Serialize)]

@@ -70,7 +70,7 @@ pub use comparison::{
 };
 pub use completeness::Completeness;
 pub use constraint_margins::violated_constraints;
-pub(crate) use constraint_margins::{ConstraintMargin, VIOLATED, constraint_margins};
+pub(crate) use constraint_margins::{ConstraintMargin, constraint_margins};
 pub use curve_table::CurveTable;
 pub use failures::FailureRange;
 pub use figure::{

@@ -196,6 +196,8 @@ pub struct Sweep {
     pub variables: Spanned<Vec<Spanned<SweepVariable>>>,
     /// `csv` or `parquet`.
     pub format: Option<Text>,
+    /// False if the margins of the constraints are omitted.
+    pub constraints: Option<bool>,
 }
 
 /// Macro that defines a kind of variable: the keys that name a part of the car, the keys of its range, and further keys.

@@ -59,6 +59,14 @@ pub struct CarConstraint {
     pub visible: f64,
 }
 
+impl CarConstraint {
+    /// Margin between a printed value and the nearer limit. Negative if the limit is violated.
+    pub fn margin(&self, value: f64) -> f64 {
+        let [low, high] = self.between;
+        (value - low).min(high - value) + 0.0
+    }
+}
+
 /// Targets and constraints of one axle on its rig.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RigGoals {

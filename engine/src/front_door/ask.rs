@@ -174,6 +174,7 @@ impl Study {
             }),
             curves: false,
             format: FileFormat::Csv,
+            constraints: true,
         });
         self
     }

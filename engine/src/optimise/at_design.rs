@@ -1,12 +1,14 @@
-//! Targets and constraints at one given design, with their Jacobians, without tuning.
+//! Targets and constraints of given designs, without tuning.
 
 use super::{
-    Assessment, Constrained, Infeasible, LeastSquares, Linearisation, Margin, Objective,
+    Assessment, Constrained, Deviation, Infeasible, LeastSquares, Linearisation, Margin, Objective,
     TargetLayout,
 };
+use crate::axle::Axle;
 use crate::mechanism::DesignFault;
 use crate::model::Suspension;
-use crate::study::Variable;
+use crate::number::Vector3;
+use crate::study::{Variable, Vehicle};
 use nalgebra::DVector;
 
 /// Targets and constraints at a design.
@@ -67,4 +69,57 @@ pub fn assessed_at(
     let x = DVector::from_column_slice(offsets);
     let assessed = objective.assess(&x, &mut assessment);
     Ok(assessed.map(|()| assessment))
+}
+
+/// Assessor of many designs, for a sweep. It computes deviations from targets and margins of constraints, but no derivatives
+/// with respect to points.
+pub(crate) struct DesignAssessor<'a> {
+    objective: Objective<'a>,
+    layout: &'a TargetLayout,
+    /// Axle of the designs. `None` for one wheel.
+    axle: Option<&'a Axle>,
+    right: Vec<Vector3<f64>>,
+    rates: DVector<f64>,
+    assessment: Assessment,
+}
+
+impl<'a> DesignAssessor<'a> {
+    /// Makes the assessor of a vehicle's designs. `rates` are the variables that are rates of elastic parts. An error says
+    /// why the vehicle's own design cannot be solved.
+    pub(crate) fn new(
+        vehicle: &'a Vehicle,
+        rates: &'a [Variable],
+        layout: &'a TargetLayout,
+    ) -> Result<Self, DesignFault> {
+        let objective = Objective::new(vehicle.wheel(), rates, layout)?;
+        Ok(DesignAssessor {
+            assessment: Assessment::new(&objective.shape()),
+            objective,
+            layout,
+            axle: match vehicle {
+                Vehicle::Axle(both) => Some(&both.axle),
+                Vehicle::Wheel(_) => None,
+            },
+            right: Vec::new(),
+            rates: DVector::zeros(rates.len()),
+        })
+    }
+
+    /// Returns the deviations from the targets and the margins of the constraints of a design. `left` contains the points of
+    /// the wheel, or of the left wheel of an axle. `rates` contains the values of the variables that are rates.
+    pub(crate) fn assess(
+        &mut self,
+        left: &[Vector3<f64>],
+        rates: &[f64],
+    ) -> Result<(Vec<Deviation>, Vec<Margin>), Infeasible> {
+        self.right.clear();
+        let right = self.axle.and_then(|axle| axle.right_design(left));
+        self.right.extend(right.into_iter().flatten());
+        self.rates.copy_from_slice(rates);
+        let designs = [left, &self.right];
+        let assessment = &mut self.assessment;
+        let margins = (self.objective).margins_of_design(designs, &self.rates, assessment)?;
+        let residuals = &self.assessment.goal.residuals;
+        Ok((self.layout.deviations(residuals), margins))
+    }
 }

@@ -4,7 +4,7 @@ mod draft;
 mod margins;
 mod rows;
 
-pub use margins::Margin;
+pub use margins::{Margin, VIOLATED};
 use rows::parts;
 pub(super) use rows::{Check, LimitedValue};
 

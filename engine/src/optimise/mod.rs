@@ -64,6 +64,7 @@ mod verdict;
 mod yield_search;
 
 pub use active_set::{ActiveSet, Held, Outcome, Rows};
+pub(crate) use at_design::DesignAssessor;
 pub use at_design::{Assessed, assessed, assessed_at, evaluated};
 pub use bounded_least_squares::{ActiveBound, BoundedLeastSquares};
 pub use bounds::{Bounds, EmptyRange};
@@ -74,7 +75,7 @@ pub use fit::{ConstraintState, Control, Fit, Iteration, ProgressCallback, Termin
 pub use fit_record::ArgminState;
 pub(crate) use fixed::{Without, starts_without_fixed};
 pub use identifiability::{Direction, Identifiability};
-pub use layout::{Deviation, Margin, RowLabel, TargetLayout};
+pub use layout::{Deviation, Margin, RowLabel, TargetLayout, VIOLATED};
 pub use levenberg_marquardt::LevenbergMarquardt;
 pub use moves::{PointRate, moved_design, point_rates};
 pub use multistart::{Multistart, Start, constrained_multistart, multistart, starting_point};

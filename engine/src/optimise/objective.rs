@@ -28,7 +28,7 @@ use super::{Infeasible, LeastSquares, Linearisation};
 use crate::characteristics::{Constants, WheelReading};
 use crate::mechanism::DesignFault;
 use crate::model::{PointId, Side, Suspension};
-use crate::number::Width;
+use crate::number::{Vector3, Width};
 use crate::solve::{Solver, StationOrder, Toggles};
 use crate::study::{Scatter, Variable, Vehicle};
 use nalgebra::DVector;
@@ -205,9 +205,20 @@ impl<'a> Objective<'a> {
         &mut self,
         x: &DVector<f64>,
         into: &mut Linearisation,
-        mut rows: Option<&mut Linearisation>,
+        rows: Option<&mut Linearisation>,
     ) -> Result<(), Infeasible> {
         self.move_to(x);
+        self.evaluate_here(x, into, rows)
+    }
+
+    /// Writes residuals and rows like [`Objective::evaluate_all`], for the design to which the wheels have been moved. The
+    /// variables that are rates have the values `x`.
+    fn evaluate_here(
+        &mut self,
+        x: &DVector<f64>,
+        into: &mut Linearisation,
+        mut rows: Option<&mut Linearisation>,
+    ) -> Result<(), Infeasible> {
         self.extremes.fill(None);
         let Some(mut robust) = self.robust.take() else {
             if !self.evaluate_in_lanes(into, rows.as_deref_mut())? {
@@ -235,8 +246,34 @@ impl<'a> Objective<'a> {
         x: &DVector<f64>,
         into: &mut Assessment,
     ) -> Result<Vec<Margin>, Infeasible> {
+        self.move_to(x);
+        self.margins_here(x, into)
+    }
+
+    /// Assesses a given design like [`Objective::margins`]. The variables of this problem move no points. `left` contains the
+    /// points of the wheel, or of the left wheel of an axle. `right` contains the points of the right wheel; it is empty if
+    /// the right wheel is a mirror image. The variables, which are rates, have the values `x`.
+    pub(super) fn margins_of_design(
+        &mut self,
+        [left, right]: [&[Vector3<f64>]; 2],
+        x: &DVector<f64>,
+        into: &mut Assessment,
+    ) -> Result<Vec<Margin>, Infeasible> {
+        self.wheel.design.copy_from_slice(left);
+        if let Some(wheel) = &mut self.right {
+            wheel.design.copy_from_slice(right);
+        }
+        self.margins_here(x, into)
+    }
+
+    /// Assesses the design to which the wheels have been moved, like [`Objective::margins`].
+    fn margins_here(
+        &mut self,
+        x: &DVector<f64>,
+        into: &mut Assessment,
+    ) -> Result<Vec<Margin>, Infeasible> {
         self.far = f64::INFINITY;
-        let assessed = self.assess(x, into);
+        let assessed = self.evaluate_here(x, &mut into.goal, Some(&mut into.rows));
         self.far = FAR;
         assessed?;
         let values = into.rows.residuals.as_slice();

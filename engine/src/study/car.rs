@@ -113,6 +113,8 @@ pub struct CarSweep {
     pub variables: Vec<CarVariable>,
     /// File format of the results.
     pub format: FileFormat,
+    /// True if results contain the margins of the constraints of `[optimise]`.
+    pub constraints: bool,
 }
 
 /// Tolerances of a car's parts, rates and masses.

@@ -272,6 +272,8 @@ pub struct Sweep {
     pub curves: bool,
     /// File format of the results.
     pub format: FileFormat,
+    /// True if results contain the margins of the constraints of `[optimise]`.
+    pub constraints: bool,
 }
 
 /// Origin of the designs of a sweep.

@@ -132,6 +132,7 @@ pub(super) fn sweep(
         designs: designs?,
         curves: written.curves.unwrap_or(false),
         format: format(&written.format, problems)?,
+        constraints: written.constraints.unwrap_or(true),
     })
 }
 

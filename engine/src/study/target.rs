@@ -179,23 +179,25 @@ impl Target {
         }
     }
 
-    /// Reason why a sweep cannot evaluate the target. `None` if a sweep can. A sweep can evaluate targets of an axle, and
-    /// characteristics and test results at the rack displacements of `motion`, the study's own motion.
-    pub fn not_swept(&self, motion: &Motion) -> Option<String> {
+    /// Returns true if the stations of a sweep give the target. These are targets of an axle, and characteristics and test
+    /// results at the rack displacements of `motion`, the study's own motion.
+    pub fn is_in_sweep(&self, motion: &Motion) -> bool {
         if self.site.axle.is_some() {
-            return None;
-        }
-        if !self.has_curve() {
-            return Some("it is not a characteristic".to_owned());
-        }
-        if let Some((name, _)) = &self.site.motion {
-            return Some(format!("it is in the motion {name}"));
+            return true;
         }
         // Each sweep solves the design position straight ahead.
         let is_solved =
             |rack: &f64| motion.rack.contains(rack) || motion.rack_moves && *rack == 0.0;
-        let other = self.site.racks.iter().find(|rack| !is_solved(rack))?;
-        Some(format!("[motion] does not have the rack {other}"))
+        self.has_curve() && self.site.motion.is_none() && self.site.racks.iter().all(is_solved)
+    }
+
+    /// Name of the target in the columns of a sweep: its name and the name of its motion.
+    pub fn swept_name(&self, length: LengthUnit) -> String {
+        let name = self.name(length);
+        match &self.site.motion {
+            Some((motion, _)) => format!("{name}_{motion}"),
+            None => name,
+        }
     }
 
     /// Returns true if a chart can show the target as a line. A chart can show a value or a curve of a characteristic.

@@ -106,27 +106,15 @@ impl Optimise {
         }
     }
 
-    /// Targets for the designs of a sweep: all targets, or none if a sweep cannot evaluate one of them. `motion` is the
-    /// study's own motion.
-    pub fn swept_targets(&self, motion: &Motion) -> &[Target] {
-        if !self.fit && self.targets.iter().all(|t| t.not_swept(motion).is_none()) {
-            &self.targets
-        } else {
-            &[]
-        }
+    /// Targets that rank the designs of a sweep: all targets. None in a fit, because the targets are then measurements.
+    pub fn ranking_targets(&self) -> &[Target] {
+        if self.fit { &[] } else { &self.targets }
     }
 
-    /// Reasons why a sweep cannot compute the misfit, one for each target that it cannot evaluate. Empty if the sweep can
-    /// evaluate all targets.
-    pub fn not_swept(&self, motion: &Motion, length: LengthUnit) -> Vec<String> {
-        if self.fit {
-            return vec!["fit = true, so the targets are measurements".to_owned()];
-        }
-        let reason = |target: &Target| {
-            let reason = target.not_swept(motion)?;
-            Some(format!("{}: {reason}", target.name(length)))
-        };
-        self.targets.iter().filter_map(reason).collect()
+    /// Reasons why a sweep does not rank its designs by the targets. Empty if it does.
+    pub fn not_swept(&self) -> Vec<String> {
+        let reason = || "fit = true, so the targets are measurements".to_owned();
+        self.fit.then(reason).into_iter().collect()
     }
 }
 
@@ -268,6 +256,15 @@ impl Rate {
             [self.design * (1.0 + change), self.design]
         } else {
             [self.design + change, 1.0]
+        }
+    }
+
+    /// Value of a variable of a tuning ([`Rate::at`]) that gives this rate.
+    pub fn offset(&self, rate: f64) -> f64 {
+        if self.is_relative {
+            (rate / self.design).ln()
+        } else {
+            rate - self.design
         }
     }
 

@@ -1,11 +1,13 @@
 //! Sweeps of a car: results of load cases for each design.
 
+use super::margins::{distinguish, margin_column, margin_columns};
 use super::record::CAR_BLOCKS_OF_PART;
 use super::record::{Kind, MoveRecord, OutputColumn, TargetColumn, VariableRecord};
 use super::rows::{Failing, Rows};
 use super::{FORM, Samples, SweepRecord};
 use crate::car::{
-    AXLE_NAMES, Car, CarFault, CarQuantity, CarRequest, CarTarget, CaseResult, RigGoals, moved,
+    AXLE_NAMES, Car, CarConstraint, CarFault, CarQuantity, CarRequest, CarTarget, CaseResult,
+    RigGoals, moved,
 };
 use crate::study::{CarStudy, CarSweep, FileFormat, Sampled, Sampling, Target};
 
@@ -21,6 +23,8 @@ pub struct CarSweepPlan<'s> {
     targets: &'s [CarTarget],
     /// Index of the result of each target.
     places: Vec<usize>,
+    /// Constraints of cases, each with the index of its result. Empty if the sweep does not evaluate constraints.
+    constraints: Vec<(&'s CarConstraint, usize)>,
     /// Goals of single axles, each with the index of the axle.
     rigs: Vec<(usize, &'s RigGoals)>,
 }
@@ -40,12 +44,19 @@ impl<'s> CarSweepPlan<'s> {
     /// # Errors
     /// Returns the reason if the study's own design cannot be solved, or if two columns have the same name.
     pub fn of(study: &'s CarStudy, sweep: &'s CarSweep) -> Result<Self, CarNotBegun> {
-        let targets = study.optimise.as_ref().map_or(&[][..], |o| &o.targets);
-        let wanted = targets.iter().map(|target| CaseResult {
-            case: target.case,
-            quantity: target.quantity,
-        });
+        let tuning = study.optimise.as_ref();
+        let targets = tuning.map_or(&[][..], |o| &o.targets);
+        let constraints = tuning.filter(|_| sweep.constraints);
+        let constraints = constraints.map_or(&[][..], |o| &o.constraints);
+        let of_targets = targets.iter().map(|own| (own.case, own.quantity));
+        let of_constraints = constraints.iter().map(|own| (own.case, own.quantity));
+        let wanted = of_targets.chain(of_constraints);
+        let wanted = wanted.map(|(case, quantity)| CaseResult { case, quantity });
         let request = CarRequest::of(&study.cases, &study.kept_quantities(), wanted);
+        let constraints = constraints.iter();
+        let constraints = constraints
+            .filter_map(|own| Some((own, request.place(own.case, own.quantity)?)))
+            .collect();
         let place = |target: &CarTarget| request.place(target.case, target.quantity);
         let places = targets.iter().filter_map(place).collect();
         let samples = Samples::Sampled(sweep.sampled.clone());
@@ -57,6 +68,7 @@ impl<'s> CarSweepPlan<'s> {
             request,
             targets,
             places,
+            constraints,
             rigs: rigs(study),
         };
         plan.record.outputs = plan.outputs();
@@ -105,6 +117,7 @@ impl<'s> CarSweepPlan<'s> {
                 kind,
                 unit,
                 at_design: None,
+                least: None,
             });
         };
         let car = &self.study.car;
@@ -131,6 +144,21 @@ impl<'s> CarSweepPlan<'s> {
             let name = || "misfit".to_owned();
             add(name(), name(), Kind::Misfit, String::new());
         }
+        let mut margins: Vec<OutputColumn> = self
+            .constraints
+            .iter()
+            .map(|(own, _)| {
+                let name = format!("{} in {}", own.name, self.study.cases[own.case].name);
+                let unit = own.quantity.info().unit.suffix(length);
+                margin_column(&name, &unit, Some(own.visible))
+            })
+            .collect();
+        for (end, goals) in self.rigs.iter().filter(|_| self.sweep.constraints) {
+            let own = margin_columns(&goals.optimise.constraints, AXLE_NAMES[*end]);
+            margins.extend(own);
+        }
+        distinguish(&mut margins);
+        columns.extend(margins);
         columns
     }
 
@@ -165,6 +193,10 @@ impl<'s> CarSweepPlan<'s> {
             let deviation = target.deviation(results[*place]) / target.tolerance;
             weigh(deviation.abs(), target.weight);
         }
+        let case_margins = self.constraints.iter();
+        let mut margins: Vec<f64> = case_margins
+            .map(|(own, place)| own.margin(results[*place]))
+            .collect();
         let mut failing = failed.map(|failed| {
             let case = &self.study.cases[failed.first].name;
             Failing::case(case, &failed, car)
@@ -175,13 +207,24 @@ impl<'s> CarSweepPlan<'s> {
                 let rms = outcome.as_ref().map(|found| found.targets[number].rms);
                 weigh(rms.unwrap_or(f64::NAN), target.weight);
             }
-            if let Err(reason) = outcome {
-                let alone = || Failing::axle_alone(AXLE_NAMES[*end], &reason);
-                failing = failing.or_else(|| Some(alone()));
+            let count = goals.optimise.constraints.len();
+            margins.extend((0..count).map(|number| {
+                let own = outcome.as_ref().ok();
+                own.map_or(f64::NAN, |found| found.margins[number])
+            }));
+            if outcome.is_err() {
+                failing = failing.or_else(|| Some(Failing::axle_alone(AXLE_NAMES[*end])));
             }
         }
         if weights > 0.0 {
             put((squares / weights).sqrt());
+        }
+        for cell in rest {
+            *cell = f64::NAN;
+        }
+        if self.sweep.constraints {
+            let first = into.len() - margins.len();
+            into[first..].copy_from_slice(&margins);
         }
         Ok(failing)
     }
@@ -314,7 +357,11 @@ fn describe(study: &CarStudy, sweep: &CarSweep, targets: &[CarTarget]) -> SweepR
         outputs: Vec::new(),
         targets: targets.chain(of_rigs).collect(),
         not_swept: Vec::new(),
-        unchecked_constraints: constraints(study),
+        unchecked_constraints: if sweep.constraints {
+            Vec::new()
+        } else {
+            constraints(study)
+        },
         curves: false,
         format: match sweep.format {
             FileFormat::Csv => "csv".to_owned(),
@@ -338,9 +385,12 @@ fn constraints(study: &CarStudy) -> Vec<String> {
 fn digest(study: &CarStudy, sweep: &CarSweep) -> String {
     let rigs = rigs(study);
     let of_rigs: Vec<(usize, &Target)> = targets_of_rigs(&rigs).collect();
+    let limits = study.optimise.as_ref().filter(|_| sweep.constraints);
+    let of_rigs_limits = rigs.iter().map(|(_, own)| &own.optimise.constraints);
     let meaning = (
         (&study.car, &study.cases, &study.quantities),
         study.optimise.as_ref().map(|o| &o.targets),
+        limits.map(|o| (&o.constraints, of_rigs_limits.collect::<Vec<_>>())),
         of_rigs,
         (&sweep.variables, sweep.format),
     );

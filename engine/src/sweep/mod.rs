@@ -10,6 +10,7 @@ pub mod csv;
 mod effects;
 mod front;
 mod in_order;
+mod margins;
 mod moments;
 mod or_null;
 mod plan;

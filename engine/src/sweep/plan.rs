@@ -1,5 +1,6 @@
 //! Plan of a sweep: the results for each design, and the workers that compute them.
 
+mod goals;
 mod requests;
 mod worker;
 
@@ -25,6 +26,7 @@ use crate::study::{
     AxleSample, AxleStudy, ComplianceStudy, DesignTable, Designs, FileFormat, Optimise, Sample,
     Study, StudyErrors, Sweep, Target, TargetKind, Vehicle, WheelStudy,
 };
+use goals::{GoalAssessor, GoalValues, Goals};
 use requests::{is_figure, of_axle, of_corner, of_elastic, with_gains};
 use std::borrow::Cow;
 use std::ops::{ControlFlow, Range};
@@ -42,6 +44,8 @@ pub struct SweepPlan<'s> {
     /// Number of quantities that are read over the whole motion. The other quantities apply only to the design position.
     over_motion: usize,
     targets: Vec<SweptTarget>,
+    /// Targets and constraints that need stations of their own. `None` if there are none.
+    goals: Option<Goals>,
     samples: Samples,
     study: &'s Study,
 }
@@ -63,7 +67,16 @@ struct SweptTarget {
     name: String,
     tolerance: f64,
     weight: f64,
-    wishes: Vec<SweptWish>,
+    stations: TargetStations,
+}
+
+/// Stations at which a target is compared.
+#[derive(Clone, Debug)]
+enum TargetStations {
+    /// Stations of the sweep.
+    OfSweep(Vec<SweptWish>),
+    /// Own stations of the target, which has this index among the targets of [`Goals`].
+    Own(usize),
 }
 
 /// Target value of a quantity at a station. Quantity and station are given by their indices.
@@ -126,8 +139,13 @@ impl<'s> SweepPlan<'s> {
             }
             Designs::Given(table) => Samples::Table(table.clone()),
         };
-        let swept = study.optimise.as_ref();
-        let swept = swept.map_or(&[][..], |o| o.swept_targets(study.motion()));
+        let targets = study.optimise.as_ref();
+        let targets = targets.map_or(&[][..], |o| o.ranking_targets());
+        let is_swept = |target: &&Target| target.is_in_sweep(study.motion());
+        let swept: Vec<Target> = targets.iter().filter(is_swept).cloned().collect();
+        let others = targets.iter().filter(|target| !is_swept(target)).cloned();
+        let goals = Goals::of(study, sweep, others.collect(), samples.rates());
+        let swept = &swept[..];
         let samples_in = |target: &Target| {
             let stations = target.stations_in(study.motion());
             target.wanted.samples(&stations)
@@ -153,15 +171,17 @@ impl<'s> SweepPlan<'s> {
                 }
             }
         };
-        let targets = swept
-            .iter()
-            .zip(wishes)
-            .map(|(target, wishes)| SweptTarget {
-                name: target.name(suspension.length_unit),
-                tolerance: target.tolerance,
-                weight: target.weight,
-                wishes,
-            });
+        let (mut wishes, mut of_goals) = (wishes.into_iter(), 0..);
+        let targets = targets.iter().map(|target| SweptTarget {
+            name: target.swept_name(suspension.length_unit),
+            tolerance: target.tolerance,
+            weight: target.weight,
+            stations: if is_swept(&target) {
+                TargetStations::OfSweep(wishes.next().unwrap_or_default())
+            } else {
+                TargetStations::Own(of_goals.next().unwrap_or_default())
+            },
+        });
         let figures = match &study.vehicle {
             Vehicle::Wheel(own) => Plan::with_targets(own, study.optimise.as_ref())
                 .figures
@@ -174,6 +194,7 @@ impl<'s> SweepPlan<'s> {
         let mut plan = SweepPlan {
             over_motion: request.columns().len() - figures,
             targets: targets.collect(),
+            goals,
             record: describe(study, sweep, &samples, request.stations()),
             request,
             gains,
@@ -206,6 +227,10 @@ impl<'s> SweepPlan<'s> {
             block: self.request.block(),
             designs: Vec::new(),
             rates: Vec::new(),
+            goals: match &self.goals {
+                Some(goals) => Some(goals.assessor(self.study)?),
+                None => None,
+            },
             rows: Rows::default(),
         })
     }
@@ -283,6 +308,7 @@ impl<'s> SweepPlan<'s> {
                 kind,
                 unit: unit.to_owned(),
                 at_design: None,
+                least: None,
             });
         };
         for (number, (value, gains)) in self.values().iter().zip(&self.gains).enumerate() {
@@ -314,11 +340,19 @@ impl<'s> SweepPlan<'s> {
         if !self.targets.is_empty() {
             add("misfit".to_owned(), "misfit", Kind::Misfit, "");
         }
+        let margins = self.goals.iter().flat_map(|goals| &goals.columns);
+        columns.extend(margins.cloned());
         columns
     }
 
-    /// Writes the outputs of a design, given by its index in the block.
-    fn summarise(&self, block: &Block, design: usize, into: &mut [f64]) {
+    /// Writes the outputs of a design, given by its index in the block. `goals` are the values of [`SweepPlan::goals`].
+    fn summarise(
+        &self,
+        block: &Block,
+        design: usize,
+        goals: Option<&GoalValues>,
+        into: &mut [f64],
+    ) {
         let mut cells = into.iter_mut();
         let mut put = |value: f64| {
             let cell = cells.next().expect("each output has a cell");
@@ -366,14 +400,25 @@ impl<'s> SweepPlan<'s> {
                 let deviation = wish.wanted.deviation(value) / target.tolerance;
                 deviation * deviation
             };
-            let wishes = &target.wishes;
-            let square = wishes.iter().map(square).sum::<f64>() / wishes.len() as f64;
-            put(square.sqrt());
+            let (rms, square) = match &target.stations {
+                TargetStations::OfSweep(wishes) => {
+                    let square = wishes.iter().map(square).sum::<f64>() / wishes.len() as f64;
+                    (square.sqrt(), square)
+                }
+                TargetStations::Own(number) => {
+                    let rms = goals.map_or(f64::NAN, |goals| goals.rms[*number]);
+                    (rms, rms * rms)
+                }
+            };
+            put(rms);
             squares += target.weight * square;
             weights += target.weight;
         }
         if weights > 0.0 {
             put((squares / weights).sqrt());
+        }
+        for margin in goals.into_iter().flat_map(|goals| &goals.margins) {
+            put(*margin);
         }
     }
 
@@ -427,7 +472,7 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
             .collect(),
     });
     let tuning = study.optimise.as_ref();
-    let targets = tuning.map_or(&[][..], |o| o.swept_targets(motion));
+    let targets = tuning.map_or(&[][..], |o| o.ranking_targets());
     let targets = targets.iter().map(|t| {
         let factor = t.of.factor();
         let stations = match &t.site.axle {
@@ -438,7 +483,7 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
         let home = motion.design_rack();
         let is_shown = t.site.racks.is_empty() || t.site.racks.contains(&home);
         let wanted = t.wanted.at_stations(&stations).into_iter();
-        let wanted = wanted.filter(|_| is_shown);
+        let wanted = wanted.filter(|_| is_shown && t.is_in_sweep(motion));
         TargetColumn {
             column: t.of.column.clone(),
             tolerance: t.tolerance * factor,
@@ -467,10 +512,12 @@ fn describe(study: &Study, sweep: &Sweep, samples: &Samples, stations: &Stations
         variables: variables.collect(),
         outputs: Vec::new(),
         targets: targets.collect(),
-        not_swept: tuning.map_or_else(Vec::new, |o| o.not_swept(motion, unit)),
-        unchecked_constraints: tuning.map_or_else(Vec::new, |o| {
-            o.constraints.iter().map(|own| own.name.clone()).collect()
-        }),
+        not_swept: tuning.map_or_else(Vec::new, |o| o.not_swept()),
+        unchecked_constraints: tuning
+            .filter(|_| !sweep.constraints)
+            .map_or_else(Vec::new, |o| {
+                o.constraints.iter().map(|own| own.name.clone()).collect()
+            }),
         curves: sweep.curves,
         format: match sweep.format {
             FileFormat::Csv => "csv".to_owned(),
@@ -486,7 +533,10 @@ fn digest(study: &Study, sweep: &Sweep, samples: &Samples) -> String {
         "{} {:?} {:?} {:?} {:?}",
         env!("CARGO_PKG_VERSION"),
         study.vehicle,
-        study.optimise.as_ref().map(|o| &o.targets),
+        study.optimise.as_ref().map(|o| {
+            let constraints = sweep.constraints.then_some(&o.constraints);
+            (&o.targets, constraints.filter(|own| !own.is_empty()))
+        }),
         (sweep.curves, sweep.format),
         match samples {
             Samples::Sampled(sampled) => format!("{:?}", sampled.meaning()),

@@ -59,7 +59,7 @@ pub struct SweepRecord {
     /// Targets for which the sweep cannot compute a misfit, each with its name and the reason.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub not_swept: Vec<String>,
-    /// Names of the constraints of `[optimise]`. The sweep does not check them.
+    /// Names of the constraints of `[optimise]` that the sweep does not evaluate, because of `constraints = false`.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub unchecked_constraints: Vec<String>,
     /// True if the sweep keeps the curves of every design.
@@ -114,6 +114,8 @@ pub enum Kind {
     Rms,
     /// Misfit: root of the weighted mean of the squared [`Rms`](Kind::Rms) of all targets.
     Misfit,
+    /// Smallest margin of a constraint. Negative if the design violates the constraint.
+    Margin,
 }
 
 /// A column of results.
@@ -129,6 +131,10 @@ pub struct OutputColumn {
     pub unit: String,
     /// Value of the study's own design. `None` if this value does not exist.
     pub at_design: Option<f64>,
+    /// Smallest margin of a design that satisfies the constraint: 0 less rounding. `None` for other outputs, and for a
+    /// constraint that fixes a value. No sample satisfies such a constraint, so it does not decide which designs are ranked.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub least: Option<f64>,
 }
 
 /// A target.
@@ -276,6 +282,13 @@ impl SweepRecord {
     /// Index of the misfit among the outputs, if there are targets.
     pub fn misfit(&self) -> Option<usize> {
         self.outputs_of(Kind::Misfit).next()
+    }
+
+    /// Indices of the outputs that are margins of constraints with limits, each with the smallest margin of a design that
+    /// satisfies the constraint.
+    pub fn limits(&self) -> Vec<(usize, f64)> {
+        let outputs = self.outputs.iter().enumerate();
+        outputs.filter_map(|(k, o)| Some((k, o.least?))).collect()
     }
 
     fn outputs_of(&self, kind: Kind) -> impl Iterator<Item = usize> {

@@ -83,13 +83,23 @@ impl Failing {
         }
     }
 
-    /// Describes a car design whose targets of a single axle have no values. Its load cases are all solved.
-    pub(super) fn axle_alone(axle: &str, reason: &str) -> Self {
+    /// Describes a design whose stations are all solved, but not all stations of its targets and constraints. The reason has no
+    /// numbers, so that equal reasons can be counted.
+    pub(super) fn of_goals() -> Self {
         Failing {
             status: "unreachable".to_owned(),
-            reason: format!("{axle} axle alone: {reason}"),
+            reason: "a target or a constraint has no value at one of its own stations".to_owned(),
             stations: 0,
             at: None,
+        }
+    }
+
+    /// Describes a car design whose targets or constraints of a single axle have no values. Its load cases are all solved.
+    pub(super) fn axle_alone(axle: &str) -> Self {
+        let Failing { reason, .. } = Failing::of_goals();
+        Failing {
+            reason: format!("{axle} axle alone: {reason}"),
+            ..Failing::of_goals()
         }
     }
 

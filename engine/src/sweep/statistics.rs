@@ -28,12 +28,19 @@ pub struct SweepStatistics {
     pub failures: Vec<FailureCount>,
     /// Range of each output.
     pub ranges: Vec<Option<OutputRange>>,
-    /// Best designs by misfit, in order. All are solved at every station.
+    /// Best designs by misfit, in order. All are solved at every station and satisfy the constraints.
     pub best: Vec<Candidate>,
+    /// For each output, the number of solved designs that violate its limit ([`super::OutputColumn::least`]). Empty if no output
+    /// has a limit.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub violating: Vec<u64>,
+    /// Number of solved designs that violate a limit. These designs are not ranked.
+    #[serde(default)]
+    pub violators: u64,
     /// Smallest misfits of designs that are not solved at every station, in order. These designs are not ranked.
     #[serde(default)]
     pub unranked: Vec<f64>,
-    /// Designs of the Pareto front, if there are several targets. All are solved at every station.
+    /// Designs of the Pareto front, if there are several targets. All are solved at every station and satisfy the constraints.
     pub front: Front,
     /// Sums over designs with a value for every output.
     pub moments: Moments,
@@ -83,6 +90,12 @@ impl SweepStatistics {
             failures: Vec::new(),
             ranges: vec![None; record.outputs.len()],
             best: Vec::new(),
+            violating: if record.limits().is_empty() {
+                Vec::new()
+            } else {
+                vec![0; record.outputs.len()]
+            },
+            violators: 0,
             unranked: Vec::new(),
             front: Front::default(),
             moments: Moments::empty(record),
@@ -94,7 +107,7 @@ impl SweepStatistics {
     /// Statistics of the rows of one block.
     pub fn of(record: &SweepRecord, rows: &Rows) -> Self {
         let mut statistics = SweepStatistics::empty(record);
-        let (misfit, deviations) = (record.misfit(), record.deviations());
+        let (misfit, deviations, limits) = (record.misfit(), record.deviations(), record.limits());
         let reference: Vec<f64> = record
             .outputs
             .iter()
@@ -133,7 +146,16 @@ impl SweepStatistics {
             };
             // A low misfit at some stations does not count if the design cannot reach the other stations.
             let is_solved = rows.failing[place].is_none();
+            let mut violates = false;
+            for (k, least) in limits.iter().filter(|_| is_solved) {
+                if outputs[*k] < *least {
+                    statistics.violating[*k] += 1;
+                    violates = true;
+                }
+            }
+            statistics.violators += u64::from(violates);
             match misfit.filter(|m| !outputs[*m].is_nan()) {
+                Some(_) if violates => {}
                 Some(misfit) if is_solved => {
                     keep_best(&mut statistics.best, misfit, outputs[misfit], candidate);
                     if deviations.len() > 1 {
@@ -170,6 +192,7 @@ impl SweepStatistics {
         let [variables, outputs] = [record.variables.len(), record.outputs.len()];
         let fits = |c: &Candidate| c.variables.len() == variables && c.outputs.len() == outputs;
         self.ranges.len() == outputs
+            && self.violating.len() == empty.violating.len()
             && self.best.iter().all(fits)
             && self.front.sorted().into_iter().all(fits)
             && self.moments.fits(&empty.moments)
@@ -182,6 +205,10 @@ impl SweepStatistics {
         self.designs += next.designs;
         self.solved += next.solved;
         self.one_by_one += next.one_by_one;
+        self.violators += next.violators;
+        for (own, other) in self.violating.iter_mut().zip(&next.violating) {
+            *own += other;
+        }
         for failure in &next.failures {
             self.count_failure(failure);
         }

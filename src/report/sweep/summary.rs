@@ -7,7 +7,7 @@ use crate::report::table::{Cell, Column, Table};
 use crate::report::text::counted;
 use crate::sweep::csv::{append_candidate, rows_header};
 use crate::sweep::{
-    Candidate, Effects, FailureCount, KEPT, OutputColumn, SweepRecord, SweepStatistics,
+    Candidate, Effects, FailureCount, KEPT, Kind, OutputColumn, SweepRecord, SweepStatistics,
 };
 use serde::{Deserialize, Serialize};
 
@@ -25,6 +25,9 @@ pub struct SweepSummary {
     pub(in crate::report) done: u64,
     /// Number of designs that were solved at every station.
     pub(in crate::report) solved: u64,
+    /// Number of solved designs that violate a constraint.
+    #[serde(default)]
+    violating: u64,
     /// Number of designs that were solved one by one, because they could not be solved in SIMD lanes.
     #[serde(default)]
     one_by_one: u64,
@@ -34,7 +37,7 @@ pub struct SweepSummary {
     pub(in crate::report) failures: Vec<FailureCount>,
     variables: Vec<String>,
     pub(in crate::report) outputs: Vec<OutputSummary>,
-    /// Best designs, sorted by misfit. All are solved at every station.
+    /// Best designs, sorted by misfit. All are solved at every station and satisfy the constraints.
     pub(in crate::report) best: Vec<DesignSummary>,
     /// Remarks on the outputs, one per line.
     #[serde(default)]
@@ -107,6 +110,7 @@ impl SweepSummary {
             designs: record.designs,
             done: statistics.designs,
             solved: statistics.solved,
+            violating: statistics.violators,
             one_by_one: statistics.one_by_one,
             statistics_designs: statistics.moments.count,
             failures: statistics.failures.clone(),
@@ -122,10 +126,13 @@ impl SweepSummary {
 
     /// Result of the sweep in a sentence.
     pub fn headline(&self) -> String {
-        let failed = match self.done - self.solved {
+        let mut failed = match self.done - self.solved {
             0 => "all solved".to_owned(),
             failed => format!("{failed} not solved everywhere"),
         };
+        if self.violating > 0 {
+            failed += &format!(", {} outside the constraints", self.violating);
+        }
         match self.done {
             done if done == self.designs => format!("{}, {failed}", counted(done, "design")),
             0 => format!(
@@ -277,6 +284,8 @@ fn notes(record: &SweepRecord, statistics: &SweepStatistics) -> Vec<String> {
         ));
     }
     notes.extend(unchecked(record, statistics));
+    notes.extend(violated(record, statistics));
+    notes.extend(fixed_values(record));
     notes.extend(unranked(record, statistics));
     for (output, range) in record.outputs.iter().zip(&statistics.ranges) {
         let lacking = statistics.solved - range.map_or(0, |r| r.count).min(statistics.solved);
@@ -337,8 +346,47 @@ fn unchecked(record: &SweepRecord, statistics: &SweepStatistics) -> Option<Strin
     (!constraints.is_empty() && !statistics.best.is_empty()).then(|| {
         format!(
             "warning: the sweep does not check the constraints of [optimise], so the best designs may violate them: {}. \
-             hardpoint optimise keeps them",
+             Remove constraints = false to check them",
             constraints.join("; ")
+        )
+    })
+}
+
+/// Sentence about designs that violate constraints.
+fn violated(record: &SweepRecord, statistics: &SweepStatistics) -> Option<String> {
+    let counts = record.outputs.iter().zip(&statistics.violating);
+    let counts = counts.filter(|(_, count)| **count > 0);
+    let list: Vec<String> = counts
+        .map(|(output, count)| format!("{} ({count})", output.output))
+        .collect();
+    let (designs, violators) = (statistics.solved, statistics.violators);
+    let ranked = match record.misfit() {
+        None => "",
+        Some(_) if violators == designs => ", so no design is ranked",
+        Some(_) => " and are not ranked",
+    };
+    (violators > 0).then(|| {
+        format!(
+            "{violators} of {} violate a constraint{ranked}: {}.",
+            counted(designs, "solved design"),
+            list.join("; ")
+        )
+    })
+}
+
+/// Sentence about constraints that fix a value. Samples do not satisfy them.
+fn fixed_values(record: &SweepRecord) -> Option<String> {
+    let fixes = |output: &&OutputColumn| output.kind == Kind::Margin && output.least.is_none();
+    let fixed: Vec<&str> = record
+        .outputs
+        .iter()
+        .filter(fixes)
+        .map(|output| output.output.as_str())
+        .collect();
+    (!fixed.is_empty() && record.misfit().is_some()).then(|| {
+        format!(
+            "Designs are ranked without the constraints that fix a value, because samples do not satisfy them: {}.",
+            fixed.join("; ")
         )
     })
 }

@@ -2,8 +2,8 @@
 
 use super::misfit_in_words;
 use crate::optimise::SlightEffect;
+use crate::optimise::VIOLATED;
 use crate::report::brief;
-use crate::report::constraint_margins::VIOLATED;
 use serde::{Deserialize, Serialize};
 
 /// Margin below which a constraint counts as binding, in visible units.

@@ -15,8 +15,8 @@ use crate::car::{
     AxleParameter, CarGradient, CarQuantity, CarSolver, CarTarget, Case, NoEquilibrium, Parameter,
     RigGoals,
 };
-use crate::optimise::{TargetLayout, assessed};
-use crate::report::{CarResults, CarState, ConstraintMargin, VIOLATED};
+use crate::optimise::{TargetLayout, VIOLATED, assessed};
+use crate::report::{CarResults, CarState, ConstraintMargin};
 use crate::studio::message::{Coordinates, Misfit, TargetMisfit};
 use crate::studio::misfit::of_assessment;
 use crate::study::{CarOptimise, CarStudy};
@@ -146,8 +146,7 @@ fn of_cases<'s>(
             CarState::Failed(why) => return Err(failed(case, why)),
         };
         let value = value.ok_or_else(|| format!("{} has no value in {}", own.name, case.name))?;
-        let [low, high] = own.between;
-        let margin = (value - low).min(high - value) + 0.0;
+        let margin = own.margin(value);
         constraints.push(ConstraintMargin {
             name: format!("{} in {}", own.name, case.name),
             margin,

@@ -24,6 +24,8 @@ pub struct Sweep {
     pub curves: Option<bool>,
     /// `csv` or `parquet`.
     pub format: Option<Text>,
+    /// False if the margins of the constraints are omitted.
+    pub constraints: Option<bool>,
 }
 
 /// An element of `variables` of `[sweep]`.

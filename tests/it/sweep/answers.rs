@@ -169,44 +169,104 @@ fn targets_at_racks_of_the_motion_are_compared() {
     assert!(!swept["notes"].to_string().contains("cannot evaluate"));
 }
 
-/// If the sweep cannot evaluate a target, terminal and summary name it with the reason.
+/// Targets at other racks, in other motions, and of lengths have the same deviations as in a tuning: in the study's own design,
+/// and in a design of the sweep that a tuning starts from.
 #[test]
-fn targets_that_a_sweep_cannot_evaluate_are_named() {
+fn targets_beside_the_motion_have_the_deviations_of_a_tuning() {
     let from = STUDY.find("targets = [").unwrap();
     let targets = "targets = [\n\
         { characteristic = \"camber\", at = 0.0, value = -0.5, tolerance = 0.05 },\n\
-        { characteristic = \"toe\", rack = 5.0, at = 0.0, value = 0.0, tolerance = 0.05 },\n\
-        { length = \"tie_rod\", at = 0.0, value = 360.0, tolerance = 1.0 } ]\n";
+        { characteristic = \"toe\", motion = \"lock\", at = 0.0, value = 9.0, tolerance = 0.05 },\n\
+        { characteristic = \"toe\", rack = 5.0, at = 0.0, value = 0.0, tolerance = 0.05, weight = 2.0 },\n\
+        { length = \"tie_rod\", at = 0.0, value = 360.0, tolerance = 1.0 } ]\n\
+        [motion.lock]\ntravel = { from = -20.0, to = 20.0, steps = 5 }\nrack = 12.0\n";
     let study = format!("{}{targets}", &STUDY[..from]).replace("samples = 700", "samples = 3");
     let bench = Bench::new(&study);
-    let (stdout, stderr) = said(&bench.sweep("run", &[]).success());
+    bench.sweep("run", &[]).success();
     let summary = bench.json("run/summary.json");
-    let notes = summary["notes"].to_string();
-    for words in [
-        "toe: [motion] does not have the rack 5",
-        "tie_rod_length: it is not a characteristic",
-    ] {
-        assert!(notes.contains(words), "{notes}");
-        let printed = format!("{stdout}{stderr}")
-            .split_whitespace()
-            .collect::<Vec<_>>()
-            .join(" ");
-        assert!(printed.contains(words), "{printed}");
+    assert_eq!(summary["best"].as_array().unwrap().len(), 3);
+    let designs = bench.designs("run");
+    let moved = bench.sweep("none", &["--design", "1"]).success();
+    fs::write(bench.path("moved.toml"), &moved.get_output().stdout).unwrap();
+    let columns = [
+        "rms_camber",
+        "rms_toe_lock",
+        "rms_toe",
+        "rms_tie_rod_length",
+    ];
+    for (study, row) in [("study.toml", None), ("moved.toml", Some(1))] {
+        let tuned = format!("tuned_{study}");
+        let once = "optimise.max_iterations=1";
+        bench.run(&["optimise", study, "--out", &tuned, "--set", once]);
+        let tuned = bench.json(&format!("{tuned}/summary.json"));
+        let found = |column: &str| match row {
+            None => output(&summary, column)["at_design"].as_f64().unwrap(),
+            Some(row) => designs.numbers(column)[row],
+        };
+        for (target, column) in columns.iter().enumerate() {
+            let rms = tuned["targets"][target]["before"]["rms"].as_f64().unwrap();
+            let found = found(column);
+            assert!((found / rms - 1.0).abs() < 1e-9, "{column}: {found} {rms}");
+        }
+        let misfit = tuned["misfit_before"].as_f64().unwrap();
+        assert!((found("misfit") / misfit - 1.0).abs() < 1e-9, "{misfit}");
     }
-    assert!(!notes.contains("camber"), "{notes}");
-    assert!(summary["best"].as_array().unwrap().is_empty());
 }
 
-/// A sweep does not check constraints. If it ranks designs, the terminal, `summary.json` and the page name the constraints.
+/// The margins of the designs follow from the length of the tie rod, which the test computes from the columns of its ends.
+/// Only designs with a positive margin are ranked.
+#[test]
+fn a_sweep_ranks_only_designs_that_satisfy_the_constraints() {
+    let constraint = "optimise.constraints=[{ length = \"tie_rod\", at_most = 360.0 }, { length = \"tie_rod\", keep = true }]";
+    let bench = Bench::new(&STUDY.replace("samples = 700", "samples = 60"));
+    let (stdout, _) = said(&bench.sweep("run", &["--set", constraint]).success());
+    let designs = bench.designs("run");
+    let margins = designs.numbers("margin_length_tie_rod_at_most_360_mm");
+    let kept = designs.numbers("margin_length_tie_rod_kept_mm");
+    let summary = bench.json("run/summary.json");
+    let own = output(&summary, "margin_length_tie_rod_at_most_360_mm")["at_design"]
+        .as_f64()
+        .unwrap();
+    for (margin, kept) in margins.iter().zip(&kept) {
+        assert!(
+            (kept + (margin - own).abs()).abs() < 1e-9,
+            "{margin} {kept}"
+        );
+    }
+    let violators = margins.iter().filter(|margin| **margin < 0.0).count();
+    assert!((1..60).contains(&violators), "{margins:?}");
+    assert_eq!(summary["violating"], violators);
+    let best = summary["best"].as_array().unwrap();
+    assert!(!best.is_empty());
+    for design in best {
+        assert!(margins[design["design"].as_u64().unwrap() as usize] >= 0.0);
+    }
+    let misfits = designs.numbers("misfit");
+    let satisfying = (0..60).filter(|design| margins[*design] >= 0.0);
+    let least = satisfying
+        .map(|design| misfits[design])
+        .fold(f64::INFINITY, f64::min);
+    assert_eq!(best[0]["misfit"].as_f64().unwrap(), least);
+    assert!(
+        stdout.contains(&format!("{violators} outside the constraints")),
+        "{stdout}"
+    );
+}
+
+/// With `constraints = false` a sweep does not check constraints. If it ranks designs, the terminal, `summary.json` and the
+/// page name the constraints.
 #[test]
 fn constraints_that_a_sweep_does_not_check_are_named() {
     let constraint = "optimise.constraints=[{ length = \"tie_rod\", at_most = 10.0 }]";
     let bench = Bench::new(&STUDY.replace("samples = 700", "samples = 3"));
-    let (stdout, stderr) = said(
-        &bench
-            .sweep("run", &["--set", constraint, "--report"])
-            .success(),
-    );
+    let unchecked = [
+        "--set",
+        constraint,
+        "--set",
+        "sweep.constraints=false",
+        "--report",
+    ];
+    let (stdout, stderr) = said(&bench.sweep("run", &unchecked).success());
     let words = "does not check the constraints of [optimise], so the best designs may violate them: \
                  length tie_rod at most 10";
     let summary = bench.json("run/summary.json");

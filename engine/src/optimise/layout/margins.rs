@@ -2,6 +2,10 @@
 
 use super::{Beside, Part, RowLabel, TargetLayout};
 
+/// Violation up to which a constraint counts as satisfied, in visible units ([`crate::study::Limited::visible`]): a millionth
+/// of a millimetre or of a degree is rounding.
+pub const VIOLATED: f64 = 1e-6;
+
 /// Smallest margin of a constraint in one design.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Margin {

@@ -138,6 +138,7 @@ impl Resolver<'_> {
             sampled: asked.sampled(rules, columns, &places, self.problems)?,
             variables,
             format: samples::format(&written.format, self.problems)?,
+            constraints: written.constraints.unwrap_or(true),
         }))
     }
 

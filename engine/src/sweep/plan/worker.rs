@@ -10,6 +10,8 @@ pub struct Worker<'p> {
     pub(super) designs: Vec<Vector3<f64>>,
     /// Rates of elastic parts that the sweep varies, design after design.
     pub(super) rates: Vec<f64>,
+    /// Assessor of targets and constraints that need stations of their own. `None` if there are none.
+    pub(super) goals: Option<GoalAssessor<'p>>,
     pub(super) rows: Rows,
 }
 
@@ -68,10 +70,20 @@ impl Worker<'_> {
         self.evaluator.evaluate(&self.designs, &mut self.block);
         let width = plan.record.outputs.len();
         rows.outputs.resize(self.block.designs() * width, f64::NAN);
-        for (k, outputs) in rows.outputs.chunks_exact_mut(width).enumerate() {
-            plan.summarise(&self.block, k, outputs);
-        }
         plan.failing(&self.block, &mut rows.failing);
+        let points = self.designs.len() / self.block.designs().max(1);
+        let rates = self.rates.len() / self.block.designs().max(1);
+        for (k, outputs) in rows.outputs.chunks_exact_mut(width).enumerate() {
+            let failing = &mut rows.failing[k];
+            let goals = self.goals.as_mut().map(|goals| {
+                let design = &self.designs[k * points..][..points];
+                let design = failing.is_none().then_some(design);
+                let (values, reason) = goals.assess(design, &self.rates[k * rates..][..rates]);
+                *failing = failing.take().or(reason);
+                values
+            });
+            plan.summarise(&self.block, k, goals, outputs);
+        }
     }
 
     /// Computes the outputs of one design.

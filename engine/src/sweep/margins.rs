@@ -1,0 +1,63 @@
+//! Columns with the margins of constraints.
+
+use super::{Kind, OutputColumn};
+use crate::ask::with_unit;
+use crate::optimise::VIOLATED;
+use crate::study::{Constraint, Limited};
+
+/// Columns with the margins of these constraints. `prefix` begins the names: the name of an axle of a car, or nothing.
+pub(super) fn margin_columns(constraints: &[Constraint], prefix: &str) -> Vec<OutputColumn> {
+    let column = |constraint: &Constraint| {
+        let is_limit = !constraint.parts.iter().any(fixes_value);
+        let (unit, visible) = match constraint.parts.first() {
+            Some(part) if part.unit != "1" => (&part.unit[..], part.visible),
+            part => ("", part.map_or(1.0, |part| part.visible)),
+        };
+        let name = [prefix, &constraint.name].join(" ");
+        margin_column(name.trim(), unit, is_limit.then_some(visible))
+    };
+    constraints.iter().map(column).collect()
+}
+
+/// Column with the margin of a constraint with this name and unit. `visible` is a visible change of the margin; `None` if the
+/// constraint fixes a value.
+pub(super) fn margin_column(name: &str, unit: &str, visible: Option<f64>) -> OutputColumn {
+    let column = column_name(&format!("margin {name}"));
+    OutputColumn {
+        // The limits at the end of a name may already have the unit.
+        column: if column.ends_with(&format!("_{unit}")) {
+            column
+        } else {
+            with_unit(column, unit)
+        },
+        output: name.to_owned(),
+        kind: Kind::Margin,
+        unit: unit.to_owned(),
+        at_design: None,
+        least: visible.map(|visible| -VIOLATED * visible),
+    }
+}
+
+/// Appends a number to the names of columns that would have the same name as an earlier column.
+pub(super) fn distinguish(columns: &mut [OutputColumn]) {
+    for place in 1..columns.len() {
+        let (earlier, rest) = columns.split_at_mut(place);
+        let (first, mut number) = (rest[0].column.clone(), 1);
+        while earlier.iter().any(|known| known.column == rest[0].column) {
+            number += 1;
+            rest[0].column = format!("{first}_{number}");
+        }
+    }
+}
+
+/// Returns true if the part fixes a value.
+fn fixes_value(part: &Limited) -> bool {
+    part.lower.is_some() && part.lower == part.upper
+}
+
+/// Name of a column, from words. Letters, digits, signs and decimal points remain; the rest becomes underscores.
+fn column_name(words: &str) -> String {
+    let is_kept = |c: char| c.is_alphanumeric() || "-.".contains(c);
+    let words = words.split(|c| !is_kept(c)).filter(|word| !word.is_empty());
+    words.collect::<Vec<_>>().join("_")
+}

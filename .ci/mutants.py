@@ -90,7 +90,7 @@ def code_lines(text):
     in_constant = False
     lines = text.split("\n")
     for number, line in enumerate(lines):
-        # Stops only at a block of unit tests. After `mod tests;`, code may follow.
+        # The script skips the rest of a file only after a block of unit tests. After `mod tests;`, code may follow.
         if line.strip() == "#[cfg(test)]" and lines[number + 1].rstrip().endswith("{"):
             return
         if re.match(r"^\s*(pub(\([^)]*\))? )?(const|static) ", line) and not line.rstrip().endswith(("{", ";")):

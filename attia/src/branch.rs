@@ -11,10 +11,10 @@ use super::{Moving, Singular};
 /// roots have a choice of sign: the strut's length, and the distance of the tie-rod end from the plane 3-4-5. All other points
 /// follow rigidly.
 ///
-/// So a check of these signs excludes wrong roots for [`Drive::ArmAngle`]. For [`Drive::PaperTheta`] the check also needs
-/// the side of the arm. The sign of the Jacobian's determinant tells that side. The drive with the wheel travel could
-/// pass through a strut of zero length, as it passes through a tie-rod toggle. No real strut has zero length, so the
-/// branch ends there, too.
+/// So a check of these signs excludes wrong roots for [`Drive::ArmAngle`]. For [`Drive::PaperTheta`] the check also needs the
+/// side of the arm. The sign of the Jacobian's determinant distinguishes the two sides. The drive with the wheel travel could
+/// pass through a strut of zero length, as it passes through a tie-rod toggle. No real strut has zero length, so the branch
+/// ends there, too.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Branch {
     /// Handedness of the knuckle. The mirror image of the knuckle has the other sign.

@@ -160,8 +160,8 @@ impl Driving {
         self.d51 / self.wheel_centre.shares().map(f64::abs).iter().sum::<f64>()
     }
 
-    /// Number `-C_t` for a unit rate of the drive's value: the rate of the level of (15), minus the rate of the left-hand side
-    /// of (15) with fixed points.
+    /// Right-hand side `-C_t` of the velocity equation for equation (15) and a unit rate of the drive's value. C_t is the
+    /// partial derivative of the equation with respect to the drive, with fixed points.
     pub(crate) fn rate(&self, value: f64, moving: &Moving) -> f64 {
         match self.kind {
             Drive::ArmAngle => self.d51 * self.turned(value)[1].dot(moving[0] - self.centre),
@@ -170,9 +170,9 @@ impl Driving {
         }
     }
 
-    /// Part of the acceleration equation's right-hand side, `-2 C_qt v rate - C_tt rate^2`. `rate` is the rate of the drive's
-    /// value, and `velocity` holds the velocities of the points at this rate. The other part is for the acceleration of the
-    /// drive.
+    /// Part `-2 C_qt v rate - C_tt rate^2` of the right-hand side of the acceleration equation. `rate` is the rate of the
+    /// drive's value. `velocity` holds the velocities v of the points at this rate. The remaining part belongs to the
+    /// acceleration of the drive.
     pub(crate) fn curvature(&self, value: f64, rate: f64, velocity: &Moving) -> f64 {
         match self.kind {
             // C_tt vanishes: the equation is harmonic in the angle, so C_tt = -C, and C = 0 at a solution.

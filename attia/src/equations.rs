@@ -126,8 +126,9 @@ fn add(jacobian: &mut Jacobian, row: usize, point: usize, gradient: Vector3<f64>
     }
 }
 
-/// Column `-C_t` of equations (1) to (14). Only equation (3) depends on the rack; `motion` is the velocity of point
-/// 3. With the acceleration of point 3 as `motion`, the result is the rack's part of the acceleration equations.
+/// Column `-C_t` of equations (1) to (14): their negative partial derivatives with respect to time. Only equation (3) depends
+/// on the rack. `motion` is the velocity of point 3. With the acceleration of point 3 as `motion`, the result is the rack's
+/// part of the acceleration equations.
 pub(crate) fn rack_column(fixed: &Fixed, moving: &Moving, motion: f64) -> Column {
     let mut out = Column::zeros();
     out[TIE_ROD] = 2.0 * (moving[3] - fixed.0[2]).y * motion;

@@ -18,7 +18,7 @@ use std::hint::black_box;
 enum Start {
     /// The design position.
     Cold,
-    /// Polynomial of this order through the previous stations. Order 0 takes the last station.
+    /// Extrapolation with a polynomial of this order through the poses of previous stations. Order 0 starts from the last pose.
     Predicted(usize),
 }
 
@@ -75,7 +75,7 @@ impl Walk {
                     earlier,
                     weights,
                 });
-                // The design position is known already, and two nodes of a polynomial must not coincide.
+                // The pose of the design position is already in the list. The polynomial must not have the same node twice.
                 if travels[station] != 0.0 {
                     known.push(travels[station]);
                 }

@@ -352,8 +352,8 @@ impl Solver<'_> {
 
 /// The leverage of a rod is checked at these positions before an end, as fractions of the distance to the end.
 const BEFORE_END: [f64; 4] = [0.99, 0.9999, 0.999_999, 0.999_999_99];
-/// If its leverage is below this, a rod counts as being at its toggle. The angle between the rod and its lever is then
-/// about half a degree.
+/// Leverage below which a rod counts as being at its toggle. At this leverage, the angle between the rod and its lever is about
+/// half a degree.
 pub(crate) const AT_TOGGLE: f64 = 0.01;
 
 impl Curve<'_> {

@@ -29,7 +29,7 @@ impl Accepted {
         }
     }
 
-    /// First end of a range that the study does not accept.
+    /// Returns the first end of a range that is not an accepted value. `None` if the study accepts both ends.
     pub fn first_outside(self, range: [f64; 2]) -> Option<f64> {
         range.into_iter().find(|end| !self.contains(*end))
     }

@@ -29,7 +29,7 @@ use nalgebra::DMatrix;
 pub(super) const MOST_HELD: usize = 2;
 /// Maximum number of corrections of a build.
 const MOST_ROUNDS: usize = 30;
-/// Corrections below this size count as rounding errors. Relative to the suspension's size.
+/// Size of a correction, relative to the suspension's size, below which it counts as a rounding error.
 pub(super) const ROUNDING: f64 = 1e-14;
 
 /// Adjustments that keep toe and camber at their nominal values.
@@ -73,7 +73,7 @@ impl Alignment {
         let built = assembler.build(assembler.drawn(), Rest::Height(0.0))?;
         let by = alignment.by(assembler, &built);
         alignment.inverse = inverse(&by).ok_or(SetUpError::Unsettled)?;
-        // A value that no adjustment changes cannot be kept.
+        // If no adjustment changes a characteristic, the alignment cannot keep its value.
         let held_all =
             (&by * &alignment.inverse - DMatrix::identity(held.len(), held.len())).amax();
         if held_all < 1e-6 {
@@ -225,7 +225,8 @@ impl Alignment {
         design
     }
 
-    /// Returns the direction, extended by the changes of the adjustments that keep the characteristics in `held`.
+    /// Returns a direction of parts with additional adjustments. The adjustments change so that the characteristics in `held`
+    /// keep their values along the direction.
     pub(crate) fn aligned_direction(
         &self,
         assembler: &Assembler,

@@ -41,14 +41,13 @@ type Cell = [Interval; 6];
 /// Largest number of boxes. A search of this many boxes takes six or seven seconds. An ordinary design needs 50,000 to
 /// 200,000 boxes.
 const MOST_CELLS: usize = 500_000;
-/// A box is not halved any further if the equations change less than this within the box, relative to the size.
+/// Smallest change of the equations within a box, relative to the size, for which the search halves the box.
 const NARROWEST: f64 = 1e-9;
-/// Newton's method is tried in a box if the equations change less than this within the box, relative to the size.
-/// `MOST_TRIES` is the largest number of tries. A try takes ten times as long as a box, and only singular assemblies
-/// need it.
+/// Change of the equations within a box, relative to the size, below which the search tries Newton's method. `MOST_TRIES` is
+/// the largest number of tries. A try takes ten times as long as a box, and only singular assemblies need it.
 const FIRST_TRY: f64 = 1e-3;
 const MOST_TRIES: usize = 4000;
-/// Krawczyk's operator is repeated if it leaves at most this fraction of a box's volume.
+/// Largest remaining fraction of a box's volume after which Krawczyk's operator is applied again.
 const WORTHWHILE: f64 = 0.5;
 /// Distance, relative to the mechanism's size, up to which an assembly belongs to its box.
 const NEAR: f64 = 1e-6;
@@ -73,7 +72,7 @@ struct Chart {
     wheel_lever: Vector3<Interval>,
     /// Height h.
     height: Interval,
-    /// Diagonal entries of D: signs.
+    /// Diagonal entries of D, each 1 or -1.
     flip: [f64; 3],
 }
 
@@ -83,7 +82,8 @@ enum Verdict {
     None,
     /// Exactly one assembly, in this box.
     One(Cell),
-    /// Remaining part of the box, with the change of the equations that each variable can cause.
+    /// Undecided. Holds the remaining part of the box, and for each variable the change of the equations that it can cause
+    /// there.
     Open(Cell, [f64; 6]),
 }
 

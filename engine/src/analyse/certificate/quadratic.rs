@@ -69,7 +69,7 @@ pub(crate) struct PoseBend {
     /// Index of the pair.
     pub pair: usize,
     pub middle: f64,
-    /// Bound on the error of the interval's middle, including the rounding of the sums that use it.
+    /// Bound on the error of the interval's middle. It includes the rounding errors of the sums in which the middle is used.
     pub off: f64,
 }
 
@@ -145,7 +145,7 @@ impl Quadratic {
         let mut linear = [[Interval::point(0.0); V]; N];
         let mut bends = Vec::new();
         for (i, equation) in closed.into_iter().chain(turned).enumerate() {
-            // The first six equations are lengths.
+            // The first six equations are lengths, so they are divided by the scale.
             let inverse = if i < 6 { 1.0 / scale } else { 1.0 };
             first[i] = equation.value.value.times(inverse);
             for (j, partial) in equation.partials.iter().enumerate() {

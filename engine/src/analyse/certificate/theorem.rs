@@ -18,13 +18,15 @@ pub(crate) struct Radii {
     pub uniqueness: f64,
 }
 
-/// Bound on rounding errors: sixteen units of roundoff, doubled to include the quotient and the products in the bound.
+/// Bound on the relative rounding error of a sum: sixteen units of roundoff, times two. The factor two covers the denominator 1
+/// - n u and the rounding of the products in the bound.
 pub(crate) const ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Factor that rounds sums upward. The sums have up to two hundred non-negative terms. Each term is rounded a few
 /// times. Rounding changes a sum by less than 1e-12 of its value.
 const UPWARD: f64 = 1.0 + 1e-12;
 
-/// Applies the theorem. A is an approximate inverse of the middle of the Jacobian. `residual` bounds |A F|.
+/// Applies the theorem of Newton and Kantorovich. A is an approximate inverse of the middle of the Jacobian. `residual` bounds
+/// |A F|.
 pub(crate) fn radii(
     inverse: &Square,
     jacobian: &Jacobian,

@@ -14,8 +14,8 @@ use crate::number::{Jet, Matrix3, Outlined, SimdReal, Vector3};
 
 /// Maximum number of corrections.
 const MOST_ROUNDS: usize = 40;
-/// A derivative has settled if its next correction would be below this limit. The limit is relative to the fastest
-/// nominal point or to the largest correction.
+/// Limit on the estimated next correction of a derivative. Below this limit, the derivative has settled. The limit is relative
+/// to the largest derivative of a nominal point or to the largest correction.
 const FINE: f64 = 1e-15;
 /// Limit on the last correction of a derivative. If corrections no longer shrink and are below this limit, the
 /// derivative has converged.
@@ -61,7 +61,7 @@ impl<B: SimdReal> Outlined for SettlingSeries<'_, B> {
         let mut settled = like.one().less(like.zero());
         let mut rejected = settled;
         let (mut before, mut earlier) = (like.zero(), like.zero());
-        // If the pose hardly moves, the derivatives of the parts determine the rounding error.
+        // If the pose hardly moves, the derivatives of the nominal points determine the rounding error.
         let mut largest = like.zero();
         for point in &parts.drawn {
             let rate = Vector3::new(point.x.0[1], point.y.0[1], point.z.0[1]).norm();

@@ -17,8 +17,8 @@ use crate::mechanism::NoPose;
 use crate::model::Side;
 use crate::number::{Each, Vector3};
 
-/// Number of terms of the series. Loads contain velocities. The program differentiates loads with respect to the travel
-/// and the design.
+/// Number of terms of the series that loads need. Loads contain velocities, and the program differentiates loads with respect
+/// to the travel and the design.
 pub(super) const LOAD_TERMS: usize = 3;
 /// Largest number of Newton steps, including steps back to a travel that the wheels can reach.
 const MOST_STEPS: usize = 60;

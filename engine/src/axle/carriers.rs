@@ -40,8 +40,8 @@ impl Carriers {
         }
     }
 
-    /// Returns the powers of travel and rack whose coefficient is the first derivative with respect to the difference
-    /// of travels (the wheel's own share of it), for a rigid axle.
+    /// Returns the powers of travel and rack whose coefficient is the first derivative with respect to the difference of
+    /// travels. This applies to a rigid axle. The difference is that of the wheel's own frame.
     #[inline(always)]
     pub(crate) fn by_difference(self) -> [usize; 2] {
         match self.held() {

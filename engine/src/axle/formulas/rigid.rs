@@ -50,8 +50,8 @@ struct Work<T> {
     mean: T,
 }
 
-/// Velocities of a point of each wheel in its own frame: with respect to the wheel's own difference of travels, and to
-/// the mean travel.
+/// Velocities of a point of each wheel, in the frame of this wheel. The first velocity is per unit of the difference of travels
+/// in this frame, the second per unit of the mean travel.
 type Velocities<T> = [[Vector3<T>; 2]; 2];
 
 #[inline(always)]

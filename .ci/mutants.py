@@ -31,7 +31,7 @@ from pathlib import Path
 LIMIT = 240
 LONGEST_WAIT = 600
 ENGINE = "hardpoint-engine"
-# Folder: its files, the integration tests that cover it, its crate, and the unit tests of that crate.
+# For each folder: its files, the integration tests that cover it, its crate, and the unit tests of this crate.
 FOLDERS = {
     "tracker": (["engine/src/solve/tracker/**/*.rs", "engine/src/solve/closed_form/mod.rs", "engine/src/solve/closed_form/carried.rs"], ["lanes::"], ENGINE, ["solve::"]),
     "certificates": (["engine/src/analyse/certificate/*.rs"], ["certificate::"], ENGINE, ["analyse::"]),

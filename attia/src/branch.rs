@@ -115,7 +115,7 @@ pub(crate) fn nearest_singularity(
     nearest.expect("there is at least one margin").0
 }
 
-/// |a| / b. Returns zero if that is not a number, so that unknown points count as singular.
+/// Quotient |a| / b. Returns zero if the quotient is not a number, so that unknown points count as singular.
 fn ratio(a: f64, b: f64) -> f64 {
     let ratio = a.abs() / b;
     if ratio.is_nan() { 0.0 } else { ratio }

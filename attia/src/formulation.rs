@@ -73,7 +73,7 @@ impl Formulation for PaperFormulation {
 struct Driven {
     equations: PointCoordinates,
     drive: Drive,
-    /// Factor from a drive value of the study to a drive value of the equations.
+    /// Factor that converts a drive value of the study to a drive value of the equations.
     sense: f64,
     coefficients: usize,
 }

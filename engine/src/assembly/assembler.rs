@@ -47,7 +47,7 @@ pub struct Assembler {
     /// Pose of the nominal design, and the inverse of the Jacobian there.
     home: Linearised,
     size: f64,
-    /// Rounding of positions, as a length.
+    /// Size of the rounding errors of positions, as a length.
     rounding: f64,
 }
 
@@ -154,7 +154,7 @@ impl Assembler {
         self.size
     }
 
-    /// Rounding of positions, as a length.
+    /// Size of the rounding errors of positions, as a length.
     pub(super) fn rounding(&self) -> f64 {
         self.rounding
     }

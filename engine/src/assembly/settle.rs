@@ -38,7 +38,7 @@ const LEAST_LEVERAGE: f64 = 0.0625;
 /// Corrects a pose until the corrections are rounding errors.
 pub(super) struct Settling<'s, B> {
     pub(super) assembler: &'s Assembler,
-    /// The parts. If they are aligned, they receive the adjustments.
+    /// The parts. If there is an alignment, its adjustments are added to the parts.
     pub(super) parts: &'s mut Parts<B>,
     pub(super) alignment: Option<&'s Alignment>,
     /// Height of the wheel centre above its nominal height.
@@ -101,7 +101,7 @@ impl<B: SimdReal> Outlined for Settling<'_, B> {
                 );
             }
             pose = selected(open, &next, &pose);
-            // Size of the next correction, if it is smaller by the same ratio again.
+            // Expected size of the next correction, if the corrections shrink again by the same ratio.
             let ratio = moved / before;
             let ahead = moved * B::select(ratio.less(one), ratio, one);
             let ends = open & ahead.less(rounding) & !before.less(moved);

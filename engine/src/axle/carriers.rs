@@ -50,8 +50,8 @@ impl Carriers {
         }
     }
 
-    /// Returns the powers of travel and rack whose coefficient is the first derivative with respect to the mean travel,
-    /// for a rigid axle.
+    /// Powers of travel and rack of the coefficient that is the first derivative with respect to the mean travel. Only for a
+    /// rigid axle.
     #[inline(always)]
     pub(crate) fn by_mean(self) -> [usize; 2] {
         let [travel, rack] = self.by_difference();

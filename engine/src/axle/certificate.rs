@@ -113,7 +113,8 @@ impl<'a> Wheel<'a> {
             let [x, y, z] = lever.to_array().each(f64::abs);
             1.0 + (x + y + z) / scale
         };
-        // The travel that drives a rigid axle is half the sum or half the difference of the rises of the wheel centres.
+        // For a rigid axle, the travel that drives it is half the sum or half the difference of the rises of the wheel centres.
+        // So the larger of both bounds holds for this travel.
         let far = mechanism
             .rigid_axle
             .as_ref()

@@ -27,7 +27,7 @@ use crate::number::{Each, SimdReal, SimdTask, Vector3, array_of, run_short};
 const MOST_PIECES: i32 = 48;
 /// Initial length of pieces, relative to the mechanism's size.
 const LENGTH: f64 = 1.0 / 24.0;
-/// The length of the pieces is halved at most this number of times.
+/// Largest number of times that the length of the pieces is halved.
 const MOST_HALVINGS: u32 = 4;
 /// Value of t at which each piece is compared with a pose.
 const CHECK: f64 = 0.31;

@@ -34,7 +34,7 @@ pub(super) const BODY: usize = 8;
 pub(super) const VERTICAL: usize = 10;
 pub(super) const ROLL_MOMENT: usize = 11;
 pub(super) const PITCH_MOMENT: usize = 12;
-/// If gamma, phi and theta (in this order) are prescribed, the solver replaces these equations.
+/// Indices of the equations that the solver replaces if gamma, phi and theta are prescribed, in this order.
 pub(super) const HELD_ROWS: [usize; 3] = [2, 0, 1];
 
 /// Inputs that stay fixed while the solver changes the unknowns.

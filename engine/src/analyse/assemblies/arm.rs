@@ -164,7 +164,7 @@ impl Search<'_> {
         self.is_settled(&poses)
     }
 
-    /// Returns the assembly at an arm angle, or so near to this angle that the two angles cannot be distinguished.
+    /// Returns the assembly at an arm angle. `None` if Newton's method finds no assembly, or finds one at a different angle.
     fn beside(&self, branch: &Branch, angle: f64) -> Option<Assembly> {
         let found = self.assembly(&branch.pose(angle)?)?;
         let apart = (0.5 * (found.arm_angle? - angle)).sin().abs();

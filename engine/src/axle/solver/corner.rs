@@ -170,8 +170,8 @@ impl<'a, const N: usize> Corner<'a, N> {
         }
         let mut design = designed;
         let offsets = displace(self.mechanism, &mut design, displacement);
-        // This design was solved with its steering gear in the middle. So an error here means that the displacement
-        // makes the design singular.
+        // The solver has already accepted this design with its steering gear centred. So an error here means that the
+        // displacement makes the design singular.
         if self.prepare_design(&design).is_err() {
             return fails(Failure::Singular);
         }

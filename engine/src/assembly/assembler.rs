@@ -1,7 +1,7 @@
 //! Assembly of parts.
 //!
 //! The knuckle's pose q satisfies the closure equations with the lengths and shapes of the parts. A sixth equation gives the
-//! height of the wheel centre. With A the inverse of the Jacobian in the nominal position,
+//! height of the wheel centre. With A the inverse of the Jacobian in the nominal position, the iteration
 //!
 //! ```text
 //! q <- q - A F(q, parts)

@@ -1,7 +1,7 @@
 //! Corrections of a pose with a constant inverse Jacobian, for one build or for several builds at once (one per SIMD
 //! lane).
 //!
-//! With A the inverse of the Jacobian in a known position, q the pose and F the closure equations of the parts,
+//! With A the inverse of the Jacobian in a known position, q the pose and F the closure equations of the parts, the iteration
 //!
 //! ```text
 //! q <- q - A F(q, parts)                                                                       (1)

@@ -40,8 +40,8 @@ impl Carriers {
         }
     }
 
-    /// Returns the powers of travel and rack whose coefficient is the first derivative with respect to the difference of
-    /// travels. This applies to a rigid axle. The difference is that of the wheel's own frame.
+    /// Powers of travel and rack of the coefficient that is the first derivative with respect to the difference of travels.
+    /// Here this wheel rises, and the other wheel falls at the same rate. Only for a rigid axle.
     #[inline(always)]
     pub(crate) fn by_difference(self) -> [usize; 2] {
         match self.held() {

@@ -55,8 +55,8 @@ pub struct AxleEnd {
 
 /// Fraction of the roll angle at which the axle must have a pose. Otherwise the end of the roll angle is not reported.
 const BEFORE_END: f64 = 0.999;
-/// Fraction as in [`BEFORE_END`], but for a rigid axle. Near the end of a rigid axle's motion (a fold), the heights of the
-/// wheels change with the square root of the distance to this end.
+/// Fraction as in [`BEFORE_END`], but for a rigid axle. Near a fold, where a rigid axle's motion ends, the heights of the
+/// wheels change with the square root of the distance to the fold.
 const BEFORE_FOLD: f64 = 0.97;
 /// Fractions of the travel at a toggle. The program tries them in turn until the axle has a pose. At these fractions,
 /// the heights of the wheels differ from the heights at the toggle by at most 1e-8 of the travel.

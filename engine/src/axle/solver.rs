@@ -1,9 +1,9 @@
 //! Solver for the position of an axle: it solves both corners and the conditions at the ground.
 //!
-//! On a plane ground both contact points have the same height, f = h_l(z_l) - h_r(z_r) = 0 with h = n.C. For a given
-//! roll angle and z_l, z_r = heave +- s, this is one equation in s. Its slope n.C_l' + n.C_r' is near 2. The slope
-//! stays positive until a wheel reaches a fold, the turning point at which the travel reverses. So Newton's method
-//! finds the only root. For given travels, f = 0 is one equation in the roll angle, with the slope -track.
+//! On a plane ground with the normal n, both contact points C have the same height h = n.C. So f = h_l(z_l) - h_r(z_r) = 0. For
+//! a given roll angle and z_l, z_r = heave +- s, this is one equation in s. Its slope n.C_l' + n.C_r' is near 2. The slope
+//! stays positive until a wheel reaches a fold, the turning point at which the travel reverses. So Newton's method finds the
+//! only root. For given travels, f = 0 is one equation in the roll angle, with the slope -track.
 
 mod corner;
 mod linearised;
@@ -229,7 +229,7 @@ impl<'a, const N: usize> AxleSolver<'a, N> {
             setup: &axle.setup,
             parts,
             lines: Line::needed(if axle.is_rigid() {
-                // Each wheel of a rigid axle moves with both travels.
+                // Each wheel of a rigid axle moves with both travels, so the series need all terms of both.
                 N - 1
             } else {
                 degree_with_rack

@@ -1,9 +1,8 @@
 //! Quantities of a rigid axle.
 //!
-//! The axle has two travels, h and d. h is the mean travel. d is the difference: the left wheel centre rises by d while
-//! the right wheel centre falls by d. C_b,h and C_b,d are the velocities of the axle's point at contact point b. Other
-//! forces do the work q_h per unit of h and q_d per unit of d. Normal forces f_b at both contact points balance these
-//! forces if
+//! The axle has two travels, h and d. h is the mean travel. d is half the difference: the left wheel centre rises by d while
+//! the right wheel centre falls by d. C_b,h and C_b,d are the velocities of the axle's point at contact point b. Other forces
+//! do the work q_h per unit of h and q_d per unit of d. Normal forces f_b at both contact points balance these forces if
 //!
 //! ```text
 //! f_l n.C_l,h + f_r n.C_r,h = -q_h        f_l n.C_l,d + f_r n.C_r,d = -q_d                     (1)

@@ -19,9 +19,9 @@ use super::{Moving, Singular};
 pub(crate) struct Branch {
     /// Handedness of the knuckle. The mirror image of the knuckle has the other sign.
     chirality: bool,
-    /// True if the direction from 9 to 4 agrees with the direction from 6 to 7.
+    /// True if the direction from point 9 to point 4 agrees with the direction from point 6 to point 7.
     rod: bool,
-    /// True if 4 is on the positive side of the foot of 5 on the strut's axis.
+    /// True if point 4 is on the positive side of the foot of point 5 on the strut's axis.
     strut: bool,
     /// True if 8 is on the positive side of the plane 3-4-5. `None` for the drive with the wheel travel: this drive is not
     /// singular at a tie-rod toggle, so the side may change.

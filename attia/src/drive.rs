@@ -32,14 +32,14 @@ impl Driver {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Driving {
     kind: Drive,
-    /// Centre of the circle, on the line 1-2.
+    /// Centre of the circle on which point 5 moves. It is on the line through points 1 and 2.
     centre: Vector3<f64>,
     /// Unit vectors in the plane of the circle: one towards the design position of point 5, one 90 degrees ahead of
     /// it.
     ahead: [Vector3<f64>; 2],
     radius: f64,
     z1: f64,
-    /// d51, the distance from 1 to 5.
+    /// Distance d51 from point 1 to point 5.
     d51: f64,
     wheel_centre: KnucklePoint,
     wheel_centre_height: f64,
@@ -175,7 +175,8 @@ impl Driving {
     /// acceleration of the drive.
     pub(crate) fn curvature(&self, value: f64, rate: f64, velocity: &Moving) -> f64 {
         match self.kind {
-            // C_tt vanishes: the equation is harmonic in the angle, so C_tt = -C, and C = 0 at a solution.
+            // C is the left-hand side of the equation minus its right-hand side. It is harmonic in the angle, so C_tt = -C. At
+            // a solution C = 0, so C_tt vanishes.
             Drive::ArmAngle => 2.0 * self.d51 * self.turned(value)[1].dot(velocity[0]) * rate,
             Drive::PaperTheta => -self.d51 * self.d51 * value.cos() * rate * rate,
             Drive::Travel => 0.0,

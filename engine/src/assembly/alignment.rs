@@ -38,7 +38,8 @@ pub(crate) struct Alignment {
     adjust: Vec<(BuildParameter, f64)>,
     /// Characteristics that keep their nominal values.
     held: Vec<Characteristic>,
-    /// Matrix M, with a row for each adjustment.
+    /// Matrix M, the pseudo-inverse of the derivative of the characteristics with respect to the adjustments. It has a row for
+    /// each adjustment.
     inverse: DMatrix<f64>,
     /// Derivative of the carrier's pose with respect to each adjustment, at the nominal design.
     follow: Vec<Vector6<f64>>,

@@ -101,7 +101,7 @@ impl<T: Real> Rows<T> {
         })
     }
 
-    /// Shares s after the correction (6).
+    /// Numbers s of equation (3) after the correction (6).
     fn shares(&self, before: &Vector6<T>, inverse: &Matrix6<f64>) -> Vector6<T> {
         let rows = self.jacobian();
         let left: Vector6<T> = array_of(|j| {

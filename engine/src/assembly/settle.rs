@@ -49,7 +49,7 @@ pub(super) struct Settling<'s, B> {
 }
 
 impl<B: SimdReal> Outlined for Settling<'_, B> {
-    /// The pose, and the lanes in which it has settled. Poses and adjustments of other lanes are undefined.
+    /// The pose, and the lanes in which it has settled. In other lanes, the pose and the adjustments are undefined.
     type Output = (Pose<B>, B::Mask);
 
     #[inline(always)]

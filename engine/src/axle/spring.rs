@@ -374,7 +374,7 @@ mod tests {
         let slope = |i: usize| match i {
             0 => secant(0),
             4 => secant(3),
-            // The curve has an extremum at these points.
+            // The curve has an extremum at these points, so its slope is zero.
             2 | 3 => 0.0,
             _ => {
                 let (h, k) = (4.0, 2.5);

@@ -143,32 +143,34 @@ impl<T: Real, W: WheelParts<T>> WheelState<'_, T, W> {
         self.reading.centre() + self.contact_lever()
     }
 
-    /// Velocity C' of the carrier's point at C with respect to the wheel's own travel. The wheel does not rotate
-    /// relative to its carrier.
+    /// Velocity C' of the carrier's point at the contact point C with respect to the wheel's own travel. The wheel does not
+    /// rotate relative to its carrier.
     #[inline(always)]
     pub fn contact_velocity(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.by_travel())
     }
 
-    /// Velocity of the carrier's point at C with respect to the rack.
+    /// Velocity of the carrier's point at the contact point C with respect to the rack.
     #[inline(always)]
     pub fn contact_by_rack(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.by_rack())
     }
 
-    /// Velocity at C while this wheel rises and the other wheel falls at the same unit rate. Only for a rigid axle.
+    /// Velocity of the carrier's point at the contact point C, while this wheel rises and the other wheel falls at the same
+    /// unit rate. Only for a rigid axle.
     #[inline(always)]
     pub fn contact_by_difference(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.twist(self.carriers.by_difference()))
     }
 
-    /// Velocity at C with respect to the mean travel, for a rigid axle.
+    /// Velocity of the carrier's point at the contact point C with respect to the mean travel. Only for a rigid axle.
     #[inline(always)]
     pub fn contact_by_mean(&self) -> Vector3<T> {
         self.carried_at_contact(self.reading.twist(self.carriers.by_mean()))
     }
 
-    /// Velocity at C of a carrier. `twist` is the velocity of the wheel centre and the angular velocity of the carrier.
+    /// Velocity of the carrier's point at the contact point C. `twist` is the velocity of the wheel centre and the angular
+    /// velocity of the carrier.
     #[inline(always)]
     fn carried_at_contact(&self, twist: [Vector3<T>; 2]) -> Vector3<T> {
         outlined!(

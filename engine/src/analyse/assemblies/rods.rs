@@ -52,7 +52,7 @@ const WORTHWHILE: f64 = 0.5;
 /// Distance, relative to the mechanism's size, up to which an assembly belongs to its box.
 const NEAR: f64 = 1e-6;
 
-/// A rod, for one of the four rotations D.
+/// Constants of a rod, multiplied by one of the four base rotations D.
 #[derive(Clone, Copy)]
 struct Rod {
     /// Inner end a.
@@ -65,7 +65,7 @@ struct Rod {
     scale: f64,
 }
 
-/// Equations for one of the four rotations D.
+/// Constants of the equations for one of the four base rotations D.
 struct Chart {
     rods: [Rod; 5],
     /// Lever D e.
@@ -223,14 +223,14 @@ fn place(rods: &[Rod; 5]) -> Vector3<Interval> {
     })
 }
 
-/// Values F and Jacobian J, enclosed over a box.
+/// Enclosures of the values F and of the Jacobian J of the equations over a box.
 struct Linearised {
     f: [Interval; 6],
     jacobian: [[Interval; 6]; 6],
 }
 
 impl Chart {
-    /// Makes the equations for the rotation D with this diagonal.
+    /// Makes the constants of the equations for the base rotation D with this diagonal.
     fn of(
         rods: &[Rod; 5],
         wheel_lever: Vector3<Interval>,
@@ -314,7 +314,8 @@ impl Chart {
         }
     }
 
-    /// Makes the range of p smaller with the equations of height and of each rod's length. `None` if nothing remains.
+    /// Reduces the range of the position p with the equation of the height and with the length of each rod. `None` if nothing
+    /// remains.
     fn narrowed(&self, cell: &mut Cell) -> Option<()> {
         let rotation = rotation(cell);
         let rise = apply(&rotation, self.wheel_lever).z;
@@ -391,8 +392,8 @@ fn rotation(cell: &Cell) -> [Vector3<Interval>; 3] {
     let twice = one.constant(2.0) / (one + squares[0] + squares[1] + squares[2]);
     let unit = Interval::bounds(-1.0, 1.0);
     let within = |entry: Interval| entry.common(unit).unwrap_or(unit);
-    // The entry is 1 - 2 t/(1 + x^2 + t), with t the sum of the other two squares. With s = 1 + x^2, t/(s + t) grows with t
-    // and falls with s.
+    // A diagonal entry of C(v) is 1 - 2 t/(1 + x^2 + t). Here x is the component of v for this row, and t the sum of the
+    // squares of the other two. With s = 1 + x^2, t/(s + t) grows with t and falls with s.
     let diagonal = |i: usize| {
         let (t, s) = (
             squares[(i + 1) % 3] + squares[(i + 2) % 3],

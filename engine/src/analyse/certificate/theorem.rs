@@ -111,7 +111,7 @@ fn largest(sums: impl Iterator<Item = f64>) -> f64 {
     })
 }
 
-/// Returns a bound on the norm of A times a vector.
+/// Returns a bound on the norm of A times a vector. A is the approximate inverse of the Jacobian.
 pub(crate) fn image(inverse: &Square, vector: &[Interval; N]) -> f64 {
     let middle = vector.each(Interval::middle);
     let off: [f64; N] = array_of(|j| radius(vector[j], middle[j]) + ROUNDING * middle[j].abs());

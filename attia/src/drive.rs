@@ -111,7 +111,7 @@ impl Driving {
         self.radius / self.d51
     }
 
-    /// Drive equation for the arm angle at this position, scaled to a length: the left-hand side changes at the speed of point
+    /// Drive equation for the arm angle at this position. Its left-hand side is a length, which changes at the speed of point
     /// 5.
     pub(crate) fn along_the_arm(&self, moving: &Moving) -> Driver {
         let [e1, e2] = self.ahead;

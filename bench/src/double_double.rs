@@ -144,7 +144,7 @@ impl Real for DoubleDouble {
         }
         root + (self - root * root) / (root + root)
     }
-    /// atan2(x, sqrt((1 - x)(1 + x)))
+    /// asin x = atan2(x, sqrt((1 - x)(1 + x)))
     fn asin(self) -> Self {
         let cosine = ((self.one() - self) * (self.one() + self)).sqrt();
         self.atan2(cosine)

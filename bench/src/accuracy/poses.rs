@@ -323,7 +323,7 @@ pub(crate) fn unchecked_and_checked<'s>(
 /// Tolerance of the equation, in metres. The program ends its iteration at the same tolerance.
 const UNCHECKED: f64 = 1e-13;
 
-/// Poses as the program finds them, including all checks.
+/// Measures the solver of the program, including all its checks.
 fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, Unmeasurable> {
     let suspension = subject.suspension;
     let station_order = StationOrder::through(&subject.travels);
@@ -358,7 +358,7 @@ fn production(subject: &Subject<'_>, clock: &Clock) -> Result<Vec<Measurement>, 
     }])
 }
 
-/// The fifteen equations of Attia's paper.
+/// Measures the fifteen equations of Attia's paper.
 fn point_coordinates(subject: &Subject<'_>, clock: &Clock) -> Option<Measurement> {
     let suspension = subject.suspension;
     let strut = Strut::of(&suspension.mechanism, &suspension.design)?;

@@ -11,7 +11,7 @@ pub enum Accepted {
     Above(f64),
     /// Numbers below this limit.
     Below(f64),
-    /// Numbers between these limits, without the limits.
+    /// Numbers between these two limits. The limits themselves are not accepted.
     Between(f64, f64),
     /// Shares: numbers from 0 to 1, both included.
     Share,

@@ -74,7 +74,7 @@ impl Unit {
         }
     }
 
-    /// Factor from a value inside the program to the printed value.
+    /// Factor that converts a value inside the program to the printed value.
     pub fn printed_factor(self, length: LengthUnit) -> f64 {
         match self {
             Unit::Angle | Unit::AnglePerLength | Unit::AnglePerG => DEGREES,

@@ -218,13 +218,13 @@ impl<T: Real> ArmFrame<T> {
         }
     }
 
-    /// Returns the coordinates of a point in the frame.
+    /// Returns the coordinates of a point in the frame of the arm.
     #[inline(always)]
     fn read(&self, point: Vector3<T>) -> Vector3<T> {
         self.axes.apply_transposed(point - self.origin)
     }
 
-    /// Returns the point with these coordinates.
+    /// Returns the point with these coordinates in the frame of the arm.
     #[inline(always)]
     fn place(&self, coordinates: Vector3<T>) -> Vector3<T> {
         self.origin + self.axes.apply(coordinates)

@@ -23,7 +23,7 @@ pub struct WheelRates<T> {
 pub struct AxleMotion<T> {
     /// A point of the axle.
     pub point: Vector3<T>,
-    /// Velocity of this point.
+    /// Velocity of `point`.
     pub velocity: Vector3<T>,
     /// Angular velocity of the axle.
     pub turn: Vector3<T>,

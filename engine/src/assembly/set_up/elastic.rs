@@ -59,7 +59,7 @@ pub(super) struct Elastic<'a> {
     /// Length that the spring keeps if an adjustment lifts the car. `None` if no adjustment lifts it. With such an adjustment,
     /// the last of the values is the spring's length.
     kept: Option<f64>,
-    /// True if the right wheel is the mirror image of the left one, with the same adjustments.
+    /// True if the right wheel is the mirror image of the left wheel and has the same adjustments.
     is_mirrored: bool,
     /// Tensions that the parts of a solid axle cause in its links.
     tensions: Vec<TensionInput>,

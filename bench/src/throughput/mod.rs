@@ -105,7 +105,7 @@ impl Throughput {
         })
     }
 
-    /// Limit of the method: only its formulas, at a given arm angle.
+    /// Measurement of the closed form alone, at a given arm angle. It is the limit for the other methods.
     pub fn limit(&self) -> Option<&Measurement> {
         self.measurements.iter().find(|m| m.asked == LIMIT)
     }

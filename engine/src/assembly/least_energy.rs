@@ -207,7 +207,7 @@ impl Assembler {
                 at.rounds = round + 1;
                 return Some(at);
             }
-            // With this form of the test, NaN is rejected.
+            // The test is written so that it also rejects NaN.
             let contracts = 2.0 * size < before;
             if !contracts {
                 return None;

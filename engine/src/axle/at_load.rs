@@ -47,7 +47,7 @@ impl<'a> AxleSolver<'a, LOAD_TERMS> {
             load: axle_load(&state),
             by_heave: axle_load(&state.moving(Motion::Heave))[1],
         };
-        // NaN also fails this condition.
+        // The condition is also false if one of the values is NaN.
         if carried.by_heave > 0.0 && carried.load.is_finite() {
             Ok(carried)
         } else {

@@ -253,7 +253,7 @@ impl ForceCurve {
         if here <= points[0][0] {
             return straight(0);
         }
-        // NaN fails this comparison.
+        // The comparison is false for NaN.
         let is_inside = here < points[end][0];
         if !is_inside {
             return straight(end);

@@ -123,7 +123,7 @@ impl Case {
 /// Reason why a case has no equilibrium.
 #[derive(Clone, Debug, PartialEq)]
 pub enum NoEquilibrium {
-    /// In a state during the solution, a wheel has no pose.
+    /// A wheel has no pose in one of the states that the solver tried.
     NoPose {
         /// Axle: 0 front, 1 rear.
         axle: usize,

@@ -101,7 +101,7 @@ fn curvature(inverse: &Square, bends: &[PoseBend]) -> f64 {
 /// Returns the largest of several sums of non-negative terms, rounded up. The result includes a bound for underflow.
 fn largest(sums: impl Iterator<Item = f64>) -> f64 {
     sums.fold(0.0, |most: f64, sum| {
-        // NaN fails this test, so the result is infinite.
+        // The test is false for NaN, so the result is then infinite.
         let bound = sum * UPWARD + f64::MIN_POSITIVE;
         if bound <= f64::MAX {
             most.max(bound)

@@ -136,7 +136,7 @@ fn rolling<T: Real, W: WheelParts<T>>(state: &AxleState<T, W>) -> T {
 pub(crate) fn rolls_about_infinity(state: &AxleState<f64>) -> bool {
     let [height, lateral] = roll_centre(state);
     let far = 0.5 * FARTHEST_MEETING * state.track();
-    // NaN also counts as far away.
+    // A roll centre with NaN coordinates also counts as far away.
     !(height.abs() < far && lateral.abs() < far)
 }
 

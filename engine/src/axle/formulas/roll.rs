@@ -168,7 +168,7 @@ pub(crate) fn normals_are_parallel(state: &AxleState<f64>) -> bool {
     if state.carriers.is_rigid() {
         return rigid::rolls_about_infinity(state);
     }
-    // NaN also counts as parallel.
+    // Normals with NaN jacking coefficients also count as parallel.
     !meet_near(jacking(state))
 }
 

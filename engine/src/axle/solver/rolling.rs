@@ -118,7 +118,7 @@ impl<const N: usize> AxleSolver<'_, N> {
                 let (Some(left), Some(right)) = wheels else {
                     continue;
                 };
-                // NaN also fails this condition. This placement is then solved alone.
+                // `rise` is also false for NaN. The program then solves this placement alone.
                 if !rise(is_rigid, [left.height[1], right.height[1]]) {
                     continue;
                 }
